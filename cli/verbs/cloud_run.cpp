@@ -48,7 +48,7 @@ const std::filesystem::path& page_name(const std::filesystem::path& file) {
 
 void complete(OutputFile& file, const std::string& text) {
   file.append(std::as_bytes(std::span(text)));
-  file.commit();
+  file.seal();
 }
 
 /// The share of a run that the page about it may take in addition, and what it may take of a short run, in seconds.

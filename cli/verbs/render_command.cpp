@@ -81,7 +81,7 @@ void render_picture(RenderCommand& command) {
   for (const std::string& notice : files.notices) display.say(Severity::note, notice);
   for (const std::string& warning : cloud.warnings()) display.say(Severity::warning, warning);
   file.append(to_png(rendering.picture));
-  file.commit();
+  file.seal();
   if (!rendering.remark.empty()) display.say(Severity::note, rendering.remark);
   if (rendering.outside > 0)
     display.say(Severity::warning,

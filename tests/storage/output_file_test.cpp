@@ -33,7 +33,7 @@ TEST(OutputFile, AppearsOnlyWhenCommitted) {
     file.append(text_bytes("world"));
     EXPECT_EQ(file.size(), 11u);
     EXPECT_FALSE(std::filesystem::exists(folder / "out"));
-    file.commit();
+    file.seal();
   }
   EXPECT_EQ(content_of(folder / "out"), "hello world");
   EXPECT_EQ(files_in(folder.path()), 1);
@@ -50,7 +50,7 @@ TEST(OutputFile, WritesAtAnyPlace) {
   OutputFile file(folder / "out", false);
   file.write_at(3, text_bytes("def"));
   file.write_at(0, text_bytes("abc"));
-  file.commit();
+  file.seal();
   EXPECT_EQ(content_of(folder / "out"), "abcdef");
 }
 
@@ -61,7 +61,7 @@ TEST(OutputFile, RefusesAnExistingFileUnlessToldToReplaceIt) {
   OutputFile file(path, true);
   file.append(text_bytes("new"));
   EXPECT_EQ(content_of(path), "old");
-  file.commit();
+  file.seal();
   EXPECT_EQ(content_of(path), "new");
 }
 
@@ -70,7 +70,7 @@ TEST(OutputFile, DoesNotReplaceAFileThatAppearedMeanwhile) {
   {
     OutputFile file(folder / "out", false);
     folder.write("out", "somebody else's");
-    EXPECT_THAT(sentence_of<Error>([&] { file.commit(); }), HasSubstr("exists already"));
+    EXPECT_THAT(sentence_of<Error>([&] { file.seal(); }), HasSubstr("exists already"));
   }
   EXPECT_EQ(content_of(folder / "out"), "somebody else's");
   EXPECT_EQ(files_in(folder.path()), 1);
@@ -82,7 +82,7 @@ TEST(OutputFile, ReplacesWhatALinkPointsTo) {
   std::filesystem::create_symlink(target, folder / "link");
   OutputFile file(folder / "link", true);
   file.append(text_bytes("new"));
-  file.commit();
+  file.seal();
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
   EXPECT_EQ(content_of(target), "new");
 }
@@ -173,7 +173,7 @@ TEST(OutputFile, IsNotTakenFromAWriterThatIsStillAtWork) {
   OutputFile first(folder / "out", false);
   first.append(text_bytes("first"));
   EXPECT_THAT(sentence_of<Error>([&] { OutputFile(folder / "out", false); }), HasSubstr("is being written already"));
-  first.commit();
+  first.seal();
   EXPECT_EQ(content_of(folder / "out"), "first");
 }
 

@@ -110,7 +110,7 @@ class E57Writer final : public Writer {
     require(psc_e57_writer_finish(codec_, &error), error);
     psc_e57_writer_free(codec_);
     codec_ = nullptr;
-    file_.commit();
+    file_.seal();
   }
 
  private:

@@ -122,7 +122,7 @@ void LasFrame::finish(const LasStatistics& points, std::uint64_t points_end) {
   copy(layout_.tail, points_end);
   points.put_into(layout_.header);
   put_header();
-  out_.commit();
+  out_.seal();
 }
 
 LasEncoder::LasEncoder(const LasLayout& layout, std::string path)

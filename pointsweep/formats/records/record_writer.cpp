@@ -68,7 +68,7 @@ void RecordWriter::finish() {
     fail("{}: only {} of the {} points that were announced came.", plan_.path.string(), rows_written_, plan_.count);
   }
   write_header();
-  file_.commit();
+  file_.seal();
 }
 
 }  // namespace pointsweep

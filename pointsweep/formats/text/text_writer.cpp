@@ -60,7 +60,7 @@ class TextWriter final : public Writer {
       fail("{}: only {} of the {} points that were announced came.", plan_.path.string(), rows_written_, plan_.count);
     }
     flush();
-    file_.commit();
+    file_.seal();
   }
 
  private:

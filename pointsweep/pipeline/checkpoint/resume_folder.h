@@ -7,10 +7,10 @@
 #include <future>
 #include <mutex>
 #include <set>
-#include <span>
 #include <string>
 #include <vector>
 
+#include "pointsweep/storage/local/local_folder.h"
 #include "pointsweep/storage/local/spill_file.h"
 
 namespace pointsweep {
@@ -29,29 +29,26 @@ class ResumeFolder {
   /// A file of FinishedTiles, which is of use with a checkpoint only.
   static constexpr const char* kTiles = "tiles";
 
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return folder_.path(); }
   /// Returns the bytes that were saved last, by any process; empty if nothing was saved.
   const std::vector<std::byte>& saved() const { return saved_; }
   /// A file for spilled data; `name` begins with "stream-", "results-", "rows-", "mask-" or "decoded-".
-  SpillPlace place(const std::string& name) const { return SpillPlace::kept(path_ / name); }
+  SpillPlace place(const std::string& name) const { return SpillPlace::kept(path() / name); }
   /// Begins to save `bytes`, which describe the present data of the files `names`, and returns while another thread
   /// flushes both to the disk: first the data, then the bytes under their name, so that not even a loss of power
   /// leaves one without the other. Then other data files are removed. Throws what went wrong the last time.
   void save(std::vector<std::byte> bytes, const std::set<std::string>& names);
   bool is_saving() const;
   /// Removes all spilled data but files of these names.
-  void keep_only(const std::set<std::string>& names) const;
+  void keep_only(const std::set<std::string>& names);
   void remove();
 
  private:
   void load();
-  void forget() const;
+  void forget();
   std::vector<std::string> others_than(const std::set<std::string>& names) const;
-  void sync(const std::set<std::string>& names) const;
-  void write(std::span<const std::byte> bytes) const;
 
-  std::filesystem::path path_;
-  int lock_ = -1;  ///< descriptor of the folder
+  LocalFolder folder_;
   bool holds_work_ = false;
   std::mutex removal_;     ///< between a checkpoint that gets its name and remove()
   bool removing_ = false;  ///< no checkpoint gets its name any more

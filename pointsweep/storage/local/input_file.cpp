@@ -56,7 +56,7 @@ class InputFile::Lease {
   explicit Lease(const InputFile& file) : file_(file) {
     OpenFilesOfProcess& all = open_files();
     const std::lock_guard lock(all.mutex);
-    if (file.descriptor_ < 0)
+    if (!file.file_)
       file.reopen();
     else
       all.files.splice(all.files.begin(), all.files, file.place_);
@@ -80,8 +80,7 @@ void InputFile::close_idle_files() {
   for (auto file = files.end(); files.size() >= most && file != files.begin();) {
     --file;
     if ((*file)->leases_ > 0) continue;
-    ::close((*file)->descriptor_);
-    (*file)->descriptor_ = -1;
+    (*file)->file_.close();
     file = files.erase(file);
   }
 }
@@ -92,20 +91,20 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   close_idle_files();
   // O_NONBLOCK: opening a pipe would wait for a writer; it has no effect on regular files.
   const bool is_stream = is_standard_stream(path) && standard_input_descriptor() >= 0;
-  descriptor_ = is_stream ? ::fcntl(standard_input_descriptor(), F_DUPFD_CLOEXEC, 0)
-                          : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor_ < 0) fail_to_open(path, errno);
+  FileDescriptor file(is_stream ? ::fcntl(standard_input_descriptor(), F_DUPFD_CLOEXEC, 0)
+                                : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!file) fail_to_open(path, errno);
   struct stat status {};
-  const bool known = ::fstat(descriptor_, &status) == 0;
+  const bool known = ::fstat(file.number(), &status) == 0;
   if (known && S_ISREG(status.st_mode)) {
     size_ = static_cast<std::uint64_t>(status.st_size);
     device_ = static_cast<std::uint64_t>(status.st_dev);
     inode_ = static_cast<std::uint64_t>(status.st_ino);
-    ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);
+    ::posix_fadvise(file.number(), 0, 0, POSIX_FADV_SEQUENTIAL);
+    file_ = std::move(file);
     place_ = all.files.insert(all.files.begin(), this);
     return;
   }
-  ::close(descriptor_);
   if (known && S_ISDIR(status.st_mode)) fail("{}: is a folder, not a file; name the files in it.", path.string());
   fail("{}: is no regular file, and points are read more than once; save it to a file first.", path.string());
 }
@@ -113,27 +112,23 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
 /// To be called under the lock.
 void InputFile::reopen() const {
   close_idle_files();
-  const int descriptor = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) fail_to_open(path_, errno);
+  FileDescriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!file) fail_to_open(path_, errno);
   struct stat status {};
-  const bool known = ::fstat(descriptor, &status) == 0;
+  const bool known = ::fstat(file.number(), &status) == 0;
   if (!known || static_cast<std::uint64_t>(status.st_dev) != device_ ||
-      static_cast<std::uint64_t>(status.st_ino) != inode_) {
-    ::close(descriptor);
+      static_cast<std::uint64_t>(status.st_ino) != inode_)
     fail("{}: was replaced by another file while it was read; run again when no other program writes there.",
          path_.string());
-  }
-  ::posix_fadvise(descriptor, 0, 0, POSIX_FADV_SEQUENTIAL);
-  descriptor_ = descriptor;
+  ::posix_fadvise(file.number(), 0, 0, POSIX_FADV_SEQUENTIAL);
+  file_ = std::move(file);
   place_ = open_files().files.insert(open_files().files.begin(), this);
 }
 
 InputFile::~InputFile() {
   OpenFilesOfProcess& all = open_files();
   const std::lock_guard lock(all.mutex);
-  if (descriptor_ < 0) return;
-  all.files.erase(place_);
-  ::close(descriptor_);
+  if (file_) all.files.erase(place_);
 }
 
 void InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
@@ -146,18 +141,10 @@ void InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const 
 std::size_t InputFile::read_some(std::uint64_t offset, std::span<std::byte> bytes) const {
   stop_if_cancelled();
   const Lease lease(*this);
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t got =
-        ::pread(descriptor_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
-    if (got == 0) break;
-    if (got > 0) {
-      done += static_cast<std::size_t>(got);
-    } else if (errno != EINTR) {
-      fail("{}: cannot be read at byte {}: {}; check the disk or the network it lies on.", path_.string(),
-           offset + done, std::generic_category().message(errno));
-    }
-  }
+  const auto [done, error] = file_.read_at(offset, bytes);
+  if (error != 0)
+    fail("{}: cannot be read at byte {}: {}; check the disk or the network it lies on.", path_.string(), offset + done,
+         std::generic_category().message(error));
   return done;
 }
 

@@ -7,25 +7,30 @@
 #include <filesystem>
 #include <list>
 #include <span>
+#include <string>
+
+#include "pointsweep/storage/local/descriptor.h"
+#include "pointsweep/storage/storage.h"
 
 namespace pointsweep {
 
 /// Every failure is an Error that names the file and says what to do. Reads nothing on opening, keeps nothing in
 /// memory. There may be any number of them: those that were not read for the longest time are closed where more than
 /// 256, or a quarter of what the system allows, would be open, and opened again when they are read.
-class InputFile {
+class InputFile final : public Source {
  public:
   /// Throws when the file is missing, a folder, no regular file, or may not be read.
   explicit InputFile(const std::filesystem::path& path);
-  ~InputFile();
+  ~InputFile() override;
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  std::uint64_t size() const { return size_; }  ///< when it was opened
+  std::string name() const override { return path_.string(); }
+  std::uint64_t size() const override { return size_; }  ///< when it was opened
 
   /// Fills `bytes` from `offset` on. Thread-safe. Throws when the file has become shorter.
-  void read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
+  void read_at(std::uint64_t offset, std::span<std::byte> bytes) const override;
   /// Reads as many bytes as there are up to the end of the file, at most bytes.size(), and returns how many.
   std::size_t read_some(std::uint64_t offset, std::span<std::byte> bytes) const;
 
@@ -39,7 +44,7 @@ class InputFile {
   std::uint64_t size_ = 0;
   std::uint64_t device_ = 0, inode_ = 0;
   // Under the lock of all open files.
-  mutable int descriptor_ = -1;        ///< -1: closed for now
+  mutable FileDescriptor file_;        ///< nothing is open: closed for now
   mutable unsigned leases_ = 0;        ///< reads under way
   mutable OpenFiles::iterator place_;  ///< among the open files, while it is open
 };

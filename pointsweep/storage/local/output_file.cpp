@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <stdio.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -98,8 +97,8 @@ OutputFile::OutputFile(const fs::path& destination, bool overwrite)
   if (is_stream_) {
     if (::isatty(STDOUT_FILENO) != 0)
       fail("-: standard output is a terminal; redirect it to a file or to a program, or name a file.");
-    descriptor_ = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
-    if (descriptor_ < 0) fail_to_write(destination_, errno);
+    file_ = FileDescriptor(::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0));
+    if (!file_) fail_to_write(destination_, errno);
     return;
   }
   require_possible(destination, overwrite);
@@ -107,14 +106,13 @@ OutputFile::OutputFile(const fs::path& destination, bool overwrite)
   part_ = part_of(destination_);
   remove_abandoned_parts(destination_);
   leftover_.emplace(part_);
-  descriptor_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (descriptor_ < 0 && errno == EEXIST) fail("{}: is being written already.", destination_.string());
-  if (descriptor_ < 0) fail_to_write(destination_, errno);
-  ::flock(descriptor_, LOCK_EX | LOCK_NB);
+  file_ = FileDescriptor(::open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (!file_ && errno == EEXIST) fail("{}: is being written already.", destination_.string());
+  if (!file_) fail_to_write(destination_, errno);
+  lock(file_);
 }
 
 OutputFile::~OutputFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
   if (!part_.empty()) ::unlink(part_.c_str());
 }
 
@@ -124,41 +122,31 @@ void OutputFile::append(std::span<const std::byte> bytes) {
 }
 
 void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
-  if (is_stream_) {
-    assert(offset == streamed_ && "bytes come in sequence where the output is no file");
-    streamed_ += bytes.size();
-    any_streamed = any_streamed || !bytes.empty();
+  if (!is_stream_) {
+    if (const int error = file_.write_at(offset, bytes)) fail_to_write(destination_, error);
+    return;
   }
+  assert(offset == streamed_ && "bytes come in sequence where the output is no file");
+  streamed_ += bytes.size();
+  any_streamed = any_streamed || !bytes.empty();
   while (!bytes.empty()) {
-    const ssize_t written = is_stream_ ? write_to_stream(descriptor_, bytes)
-                                       : ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (written > 0) {
-      offset += static_cast<std::uint64_t>(written);
+    const ssize_t written = write_to_stream(file_.number(), bytes);
+    if (written > 0)
       bytes = bytes.subspan(static_cast<std::size_t>(written));
-    } else if (written == 0 || (errno != EINTR && errno != EAGAIN)) {
+    else if (written == 0 || (errno != EINTR && errno != EAGAIN))
       fail_to_write(destination_, written == 0 ? ENOSPC : errno);
-    }
   }
 }
 
 void OutputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
-  while (!bytes.empty()) {
-    const ssize_t got = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (got > 0) {
-      offset += static_cast<std::uint64_t>(got);
-      bytes = bytes.subspan(static_cast<std::size_t>(got));
-    } else if (got == 0 || errno != EINTR) {
-      fail("{}: what was just written cannot be read back at byte {}: {}; check the disk it lies on.",
-           destination_.string(), offset, got == 0 ? "the file ends" : std::generic_category().message(errno));
-    }
-  }
+  const auto [done, error] = file_.read_at(offset, bytes);
+  if (done < bytes.size())
+    fail("{}: what was just written cannot be read back at byte {}: {}; check the disk it lies on.",
+         destination_.string(), offset + done, error == 0 ? "the file ends" : std::generic_category().message(error));
 }
 
-void OutputFile::commit() {
-  // Network file systems and quotas report what they could not store only here.
-  const int closed = ::close(descriptor_) == 0 || errno == EINTR ? 0 : errno;
-  descriptor_ = -1;
-  if (closed != 0) fail_to_write(destination_, closed);
+void OutputFile::seal() {
+  if (const int error = file_.close()) fail_to_write(destination_, error);
   if (is_stream_) {
     any_complete = true;
     return;

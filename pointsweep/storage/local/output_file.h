@@ -9,20 +9,22 @@
 #include <span>
 
 #include "pointsweep/leftovers.h"
+#include "pointsweep/storage/local/descriptor.h"
+#include "pointsweep/storage/storage.h"
 
 namespace pointsweep {
 
-/// Written as `.<name>.<pid>.part` beside its destination and renamed by commit(); removed by the destructor otherwise.
+/// Written as `.<name>.<pid>.part` beside its destination and renamed by seal(); removed by the destructor otherwise.
 /// Every failure is an Error that names the destination and says what to do (no space left, folder missing, read-only).
 ///
 /// The destination "-" is standard output. Bytes go there at once and in sequence, and what was written before an error
 /// stays written.
-class OutputFile {
+class OutputFile final : public Unsealed {
  public:
   /// Throws before anything is written when the destination exists and `overwrite` is false, is a folder, or its folder
   /// is missing.
   OutputFile(const std::filesystem::path& destination, bool overwrite);
-  ~OutputFile();
+  ~OutputFile() override;
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
@@ -31,25 +33,25 @@ class OutputFile {
   /// Returns the path of an output of this process until it is complete.
   static std::filesystem::path unfinished_path(const std::filesystem::path& destination);
 
-  void append(std::span<const std::byte> bytes);
+  void append(std::span<const std::byte> bytes) override;
   /// Writes bytes from `offset` on. Thread-safe where is_seekable() for bytes that do not overlap.
-  void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
+  void write_at(std::uint64_t offset, std::span<const std::byte> bytes) override;
   /// Fills `bytes` with what was written from `offset` on.
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
   std::uint64_t size() const { return size_; }  ///< end of what append() wrote
-  void commit();
+  void seal() override;
   /// Returns whether bytes may be written at any place and read back; false for standard output.
   bool is_seekable() const { return !is_stream_; }
   /// Returns whether this process has written bytes to standard output.
   static bool any_is_streamed();
-  /// Returns whether this process has committed any output.
+  /// Returns whether this process has completed any output.
   static bool any_is_complete();
 
  private:
   std::filesystem::path destination_, part_;
   bool overwrite_ = false;
   bool is_stream_ = false;
-  int descriptor_ = -1;
+  FileDescriptor file_;
   std::uint64_t size_ = 0;
   std::uint64_t streamed_ = 0;        ///< bytes written to standard output
   std::optional<Leftover> leftover_;  ///< part_

@@ -48,59 +48,49 @@ SpillFile::SpillFile(const SpillPlace& place)
     : parent_((place.is_kept() ? place.folder() : place.folder().parent_path()).string()),
       option_(place.is_kept() ? "--resume" : "--temp-dir") {
   if (place.is_kept()) {
-    descriptor_ = ::open(place.file().c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    if (descriptor_ < 0) fail_write(parent_, option_, errno, 0);
+    file_ = FileDescriptor(::open(place.file().c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+    if (!file_) fail_write(parent_, option_, errno, 0);
     return;
   }
   const std::string name = random_name((place.folder() / "spill-").string());
   const Leftover listed(name);
-  descriptor_ = ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (descriptor_ < 0) fail_write(parent_, option_, errno, 0);
+  file_ = FileDescriptor(::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+  if (!file_) fail_write(parent_, option_, errno, 0);
   ::unlink(name.c_str());
 }
 
 SpillFile::SpillFile(const SpillPlace& place, std::uint64_t bytes)
-    : parent_(place.folder().string()), option_("--resume"), reserved_(bytes) {
-  descriptor_ = ::open(place.file().c_str(), O_RDWR | O_CLOEXEC);
+    : parent_(place.folder().string()),
+      option_("--resume"),
+      file_(::open(place.file().c_str(), O_RDWR | O_CLOEXEC)),
+      reserved_(bytes) {
   struct stat status {};
-  const bool found = descriptor_ >= 0 && ::fstat(descriptor_, &status) == 0;
+  const bool found = file_ && ::fstat(file_.number(), &status) == 0;
   if (found && static_cast<std::uint64_t>(status.st_size) >= bytes) {
     // Bytes after `bytes` belong to no checkpoint.
-    if (::ftruncate(descriptor_, static_cast<off_t>(bytes)) == 0) return;
+    if (::ftruncate(file_.number(), static_cast<off_t>(bytes)) == 0) return;
   }
-  if (descriptor_ >= 0) ::close(descriptor_);
   fail("'{}' is not as the last checkpoint left it: remove the folder '{}' and start again.", place.file().string(),
        parent_);
 }
 
-SpillFile::~SpillFile() { ::close(descriptor_); }
-
 void SpillFile::write(std::uint64_t offset, std::span<const std::byte> bytes) {
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t n =
-        ::pwrite(descriptor_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) fail_write(parent_, option_, n < 0 ? errno : ENOSPC, reserved_.load());
-    done += static_cast<std::size_t>(n);
-  }
+  if (const int error = file_.write_at(offset, bytes)) fail_write(parent_, option_, error, reserved_.load());
   written_.fetch_add(bytes.size(), std::memory_order_relaxed);
 }
 
 void SpillFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t n = ::pread(descriptor_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0)
-      fail("cannot read back byte {} of a temporary file in '{}': {}; check that disk or name another folder with {}.",
-           offset + done, parent_, n < 0 ? std::strerror(errno) : "the file is shorter than what was written", option_);
-    done += static_cast<std::size_t>(n);
-  }
+  const auto [done, error] = file_.read_at(offset, bytes);
+  if (done < bytes.size())
+    fail("cannot read back byte {} of a temporary file in '{}': {}; check that disk or name another folder with {}.",
+         offset + done, parent_, error != 0 ? std::strerror(error) : "the file is shorter than what was written",
+         option_);
 }
 
-void SpillFile::expect_scattered_reads() const { ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_RANDOM); }
+void SpillFile::expect_scattered_reads() const { ::posix_fadvise(file_.number(), 0, 0, POSIX_FADV_RANDOM); }
 
 void SpillFile::will_read(std::uint64_t offset, std::uint64_t bytes) const {
-  ::posix_fadvise(descriptor_, static_cast<off_t>(offset), static_cast<off_t>(bytes), POSIX_FADV_WILLNEED);
+  ::posix_fadvise(file_.number(), static_cast<off_t>(offset), static_cast<off_t>(bytes), POSIX_FADV_WILLNEED);
 }
 
 }  // namespace pointsweep

@@ -9,6 +9,8 @@
 #include <span>
 #include <string>
 
+#include "pointsweep/storage/local/descriptor.h"
+
 namespace pointsweep {
 
 class TempFolder;
@@ -37,9 +39,6 @@ class SpillFile {
   explicit SpillFile(const SpillPlace& place);
   /// Opens a kept file of which the first `bytes` bytes are in use. Throws Error if the file has fewer.
   SpillFile(const SpillPlace& place, std::uint64_t bytes);
-  ~SpillFile();
-  SpillFile(const SpillFile&) = delete;
-  SpillFile& operator=(const SpillFile&) = delete;
 
   /// Reserves `bytes` bytes of the file for the caller and returns their offset. Thread-safe.
   std::uint64_t reserve(std::uint64_t bytes) { return reserved_.fetch_add(bytes, std::memory_order_relaxed); }
@@ -59,7 +58,7 @@ class SpillFile {
  private:
   std::string parent_;  ///< for messages: the folder the user chose
   std::string option_;  ///< for messages: the option by which the folder was chosen
-  int descriptor_ = -1;
+  FileDescriptor file_;
   std::atomic<std::uint64_t> reserved_{0}, written_{0};
 };
 

@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -39,22 +38,15 @@ std::optional<pid_t> maker_of(std::string_view name) {
 
 bool is_alive(pid_t pid) { return ::kill(pid, 0) == 0 || errno != ESRCH; }
 
-int open_folder(const std::filesystem::path& path) {
-  return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-}
-
 /// Removes a folder that no process uses. The lock protects the folder of a process this one cannot see (another
 /// container on the same disk).
 void remove_if_abandoned(const std::filesystem::path& path) {
-  const int descriptor = open_folder(path);
-  if (descriptor < 0) return;
+  const FileDescriptor folder = open_folder(path, false);
+  if (!folder) return;
   struct stat status {};
-  const bool ours = ::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid();
-  if (ours && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  ::close(descriptor);
+  const bool ours = ::fstat(folder.number(), &status) == 0 && status.st_uid == ::geteuid();
+  std::error_code ignored;
+  if (ours && lock(folder) == 0) std::filesystem::remove_all(path, ignored);
 }
 
 void remove_abandoned_folders(const std::filesystem::path& parent) {
@@ -108,14 +100,13 @@ TempFolder::TempFolder(const std::filesystem::path& parent) {
       fail("cannot make a temporary folder in '{}': {}; name a writable folder with --temp-dir.", parent.string(),
            std::strerror(error));
   } while (true);
-  lock_ = open_folder(path_);
-  if (lock_ >= 0) ::flock(lock_, LOCK_EX | LOCK_NB);  // best effort: some file systems know no locks
+  lock_ = open_folder(path_, false);
+  lock(lock_);  // best effort: some file systems know no locks
 }
 
 TempFolder::~TempFolder() {
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
-  if (lock_ >= 0) ::close(lock_);
 }
 
 }  // namespace pointsweep

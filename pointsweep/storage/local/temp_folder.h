@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pointsweep/leftovers.h"
+#include "pointsweep/storage/local/descriptor.h"
 
 namespace pointsweep {
 
@@ -32,7 +33,7 @@ class TempFolder {
  private:
   std::filesystem::path path_;
   std::optional<Leftover> leftover_;  ///< path_: empty, since spilled files have no name
-  int lock_ = -1;                     ///< descriptor of the folder, locked while this process uses it
+  FileDescriptor lock_;               ///< the folder, locked while this process uses it
 };
 
 }  // namespace pointsweep

@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <sys/file.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -17,6 +16,8 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+
+#include "pointsweep/storage/local/descriptor.h"
 
 namespace pointsweep {
 namespace {
@@ -45,11 +46,8 @@ std::optional<Part> parse_part(std::string_view name) {
 /// A file whose process is gone, or that an earlier process with our number left: no process holds its lock.
 bool is_abandoned(const fs::path& part, pid_t owner) {
   if (owner != ::getpid() && (::kill(owner, 0) == 0 || errno != ESRCH)) return false;
-  const int descriptor = ::open(part.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
-  if (descriptor < 0) return false;
-  const bool locked = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  ::close(descriptor);
-  return !locked;
+  const FileDescriptor file(::open(part.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
+  return file && lock(file) != EWOULDBLOCK;
 }
 
 /// Removes the abandoned parts of the outputs of these names.

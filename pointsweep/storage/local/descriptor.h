@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// Open files and folders of the system.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <utility>
+
+namespace pointsweep {
+
+/// A file or folder that the destructor closes.
+class FileDescriptor {
+ public:
+  /// -1: nothing is open.
+  explicit FileDescriptor(int number = -1) : number_(number) {}
+  ~FileDescriptor() { close(); }
+  FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+
+  int number() const { return number_; }
+  explicit operator bool() const { return number_ >= 0; }
+  /// Closes the file. Returns 0 or an errno: network file systems and quotas report here what they could not store.
+  int close();
+
+  /// Writes all bytes from `offset` on. Returns 0, or the errno of the system, ENOSPC where it takes no more bytes.
+  /// Thread-safe.
+  int write_at(std::uint64_t offset, std::span<const std::byte> bytes) const;
+  struct Got {
+    std::size_t bytes;  ///< fewer than asked for at the end of the file, or where `error` is set
+    int error;          ///< 0 or an errno
+  };
+  /// Reads bytes from `offset` on. Thread-safe.
+  Got read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
+
+ private:
+  int number_;
+};
+
+/// Opens a folder, so that it can be locked. Nothing is open if that is not possible; errno says why.
+FileDescriptor open_folder(const std::filesystem::path& path, bool follow_link);
+/// Locks an open file or folder until it is closed. Returns 0 or an errno; EWOULDBLOCK if another process has the lock.
+int lock(const FileDescriptor& descriptor);
+
+}  // namespace pointsweep

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+/// A folder as storage: its files are the objects.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pointsweep/storage/local/descriptor.h"
+#include "pointsweep/storage/storage.h"
+
+namespace pointsweep {
+
+/// Sealed objects are on the disk: not even a loss of power takes them away or leaves half of one. No other process
+/// can use the folder while this object lives.
+class LocalFolder final : public Storage {
+ public:
+  /// Makes the folder if it is missing. Throws Error if that is not possible, or another process uses the folder.
+  /// Sentences of errors call an object `object` ("a checkpoint") and name the `option` that chose the folder.
+  LocalFolder(const std::filesystem::path& path, const std::string& object, const std::string& option);
+
+  const std::filesystem::path& path() const { return path_; }
+  std::unique_ptr<Source> open(const std::string& key) const override;
+  std::unique_ptr<Unsealed> create(const std::string& key) override;
+  /// Returns the names of all files but those of unsealed objects.
+  std::vector<std::string> list() const override;
+  /// Removes the file, and what a killed process has left of an unsealed object of this key.
+  void remove(const std::string& key) override;
+  /// Brings a file that was written in place to the disk.
+  void flush(const std::string& key) const;
+  /// Brings the names of the files to the disk. Some file systems know no such thing of folders.
+  void flush() const;
+  /// Throws Error for an errno.
+  [[noreturn]] void fail_to_write(int error) const;
+  /// Removes the folder itself, unless it holds anything.
+  void remove_folder();
+
+ private:
+  std::filesystem::path path_;
+  std::string object_, option_;
+  FileDescriptor folder_;  ///< locked
+};
+
+}  // namespace pointsweep

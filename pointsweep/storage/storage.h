@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+/// Objects of bytes, wherever they lie: read at any place, and visible only when they are whole (docs/adr/0018).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace pointsweep {
+
+/// Bytes that do not change while they are read. Thread-safe.
+class Source {
+ public:
+  virtual ~Source() = default;
+  virtual std::string name() const = 0;  ///< for sentences to the user
+  virtual std::uint64_t size() const = 0;
+  /// Fills `bytes` from `offset` on. Throws Error if the source ends before.
+  virtual void read_at(std::uint64_t offset, std::span<std::byte> bytes) const = 0;
+};
+
+/// An object that is being written. Nothing is left of it without seal().
+class Unsealed {
+ public:
+  virtual ~Unsealed() = default;
+  /// Writes after the bytes of earlier calls of append().
+  virtual void append(std::span<const std::byte> bytes) = 0;
+  /// Writes bytes from `offset` on. Thread-safe for bytes that do not overlap.
+  virtual void write_at(std::uint64_t offset, std::span<const std::byte> bytes) = 0;
+  /// Makes the object visible, as a whole or not at all. To be called once, after the last byte.
+  virtual void seal() = 0;
+};
+
+/// A place that holds sealed objects under their keys. Every failure is an Error.
+class Storage {
+ public:
+  virtual ~Storage() = default;
+  /// Opens a sealed object.
+  virtual std::unique_ptr<Source> open(const std::string& key) const = 0;
+  /// Begins an object, which takes the place of the object with this key when it is sealed.
+  virtual std::unique_ptr<Unsealed> create(const std::string& key) = 0;
+  /// Returns the keys of all sealed objects, ascending.
+  virtual std::vector<std::string> list() const = 0;
+  /// Removes an object. Does nothing if there is none.
+  virtual void remove(const std::string& key) = 0;
+};
+
+/// Seals an object of `bytes`, after their number and a checksum.
+void seal_bytes(Storage& storage, const std::string& key, std::span<const std::byte> bytes);
+/// Returns the bytes of such an object; nothing if it is damaged.
+std::optional<std::vector<std::byte>> sealed_bytes(const Storage& storage, const std::string& key);
+
+}  // namespace pointsweep
