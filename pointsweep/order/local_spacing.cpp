@@ -16,7 +16,7 @@ namespace {
 constexpr Encoding kSpacingEncoding{"local spacing", 1};
 /// Side of the root cube in extents of the middle 98 % of the sample. With 2, the end of the middle would be where cubes
 /// meet, and the last points of an even cloud, those along its edges, would be alone in large cubes and seem sparse.
-constexpr double kRootSide = 2.2;
+constexpr double kRootSide = 2.1;
 constexpr int kLevels = 21;          ///< three coordinates of so many bits fit 64
 constexpr int kTableLevels = 4;      ///< levels of the table that finds a run
 constexpr std::size_t kFew = 16;     ///< a leaf has fewer sample points

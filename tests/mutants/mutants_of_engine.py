@@ -107,7 +107,7 @@ MUTANTS = [
 
     # Recall
     Mutant("the middle of a cloud ends where cubes meet", "order", "pointsweep/order/local_spacing.cpp",
-           "kRootSide = 2.2", "kRootSide = 2", ("order:LocalSpacing.*",)),
+           "kRootSide = 2.1", "kRootSide = 2", ("order:LocalSpacing.*",)),
     Mutant("all threads survey in the smallest budget", "memory", "pointsweep/pipeline/memory/run_memory.cpp",
            "std::clamp<std::uint64_t>(room, 1, threads_asked_for(options))",
            "std::max<std::uint64_t>(std::min<std::uint64_t>(room, 1), threads_asked_for(options))", ("pipeline:RunMemory.*",)),
