@@ -128,7 +128,7 @@ MUTANTS = [
     Mutant("verify takes points that are not finite for wherever they stand", "verify", "pointsweep/verify/rows/arrivals.cpp",
            "if (finite && (met_nonfinite_ || p[a] < last_[a]))", "if (finite && p[a] < last_[a])", ("verify",)),
     Mutant("verify looks at the moved neighbours of stages that see none", "verify", "pointsweep/verify/chain_values.cpp",
-           "!stage.alone && n < around.list_begin[i + 1]", "n < around.list_begin[i + 1]", ("verify:Verify.*Moved*",)),
+           "!stage.alone && n < around.list_begin[i + 1]", "n < around.list_begin[i + 1]", ("verify:Verify.*", "cli:VerifyVerb.*")),
     Mutant("verify ends with status 0 where rounding decides", "verify", "include/pointsweep/verify.h",
            "return open_values == 0 && open_rows == 0", "return open_rows == 0", ("cli:VerifyVerb.*",)),
     Mutant("verify takes any value in a field that nothing fills", "verify", "pointsweep/verify/rows/made_fields.cpp",
