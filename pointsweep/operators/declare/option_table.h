@@ -38,7 +38,8 @@ OptionValue value_of_member(Choice choice, const ChoiceWords& words) {
 }
 template <class Member>
 OptionValue value_of_member(const std::optional<Member>& member, const ChoiceWords& words) {
-  return member ? value_of_member(*member, words) : OptionValue();
+  if (!member.has_value()) return {};
+  return value_of_member(*member, words);
 }
 
 /// Gives a member the value of an option, which has the kind of the member.
@@ -91,9 +92,10 @@ OptionRow<T> option(const char* name, Member T::*member, const char* meaning, Op
   more.meaning = meaning;
   more.kind = kKindOf<Member>.value_or(more.kind);
   ChoiceWords words = more.choices;
+  const T presets;
   if constexpr (std::is_same_v<Member, bool>)
-    if (T().*member) std::swap(words.at(0), words.at(1));
-  if (!more.required) more.preset = value_of_member(T().*member, words);
+    if (presets.*member) std::swap(words.at(0), words.at(1));
+  if (!more.required) more.preset = value_of_member(presets.*member, words);
   return {std::move(more), [member, words](const T& options) { return value_of_member(options.*member, words); },
           [member, words](T& options, const OptionValue& value) { set_member(options.*member, value, words); }};
 }
@@ -137,8 +139,8 @@ class OptionTable {
     }
     op.declare_options(std::move(declared));
   }
-  /// Returns OperatorDeclaration::make of the class Made, whose constructor takes the options, and
-  /// OptionValues::where() if it has sentences of its own.
+  /// Returns OperatorDeclaration::make of the class Made, whose constructor takes the options. A constructor that
+  /// throws sentences about its options also takes OptionValues::where(), which begins them.
   template <class Made>
   auto maker() const {
     return [this](const OptionValues& values, const Facts&) -> ChainStage {
