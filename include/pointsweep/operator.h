@@ -29,6 +29,7 @@
 #include <vector>
 
 #include "pointsweep/attribute.h"
+#include "pointsweep/error.h"
 #include "pointsweep/export.h"
 #include "pointsweep/geometry.h"
 #include "pointsweep/neighborhood.h"
@@ -47,10 +48,16 @@ class POINTSWEEP_EXPORT Accumulator {
   virtual void add(const double* values, std::size_t points) = 0;
   /// Takes what `other`, of the same reduction, took.
   virtual void merge(const Accumulator& other) = 0;
-  /// Returns what it took, as bytes for load() in another process.
-  virtual std::vector<std::byte> save() const = 0;
-  /// Takes what an accumulator of the same reduction took that has saved `bytes`. Throws Error for any other bytes.
-  virtual void load(std::span<const std::byte> bytes) = 0;
+  /// Returns what it took, as bytes for load() in another process. No run of one process calls these two functions; an
+  /// accumulator that does not override them throws Error.
+  virtual std::vector<std::byte> save() const {
+    throw Error("An accumulator is to be saved that does not override save().");
+  }
+  /// Takes what an accumulator of the same reduction took that has saved `bytes`. Throws Error for bytes of another
+  /// kind or length.
+  virtual void load(std::span<const std::byte>) {
+    throw Error("An accumulator is to be loaded that does not override load().");
+  }
   virtual std::vector<double> finish() const = 0;
 };
 
@@ -136,7 +143,7 @@ class POINTSWEEP_EXPORT Operator {
   /// Returns the options that tell objects of this class apart: those that were declared, else own_options(). Name and
   /// options are part of a run: `resume_folder` refuses a run with other options, and outputs record them.
   Options declared_options() const { return declared_ ? *declared_ : own_options(); }
-  /// Sets the declared options, unless they are set. Operators that pipelines name have the options that were written.
+  /// Sets the declared options, unless they are set: the first call, that of the class that has the options, counts.
   void declare_options(Options options) {
     if (!declared_) declared_ = std::move(options);
   }

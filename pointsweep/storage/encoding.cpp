@@ -32,6 +32,12 @@ void Decoder::begin(Encoding expected) {
                        expected.version));
 }
 
+bool Decoder::get_bool() {
+  const auto value = get<std::uint8_t>();
+  if (value > 1) refuse(fmt::format("hold {} for a truth value", value));
+  return value == 1;
+}
+
 std::string Decoder::get_text() {
   const std::span<const std::byte> bytes = take(get_count());
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

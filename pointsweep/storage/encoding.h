@@ -104,7 +104,7 @@ class Decoder {
   std::vector<T> get_numbers() {
     return get_list<T>([this] { return get<T>(); });
   }
-  bool get_bool() { return get<std::uint8_t>() != 0; }
+  bool get_bool();
   std::string get_text();
   std::vector<std::byte> get_bytes();
   /// Fills `to`. Throws Error if there are fewer or more bytes.

@@ -34,7 +34,7 @@ class Unsealed {
   virtual void seal() = 0;
 };
 
-/// A place that holds sealed objects under their keys. Every failure is an Error.
+/// A place that holds sealed objects under their keys. Every failure is an Error, but for that of remove().
 class Storage {
  public:
   virtual ~Storage() = default;
@@ -44,7 +44,7 @@ class Storage {
   virtual std::unique_ptr<Unsealed> create(const std::string& key) = 0;
   /// Returns the keys of all sealed objects, ascending.
   virtual std::vector<std::string> list() const = 0;
-  /// Removes an object. Does nothing if there is none.
+  /// Removes an object, if there is one and that is possible.
   virtual void remove(const std::string& key) = 0;
 };
 

@@ -91,9 +91,13 @@ TEST(Accumulators, SaveTheseBytes) {
   expect_saved(MovedBounds(), {1, 2, 0, 2, 0, 0}, "0d 'box of points' 0100" + f1 + f0 + f0 + f2 + f2 + f0);
   // 1 = 16 * 2^(32 * 67 - 2148)
   const std::string sum = "43000000" + one + "1000000000000000" + "000000";
-  for (const auto& [text, reduction] : all_reductions())
-    if (text.starts_with("least and most of"))
-      expect_saved(*reduction, std::vector<double>(width_of(*reduction), 2), "0e 'ends of values' 0100" + f2 + f2);
+  std::size_t ends = 0;
+  for (const auto& [text, reduction] : all_reductions()) {
+    if (!text.starts_with("least and most of")) continue;
+    expect_saved(*reduction, std::vector<double>(width_of(*reduction), 2), "0e 'ends of values' 0100" + f2 + f2);
+    ++ends;
+  }
+  EXPECT_GT(ends, 0u);
   expect_saved(MeanAndDeviation(mean_distance_attribute()), {1}, "07 'moments' 0100" + sum + sum + one + one);
 }
 

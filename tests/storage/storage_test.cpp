@@ -134,8 +134,11 @@ TEST(LocalFolder, HidesWhatAKilledProcessHasLeft) {
   const TemporaryFolder folder;
   LocalFolder local(folder / "objects", "an object", "--objects");
   put(local, "a", "01");
-  std::filesystem::copy_file(folder / "objects" / "a", folder / "objects" / "a.new");
+  std::filesystem::copy_file(folder / "objects" / "a", folder / "objects" / "a.unsealed");
   EXPECT_EQ(local.list(), std::vector<std::string>{"a"});
+  std::filesystem::copy_file(folder / "objects" / "a", folder / "objects" / "scan.new");
+  EXPECT_EQ(local.list(), (std::vector<std::string>{"a", "scan.new"})) << "a file of the user";
+  std::filesystem::remove(folder / "objects" / "scan.new");
   put(local, "a", "02");
   EXPECT_EQ(hex(bytes_in(local, "a")), "02");
   local.remove("a");

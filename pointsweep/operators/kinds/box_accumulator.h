@@ -17,10 +17,7 @@ class BoxAccumulator : public Accumulator {
       if (is_finite(p)) box_.include(p);
     }
   }
-  void merge(const Accumulator& other) override {
-    const Box& box = static_cast<const BoxAccumulator&>(other).box_;
-    if (!box.empty()) box_.include(box.lo), box_.include(box.hi);
-  }
+  void merge(const Accumulator& other) override { box_.include(static_cast<const BoxAccumulator&>(other).box_); }
   std::vector<std::byte> save() const override {
     Encoder out;
     out.begin(kEncoding);
@@ -30,8 +27,9 @@ class BoxAccumulator : public Accumulator {
   void load(std::span<const std::byte> bytes) override {
     Decoder in(bytes);
     in.begin(kEncoding);
-    box_.include(in.get_box());
+    const Box box = in.get_box();
     in.finish();
+    box_.include(box);
   }
 
  protected:

@@ -64,9 +64,9 @@ class LeastAndMost final : public Reduction {
     void load(std::span<const std::byte> bytes) override {
       Decoder in(bytes);
       in.begin(kEncoding);
-      include(in.get<double>());
-      include(in.get<double>());
+      const auto lo = in.get<double>(), hi = in.get<double>();
       in.finish();
+      include(lo), include(hi);
     }
     std::vector<double> finish() const override { return {lo_, hi_}; }
 

@@ -56,10 +56,13 @@ class DistanceMoments final : public Accumulator {
   void load(std::span<const std::byte> bytes) override {
     Decoder in(bytes);
     in.begin(kEncoding);
-    for (ExactSum* sum : {&sum_, &squares_}) sum->add(decode(in));
-    count_ += in.get<std::uint64_t>();
-    nonzero_ += in.get<std::uint64_t>();
+    const ExactSum::State sum = decode(in), squares = decode(in);
+    const auto count = in.get<std::uint64_t>(), nonzero = in.get<std::uint64_t>();
     in.finish();
+    sum_.add(sum);
+    squares_.add(squares);
+    count_ += count;
+    nonzero_ += nonzero;
   }
   std::vector<double> finish() const override {
     const auto n = static_cast<double>(count_);

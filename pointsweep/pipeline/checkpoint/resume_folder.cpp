@@ -26,7 +26,11 @@ ResumeFolder::ResumeFolder(const fs::path& path) : folder_(path, "a checkpoint",
 
 ResumeFolder::~ResumeFolder() {
   if (saving_.valid()) saving_.wait();
-  if (!holds_work_) remove();
+  try {
+    if (!holds_work_) remove();
+  } catch (const Error&) {
+    // The next run that is given this folder removes what is left or says why it cannot.
+  }
 }
 
 void ResumeFolder::load() {

@@ -73,8 +73,9 @@ Ordered restored(const Context& context, PointsInOrder how, const MemoryPlan& me
   const Checkpoints& checkpoints = *context.places.checkpoints();
   checkpoints.require_slabs_of(memory.slab_points);
   Decoder in(checkpoints.last().stream);
-  return {Stream(in, how.source, stream_options(context, how, memory)), checkpoints.last().bucket_places,
-          std::move(how.points.survey), memory};
+  Stream stream(in, how.source, stream_options(context, how, memory));
+  in.finish();
+  return {std::move(stream), checkpoints.last().bucket_places, std::move(how.points.survey), memory};
 }
 
 /// A new stream. Where slabs on demand were planned and cannot be made, it follows the plan of a distribution pass.

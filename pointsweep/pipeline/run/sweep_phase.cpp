@@ -147,7 +147,9 @@ std::unique_ptr<RowStore> results_of_pass(const Context& context, const WorkPlan
   if (checkpoints == nullptr || checkpoints->last().results.empty())
     return std::make_unique<RowStore>(rows, fill, spill, buffer);
   Decoder in(checkpoints->last().results);
-  return std::make_unique<RowStore>(in, rows, fill, spill, buffer);
+  auto results = std::make_unique<RowStore>(in, rows, fill, spill, buffer);
+  in.finish();
+  return results;
 }
 
 std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& work, std::size_t p,

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kUnsealed = ".new";
+constexpr std::string_view kUnsealed = ".unsealed";
 
 /// A file that gets its name when it is sealed.
 class UnsealedFile final : public Unsealed {
@@ -87,6 +87,8 @@ std::vector<std::string> LocalFolder::list() const {
     std::string name = entry->path().filename().string();
     if (!name.ends_with(kUnsealed)) names.push_back(std::move(name));
   }
+  if (error && error != std::errc::no_such_file_or_directory)
+    fail("cannot read the folder '{}': {}.", path_.string(), error.message());
   std::ranges::sort(names);
   return names;
 }

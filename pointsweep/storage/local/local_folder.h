@@ -23,7 +23,7 @@ class LocalFolder final : public Storage {
   const std::filesystem::path& path() const { return path_; }
   std::unique_ptr<Source> open(const std::string& key) const override;
   std::unique_ptr<Unsealed> create(const std::string& key) override;
-  /// Returns the names of all files but those of unsealed objects.
+  /// Returns the names of all files but those of unsealed objects; none where the folder is gone.
   std::vector<std::string> list() const override;
   /// Removes the file, and what a killed process has left of an unsealed object of this key.
   void remove(const std::string& key) override;
