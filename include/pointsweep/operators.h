@@ -6,11 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "pointsweep/chain.h"
@@ -107,8 +105,8 @@ enum class VoxelKeep {
 
 /// Options of decimate(). `share` is required.
 struct DecimateOptions {
-  double share = 0;        ///< share of the points that are kept, 0 to 1
-  std::uint64_t seed = 0;  ///< another seed keeps other points
+  double share = std::numeric_limits<double>::quiet_NaN();  ///< share of the points that are kept, 0 to 1
+  std::uint64_t seed = 0;                                   ///< another seed keeps other points
 };
 
 /// Options of voxel(). `size` is required.

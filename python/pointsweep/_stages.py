@@ -204,7 +204,7 @@ def splats(
     Parameters
     ----------
     axes : derive direction and ratio of the ellipses from curvature or from positions; auto takes curvature if an
-        earlier stage computes it.
+        earlier stage computes it and no stage drops it.
     k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 16 neighbours where
         neither is given.
 

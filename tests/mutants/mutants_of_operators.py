@@ -363,6 +363,6 @@ MUTANTS = [
     Mutant("options of C++ are not checked", "selects", OPS + "declare/option_table.cpp",
            "if (has_value(value) && !option.allows(value))", "if (false && !option.allows(value))",
            ("pipeline:Poisson.*", "pipeline:Voxel.*")),
-    Mutant("the first word of a truth value is no", "formulas", OPS + "declare/option_table.h", "if (T().*member) std::swap",
-           "if (!(T().*member)) std::swap", ("operators:Features*", "pipeline:Registry.*")),
+    Mutant("the first word of a truth value is no", "formulas", OPS + "declare/option_table.h", "if (presets.*member) std::swap",
+           "if (!(presets.*member)) std::swap", ("operators:Features*", "pipeline:Registry.*")),
 ]

@@ -13,6 +13,7 @@
 #include <random>
 #include <set>
 
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
@@ -74,6 +75,43 @@ TEST(Registry, EveryPresetIsAllowedAndMakesTheOperatorOfThatName) {
     }
     EXPECT_EQ(name_of(declaration.make(sample_values(declaration), {})), declaration.name);
   }
+}
+
+/// Constructors check the options of C++, which no parser has seen. That of neighbourhoods is given a rule, not
+/// numbers.
+TEST(Registry, EveryOperatorRefusesNumbersOutOfTheirLimitsInTheWordsOfItsDeclaration) {
+  std::size_t tried = 0;
+  for (const OperatorDeclaration& declaration : all_operators())
+    for (const OptionDeclaration& option : declaration.options) {
+      if (declaration.name == "reneighbor") continue;
+      std::vector<OptionValue> outside;
+      if (option.kind == OptionKind::number)
+        outside = {std::nextafter(option.least, -HUGE_VAL), std::nextafter(option.most, HUGE_VAL), -HUGE_VAL};
+      if (option.kind == OptionKind::whole && option.least > 0)
+        outside = {static_cast<std::uint64_t>(option.least) - 1};
+      for (const OptionValue& value : outside) {
+        if (option.allows(value)) continue;  // nothing lies above an infinite limit
+        OptionValues values(declaration.options, declaration.name);
+        for (const OptionDeclaration& other : declaration.options)
+          if (other.name != option.name && other.required) values.give(other.name, other.sample);
+        values.give(option.name, value);
+        const std::string sentence = refusal([&] { declaration.make(values, {}); });
+        EXPECT_NE(sentence.find(option.name + " is "), std::string::npos) << declaration.name << ": " << sentence;
+        EXPECT_NE(sentence.find(option.allowed()), std::string::npos) << declaration.name << ": " << sentence;
+        ++tried;
+      }
+    }
+  EXPECT_GT(tried, 40u);
+}
+
+TEST(Registry, ARequiredNumberThatIsLeftOutInCppIsRefused) {
+  EXPECT_NE(refusal([] { operators::decimate({}); }).find("share is a number, 0 to 1, not 'nan'"), std::string::npos);
+  EXPECT_NE(refusal([] { operators::voxel({}); }).find("above 0, not '0'"), std::string::npos);
+}
+
+TEST(Registry, ATextOfSeveralNamesIsNoNameOfAFeature) {
+  EXPECT_EQ(refusal([] { operators::features({.names = {"linearity,planarity"}}); }),
+            "features: 'linearity,planarity' is no name of a feature.");
 }
 
 /// A value that the declaration allows and that is not its preset.

@@ -141,9 +141,9 @@ const OptionTable<M3c2Options>& m3c2_options() {
       option("cloud", &M3c2Options::cloud,
              "the other cloud, measured later: a point file, a folder of them or a pattern",
              {.kind = OptionKind::file, .required = true, .positional = true, .sample = "after.las"}),
-      option(
-          "cylinder", &M3c2Options::cylinder, "diameter of the cylinder along the normal (projection scale)",
-          {.least = kAboveZero, .unit = "length", .required = true, .sample = 0.5, .is_radius = true}),  // its half is
+      // Half of it is the radius within which points count.
+      option("cylinder", &M3c2Options::cylinder, "diameter of the cylinder along the normal (projection scale)",
+             {.least = kAboveZero, .unit = "length", .required = true, .sample = 0.5, .is_radius = true}),
       option("depth", &M3c2Options::depth, "how far the cylinder reaches to each side of the point",
              {.least = kAboveZero, .unit = "length", .required = true, .sample = 2.0}),
       option("registration", &M3c2Options::registration, "error of the registration of the two clouds",

@@ -83,9 +83,9 @@ struct OptionRow {
   std::function<void(T&, const OptionValue&)> set;
 };
 
-/// The option that `member` holds. `more` has its limits, unit and sample, its kind if it is a text or a list of words,
-/// and the words of a choice: those of an enumeration in the order of its values, of a truth value first that of the
-/// default.
+/// Returns the row of the option that `member` holds. `more` has its limits, unit and sample, its kind if it is a text
+/// or a list of words, and the words of a choice: those of an enumeration in the order of its values; for a truth value
+/// the word of the default comes first.
 template <class T, class Member>
 OptionRow<T> option(const char* name, Member T::*member, const char* meaning, OptionDeclaration more = {}) {
   more.name = name;

@@ -7,12 +7,13 @@
 #include <memory>
 #include <tuple>
 
+#include "pointsweep/fail.h"
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declaration.h"
 
 namespace pointsweep {
-
 namespace {
+
 /// The places of the k nearest neighbours in the list of a point, nearest first at the current positions: by distance,
 /// then x, y, z and row. Neighbours without a finite place come last.
 class NearestPlaces {
@@ -85,6 +86,7 @@ OperatorDeclaration neighbor_rows_declaration() {
 }
 
 ChainStage operators::neighbors(std::size_t k, std::uint64_t points, bool distances) {
+  if (k == 0) fail_usage("neighbors: k is a whole number, 1 or more, not '0'.");
   return std::make_shared<NeighborRows>(k, points, distances);
 }
 

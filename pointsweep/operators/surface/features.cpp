@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 
+#include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
@@ -131,6 +132,8 @@ Features::Features(FeaturesOptions options) : options_(std::move(options)), made
   std::ranges::sort(options_.names, {}, place);
   if (options_.names == known) options_.names.clear();
   features_options().declare(*this, options_);
+  if (!options_.names.empty() && place(options_.names.back()) == std::ssize(known))
+    fail_usage("features: '{}' is no name of a feature.", options_.names.back());
 }
 
 Contract Features::contract() const {

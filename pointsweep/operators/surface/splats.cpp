@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/surface/splats.h"
 
+#include <algorithm>
 #include <memory>
 
 #include "pointsweep/operators/declare/option_table.h"
@@ -16,7 +17,7 @@ const OptionTable<SplatsOptions>& splats_options() {
   static const OptionTable<SplatsOptions> table = {
       option("axes", &SplatsOptions::axes,
              "derive direction and ratio of the ellipses from curvature or from positions; auto takes curvature if an "
-             "earlier stage computes it",
+             "earlier stage computes it and no stage drops it",
              {.choices = {"auto", "positions", "curvature"}})};
   return table;
 }
