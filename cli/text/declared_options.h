@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Verbs with their options and arguments as the command line declares them, and what is made of that: scripts that
-/// complete verbs, options, values, operators and files in a shell, and manual pages in roff.
+/// Lists of the verbs with their options and arguments, as the command line declares them; completion scripts for
+/// shells and manual pages in roff, which are written from these lists.
 #pragma once
 
 #include <CLI/App.hpp>

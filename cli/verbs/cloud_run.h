@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The common part of the verbs that run over a whole cloud: inputs, run options, statistics and the last sentence; and
-/// of those that run a pipeline of named operators, with options of stages as flags.
+/// Parts that several verbs share. Verbs that run over a whole cloud share inputs, run options, statistics and the last
+/// sentence; verbs that run a pipeline of named operators also share the options of stages as flags.
 #pragma once
 
 #include <CLI/App.hpp>

@@ -2,10 +2,11 @@
 /// exp(-x), the logarithm and powers of two, made of plain IEEE operations, so that they have the same bits on every
 /// machine. The C library does not promise that: its last bit may differ from one processor to the next.
 ///
-/// Of exp(-x): with n = round(x / ln 2) and y = n ln 2 - x, |y| <= ln 2 / 2: exp(-x) = 2^-n exp(y). exp(y) = 1 + (y +
-/// y² q(y)), with q of degree 9 interpolated at Chebyshev nodes on |y| <= 0.3467 (error of the polynomial below 2^-57)
-/// and summed by Estrin's scheme. Error at most 1 ulp. In single precision q is of degree 4 (error below 2^-26).
-/// exp_lanes-inl.h does the same operations in the same order, one argument per lane, and those of the logarithm.
+/// The method of exp(-x): with n = round(x / ln 2) and y = n ln 2 - x, |y| <= ln 2 / 2: exp(-x) = 2^-n exp(y). exp(y) =
+/// 1 + (y + y² q(y)), with q of degree 9 interpolated at Chebyshev nodes on |y| <= 0.3467 (error of the polynomial
+/// below 2^-57) and summed by Estrin's scheme. Error at most 1 ulp. In single precision q is of degree 4 (error below
+/// 2^-26). exp_lanes-inl.h does the same operations in the same order, one argument per lane, and those of the
+/// logarithm.
 #pragma once
 
 #include <algorithm>

@@ -17,8 +17,8 @@
 
 namespace pointsweep {
 
-/// Points come in by collect() and stay, in cells of their own; slots are 0, 1, ... and name the same cells for ever.
-/// Only collect() changes the region, all else is thread-safe.
+/// The cells that a recall has read. collect() adds points, in new cells; a slot (0, 1, ...) names the same cell as
+/// long as the region lives. All functions but collect() are thread-safe.
 class Region : public CellSet {
  public:
   /// `frontier` comes from a sweep that has ended: it holds the boxes of all cells except superfluous cells.

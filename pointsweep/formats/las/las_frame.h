@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What the writers of LAS and LAZ share: all of an output but its points, that is, header, VLRs, and the bytes that
-/// the input has after its points; statistics of the points; points as records of LAS.
+/// Parts of an output that the writers of LAS and LAZ share: the header, the VLRs and the bytes after the points; the
+/// count and bounds of the points; points as records of LAS.
 #pragma once
 
 #include <array>

@@ -40,8 +40,8 @@ enum class Presets : bool {
 /// options, which come in the order of their declaration, numbers in their shortest form.
 std::string canonical_text(const ChainStage& stage, Presets presets);
 
-/// "knn(k=12)"; k is always there if it limits anything. A rule that names no options is told by its meaning, which is
-/// no text for parse_pipeline().
+/// Returns the neighbourhood as a stage, such as "knn(k=12)", with k wherever a number of neighbours limits it. A rule
+/// of the user's own, which has no options, is described in words, which parse_pipeline() does not read.
 std::string canonical_text(const Neighborhood& neighborhood, Presets presets);
 
 /// The neighbourhood, then the stages. A number of neighbours that is left to the operators is the one that they get.

@@ -104,7 +104,7 @@ class Naming {
   const std::string& input_name_;
   const Format* format_;  ///< of the output; null if it has none
   const NamingRules& rules_;
-  std::vector<std::string> columns_;  ///< of the input as they are stored, in lower case
+  std::vector<std::string> columns_;  ///< names of the columns that the input file stores, in lower case
   std::set<std::string> taken_;       ///< by made attributes
   std::set<std::string> unused_;      ///< of what may be replaced
   OutputNames out_;

@@ -225,7 +225,7 @@ Statistics run_request(const Request& request) {
   return statistics;
 }
 
-/// Runs on threads of its own, however many the caller's arena has.
+/// Performs the run in an arena of its own, so that the number of threads does not depend on that of the caller.
 Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options, const ChainPlan& plan) {
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
   Statistics statistics;
