@@ -76,7 +76,7 @@ inside(cli console text verbs .)
 set(may_include_python/binding points math ${all_of_storage} order ${all_of_operators} ${all_of_formats} shapes ${all_of_pipeline} info ${all_of_verify})
 
 if(NOT DEFINED INNER_INCLUDES_OF_CLI)
-  set(INNER_INCLUDES_OF_CLI 73)
+  set(INNER_INCLUDES_OF_CLI 72)
 endif()
 if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)

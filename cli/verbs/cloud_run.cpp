@@ -10,7 +10,6 @@
 
 #include "cli/console/interrupt.h"
 #include "cli/console/program.h"
-#include "cli/console/quantities.h"
 #include "cli/verbs/progress.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
@@ -155,11 +154,10 @@ void take_standard_input(const std::vector<std::filesystem::path>& inputs, const
 void add_run_options(CLI::App& verb, CommonOptions& options) {
   add_dry_run_option(verb, options);
   add_stream_options(verb, options);
-  add_nonfinite_option(verb, options);
-  add_thread_option(verb, options);
+  add_named_options(verb, options, {"nonfinite", "threads"});
   add_crs_option(verb, options);
   add_format_option(verb, options.format);
-  add_force_option(verb, options);
+  add_run_option(verb, options, "overwrite");
   add_progress_options(verb, options);
 }
 

@@ -6,11 +6,14 @@
 #include <CLI/App.hpp>
 #include <cstddef>
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/language/quantities.h"
+#include "pointsweep/pipeline/language/run_options.h"
 
 namespace pointsweep {
 
@@ -29,29 +32,18 @@ struct CommonOptions : EngineOptions {
 /// Returns the rules by which the inputs become one cloud.
 CloudOptions cloud_options(const CommonOptions& options);
 
+/// Adds the flag of an option of runs. `meaning`: another sentence for the help than that of the declaration.
+void add_run_option(CLI::App& verb, RunOptions& options, std::string_view name, const char* meaning = nullptr);
+void add_named_options(CLI::App& verb, RunOptions& options, std::initializer_list<std::string_view> names);
 /// --quiet, --progress-fd N
 void add_progress_options(CLI::App& verb, CommonOptions& options);
-/// --threads N
-void add_thread_option(CLI::App& verb, CommonOptions& options);
 /// --ignore-crs
 void add_crs_option(CLI::App& verb, CommonOptions& options);
 /// --format
 void add_format_option(CLI::App& verb, std::string& format);
-/// --force
-void add_force_option(CLI::App& verb, CommonOptions& options);
 /// --memory SIZE, --temp-dir DIR, --resume DIR, --axis, --stats FILE, --report FILE and, hidden, --half-way-states FILE
 /// and --checkpoint-seconds S
 void add_stream_options(CLI::App& verb, CommonOptions& options);
-/// --order
-void add_order_option(CLI::App& verb, CommonOptions& options);
-/// --engine
-void add_engine_option(CLI::App& verb, CommonOptions& options);
-/// --positions float32|float64
-void add_positions_option(CLI::App& verb, CommonOptions& options);
-/// --memory SIZE
-void add_memory_option(CLI::App& verb, CommonOptions& options, const char* meaning);
-/// The names of a list "a,b,c". Throws UsageError for an empty one.
-std::vector<std::string> parse_names(const std::string& text);
 /// --keep A,B,...
 inline constexpr const char* kKeepMeaning =
     "Write only these attributes, by name or by column, e.g. normal or x,y,z,intensity,nx. Where no computed attribute "
@@ -59,17 +51,6 @@ inline constexpr const char* kKeepMeaning =
 void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning);
 /// --dry-run
 void add_dry_run_option(CLI::App& verb, CommonOptions& options);
-/// --nonfinite
-void add_nonfinite_option(CLI::App& verb, CommonOptions& options);
-/// --replace A,B,... and --prefix NAME
-void add_naming_options(CLI::App& verb, CommonOptions& options);
-/// --provenance names|paths and --no-provenance
-void add_provenance_options(CLI::App& verb, CommonOptions& options);
-/// --axis
-void add_axis_option(CLI::App& verb, CommonOptions& options);
-/// "input" or "sweep"; throws UsageError for anything else.
-Order parse_order(std::string_view name);
-
 /// Positional arguments IN... OUT: the last is the output, as with cp. With --output OUT all of them are inputs.
 struct InputsAndOutput {
   std::vector<std::filesystem::path> files;

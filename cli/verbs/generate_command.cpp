@@ -3,7 +3,6 @@
 #include <chrono>
 #include <future>
 
-#include "cli/console/quantities.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/common_options.h"
@@ -58,7 +57,8 @@ void generate(const GenerateOptions& options) {
   plan.bounds = reader.info().bounds;
   const std::unique_ptr<Writer> writer = create_writer(plan);
   ProgressDisplay progress(options.common);
-  with_threads(options.common.resources.threads, [&] { write_all(reader, *writer, progress); });
+  const unsigned threads = options.common.resources.threads;
+  with_threads(threads != 0 ? threads : thread_count(), [&] { write_all(reader, *writer, progress); });
   writer->finish();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   progress.say(Severity::note, fmt::format("wrote {}: {} points of a {} in {:.1f} s", options.output.string(),
@@ -115,8 +115,7 @@ void add_generate_command(CLI::App& app) {
   verb.add_option("OUT", options->positional, "File to write, in the format of its extension")->type_name("");
   add_output_option(verb, options->output);
   add_sampling_options(verb, options->sampling);
-  add_thread_option(verb, options->common);
-  add_force_option(verb, options->common);
+  add_named_options(verb, options->common, {"threads", "overwrite"});
   add_progress_options(verb, options->common);
   verb.footer("");  // without the footer of the tool, which the parser would add
   verb.footer(footer);

@@ -104,7 +104,7 @@ void add_man_command(CLI::App& app) {
   verb.add_option("VERB", command->verb, "Verb of the page (default: the page of the tool)")->type_name("");
   verb.add_option("--folder", command->folder, "Write the pages of the tool and of all verbs into this existing folder")
       ->type_name("DIR");
-  add_force_option(verb, command->common);
+  add_run_option(verb, command->common, "overwrite");
   verb.footer(
       "Pages are roff with the macros of man(7).\n"
       "\nExample:\n"

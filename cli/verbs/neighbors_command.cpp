@@ -104,7 +104,7 @@ void add_neighbors_command(CLI::App& app) {
   add_keep_option(verb, command->common.keep,
                   "Arrays to write: neighbors, distances or both; distances alone go to OUT (default: neighbors, and "
                   "distances with --distances)");
-  add_engine_option(verb, command->common);
+  add_run_option(verb, command->common, "engine");
   add_run_options(verb, command->common);
   verb.footer(
       "Row numbers count through the inputs in the order given, from 0. Equal distances are ordered by x, y, z, then "

@@ -118,11 +118,8 @@ void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
 void add_output_options(CLI::App& verb, PipelineRun& run) {
   add_output_format_option(verb, run.paths.output_format);
   add_keep_option(verb, run.common.keep, kKeepMeaning);
-  add_order_option(verb, run.common);
-  add_engine_option(verb, run.common);
-  add_positions_option(verb, run.common);
-  add_naming_options(verb, run.common);
-  add_provenance_options(verb, run.common);
+  add_named_options(verb, run.common,
+                    {"order", "engine", "positions", "replace", "prefix", "provenance", "no_provenance"});
   add_run_options(verb, run.common);
 }
 

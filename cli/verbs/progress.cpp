@@ -10,8 +10,6 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "cli/console/quantities.h"
-
 namespace pointsweep {
 namespace {
 

@@ -127,7 +127,7 @@ void add_render_command(CLI::App& app) {
       "--no-legend", [command] { command->options.legend = false; }, "Hide the legend");
   add_crs_option(verb, command->common);
   add_format_option(verb, command->common.format);
-  add_force_option(verb, command->common);
+  add_run_option(verb, command->common, "overwrite");
   add_progress_options(verb, command->common);
   verb.footer(
       "Points are drawn as their splats where the file has them (nx.., splat_x.., splat_length, splat_ratio), else as "

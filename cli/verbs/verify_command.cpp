@@ -4,7 +4,6 @@
 #include <string>
 
 #include "cli/console/console.h"
-#include "cli/console/quantities.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/progress.h"
@@ -70,15 +69,18 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
           "Additional points to recompute: row numbers from 0, separated by spaces or newlines")
       ->type_name("FILE");
   verb.add_option_function<std::string>(
-          "--order", [&command](const std::string& name) { command.check.order = parse_order(name); },
+          "--order",
+          [&command](const std::string& name) {
+            run_option("order").set(command.common, name, "--order");
+            command.check.order = command.common.order;
+          },
           "Order of the rows of the output (default: detected)")
       ->type_name("input|sweep");
   verb.add_flag_callback(
       "--checksums", [&command] { command.checksums = Checksums::show; },
       "Also show a checksum of the values of each attribute, which does not depend on the order of rows");
-  add_axis_option(verb, command.common);
-  add_nonfinite_option(verb, command.common);
-  verb.add_option("--prefix", command.common.prefix, "The --prefix of the run")->type_name("NAME");
+  add_named_options(verb, command.common, {"axis", "nonfinite"});
+  add_run_option(verb, command.common, "prefix", "The --prefix of the run");
 }
 
 }  // namespace
@@ -93,9 +95,8 @@ void add_verify_command(CLI::App& app) {
       ->type_name("TEXT|FILE");
   add_keep_option(verb, command->check.keep, "The --keep of the run (default: all attributes)");
   add_check_options(verb, *command);
-  add_memory_option(
-      verb, command->common,
-      "Memory for the neighbours of the sample; a larger sample is checked in several passes (default: 1G)");
+  add_run_option(verb, command->common, "memory",
+                 "Memory for the neighbours of the sample; a larger sample is checked in several passes (default: 1G)");
   add_crs_option(verb, command->common);
   add_format_option(verb, command->common.format);
   add_progress_options(verb, command->common);

@@ -57,13 +57,12 @@ VerifyOptions verify_options(const nb::dict& options) {
   check.sample = nb::cast<std::uint64_t>(options["sample"]);
   check.seed = nb::cast<std::uint64_t>(options["seed"]);
   check.rows = nb::cast<std::vector<std::uint64_t>>(options["rows"]);
-  RunOptions run;
-  set_words(run, options);
+  const RunOptions run = run_options(options);
   if (!nb::cast<std::string>(options["order"]).empty()) check.order = run.order;
   check.axis = run.axis;
   check.nonfinite = run.nonfinite;
-  check.prefix = nb::cast<std::string>(options["prefix"]);
-  if (const auto memory = nb::cast<std::uint64_t>(options["memory"]); memory != 0) check.memory_bytes = memory;
+  check.prefix = run.prefix;
+  if (run.resources.memory_bytes != 0) check.memory_bytes = run.resources.memory_bytes;
   check.pipeline = nb::cast<std::string>(options["pipeline"]);
   check.neighborhood = options_of(nb::cast<nb::list>(options["neighborhood"]));
   check.keep = nb::cast<std::vector<std::string>>(options["keep"]);

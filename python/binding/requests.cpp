@@ -12,7 +12,7 @@
 
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/language/parse.h"
-#include "pointsweep/pipeline/language/run_words.h"
+#include "pointsweep/pipeline/language/run_options.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/crs_values.h"
 
@@ -67,25 +67,14 @@ bool moves_points(const Chain& chain) {
   });
 }
 
-void set_words(RunOptions& options, const nb::dict& given) {
-  for (const RunWords& declaration : run_words()) {
-    if (!given.contains(declaration.name.c_str())) continue;
-    const auto word = option<std::string>(given, declaration.name.c_str());
-    if (!word.empty()) set_word(options, declaration.name, word);
-  }
-}
-
 RunOptions run_options(const nb::dict& given) {
   RunOptions options;
-  set_words(options, given);
-  options.provenance = !option<std::string>(given, "provenance").empty();
-  options.overwrite = option<bool>(given, "overwrite");
-  options.replace = option<std::vector<std::string>>(given, "replace");
-  options.prefix = option<std::string>(given, "prefix");
-  options.resources.memory_bytes = option<std::uint64_t>(given, "memory");
-  options.resources.threads = option<unsigned>(given, "threads");
-  options.resources.temp_folder = option<std::filesystem::path>(given, "temp_folder");
-  options.resume_folder = option<std::filesystem::path>(given, "resume");
+  for (const RunOption& declared : run_options()) {
+    const char* const name = declared.name.c_str();
+    // A path, since texts that stand for paths may hold bytes that are no UTF-8.
+    const std::string text = given.contains(name) ? option<std::filesystem::path>(given, name).string() : "";
+    if (!text.empty()) declared.set(options, text, declared.name);
+  }
   return options;
 }
 

@@ -29,10 +29,7 @@ bool changes_rows(const Chain& chain, const RunOptions& options);
 /// Returns whether a stage makes positions.
 bool moves_points(const Chain& chain);
 
-/// Sets the options whose values are words (run_words()) and that `given` has; an empty word is the default.
-void set_words(RunOptions& options, const nanobind::dict& given);
-
-/// `options` has every key that pointsweep._options.run_options() gives.
+/// Converts the options of runs that `options` has, as texts; an empty text is the default.
 RunOptions run_options(const nanobind::dict& options);
 
 }  // namespace pointsweep

@@ -21,7 +21,7 @@
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/language/parse.h"
-#include "pointsweep/pipeline/language/run_words.h"
+#include "pointsweep/pipeline/language/run_options.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/neighbor_arrays.h"
 #include "python/binding/python_operator.h"
@@ -187,9 +187,10 @@ nb::tuple radius_neighbors(const nb::list& source, double radius, const nb::dict
 
 void bind_runs(nb::module_& module) {
   module.attr("default_neighbors") = std::get<std::uint64_t>(neighbor_rows_declaration().options.front().preset);
-  nb::dict words;
-  for (const RunWords& declaration : run_words()) words[declaration.name.c_str()] = nb::cast(declaration.words);
-  module.attr("run_words") = words;
+  nb::dict options;
+  for (const RunOption& option : run_options())
+    options[option.name.c_str()] = nb::make_tuple(option.value, nb::cast(option.words));
+  module.attr("run_options") = options;
   module.def("run", &run_pipeline, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a.none(), "into"_a,
              "progress"_a.none(), "warn"_a.none());
   module.def("plan", &plan, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a);

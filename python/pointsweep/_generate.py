@@ -94,7 +94,7 @@ def generate(
         "origin": None if origin is None else [number("origin", c) for c in origin],
         "float64": bool(float64),
         "overwrite": bool(overwrite),
-        "threads": run_options(threads=threads)["threads"],
+        "threads": int(run_options(threads=threads)["threads"] or 0),
     }
     file = "" if path is None else _options.path("path", path)
     with called(progress) as shown:

@@ -8,7 +8,7 @@ import math
 import operator
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 from . import _core
@@ -66,19 +66,7 @@ def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
 
 def word(name: str, value: Any) -> str:
     """`value` if it is one of the words that the option of this name has in the declarations; empty for None."""
-    return "" if value is None else choice(name, value, tuple(_core.run_words[name]))
-
-
-def _axis(axis: int | str | None) -> str:
-    is_number = isinstance(axis, int) and not isinstance(axis, bool) and axis in (0, 1, 2)
-    return word("axis", "xyz"[axis] if is_number else axis)  # type: ignore[index]
-
-
-def _provenance(provenance: str | bool) -> str:
-    """What the processing record names inputs by; empty: outputs get no record."""
-    if isinstance(provenance, bool):
-        return "names" if provenance else ""
-    return word("provenance", provenance)
+    return "" if value is None else choice(name, value, tuple(_core.run_options[name][1]))
 
 
 def path(option: str, value: Any) -> str:
@@ -103,56 +91,68 @@ def names(option: str, value: Any) -> list[str]:
     return listed
 
 
-def run_options(
-    *,
-    order: Any = "input",
-    axis: Any = None,
-    memory: Any = None,
-    threads: Any = None,
-    temp_folder: Any = None,
-    resume: Any = None,
-    nonfinite: Any = None,
-    overwrite: Any = False,
-    replace: Any = None,
-    prefix: Any = "",
-    positions: Any = None,
-    provenance: Any = True,
-    ignore_crs: Any = False,
-) -> dict[str, Any]:
-    """The options in `RunOptions`, with their defaults, checked."""
-    count = 0 if threads is None else whole("threads", threads)
-    if threads is not None and not 1 <= count <= 4096:
+def _threads(_: str, threads: Any) -> str:
+    if not 1 <= whole("threads", threads) <= 4096:
         raise UsageError(f"threads: {threads} is not a number of threads from 1 to 4096.")
-    return {
-        "order": word("order", order),
-        "axis": _axis(axis),
-        "memory": bytes_of(memory),
-        "threads": count,
-        "temp_folder": "" if temp_folder is None else path("temp_folder", temp_folder),
-        "resume": "" if resume is None else path("resume", resume),
-        "nonfinite": word("nonfinite", nonfinite),
-        "overwrite": bool(overwrite),
-        "replace": names("replace", replace),
-        "prefix": str(prefix),
-        "positions": word("positions", positions),
-        "provenance": _provenance(provenance),
-        "ignore_crs": bool(ignore_crs),
-    }
+    return str(whole("threads", threads))
+
+
+#: The value of a run option as a text, by the placeholder of the value in the declarations.
+_TEXTS: dict[str, Callable[[str, Any], str]] = {
+    "": lambda _, value: "yes" if value else "",
+    "A,B,...": lambda name, value: ",".join(names(name, value)),
+    "DIR": path,
+    "N": _threads,
+    "NAME": lambda _, value: str(value),
+    "SIZE": lambda _, value: f"{bytes_of(value)}B",
+}
+
+#: The defaults that are not None.
+_PRESETS = {"order": "input", "overwrite": False, "prefix": "", "provenance": True, "ignore_crs": False}
+
+
+def _text(name: str, value: Any) -> str:
+    """The value of a run option as the extension module takes it; empty: the default."""
+    placeholder, words = _core.run_options[name]
+    return word(name, value) if words else "" if value is None else _TEXTS[placeholder](name, value)
+
+
+def run_options(**given: Any) -> dict[str, Any]:
+    """The options in `RunOptions`, checked, each as a text; empty: the default."""
+    for name in given:
+        if name not in RunOptions.__annotations__:
+            raise TypeError(f"{name!r} is not an option.")
+    values = {name: given.get(name, _PRESETS.get(name)) for name in RunOptions.__annotations__}
+    axis, provenance, ignore_crs = values["axis"], values["provenance"], bool(values.pop("ignore_crs"))
+    if isinstance(axis, int) and not isinstance(axis, bool) and axis in (0, 1, 2):
+        values["axis"] = "xyz"[axis]
+    if isinstance(provenance, bool):
+        values.update(provenance="names", no_provenance=not provenance)
+    return {**{name: _text(name, value) for name, value in values.items()}, "ignore_crs": ignore_crs}
+
+
+def refuse_options(given: dict[str, Any], names: Iterable[str], remark: str) -> None:
+    """Raises UsageError for a checked option of these names that is not the default."""
+    presets = run_options()
+    for name in names:
+        also = "no_provenance" if name == "provenance" else name
+        if given[name] != presets[name] or given.get(also, "") != presets.get(also, ""):
+            raise UsageError(f"{name}: {remark}.")
 
 
 def refuse_options_of_files(given: dict[str, Any], remedy: str) -> None:
     """Raises UsageError for a checked option that only outputs in files have."""
-    for option, plain in (("prefix", ""), ("resume", ""), ("provenance", "names")):
-        if given[option] != plain:
-            raise UsageError(f"{option}: is for outputs in files; {remedy}.")
+    refuse_options(given, ("prefix", "resume", "provenance"), f"is for outputs in files; {remedy}")
 
 
 def with_run_options(function: _Function) -> _Function:
-    """The function, whose signature names the options of `run_options` in place of ``**options``, with the types that they
-    have in `RunOptions`."""
+    """The function, whose signature names the options in `RunOptions`, with their types and defaults, in place of
+    ``**options``."""
     signature = inspect.signature(function)
     own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
-    types = {name: getattr(kind, "__forward_arg__", kind) for name, kind in RunOptions.__annotations__.items()}
-    options = [p.replace(annotation=types[p.name]) for p in inspect.signature(run_options).parameters.values()]
+    options = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=_PRESETS.get(name), annotation=getattr(kind, "__forward_arg__", kind))
+        for name, kind in RunOptions.__annotations__.items()
+    ]
     function.__signature__ = signature.replace(parameters=[*own, *options])  # type: ignore[attr-defined]
     return function

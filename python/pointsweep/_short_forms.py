@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _core, _stages
 from ._errors import UsageError, warn
-from ._options import choice, number, run_options, whole, with_run_options
+from ._options import choice, number, refuse_options, run_options, whole, with_run_options
 from ._progress import called
 from ._results import Neighbors, RadiusNeighbors
 from ._runs import run
@@ -172,9 +172,7 @@ def neighbors(
     checked = run_options(**options)
     source = source_of(points, attributes, crs, checked)
     given = {**checked, **source.options}
-    for option, plain in (("order", "input"), ("prefix", ""), ("resume", ""), ("provenance", "names"), ("positions", "")):
-        if given[option] != plain:
-            raise UsageError(f"{option}: is not an option of neighbors.")
+    refuse_options(given, ("order", "prefix", "resume", "provenance", "positions"), "is not an option of neighbors")
     if k is None and radius is not None:
         with called(progress) as shown:
             lists = _core.radius_neighbors(source.inputs, number("radius", radius), given, shown, warn)

@@ -135,8 +135,11 @@ def test_signatures_name_every_option(function):
     assert {"memory", "threads", "nonfinite", "axis", "positions", "provenance"} <= set(parameters)
 
 
-def test_the_types_of_the_options_are_those_that_runs_take():
-    assert list(RunOptions.__annotations__) == list(inspect.signature(run_options).parameters)
+def test_every_option_of_runs_is_declared_typed_and_documented():
+    of_the_tool = {"engine", "no_provenance"}  # provenance=False
+    assert set(_core.run_options) - of_the_tool == set(RunOptions.__annotations__) - {"ignore_crs"}
+    for name in RunOptions.__annotations__:
+        assert f"    {name} : " in ps.run.__doc__, name
 
 
 def test_points_are_told_from_options():
@@ -166,9 +169,8 @@ def test_positions_and_provenance(cloud, tmp_path):
 
 def test_the_words_of_options_are_those_of_the_declarations():
     hints = typing.get_type_hints(RunOptions)
-    for name, words in _core.run_words.items():
-        if name == "engine":
-            assert name not in hints  # of the tool alone
+    for name, (_, words) in _core.run_options.items():
+        if not words or name == "engine":  # of the tool alone
             continue
         literals = [value for part in (hints[name], *typing.get_args(hints[name])) for value in typing.get_args(part)]
         assert [value for value in literals if isinstance(value, str)] == words, name

@@ -13,7 +13,7 @@
 #include "cli/text/operator_listing.h"
 #include "cli/verbs/commands.h"
 #include "pointsweep/pipeline/language/registry.h"
-#include "pointsweep/pipeline/language/run_words.h"
+#include "pointsweep/pipeline/language/run_options.h"
 #include "pointsweep/reader.h"
 #include "tests/cli/tool.h"
 
@@ -206,11 +206,11 @@ TEST_F(Help, ExamplesRunAsPasted) {
     EXPECT_EQ(tool(example + " --force").status, 0) << example;
 }
 
-TEST_F(Help, EveryOptionOfRunsWhoseValuesAreWordsIsAFlagOfRun) {
+TEST_F(Help, EveryOptionOfRunsIsAFlagOfRun) {
   const std::string help = tool("help run").out;
-  for (const RunWords& declaration : run_words()) {
-    const std::string flag = fmt::format("--{} {}", declaration.name, fmt::join(declaration.words, "|"));
-    EXPECT_NE(help.find(flag), std::string::npos) << flag;
+  for (const RunOption& option : run_options()) {
+    const std::string& flag = option.flag.substr(option.flag.find("--"));
+    EXPECT_NE(help.find(flag + (option.value.empty() ? "" : " " + option.value)), std::string::npos) << flag;
   }
 }
 

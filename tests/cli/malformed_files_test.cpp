@@ -2,9 +2,9 @@
 /// What the tool makes of every broken or odd file of $POINTSWEEP_DATA/malformed: a whole output, or one sentence.
 #include <set>
 
-#include "cli/console/quantities.h"
 #include "pointsweep/formats/e57/e57_file.h"
 #include "pointsweep/formats/las/laz_layout.h"
+#include "pointsweep/pipeline/language/quantities.h"
 #include "tests/cli/tool.h"
 #include "tests/support/data_folder.h"
 

@@ -385,7 +385,7 @@ TEST_F(Resume, RefusesMovedPositionsOfAnotherType) {
   EngineOptions other = resuming(work);
   other.positions = Type::f32;
   const std::string sentence = sentence_of<Error>([&] { run_all(work, other); });
-  EXPECT_NE(sentence.find("positions as float32"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("there it is positions by default, here positions float32;"), std::string::npos) << sentence;
   EXPECT_NE(sentence.find("remove the folder"), std::string::npos) << sentence;
   run_uninterrupted(work);
   expect_as_uninterrupted(work, run_all(work, resuming(work)));

@@ -7,12 +7,13 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/language/run_options.h"
 
 namespace pointsweep {
 namespace {
 
 /// To be raised with every change to what checkpoints hold or to how points are cut into slabs and cells.
-constexpr int kCheckpointFormat = 8;
+constexpr int kCheckpointFormat = 9;
 
 std::string whole_path(const std::filesystem::path& path) {
   return path.empty() ? "" : std::filesystem::absolute(path).lexically_normal().string();
@@ -62,14 +63,7 @@ std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const O
                          const EngineOptions& options) {
   std::string text = fmt::format("version {}, checkpoints {}\n", POINTSWEEP_VERSION, kCheckpointFormat);
   text += inputs_text(cloud) + outputs_text(outputs);
-  text += fmt::format("order {}, axis {}, cells of {} points\n", options.order == Order::sweep ? "sweep" : "input",
-                      options.axis ? "xyz"[*options.axis] : '-', options.cell_points);
-  if (options.positions) text += fmt::format("positions as {}\n", name_of(*options.positions));
-  text += fmt::format("outputs named with prefix '{}', replacing '{}', nonfinite points {}, {} provenance\n",
-                      options.prefix, fmt::join(options.replace, ","), static_cast<int>(options.nonfinite),
-                      !options.provenance   ? "without"
-                      : options.input_paths ? "paths in the"
-                                            : "names in the");
+  text += fmt::format("cells of {} points\n{}", options.cell_points, identity_text(options));
   text += fmt::format("pipeline {}\n", fmt::join(canonical_stages(plan, Presets::spelled_out), " | "));
   for (const PlannedPass& pass : plan.passes) text += pass_text(pass);
   text += kept_text(plan.kept, cloud.schema());

@@ -9,9 +9,9 @@
 
 namespace pointsweep {
 
-/// A line for each thing: the build, inputs (with size and time), outputs, order, axis, the pipeline with every option
-/// of every stage, passes. Threads and memory are not among them. Throws Error where an input is not a file, because
-/// changes of it would not be noticed.
+/// A line for each thing: the build, inputs (with size and time), outputs, options of the run that outputs depend on,
+/// the pipeline with every option of every stage, passes. Throws Error where an input is not a file, because changes of
+/// it would not be noticed.
 std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
                          const EngineOptions& options);
 

@@ -13,9 +13,8 @@
 #include "pointsweep/operators/kinds/moved_bounds.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/run_words.h"
+#include "pointsweep/pipeline/language/run_options.h"
 #include "pointsweep/pipeline/output/output_formats.h"
-#include "pointsweep/pipeline/sweep_engine.h"
 
 namespace pointsweep {
 namespace {
@@ -45,17 +44,18 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
   const auto set = [&](const char* name, const std::string& value) {
     if (!value.empty()) record.settings.emplace_back(name, value);
   };
-  const auto set_current = [&](const char* name) { set(name, run_words(name).current(options)); };
-  const bool sorted = run.stages == std::vector<std::string>{"sort"};
+  const bool in_order = run.stages == std::vector<std::string>{"sort"} || options.order == Order::sweep;
   set("keep", sorted_list(run.keep));
-  set_current("order");
-  set("axis", sorted || options.order == Order::sweep ? std::string(1, "xyz"[run.axis]) : "");
-  const SweepEngine* const engine = engine_of(options.engine);
-  set("engine", engine != nullptr ? engine->name() : "");
-  set("replace", sorted_list(options.replace));
-  set("prefix", options.prefix);
-  set_current("positions");
-  set("nonfinite", run.drops_nonfinite ? "drop" : "");
+  for (const RunOption& option : run_options()) {
+    if (option.effect != RunOption::Effect::values) continue;
+    // What the run has found out counts, not what it was asked for.
+    if (option.name == "axis")
+      set("axis", in_order ? std::string(1, "xyz"[run.axis]) : "");
+    else if (option.name == "nonfinite")
+      set("nonfinite", run.drops_nonfinite ? "drop" : "");
+    else
+      set(option.name.c_str(), option.text(options));
+  }
   const auto asked_for =
       std::ranges::find_if(cloud.readers(), [](const auto& r) { return !r->info().asked_for_as.empty(); });
   if (asked_for != cloud.readers().end()) set("format", (*asked_for)->info().asked_for_as);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/console/quantities.h"
+#include "pointsweep/pipeline/language/quantities.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/console/quantities.h"
+#include "pointsweep/pipeline/language/quantities.h"
 
 #include <charconv>
 #include <cmath>
@@ -90,6 +90,14 @@ Vec3 parse_vector(std::string_view option, std::string_view text) {
     if (axis < 2) rest.remove_prefix(1);
   }
   return v;
+}
+
+std::vector<std::string> parse_names(std::string_view option, const std::string& text) {
+  std::vector<std::string> names(1);
+  for (const char c : text) c == ',' ? void(names.emplace_back()) : names.back().push_back(c);
+  for (const std::string& name : names)
+    if (name.empty()) fail_usage("{}: '{}' is not a list of attributes such as normal,splat_length.", option, text);
+  return names;
 }
 
 std::string size_text(std::uint64_t bytes) { return three_digits(static_cast<double>(bytes), 1024); }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// Numbers as people write and read them on a command line.
+/// Numbers and lists as people write and read them.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "pointsweep/geometry.h"
 
@@ -18,6 +19,8 @@ std::uint64_t parse_size(std::string_view option, std::string_view text);
 std::uint64_t parse_count(std::string_view option, std::string_view text);
 /// Parses "X,Y,Z". Throws UsageError beginning with `option`.
 Vec3 parse_vector(std::string_view option, std::string_view text);
+/// Parses "A,B,..." as names, none of them empty. Throws UsageError beginning with `option`.
+std::vector<std::string> parse_names(std::string_view option, const std::string& text);
 
 /// "3.5G": three digits and a power of 1024.
 std::string size_text(std::uint64_t bytes);
