@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: MIT
-/// Memory that the allocator has been given back. It counts as the process's own until the system has it.
+/// Freeing memory at once. What the allocator has been given back counts as the process's own until the system has it.
 #pragma once
 
 namespace pointsweep {
 
 /// Gives free memory of the allocator to the system, where the C library can do so.
 void return_free_memory() noexcept;
+
+/// Empties a container and frees its memory, which neither clear() nor the assignment of {} does.
+template <class Container>
+void free_memory_of(Container& container) {
+  Container().swap(container);
+}
 
 /// Sets up the allocator of the whole process so that it holds little free memory, for many threads, too. A program
 /// calls it before its first thread; a library must not.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/free_memory.h"
 #include "pointsweep/points/scratch.h"
 
 namespace pointsweep {
@@ -36,7 +37,7 @@ class SortedRecords {
   void finish() {
     if (!scratch_) return std::sort(records_.begin(), records_.end(), less_);
     if (!records_.empty()) end_run();
-    records_ = {};
+    free_memory_of(records_);
     for (Run& run : runs_) fill(run);
     for (std::size_t r = 0; r < runs_.size(); ++r) heap_.push_back(r);
     std::make_heap(heap_.begin(), heap_.end(), after());

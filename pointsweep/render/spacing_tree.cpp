@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "pointsweep/free_memory.h"
 #include "pointsweep/math/box.h"
 #include "pointsweep/render/point_shape.h"
 
@@ -38,7 +39,7 @@ double twice_nearest(std::span<const Vec3> points) {
 SpacingTree::SpacingTree(std::vector<Vec3> sample, std::uint64_t points) : sample_(std::move(sample)) {
   const double share = points == 0 ? 1 : static_cast<double>(sample_.size()) / static_cast<double>(points);
   build(0, sample_.size(), std::min(share, 1.0));
-  sample_ = {};
+  free_memory_of(sample_);
 }
 
 void SpacingTree::build(std::size_t begin, std::size_t end, double share) {

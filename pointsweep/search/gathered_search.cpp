@@ -17,6 +17,7 @@
 #include <span>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/free_memory.h"
 #include "pointsweep/math/front_lanes-inl.h"
 #include "pointsweep/search/bin_search-inl.h"
 #include "pointsweep/search/near_leaves-inl.h"
@@ -155,7 +156,7 @@ class GatheredSearch {
     std::vector<std::uint64_t>& keys = scratch_.gathered.key;
     const std::size_t room = scratch_.leaves.size() * kLeafCapacity + kLeafCapacity;
     if (keys.size() < room) {
-      keys = {};
+      free_memory_of(keys);
       keys.resize(room + room / 8);
     }
     const auto px = hn::Set(d, p.x), py = hn::Set(d, p.y), pz = hn::Set(d, p.z), limit = hn::Set(d, what_.radius2());

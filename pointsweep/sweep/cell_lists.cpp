@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "pointsweep/free_memory.h"
+
 namespace pointsweep {
 
 bool CellLists::find_reaches(std::uint32_t slot, Worker& worker) const {
@@ -115,7 +117,7 @@ bool CellLists::keep(WindowCell& cell, const CellNeighbors& found) const {
 
 void CellLists::release(WindowCell& cell) const {
   for (const CellNeighbors& lists : cell.lists) bytes_ -= lists.list_bytes();
-  cell.lists = {};
+  free_memory_of(cell.lists);
 }
 
 }  // namespace pointsweep

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pointsweep/free_memory.h"
 #include "pointsweep/sweep/worker.h"
 
 namespace pointsweep {
@@ -215,9 +216,9 @@ void CellRunner::apply(std::uint32_t step, WindowCell& cell, const CellSubset& r
 
 void CellRunner::finish(WindowCell& cell, Worker& worker) const {
   if (!cell.was_finished) hand_over(cell, worker);
-  cell.left_to_recall = {}, cell.unresolved = {};
+  free_memory_of(cell.left_to_recall), free_memory_of(cell.unresolved);
   lists_.release(cell);
-  cell.refers_to = {};
+  free_memory_of(cell.refers_to);
   if (plan_.step_count() == 1) drop_columns(cell);
 }
 
@@ -249,7 +250,7 @@ void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
 void CellRunner::drop_columns(WindowCell& cell) const {
   for (std::size_t c = 0; c < cell.columns.size(); ++c) {
     if (read_of_neighbors_[c]) continue;
-    cell.columns[c] = {};
+    free_memory_of(cell.columns[c]);
     cell.column_pointers[c] = nullptr;
   }
 }

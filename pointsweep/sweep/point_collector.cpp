@@ -90,6 +90,7 @@ void PointCollector::shrink(std::uint32_t ball, double d2) {
     std::ranges::pop_heap(nearest);
     nearest.pop_back();
   }
+  nearest.reserve(wanted_.nearest);
   nearest.push_back(d2);
   std::ranges::push_heap(nearest);
   if (nearest.size() == wanted_.nearest && nearest.front() < reach2_of(ball)) reach2_[ball] = nearest.front();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "pointsweep/free_memory.h"
 #include "pointsweep/sweep/recalled_points.h"
 
 namespace pointsweep {
@@ -30,6 +31,7 @@ void Recall::run(Sink& sink, const std::function<void(std::size_t points, std::s
   worker.deferred = take_deferred();
   group_ = first_guess();
   while (!worker.deferred.empty()) {
+    return_free_memory();  // of the sweep, and of the group before
     const std::size_t points = run_group(worker.deferred, sink);
     worker.certified += points;
     done(points, worker.deferred.size());
@@ -38,10 +40,13 @@ void Recall::run(Sink& sink, const std::function<void(std::size_t points, std::s
 
 /// Returns the deferred points of all workers, against the order of the stream: the recall begins at the end.
 std::vector<DeferredPoint> Recall::take_deferred() {
+  std::size_t count = 0;
+  for (const Worker& worker : workers_) count += worker.deferred.size();
   std::vector<DeferredPoint> deferred;
+  deferred.reserve(count);
   for (Worker& worker : workers_) {
     deferred.insert(deferred.end(), worker.deferred.begin(), worker.deferred.end());
-    worker.deferred = {};
+    free_memory_of(worker.deferred);
   }
   std::ranges::sort(deferred, [](const DeferredPoint& a, const DeferredPoint& b) {
     return a.slab != b.slab ? a.slab > b.slab : a.row > b.row;

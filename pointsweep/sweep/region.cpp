@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pointsweep/free_memory.h"
 #include "pointsweep/sweep/recalled_points.h"
 #include "pointsweep/threads.h"
 
@@ -50,7 +51,7 @@ bool Region::collect(WantedPoints wanted) {
     const std::vector<std::uint32_t>& held = held_[found[i].slab];
     found[i].keep_only([&](std::uint32_t n) { return !std::ranges::binary_search(held, found[i].index_in_slab[n]); });
     cells[i] = loader_.cells_of(found[i].slab, found[i].index_in_slab, found[i].records);
-    found[i].records = {};
+    free_memory_of(found[i].records);
   });
   for (std::size_t i = 0; i < found.size(); ++i) {
     for (auto& cell : cells[i]) add(std::move(cell));

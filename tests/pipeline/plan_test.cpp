@@ -229,9 +229,10 @@ TEST(RunMemory, FewerThreadsSurveyInASmallBudget) {
     return survey_threads(cloud, options, mega * kMega);
   };
   EXPECT_EQ(threads(1, 64), 1u);
-  EXPECT_EQ(threads(32, 64), 16u) << "half a MB each beside what any run takes";
+  EXPECT_EQ(threads(32, 64), 4u) << "half a MB each, in a quarter of what is left beside what any run takes";
   EXPECT_EQ(threads(32, 2), 2u);
-  EXPECT_EQ(threads(64, 64), 64u);
+  EXPECT_EQ(threads(64, 64), 20u);
+  EXPECT_EQ(threads(256, 64), 64u);
 }
 
 TEST(RunMemory, FewerThreadsWorkWhereTheBudgetHasNoRoomForAll) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/free_memory.h"
 #include "pointsweep/operators/nearest/nearest_bound.h"
 
 namespace pointsweep {
@@ -35,7 +36,7 @@ bool PlaceGroup::answer(PointCells::View& view, const Use& use) {
     open_ = {{0, 0}};
   }
   for (const Part part : std::exchange(open_, {})) search(part, view, use);
-  points_ = {};
+  free_memory_of(points_);
   return open_.empty();
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/free_memory.h"
 #include "pointsweep/operators/nearest/place_group.h"
 #include "pointsweep/threads.h"
 
@@ -92,7 +93,7 @@ void PointCells::add(Vec3 position, std::uint64_t row) {
 
 void PointCells::finish() {
   if (!slab_.empty()) end_slab();
-  slab_ = {};
+  free_memory_of(slab_);
 }
 
 void PointCells::end_slab() {

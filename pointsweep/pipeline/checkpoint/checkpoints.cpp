@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/free_memory.h"
 #include "pointsweep/pipeline/checkpoint/run_identity.h"
 
 namespace pointsweep {
@@ -76,15 +77,14 @@ void Checkpoints::in_sweep(const SweepProgress& progress, RowStore& results) {
 void Checkpoints::swept(RowStore& results, const Statistics& counts) {
   const auto begun = Clock::now();
   last_.results = encoded(results);
-  last_.stream = last_.progress = {};
-  last_.bucket_places = {};
+  free_memory_of(last_.stream), free_memory_of(last_.progress), free_memory_of(last_.bucket_places);
   take_counts(last_.counts, counts);
   save(begun);
 }
 
 void Checkpoints::updated(bool selects, const CloudValues& values, const Statistics& counts) {
   const auto begun = Clock::now();
-  last_.results = {};
+  free_memory_of(last_.results);
   ++last_.sweep;
   if (selects) last_.mask = last_.sweep;
   take_counts(last_.counts, counts);

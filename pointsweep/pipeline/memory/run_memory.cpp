@@ -214,31 +214,55 @@ RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::u
 
 }  // namespace
 
+namespace {
+
+/// Threads beyond so many work only where they leave memory for the window and the recall.
+constexpr unsigned kThreadsInAnyCase = 2;
+/// One byte in so many of the memory that grows with the cloud may be taken by all threads for themselves. With more,
+/// the window is so small that many points are recalled in small groups, which costs more than the threads gain.
+constexpr std::uint64_t kThreadsShare = 4;
+
+bool is_enough(std::uint64_t budget, const RunMemory& memory) {
+  if (memory.needed_bytes != 0) return false;
+  const std::uint64_t most = (budget - std::min(budget, kFixedBytes)) / kThreadsShare;
+  return memory.threads <= kThreadsInAnyCase ||
+         std::ranges::all_of(memory.passes, [&](const MemoryPlan& pass) { return pass.threads_bytes <= most; });
+}
+
+/// Returns the least of the numbers above `no` that is enough, where `no` is not and `yes` is.
+template <class IsEnough>
+std::uint64_t least(std::uint64_t no, std::uint64_t yes, const IsEnough& is_enough) {
+  while (yes - no > 1) {
+    const std::uint64_t middle = no + (yes - no) / 2;
+    (is_enough(middle) ? yes : no) = middle;
+  }
+  return yes;
+}
+
+}  // namespace
+
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs,
                           const OnDemandOrder& on_demand) {
-  const auto plan_for = [&](unsigned threads) {
+  const auto plan_for = [&](std::uint64_t bytes, std::uint64_t threads) {
     EngineOptions fewer = options;
-    fewer.resources.threads = threads;
-    return plan_on_threads(budget, planned, points, survey, fewer, output_bytes, codecs ? codecs(threads) : 0,
-                           on_demand);
+    fewer.resources.threads = static_cast<unsigned>(threads);
+    return plan_on_threads(bytes, planned, points, survey, fewer, output_bytes,
+                           codecs ? codecs(fewer.resources.threads) : 0, on_demand);
   };
   const unsigned asked = threads_asked_for(options);
-  RunMemory all = plan_for(asked), fitting;
-  if (all.needed_bytes == 0) return all;
-  unsigned enough = 0, too_many = asked;
-  while (too_many - enough > 1) {
-    const unsigned middle = enough + (too_many - enough) / 2;
-    RunMemory memory = plan_for(middle);
-    if (memory.needed_bytes != 0)
-      too_many = middle;
-    else
-      enough = middle, fitting = std::move(memory);
-  }
-  if (enough == 0) fail_budget(budget, asked == 1 ? all.needed_bytes : plan_for(1).needed_bytes);
+  RunMemory all = plan_for(budget, asked);
+  if (is_enough(budget, all)) return all;
+  const std::uint64_t too_many =
+      least(0, asked, [&](std::uint64_t threads) { return !is_enough(budget, plan_for(budget, threads)); });
+  if (too_many == 1) fail_budget(budget, asked == 1 ? all.needed_bytes : plan_for(budget, 1).needed_bytes);
+  RunMemory fitting = plan_for(budget, too_many - 1);
+  const auto has_room_for_all = [&](std::uint64_t mega) { return is_enough(mega << 20, plan_for(mega << 20, asked)); };
+  std::uint64_t enough = 2 * (budget >> 20) + 1;
+  while (!has_room_for_all(enough)) enough *= 2;
   fitting.threads_note = fmt::format(
-      "{} of {} threads work: a memory budget of {} MB has no room for more; --memory {}M has room for all.", enough,
-      asked, budget >> 20, all.needed_bytes >> 20);
+      "{} of {} threads work: a memory budget of {} MB has no room for more; --memory {}M has room for all.",
+      fitting.threads, asked, budget >> 20, least(budget >> 20, enough, has_room_for_all));
   return fitting;
 }
 
@@ -252,12 +276,13 @@ std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::
 }
 
 unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget) {
-  constexpr std::uint64_t kThreadBytes = 512 << 10;  // its stack, and a block of rows
+  constexpr std::uint64_t kThreadBytes = 512 << 10;  // its stack, which stays, and a block of rows
   std::uint64_t decoder = 0;
   for (const auto& reader : cloud.readers())
     if (reader->has_decoders() && !reader->info().decode_once)
       decoder = std::max(decoder, reader->info().decoder_bytes);
-  const std::uint64_t room = (budget - std::min(budget, kFixedBytes)) / (kThreadBytes + decoder);
+  const std::uint64_t bytes = budget - std::min(budget, kFixedBytes);
+  const std::uint64_t room = std::min(bytes / (kThreadBytes + decoder), bytes / kThreadsShare / kThreadBytes);
   return static_cast<unsigned>(std::clamp<std::uint64_t>(room, 1, threads_asked_for(options)));
 }
 

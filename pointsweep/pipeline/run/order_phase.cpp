@@ -2,6 +2,7 @@
 /// Puts the points of a pass, or the records of the output, in order along the axis.
 #include <algorithm>
 
+#include "pointsweep/free_memory.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/rows/in_order_pass.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
@@ -96,7 +97,7 @@ Ordered put_in_order(const Context& context, const WorkPlan& work, PointsInOrder
   const MemoryPlan& memory = how.memory;
   Ordered made =
       is_in_order(context) ? restored(context, std::move(how), memory) : distributed(context, work, std::move(how));
-  made.survey.sample = {};
+  free_memory_of(made.survey.sample);
   note_nonfinite(context, made.stream);
   if (context.statistics().ordering.empty()) context.statistics().ordering = work.memory.order_text;
   context.statistics().order_seconds += seconds_since(start);
@@ -139,7 +140,7 @@ Ordered order_places(const Context& context, const WorkPlan& work, std::size_t p
                                .canonical = true,
                                .payload = placed.payload});
   made.survey = std::move(of_positions);
-  made.survey.sample = {};
+  free_memory_of(made.survey.sample);
   return made;
 }
 
