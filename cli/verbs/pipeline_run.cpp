@@ -119,7 +119,8 @@ void add_output_options(CLI::App& verb, PipelineRun& run) {
   add_output_format_option(verb, run.paths.output_format);
   add_keep_option(verb, run.common.keep, kKeepMeaning);
   add_named_options(verb, run.common,
-                    {"order", "engine", "positions", "replace", "prefix", "provenance", "no_provenance"});
+                    {"order", "engine", "positions", "scale", "offset", "point_format", "las_version", "decimals",
+                     "replace", "prefix", "provenance", "no_provenance"});
   add_run_options(verb, run.common);
 }
 

@@ -41,7 +41,8 @@ void add_sort_command(CLI::App& app) {
   add_output_option(verb, command->paths.named_output);
   add_keep_option(verb, command->common.keep,
                   "Attributes to write, e.g. intensity,classification; x, y and z always are (default: all)");
-  add_named_options(verb, command->common, {"provenance", "no_provenance"});
+  add_named_options(verb, command->common,
+                    {"scale", "offset", "point_format", "las_version", "decimals", "provenance", "no_provenance"});
   add_run_options(verb, command->common);
   verb.footer(
       "Equal coordinates are ordered by x, y, z, then by input row. Points with NaN or infinite coordinates come "

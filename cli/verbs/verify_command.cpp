@@ -35,6 +35,7 @@ VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& displ
   VerifyOptions options = command.check;
   options.axis = command.common.axis;
   options.prefix = command.common.prefix;
+  options.decimals = command.common.layout.decimals;
   options.nonfinite = command.common.nonfinite;
   options.recursive = command.paths.recursive;
   options.cloud = cloud_options(command.common);
@@ -81,6 +82,7 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
       "Also show a checksum of the values of each attribute, which does not depend on the order of rows");
   add_named_options(verb, command.common, {"axis", "nonfinite"});
   add_run_option(verb, command.common, "prefix", "The --prefix of the run");
+  add_run_option(verb, command.common, "decimals", "The --decimals of the run");
 }
 
 }  // namespace

@@ -98,6 +98,7 @@ struct RunOptions {
   /// all else describe the unrounded ones. Absent: that of the input, Type::f64 where the chain moves points. Refused
   /// for LAS, which stores integers.
   std::optional<Type> positions = {};
+  FileLayout layout = {};  ///< of the files
   /// Attributes of the input that made ones may overwrite, although they are not the same: `curvature`, above all,
   /// which programs disagree about. What bears the very name of a made one (nx, ny, nz) is overwritten in any case.
   std::vector<std::string> replace = {};

@@ -26,6 +26,7 @@ struct VerifyOptions {
   std::optional<Order> order = {};                      ///< of the output's rows; absent: the record's, or found out
   std::optional<int> axis = {};                         ///< of the sweep: 0, 1, 2; absent: the longest
   std::string prefix = {};                              ///< RunOptions::prefix of the run
+  std::optional<int> decimals = {};                     ///< FileLayout::decimals of the run
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< for neighbourhoods; what does not fit is done in turns
   /// Called between pieces of work with what is done and how much there is; may throw to end it.
   std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)> progress = {};

@@ -22,6 +22,27 @@ namespace pointsweep {
 
 struct KnownValues;
 
+/// A place that is given, or that a writer chooses near the middle of the points.
+struct Anchor {
+  std::optional<Vec3> at = {};  ///< absent: it is chosen
+  friend bool operator==(const Anchor&, const Anchor&) = default;
+};
+
+/// The wishes of a user about the way in which a file stores its points. A writer chooses what is absent. Only some
+/// formats have a place for each wish; a run refuses it for outputs of other formats.
+struct FileLayout {
+  /// LAS: length of a step of the integer coordinates on each axis, above 0. Coordinates are rounded to the nearest
+  /// step. Absent: the scale of the inputs, or the finest that reaches all points.
+  std::optional<Vec3> scale = {};
+  /// LAS: coordinates of the integers 0. A chosen offset is the multiple of 1,000 steps nearest to the middle. Absent:
+  /// that of the inputs if it reaches all points, else another one, whole steps away.
+  std::optional<Anchor> offset = {};
+  std::optional<int> point_format = {};  ///< LAS: 0 to 10. Attributes without a field there become extra bytes
+  std::optional<int> las_version = {};   ///< LAS: 0 to 4 for LAS 1.0 to 1.4
+  std::optional<int> decimals = {};      ///< text: digits of x, y and z after the decimal point, 0 to 15
+  friend bool operator==(const FileLayout&, const FileLayout&) = default;
+};
+
 /// The plan of an output. Records come in `schema`: first the fields of the input in the input's layout, then the
 /// fields that operators made ("nx", "ny", "nz", ...). The writer maps them to names and types of its format.
 struct OutputPlan {
@@ -46,6 +67,7 @@ struct OutputPlan {
   /// Lines that the file is to hold about how it was made, those of `extras` first. Formats without a place for them
   /// ignore them.
   std::vector<std::string> provenance = {};
+  FileLayout layout = {};
   /// Memory that the writer may take to encode several pieces at once; 0: as much as a few of them take.
   std::uint64_t encoder_bytes = 0;
 };

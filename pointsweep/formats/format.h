@@ -70,11 +70,14 @@ struct Format {
   /// The value that its outputs hold in the field of this name where neither an input nor a stage gives one; none for
   /// names that are not the format's own. Null: it has no such fields.
   std::optional<double> (*own_field)(std::string_view name) = nullptr;
+  /// The wishes of FileLayout that its writer fulfils, by their names among the options of runs.
+  std::span<const std::string_view> layout = {};
   /// Returns whether OutputPlan::bounds must be known before records of `schema` are written; null: never.
-  bool (*needs_bounds)(const Schema& schema) = nullptr;
+  bool (*needs_bounds)(const Schema& schema, const FileLayout& layout) = nullptr;
   /// Returns OutputPlan::values for a cloud, which it may read once; null: the format needs no values. `progress` gets
   /// the number of points read; it may throw.
-  KnownValues (*values)(InputCloud& cloud, const std::function<void(std::uint64_t rows)>& progress) = nullptr;
+  KnownValues (*values)(InputCloud& cloud, const FileLayout& layout,
+                        const std::function<void(std::uint64_t rows)>& progress) = nullptr;
 
   /// Returns whether this build reads and writes the format, as far as `open` and `create` are given.
   bool is_built_in() const { return has_codec == nullptr || has_codec(); }

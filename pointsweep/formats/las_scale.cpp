@@ -15,6 +15,7 @@ namespace pointsweep {
 namespace {
 
 constexpr double kUsableSteps = 2147483646;  // one below the largest integer: rounding may add one
+constexpr double kRoundSteps = 1000;         // offsets are multiples of this many steps
 constexpr int kLeast = -300, kMost = 300;
 
 /// 10^exponent, correctly rounded (pow need not be).
@@ -114,7 +115,6 @@ LasQuantization las_grid_within(const LasQuantization& grid, const Box& bounds) 
 LasQuantization las_grid_for_moved(const LasQuantization& grid, const Box& bounds) {
   LasQuantization q = grid;
   if (bounds.empty()) return q;
-  constexpr double kRoundSteps = 1000;
   for (int axis = 0; axis < 3; ++axis) {
     const double lo = bounds.lo[axis], hi = bounds.hi[axis], scale = grid.scale[axis];
     if (reaches(lo, hi, scale, grid.offset[axis])) continue;
@@ -123,6 +123,25 @@ LasQuantization las_grid_for_moved(const LasQuantization& grid, const Box& bound
     if (reaches(lo, hi, scale, offset)) q.offset[axis] = offset;
   }
   return q;
+}
+
+LasQuantization las_grid_in_the_middle(const LasQuantization& grid, const Box& bounds) {
+  LasQuantization q = grid;
+  for (int axis = 0; axis < 3 && !bounds.empty(); ++axis) {
+    const double steps = (0.5 * bounds.lo[axis] + 0.5 * bounds.hi[axis]) / grid.scale[axis];
+    q.offset[axis] = length_of(std::nearbyint(steps / kRoundSteps) * kRoundSteps, grid.scale[axis]) + 0.0;
+  }
+  return q;
+}
+
+Vec3 las_scale_from(Vec3 offset, const Box& bounds) {
+  Vec3 scale = las_quantization(bounds).scale;
+  for (int axis = 0; axis < 3; ++axis) {
+    int exponent = exponent_of(scale[axis]);
+    while (exponent < kMost && !reaches(bounds.lo[axis], bounds.hi[axis], scale[axis], offset[axis]))
+      scale[axis] = power_of_ten(++exponent);
+  }
+  return scale;
 }
 
 std::optional<LasOrigin> common_las_origin(const std::vector<std::unique_ptr<Reader>>& readers,

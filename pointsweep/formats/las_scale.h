@@ -42,6 +42,12 @@ LasQuantization las_grid_within(const LasQuantization& grid, const Box& bounds);
 /// do not fit.
 LasQuantization las_grid_for_moved(const LasQuantization& grid, const Box& bounds);
 
+/// `grid` with the offset that is the multiple of 1,000 steps nearest to the middle of `bounds`.
+LasQuantization las_grid_in_the_middle(const LasQuantization& grid, const Box& bounds);
+
+/// The smallest powers of ten that reach `bounds` from this offset and are no finer than those of las_quantization().
+Vec3 las_scale_from(Vec3 offset, const Box& bounds);
+
 /// The meaning of the coordinates and times of a LAS file, kept where its points become another format.
 class Reader;
 

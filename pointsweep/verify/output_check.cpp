@@ -90,6 +90,7 @@ void take_record(OutputCheck& check, const ProvenanceRecord& record) {
   VerifyOptions& options = check.options;
   const auto setting = [&](const char* name) { return record.setting(name).value_or(""); };
   if (options.prefix.empty()) options.prefix = setting("prefix");
+  if (!options.decimals && record.setting("decimals")) options.decimals = std::stoi(setting("decimals"));
   if (options.cloud.format.empty()) options.cloud.format = setting("format");
   if (options.nonfinite == Nonfinite::by_format && setting("nonfinite") == "drop") options.nonfinite = Nonfinite::drop;
   if (check.says_how()) return;

@@ -100,7 +100,7 @@ class Verification {
       const std::string& name = results.fields[first + c].name;
       if (made_by_.left_out_made.contains(name)) continue;
       if (const auto old = in_.schema().find(name)) replaced_[*old] = true;
-      if (const auto found = pairs_of_field(results, first + c, out_.schema()))
+      if (const auto found = pairs_of_field(results, first + c, out_.schema(), options_.decimals))
         pairs[c] = found->front();
       else
         differ("the output has no '{}', which is to be made", name);
@@ -113,7 +113,7 @@ class Verification {
   bool find_kept_rows() {
     for (std::size_t f = 0; f < replaced_.size(); ++f)
       if (!replaced_[f])
-        if (const auto pairs = pairs_of_field(in_.schema(), f, out_.schema()))
+        if (const auto pairs = pairs_of_field(in_.schema(), f, out_.schema(), options_.decimals))
           known_.insert(known_.end(), pairs->begin(), pairs->end());
     if (known_.empty())
       fail_usage("verify: {} holds nothing of the input, which tells what rows were left out.", out_.name());
@@ -142,11 +142,12 @@ class Verification {
     if (alignment_) {
       for_each_position(in_, "reading", options_.progress, look);
       RowSource kept(in_, alignment_->kept);
-      verdict_.arrivals = compare_arrivals(kept, out_, replaced_, options_.progress, [](std::uint64_t, Vec3) {});
+      verdict_.arrivals =
+          compare_arrivals(kept, out_, replaced_, ways(), options_.progress, [](std::uint64_t, Vec3) {});
       return;
     }
     if (verdict_.attributes_compared) {
-      verdict_.arrivals = compare_arrivals(in_, out_, replaced_, options_.progress, look);
+      verdict_.arrivals = compare_arrivals(in_, out_, replaced_, ways(), options_.progress, look);
       return;
     }
     verdict_.arrivals.points_in = in_.count(), verdict_.arrivals.points_out = out_.count();
@@ -243,7 +244,7 @@ class Verification {
       std::vector<FieldPair> pairs;
       for (std::size_t f = 0; f < schema.fields.size(); ++f) {
         if (made_by_.left_out_made.contains(schema.fields[f].name)) return std::nullopt;
-        const auto found = pairs_of_field(schema, f, out_.schema());
+        const auto found = pairs_of_field(schema, f, out_.schema(), options_.decimals);
         if (!found) return std::nullopt;
         pairs.push_back(found->front());
       }
@@ -321,6 +322,8 @@ class Verification {
       wrong = true;
     }
   }
+
+  OutputWays ways() const { return {made_by_.own_field, options_.decimals}; }
 
   /// Checks whether the output has a row as the conditions say, all of which hold for a row that stays.
   void check_selection(std::uint64_t row, const formulas::Estimate* estimates) {

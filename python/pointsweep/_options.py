@@ -97,9 +97,20 @@ def _threads(_: str, threads: Any) -> str:
     return str(whole("threads", threads))
 
 
+def _numbers(name: str, value: Any, one_for_all: bool = False) -> str:
+    """Three numbers, or one that stands for all, as a text."""
+    several = [value] if isinstance(value, str) or not hasattr(value, "__iter__") else list(value)
+    if len(several) not in ((1, 3) if one_for_all else (3,)):
+        raise UsageError(f"{name}: {value!r} is not {'a number or ' if one_for_all else ''}three numbers.")
+    return ",".join(repr(number(name, v)) for v in several)
+
+
 #: The value of a run option as a text, by the placeholder of the value in the declarations.
 _TEXTS: dict[str, Callable[[str, Any], str]] = {
     "": lambda _, value: "yes" if value else "",
+    "S|X,Y,Z": lambda name, value: _numbers(name, value, one_for_all=True),
+    "auto|X,Y,Z": lambda name, value: value if value == "auto" else _numbers(name, value),
+    "DIGITS": lambda name, value: str(whole(name, value)),
     "A,B,...": lambda name, value: ",".join(names(name, value)),
     "DIR": path,
     "N": _threads,
@@ -114,6 +125,8 @@ _PRESETS = {"order": "input", "overwrite": False, "prefix": "", "provenance": Tr
 def _text(name: str, value: Any) -> str:
     """The value of a run option as the extension module takes it; empty: the default."""
     placeholder, words = _core.run_options[name]
+    if words and isinstance(value, int):
+        value = str(value)  # of a point format
     return word(name, value) if words else "" if value is None else _TEXTS[placeholder](name, value)
 
 
@@ -142,7 +155,8 @@ def refuse_options(given: dict[str, Any], names: Iterable[str], remark: str) -> 
 
 def refuse_options_of_files(given: dict[str, Any], remedy: str) -> None:
     """Raises UsageError for a checked option that only outputs in files have."""
-    refuse_options(given, ("prefix", "resume", "provenance"), f"is for outputs in files; {remedy}")
+    layout = ("scale", "offset", "point_format", "las_version", "decimals")
+    refuse_options(given, ("prefix", "resume", "provenance", *layout), f"is for outputs in files; {remedy}")
 
 
 def with_run_options(function: _Function) -> _Function:

@@ -93,6 +93,14 @@ def run(
     prefix : before the names of made attributes in files.
     positions : type of x, y and z in the result, 'float32' or 'float64', not for LAS. Default: that of the input, float64
         of moved points.
+    scale : steps of the integer coordinates of LAS outputs, one number or three, to which they are rounded. Default: those
+        of the input, or the finest that reach all points.
+    offset : of these coordinates, three numbers, or 'auto', near the middle. Default: that of the input as long as it
+        reaches all points.
+    point_format : of LAS outputs, 0 to 10; attributes without a field there become extra bytes. Default: that of the
+        input, or the shortest that holds all.
+    las_version : '1.0' to '1.4'. Default: that of the input, or '1.4'.
+    decimals : digits of x, y and z after the decimal point in text outputs. Default: as many as their values need.
     provenance : the processing record of output files names inputs by their 'names' (the default) or by their absolute
         'paths'; False: files get no record.
     ignore_crs : coordinates of different systems are merged and compared without a transformation.

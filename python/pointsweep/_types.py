@@ -65,6 +65,11 @@ class RunOptions(TypedDict, total=False):
     replace: Sequence[str] | str | None
     prefix: str
     positions: Literal["float32", "float64"] | None
+    scale: float | Sequence[float] | None
+    offset: Literal["auto"] | Sequence[float] | None
+    point_format: int | None
+    las_version: Literal["1.0", "1.1", "1.2", "1.3", "1.4"] | None
+    decimals: int | None
     provenance: Literal["names", "paths"] | bool
     ignore_crs: bool
 

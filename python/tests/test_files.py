@@ -123,3 +123,26 @@ def test_opening_does_not_keep_what_files_held_then(tmp_path):
     cloud = ps.generate("plane", 100, path)
     ps.generate("plane", 200, path, overwrite=True)
     assert cloud.run("normals").report.points == 200
+
+
+def test_the_layout_of_outputs_is_stated_as_for_the_tool(tmp_path, run_tool):
+    xyz = np.random.default_rng(5).uniform(0, 90, (300, 3)).round(3) + (684992, 4873411, 0)
+    gps = np.arange(300) / 8
+    options = dict(scale=(0.01, 0.01, 0.5), offset=[684000, 4873000, 0], point_format=1, las_version="1.2")
+    with pytest.warns(ps.PointsweepWarning, match="rounded to steps of 0.01 in x, 0.01 in y and 0.5 in z"):
+        ps.run({"xyz": xyz, "gps_time": gps}, "decimate(1)", to=tmp_path / "a.las", **options)
+    back = ps.run(tmp_path / "a.las", "decimate(1)", keep=["xyz", "gps_time"])
+    assert (np.abs(back["xyz"] - xyz).max(axis=0) <= np.array([0.005, 0.005, 0.25]) + 1e-6).all()
+    assert (back["gps_time"] == gps).all()
+    ps.run(tmp_path / "a.las", "normals", to=tmp_path / "b.laz", scale=0.001, offset="auto", point_format=6, overwrite=True)
+    run_tool("normals", tmp_path / "a.las", tmp_path / "c.laz", "--scale", "0.001", "--offset", "auto", "--point-format", "6")
+    assert (tmp_path / "b.laz").read_bytes() == (tmp_path / "c.laz").read_bytes()
+    ps.run(tmp_path / "a.las", "decimate(1)", to=tmp_path / "a.csv", decimals=3, keep=["x", "y", "z"])
+    assert len((tmp_path / "a.csv").read_text().splitlines()[1].split(",")[0].split(".")[1]) == 3
+    for wrong in ({"scale": 0}, {"scale": "x"}, {"scale": [1, 2]}, {"offset": 3}, {"point_format": 12}, {"las_version": "2"}, {"decimals": -1}):
+        with pytest.raises(ps.UsageError, match=next(iter(wrong))):
+            ps.run(xyz, "normals", to=tmp_path / "d.las", **wrong)
+    with pytest.raises(ps.UsageError, match="scale: is for outputs in files"):
+        ps.run(xyz, "normals", scale=0.1)
+    with pytest.raises(ps.UsageError, match="is for LAS and LAZ outputs"):
+        ps.run(xyz, "normals", to=tmp_path / "d.ply", scale=0.1)

@@ -91,7 +91,7 @@ std::vector<std::string> copy_points(const std::vector<fs::path>& inputs, const 
   EngineOptions options;
   options.overwrite = true;
   OutputSet files(cloud, {}, {}, {.points = out, .arrays = {}, .writer = {}}, options,
-                  {bounds, std::make_shared<KnownValues>(las_values(cloud, {}))});
+                  {bounds, std::make_shared<KnownValues>(las_values(cloud, {}, {}))});
   files.write_records(records);
   std::vector<std::string> warnings = cloud.warnings();
   for (const std::string& warning : files.warnings()) warnings.push_back(warning);

@@ -17,9 +17,9 @@ void set_option(RunOptions& options, const std::string& name, const std::string&
 }
 
 /// A value of each option whose values are no words.
-const std::map<std::string, std::string> kSamplesOfOptions = {{"replace", "a,b"},       {"prefix", "p_"},
-                                                              {"memory", "268435456B"}, {"temp_folder", "/tmp"},
-                                                              {"threads", "3"},         {"resume", "here"}};
+const std::map<std::string, std::string> kSamplesOfOptions = {
+    {"replace", "a,b"}, {"prefix", "p_"},   {"memory", "268435456B"}, {"temp_folder", "/tmp"}, {"threads", "3"},
+    {"resume", "here"}, {"scale", "0.001"}, {"offset", "auto"},       {"decimals", "3"}};
 
 TEST(OptionsOfRuns, AreTakenAndGivenBack) {
   std::set<std::string> names;
@@ -58,6 +58,11 @@ TEST(OptionsOfRuns, SetTheMemberOfTheirName) {
   set_option(options, "provenance", "paths");
   set_option(options, "memory", "1.5G");
   set_option(options, "threads", "7");
+  set_option(options, "scale", "0.5,0.25,1");
+  set_option(options, "offset", "1,2,-3");
+  EXPECT_EQ(options.layout.scale, (Vec3{0.5, 0.25, 1}));
+  EXPECT_EQ(options.layout.offset->at, (Vec3{1, 2, -3}));
+  EXPECT_EQ(run_option("offset").text(options), "1,2,-3");
   EXPECT_EQ(options.order, Order::sweep);
   EXPECT_EQ(options.axis, 1);
   EXPECT_EQ(options.engine, Engine::reference);

@@ -12,6 +12,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::string_view kLasExtensions[] = {".las"}, kLazExtensions[] = {".laz"};
+constexpr std::string_view kLayout[] = {"scale", "offset", "point_format", "las_version"};
 
 /// A bit of the point format (byte 104) tells compressed files.
 bool is_compressed(std::string_view head) {
@@ -28,7 +29,9 @@ std::optional<double> own_field(std::string_view name) {
   return std::nullopt;
 }
 
-bool needs_bounds(const Schema& schema) { return !las_keeps_scale(position_fields(schema, "the input")); }
+bool needs_bounds(const Schema& schema, const FileLayout& layout) {
+  return layout.scale || layout.offset || !las_keeps_scale(position_fields(schema, "the input"));
+}
 
 }  // namespace
 
@@ -48,6 +51,7 @@ const Format kLasFormat = {.name = "LAS",
                            .name_bytes = kLasNameBytes,
                            .stored_name = las_dimension_name,
                            .own_field = own_field,
+                           .layout = kLayout,
                            .needs_bounds = needs_bounds,
                            .values = las_values};
 
@@ -72,6 +76,7 @@ const Format kLazFormat = {.name = "LAZ",
                            .name_bytes = kLasNameBytes,
                            .stored_name = las_dimension_name,
                            .own_field = own_field,
+                           .layout = kLayout,
                            .needs_bounds = needs_bounds,
                            .values = las_values};
 

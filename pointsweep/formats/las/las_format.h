@@ -16,7 +16,7 @@ namespace pointsweep {
 /// Reads the cloud once if the types of its fields leave open which point format holds them, or if real coordinates may
 /// lie on the grid of the LAS file that they came from, or of decimal fractions such as text files have. `progress`
 /// gets the number of points read; it may throw.
-KnownValues las_values(InputCloud& cloud, const std::function<void(std::uint64_t)>& progress);
+KnownValues las_values(InputCloud& cloud, const FileLayout& layout, const std::function<void(std::uint64_t)>& progress);
 
 /// Throws Error before anything is written when the points cannot be stored as LAS. Without a LAS input, plan.bounds
 /// has to be there unless the coordinates are integers of at most 32 bits.

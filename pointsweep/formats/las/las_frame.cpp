@@ -135,7 +135,8 @@ LasEncoder::LasEncoder(const LasLayout& layout, std::string path)
       fitting_scale_(layout.fitting_scale),
       positions_change_(layout.positions_change),
       returns_missing_(layout.returns_missing),
-      notes_rounding_(layout.points_moved && layout.keeps_scale),
+      moved_(layout.points_moved),
+      notes_rounding_(layout.grid_is_stated || (layout.points_moved && layout.keeps_scale)),
       only_return_(layout.header.point_format >= 6 ? kOnlyReturn : kOnlyLegacyReturn),
       path_(std::move(path)) {}
 
@@ -182,7 +183,8 @@ std::string LasEncoder::rounding() const {
   const bool alike = scale_.x == scale_.y && scale_.y == scale_.z;
   const std::string steps =
       alike ? fmt::format("{}", scale_.x) : fmt::format("{} in x, {} in y and {} in z", scale_.x, scale_.y, scale_.z);
-  return fmt::format("{}: moved coordinates are rounded to steps of {}, by at most {}.", path_, steps, coarsest / 2);
+  return fmt::format("{}: {}coordinates are rounded to steps of {}, by at most {}.", path_, moved_ ? "moved " : "",
+                     steps, coarsest / 2);
 }
 
 }  // namespace pointsweep

@@ -92,7 +92,7 @@ class LasEncoder {
   /// cannot hold: NaN, infinite, or too far from the offset.
   void run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) const;
 
-  /// A sentence about moved coordinates that were rounded; empty if none was.
+  /// A sentence about coordinates that were rounded, if they were moved or the grid is stated; empty if none was.
   std::string rounding() const;
 
  private:
@@ -104,8 +104,8 @@ class LasEncoder {
   Vec3 scale_, offset_;
   std::size_t stride_in_, stride_out_;
   std::optional<Vec3> fitting_scale_;
-  bool positions_change_, returns_missing_, notes_rounding_;
-  mutable std::atomic<bool> rounds_ = false;  ///< a moved coordinate lay beside the grid
+  bool positions_change_, returns_missing_, moved_, notes_rounding_;
+  mutable std::atomic<bool> rounds_ = false;  ///< a coordinate lay beside the grid
   std::byte only_return_;
   std::string path_;
 };

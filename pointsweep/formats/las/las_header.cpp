@@ -184,6 +184,18 @@ void upgrade_las_header(LasHeader& header, int minor) {
   header.minor = static_cast<std::uint8_t>(minor);
 }
 
+void set_las_version(LasHeader& header, int minor) {
+  upgrade_las_header(header, minor);
+  if (header.minor == minor) return;
+  const std::uint16_t old = standard_header_size(header.minor), now = standard_header_size(minor);
+  const auto size = std::ssize(header.bytes);
+  header.bytes.erase(header.bytes.begin() + std::min<std::ptrdiff_t>(now, size),
+                     header.bytes.begin() + std::min<std::ptrdiff_t>(old, size));
+  header.header_size = static_cast<std::uint16_t>(header.header_size + now - old);
+  header.minor = static_cast<std::uint8_t>(minor);
+  header.global_encoding &= minor < 2 ? 0 : minor < 3 ? kLasStandardTimeBit : kLasEncodingBits13;
+}
+
 void set_counts(LasHeader& header, std::uint64_t count, const std::array<std::uint64_t, 16>& by_return) {
   const bool legacy = header.minor < 4 || (header.point_format <= 5 && count <= kMaxLegacyCount);
   header.legacy_count = legacy ? static_cast<std::uint32_t>(count) : 0;

@@ -17,6 +17,8 @@ namespace pointsweep {
 /// Bits of the global encoding. The coordinate reference system is the WKT, which point formats 6 to 10 must claim with
 /// a system or without; GPS times are adjusted standard GPS time, not seconds of the GPS week.
 inline constexpr std::uint16_t kLasWktBit = 1 << 4, kLasStandardTimeBit = 1 << 0;
+/// Bits of the global encoding that LAS 1.3 defines.
+inline constexpr std::uint16_t kLasEncodingBits13 = 0x0F;
 
 /// The entries the library uses; all others (GUID, system identifier, dates, ...) stay in `bytes`.
 struct LasHeader {
@@ -61,6 +63,10 @@ LasHeader new_las_header();
 /// Turns an older header into one of LAS 1.`minor`; a newer one stays. The counts of LAS 1.4 have 64 bits. User bytes
 /// after the header stay after it.
 void upgrade_las_header(LasHeader& header, int minor);
+
+/// Turns a header into one of LAS 1.`minor`, older or newer. Bits of the global encoding that an older version reserves
+/// are cleared. The file has no extended VLRs and no waveforms where that version is older.
+void set_las_version(LasHeader& header, int minor);
 
 /// Sets the counts of the header by the rules of its version: legacy counts are 0 where LAS 1.4 asks for it.
 /// `by_return[r]` is the number of points with return number r (entry 0 is not used).

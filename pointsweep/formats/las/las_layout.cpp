@@ -10,7 +10,6 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/format.h"
 #include "pointsweep/formats/known_values.h"
-#include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/color_depth.h"
 
@@ -45,9 +44,10 @@ class Builder {
   }
 
   LasLayout build() {
-    kept_ = input_ != nullptr && las_begins_with_records_of(*input_, plan_.schema) && !makes_fields_of_formats();
+    kept_ = input_ != nullptr && las_keeps_records(*input_, plan_.schema, plan_.layout) && !makes_fields_of_formats();
     layout_.points_moved = is_made("x");
-    if (plan_.bounds && !plan_.bounds->empty()) layout_.fitting_scale = las_quantization(*plan_.bounds).scale;
+    layout_.grid_is_stated = plan_.layout.scale || plan_.layout.offset;
+    if (plan_.bounds && !plan_.bounds->empty()) layout_.fitting_scale = fitting_scale(*plan_.bounds);
     if (kept_) {
       keep_records();
     } else {
@@ -55,6 +55,7 @@ class Builder {
     }
     layout_.header.record_length = static_cast<std::uint16_t>(layout_.to.stride);
     if (plan_.count > std::numeric_limits<std::uint32_t>::max()) upgrade_las_header(layout_.header, 4);
+    if (plan_.layout.las_version) take_version(*plan_.layout.las_version);
     choose_crs();
     warn_of_waveforms();
     if (!kept_) warn_of_unnamed_bytes();
@@ -154,7 +155,10 @@ class Builder {
 
   void keep_bytes(const Schema& format) {
     Field record{.name = "", .type = Type::u8, .count = layout_.to.stride};
-    if (las_keeps_scale(position_fields(plan_.schema, ""))) return connect(record, record);
+    const auto is_on_grid = [&](std::size_t axis) {
+      return same_encoding(plan_.schema.fields[axis], format.fields[axis]);
+    };
+    if (is_on_grid(0) && is_on_grid(1) && is_on_grid(2)) return connect(record, record);
     for (std::size_t axis = 0; axis < 3; ++axis) connect(plan_.schema.fields[axis], format.fields[axis]);
     Field rest = record;
     rest.offset = kLasPositionBytes;
@@ -184,8 +188,8 @@ class Builder {
     LasHeader& header = layout_.header;
     const Schema& schema = plan_.schema;
     const std::vector<ValueRange> ranges = value_ranges();
-    const bool legacy = plan_.las != nullptr && plan_.values != nullptr;
-    header.point_format = static_cast<std::uint8_t>(choose_las_point_format(schema, ranges, legacy));
+    const LasChoice choice = las_choice(plan_.layout, plan_.las != nullptr && plan_.values != nullptr);
+    header.point_format = static_cast<std::uint8_t>(choose_las_point_format(schema, ranges, choice));
     choose_version();
     choose_scale(position_fields(schema, plan_.path.string()));
     const Schema format = las_point_schema(header.point_format, header.scale, header.offset);
@@ -202,9 +206,18 @@ class Builder {
         inexact.push_back(*at);
     }
     layout_.returns_missing = !schema.find("return_number");
+    std::vector<std::string> without_field;
     for (std::size_t i = 0; i < schema.fields.size(); ++i) {
-      if (!stored[i]) append_extra(schema.fields[i]);
+      if (stored[i]) continue;
+      if (choice.is_stated() && is_las_name(schema.fields[i].name)) {
+        if (!is_made(schema.fields[i].name) && ranges[i].within(0, 0)) continue;  // as in a file without the field
+        without_field.push_back(schema.fields[i].name);
+      }
+      append_extra(schema.fields[i]);
     }
+    if (!without_field.empty())
+      layout_.warnings.push_back(fmt::format("{}: point format {} has no field for {}; extra bytes hold the values.",
+                                             plan_.path.string(), header.point_format, fmt::join(without_field, ", ")));
     for (const std::size_t i : inexact) append_exact_copy(schema.fields[i]);
     watch_positions(format);
   }
@@ -251,12 +264,60 @@ class Builder {
                                                         (plan_.las->standard_time ? kLasStandardTimeBit : 0));
   }
 
-  /// LAS integers keep their scale. Real coordinates get that of the inputs where las_values() knows one, else the
-  /// finest that 32 bits allow; those of a LAS input without known bounds that of its header.
+  static bool is_las_name(const std::string& name) {
+    Schema alone;
+    for (const char* color : {"red", "green", "blue"}) alone.append(color, Type::u16);
+    if (!alone.find(name)) alone.append(name, Type::f64);
+    const std::vector<std::string> names = las_names_in(alone);
+    return std::ranges::find(names, name) != names.end();
+  }
+
+  /// Gives the header the version that the user states.
+  void take_version(int minor) {
+    LasHeader& header = layout_.header;
+    const int least = plan_.count > std::numeric_limits<std::uint32_t>::max() ? 4 : las_minor_of(header.point_format);
+    if (minor < least)
+      fail_usage("{}: LAS 1.{} has no {}, which needs LAS 1.{}; state that version, or another point format.",
+                 plan_.path.string(), minor,
+                 least > las_minor_of(header.point_format) ? "more than 4294967295 points"
+                                                           : fmt::format("point format {}", header.point_format),
+                 least);
+    if (minor < header.minor && (header.evlr_count > 0 || header.waveform_start > 0))
+      fail_usage("{}: LAS 1.{} has no place for the extended VLRs or waveforms of the input; state LAS 1.{}.",
+                 plan_.path.string(), minor, header.minor);
+    set_las_version(header, minor);
+  }
+
+  /// The scale at which LAS reaches all points, from the stated offset if there is one.
+  Vec3 fitting_scale(const Box& bounds) const {
+    const std::optional<Anchor>& offset = plan_.layout.offset;
+    return offset && offset->at ? las_scale_from(*offset->at, bounds) : las_quantization(bounds).scale;
+  }
+
+  /// Sets the grid that the user states, as far as it is stated. `own`: the grid of the coordinates, if they have one.
+  void take_stated_grid(const std::optional<LasQuantization>& own) {
+    const auto& [scale, offset, format, version, decimals] = plan_.layout;
+    LasQuantization grid = own.value_or(LasQuantization{{1, 1, 1}, {}});
+    if (scale)
+      grid.scale = *scale;
+    else if (!own && layout_.fitting_scale)
+      grid.scale = *layout_.fitting_scale;
+    if (offset && offset->at)
+      grid.offset = *offset->at;
+    else if (plan_.bounds)
+      grid = offset ? las_grid_in_the_middle(grid, *plan_.bounds) : las_grid_for_moved(grid, *plan_.bounds);
+    set_grid(grid);
+  }
+
+  /// A stated grid counts. LAS integers keep their scale. Real coordinates get that of the inputs where las_values()
+  /// knows one, else the finest that 32 bits allow; those of a LAS input without known bounds that of its header.
   void choose_scale(const PositionFields& p) {
     LasHeader& header = layout_.header;
-    if (las_keeps_scale(p)) {
-      set_grid({{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}});
+    const LasQuantization of_fields{{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
+    if (layout_.grid_is_stated) {
+      take_stated_grid(las_keeps_scale(p) ? std::optional(of_fields) : has_grid() ? plan_.values->grid : std::nullopt);
+    } else if (las_keeps_scale(p)) {
+      set_grid(of_fields);
     } else if (plan_.bounds && has_grid()) {
       const LasQuantization& grid = *plan_.values->grid;
       layout_.keeps_scale = true;
@@ -298,9 +359,10 @@ class Builder {
     const bool geotiff = !own.geotiff.empty() || !added_crs_.geotiff.empty();
     if (kept_ && added_crs_.wkt.empty()) return;
     const bool modern = header.point_format >= 6;
-    const bool wkt_counts = modern                    ? wkt || !geotiff
-                            : !added_crs_.wkt.empty() ? !geotiff
-                                                      : input_ != nullptr && says_wkt();
+    const bool wkt_counts = plan_.layout.las_version.value_or(4) < 4 ? false
+                            : modern                                 ? wkt || !geotiff
+                            : !added_crs_.wkt.empty()                ? !geotiff
+                                                                     : input_ != nullptr && says_wkt();
     if (wkt_counts) upgrade_las_header(header, 4);
     header.global_encoding =
         static_cast<std::uint16_t>((header.global_encoding & ~kLasWktBit) | (wkt_counts ? kLasWktBit : 0));
@@ -387,6 +449,16 @@ bool las_begins_with_records_of(const LasExtras& input, const Schema& schema) {
   }
   return std::all_of(all.begin() + std::ssize(own), all.end(),
                      [&](const Field& f) { return f.offset >= input.schema.stride + longer; });
+}
+
+bool las_keeps_records(const LasExtras& input, const Schema& schema, const FileLayout& layout) {
+  return las_begins_with_records_of(input, schema) &&
+         layout.point_format.value_or(input.header.point_format) == input.header.point_format;
+}
+
+LasChoice las_choice(const FileLayout& layout, bool from_las) {
+  const int minor = layout.las_version.value_or(4);
+  return {.format = layout.point_format, .legacy = from_las || minor < 4, .most_minor = minor};
 }
 
 LasLayout lay_out_las(const OutputPlan& plan, LasPoints points) { return Builder(plan, points).build(); }

@@ -12,6 +12,7 @@
 
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_header.h"
+#include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las/las_reader.h"
 #include "pointsweep/formats/las/laz_layout.h"
 #include "pointsweep/points/schema.h"
@@ -45,6 +46,7 @@ struct LasLayout {
   bool positions_change = false;      ///< coordinates have to be quantised, which may fail
   bool points_moved = false;          ///< those are of points that stages have moved
   bool keeps_scale = false;           ///< those are rounded to steps of the input
+  bool grid_is_stated = false;        ///< all are rounded to steps that the user states
   std::optional<Vec3> fitting_scale;  ///< scales that hold all coordinates, where the bounds are known
   bool returns_missing = false;       ///< no return numbers come: every point is return 1 of 1
 
@@ -63,6 +65,12 @@ LasLayout lay_out_las(const OutputPlan& plan, LasPoints points = LasPoints::plai
 /// True if `schema` begins with the records of `input`, whose coordinates may have another scale and offset or be real
 /// numbers that stand first in the record.
 bool las_begins_with_records_of(const LasExtras& input, const Schema& schema);
+
+/// True if records of `schema` are written as those of `input`, since the user asks for no other point format.
+bool las_keeps_records(const LasExtras& input, const Schema& schema, const FileLayout& layout);
+
+/// Returns the point formats to choose from. `from_las`: an input is or was LAS.
+LasChoice las_choice(const FileLayout& layout, bool from_las);
 
 /// True for coordinates that are LAS's own integers: they stay unchanged, and no bounds are needed to choose a scale.
 bool las_keeps_scale(const PositionFields& p);

@@ -170,12 +170,17 @@ bool las_field_holds(const Field& target, const Field& source, const ValueRange&
   return (range.whole || target.scale != 1) && range.within(held.lo, held.hi);
 }
 
-int choose_las_point_format(const Schema& schema, const std::vector<ValueRange>& ranges, bool legacy) {
+bool LasChoice::has(int point_format) const {
+  if (format) return point_format == *format;
+  return (legacy || point_format >= kFirstModernLasFormat) && las_minor_of(point_format) <= most_minor;
+}
+
+int choose_las_point_format(const Schema& schema, const std::vector<ValueRange>& ranges, const LasChoice& choice) {
   const std::vector<std::string> names = las_names_in(schema);
   int best = kFullestModern;
   std::ptrdiff_t fewest = std::numeric_limits<std::ptrdiff_t>::max();
   for (const int format : kByLength) {
-    if (format < 6 && !legacy) continue;
+    if (!choice.has(format)) continue;
     const Schema fields = las_point_schema(format, {1, 1, 1}, {});
     const auto left_out = std::count_if(names.begin(), names.end(), [&](const std::string& name) {
       const Field* target = target_in(fields, name);
@@ -190,17 +195,24 @@ int choose_las_point_format(const Schema& schema, const std::vector<ValueRange>&
 }
 
 std::vector<std::size_t> undecided_las_fields(const Schema& schema, const std::vector<ValueRange>& ranges,
-                                              bool legacy) {
+                                              const LasChoice& choice) {
   const std::vector<std::string> names = las_names_in(schema);
-  legacy = legacy && std::none_of(names.begin(), names.end(), only_modern_has);
+  std::vector<int> formats = {kFullestModern};
+  if (choice.is_stated())
+    formats = {choice.format.value_or(choice.most_minor < 3   ? 3
+                                      : choice.most_minor < 4 ? kFullestLegacy
+                                                              : kFullestModern)};
+  else if (choice.legacy && std::none_of(names.begin(), names.end(), only_modern_has))
+    formats.push_back(kFullestLegacy);
   std::vector<std::size_t> undecided;
   for (const std::string& name : names) {
     const std::size_t source = *schema.find(name);
-    for (const int format : {kFullestModern, kFullestLegacy}) {
-      if (format == kFullestLegacy && !legacy) continue;
+    for (const int format : formats) {
       const Schema fields = las_point_schema(format, {1, 1, 1}, {});
       const Field* target = target_in(fields, name);
-      if (target == nullptr || las_field_holds(*target, schema.fields[source], ranges[source])) continue;
+      const bool decided =
+          target == nullptr ? !choice.is_stated() : las_field_holds(*target, schema.fields[source], ranges[source]);
+      if (decided) continue;
       undecided.push_back(source);
       break;
     }

@@ -41,11 +41,23 @@ std::vector<std::string> las_names_in(const Schema& schema);
 /// angle, which is rounded to its steps of 0.006 degrees.
 bool las_field_holds(const Field& target, const Field& source, const ValueRange& range);
 
-/// The point format that holds most of las_names_in(schema), and among those the one with the shortest records.
-/// `ranges` has one entry for each field of `schema`. Formats 0 to 5 are considered only with `legacy`.
-int choose_las_point_format(const Schema& schema, const std::vector<ValueRange>& ranges, bool legacy);
+/// The point formats of which one is chosen.
+struct LasChoice {
+  std::optional<int> format = {};  ///< the only one
+  bool legacy = false;             ///< 0 to 5 are among them
+  int most_minor = 4;              ///< all are in LAS 1.`most_minor`
+  /// A user has stated the format or the version, so that fields may have no place there.
+  bool is_stated() const { return format.has_value() || most_minor < 4; }
+  bool has(int point_format) const;
+};
 
-/// Indices of the fields whose types leave open whether the point formats to choose from hold them.
-std::vector<std::size_t> undecided_las_fields(const Schema& schema, const std::vector<ValueRange>& ranges, bool legacy);
+/// The point format of `choice` that holds most of las_names_in(schema), and among those the one with the shortest
+/// records. `ranges` has one entry for each field of `schema`.
+int choose_las_point_format(const Schema& schema, const std::vector<ValueRange>& ranges, const LasChoice& choice);
+
+/// Indices of the fields whose types leave open whether the point formats to choose from hold them; of a stated choice
+/// also of those for which these have no field.
+std::vector<std::size_t> undecided_las_fields(const Schema& schema, const std::vector<ValueRange>& ranges,
+                                              const LasChoice& choice);
 
 }  // namespace pointsweep

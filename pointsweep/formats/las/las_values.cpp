@@ -91,7 +91,8 @@ bool are_double(const PositionFields& p) {
 
 }  // namespace
 
-KnownValues las_values(InputCloud& cloud, const std::function<void(std::uint64_t)>& progress) {
+KnownValues las_values(InputCloud& cloud, const FileLayout& layout,
+                       const std::function<void(std::uint64_t)>& progress) {
   KnownValues values{cloud.ranges()};
   const bool from_las = cloud.las() != nullptr;
   const PositionFields positions = position_fields(cloud.schema(), "the input");
@@ -101,8 +102,8 @@ KnownValues las_values(InputCloud& cloud, const std::function<void(std::uint64_t
   std::vector<std::size_t> fields;
   const std::shared_ptr<const FormatExtras> extras = cloud.extras();
   const auto* const first = extras_as<LasExtras>(extras);
-  if (first == nullptr || !las_begins_with_records_of(*first, cloud.schema()))
-    fields = undecided_las_fields(cloud.schema(), values.ranges, from_las);
+  if (first == nullptr || !las_keeps_records(*first, cloud.schema(), layout))
+    fields = undecided_las_fields(cloud.schema(), values.ranges, las_choice(layout, from_las));
   const auto coordinates = values.by_decimals                   ? Look::For::decimals
                            : real && from_las && !values.rounds ? Look::For::grid
                                                                 : Look::For::nothing;

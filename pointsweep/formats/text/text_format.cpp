@@ -10,6 +10,8 @@ constexpr std::string_view kTextExtensions[] = {".xyz", ".txt", ".asc"};
 constexpr std::string_view kPtsExtensions[] = {".pts"};
 constexpr std::string_view kCsvExtensions[] = {".csv"};
 
+constexpr std::string_view kLayout[] = {"decimals"};
+
 }  // namespace
 
 const Format kTextFormat = {.name = "text",
@@ -21,7 +23,8 @@ const Format kTextFormat = {.name = "text",
                             .fits = fits_text,
                             .open = open_text,
                             .create = create_text_writer,
-                            .holds_provenance = true};
+                            .holds_provenance = true,
+                            .layout = kLayout};
 
 const Format kPtsFormat = {.name = "text",
                            .title = "PTS",
@@ -30,7 +33,8 @@ const Format kPtsFormat = {.name = "text",
                            .writes = "the number of points, then columns separated by spaces",
                            .extensions = kPtsExtensions,
                            .create = create_text_writer,
-                           .holds_provenance = true};
+                           .holds_provenance = true,
+                           .layout = kLayout};
 
 const Format kCsvFormat = {.name = "text",
                            .title = "CSV",
@@ -38,6 +42,7 @@ const Format kCsvFormat = {.name = "text",
                            .reads = "as text",
                            .writes = "columns separated by commas",
                            .extensions = kCsvExtensions,
-                           .create = create_text_writer};
+                           .create = create_text_writer,
+                           .layout = kLayout};
 
 }  // namespace pointsweep

@@ -2,8 +2,11 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <charconv>
+#include <cmath>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <vector>
 
 #include "pointsweep/fail.h"
@@ -29,7 +32,10 @@ class TextWriter final : public Writer {
  public:
   explicit TextWriter(const OutputPlan& plan)
       : plan_(plan), separator_(extension_of(plan.path) == ".csv" ? ',' : ' '), file_(plan.path, plan.overwrite) {
-    for (const Field& field : plan.schema.fields) decimals_.emplace_back(field);
+    for (const Field& field : plan.schema.fields) {
+      decimals_.emplace_back(field);
+      is_coordinate_.push_back(field.name == "x" || field.name == "y" || field.name == "z");
+    }
     const auto names = column_names(plan.schema);
     const std::string extension = extension_of(plan.path);
     if (extension == ".pts") append(fmt::format("{}\n", plan.count));
@@ -60,6 +66,9 @@ class TextWriter final : public Writer {
       fail("{}: only {} of the {} points that were announced came.", plan_.path.string(), rows_written_, plan_.count);
     }
     flush();
+    if (rounds_)
+      add_warning(fmt::format("{}: coordinates are rounded to {} {} after the decimal point.", plan_.path.string(),
+                              *plan_.layout.decimals, *plan_.layout.decimals == 1 ? "digit" : "digits"));
     file_.seal();
   }
 
@@ -80,6 +89,7 @@ class TextWriter final : public Writer {
 
   void append_value(std::size_t f, const std::byte* record, std::uint32_t component) {
     const Field& field = plan_.schema.fields[f];
+    if (plan_.layout.decimals && is_coordinate_[f]) return append_rounded(value_of(field, record, component));
     if (!field.is_plain()) {
       const double value = decimals_[f].of(value_of(field, record, component));
       fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value);
@@ -92,6 +102,16 @@ class TextWriter final : public Writer {
     });
   }
 
+  void append_rounded(double value) {
+    const std::size_t from = text_.size();
+    fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{:.{}f}"), value, *plan_.layout.decimals);
+    double written = 0;
+    if (rounds_ || !std::isfinite(value)) return;
+    std::from_chars(text_.data() + from, text_.data() + text_.size(), written);
+    // A value on a grid of decimal fractions differs from them in its last digits.
+    rounds_ = std::abs(written - value) > 4 * std::numeric_limits<double>::epsilon() * std::abs(value);
+  }
+
   void flush() {
     file_.append(std::as_bytes(std::span(text_.data(), text_.size())));
     bytes_written_ += text_.size();
@@ -100,6 +120,8 @@ class TextWriter final : public Writer {
 
   OutputPlan plan_;
   std::vector<GridDecimals> decimals_;  ///< by field
+  std::vector<bool> is_coordinate_;     ///< by field
+  bool rounds_ = false;                 ///< a coordinate has more digits than are written
   char separator_;
   OutputFile file_;
   fmt::memory_buffer text_;

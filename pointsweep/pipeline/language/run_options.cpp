@@ -19,7 +19,16 @@ namespace {
 using enum RunOption::Group;
 using enum RunOption::Effect;
 
-constexpr unsigned kMostThreads = 4096;
+constexpr int kMostThreads = 4096;
+constexpr int kMostDigits = 15;  ///< that float64 holds
+constexpr const char* kAutomatic = "auto";
+
+std::optional<int> parse_whole(const std::string& text, int least, int most) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool is_whole = error == std::errc() && end == text.data() + text.size();
+  return is_whole && number >= least && number <= most ? std::optional(number) : std::nullopt;
+}
 
 std::string list_of(const std::vector<std::string>& words) {
   std::string text;
@@ -34,14 +43,35 @@ void read(const std::string& text, const std::string&, std::string& value) { val
 void read(const std::string& text, const std::string&, std::filesystem::path& value) { value = text; }
 void read(const std::string& text, const std::string& where, std::uint64_t& bytes) { bytes = parse_size(where, text); }
 void read(const std::string& text, const std::string& where, unsigned& threads) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), threads);
-  if (error != std::errc() || end != text.data() + text.size() || threads < 1 || threads > kMostThreads)
-    fail_usage("{}: '{}' is not a whole number from 1 to {}.", where, text, kMostThreads);
+  const std::optional<int> number = parse_whole(text, 1, kMostThreads);
+  if (!number) fail_usage("{}: '{}' is not a whole number from 1 to {}.", where, text, kMostThreads);
+  threads = static_cast<unsigned>(*number);
 }
 void read(const std::string& text, const std::string& where, std::vector<std::string>& names) {
   names = parse_names(where, text);
 }
 
+/// One number stands for all axes.
+void read(const std::string& text, const std::string& where, std::optional<Vec3>& steps) {
+  const bool is_one = text.find(',') == text.npos;
+  steps = parse_vector(where, is_one ? fmt::format("{0},{0},{0}", text) : text);
+  if (!(steps->x > 0 && steps->y > 0 && steps->z > 0)) fail_usage("{}: '{}' is not above 0.", where, text);
+}
+void read(const std::string& text, const std::string& where, std::optional<Anchor>& place) {
+  place.emplace();
+  if (text != kAutomatic) place->at = parse_vector(where, text);
+}
+void read(const std::string& text, const std::string& where, std::optional<int>& digits) {
+  digits = parse_whole(text, 0, kMostDigits);
+  if (!digits) fail_usage("{}: '{}' is not a whole number from 0 to {}.", where, text, kMostDigits);
+}
+
+std::string text_of(Vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
+std::string text_of(const std::optional<Vec3>& steps) {
+  return steps->x == steps->y && steps->y == steps->z ? fmt::format("{}", steps->x) : text_of(*steps);
+}
+std::string text_of(const std::optional<Anchor>& place) { return place->at ? text_of(*place->at) : kAutomatic; }
+std::string text_of(std::optional<int> digits) { return fmt::format("{}", *digits); }
 std::string text_of(const std::string& value) { return value; }
 std::string text_of(const std::filesystem::path& value) { return value.string(); }
 std::string text_of(std::uint64_t bytes) { return fmt::format("{}B", bytes); }
@@ -76,19 +106,20 @@ RunOption switching(RunOption declared, bool RunOptions::*member) {
 }
 
 /// The same for an option whose values are words.
-template <class T>
-RunOption words(RunOption declared, T RunOptions::*member, const std::vector<std::pair<std::string, T>>& values) {
+template <class T, class Member>
+RunOption words(RunOption declared, Member member, const std::vector<std::pair<std::string, T>>& values) {
   for (const auto& [word, value] : values) declared.words.push_back(word);
   declared.value = fmt::format("{}", fmt::join(declared.words, "|"));
   declared.set = [member, values, all = declared.words](RunOptions& options, const std::string& text,
                                                         const std::string& where) {
     const auto found = std::ranges::find(values, text, &std::pair<std::string, T>::first);
     if (found == values.end()) fail_usage("{}: '{}' is not {}.", where, text, list_of(all));
-    options.*member = found->second;
+    std::invoke(member, options) = found->second;
   };
   declared.text = [member, values](const RunOptions& options) {
-    const auto found = std::ranges::find(values, options.*member, &std::pair<std::string, T>::second);
-    const bool is_preset = options.*member == RunOptions().*member;
+    const RunOptions presets;
+    const auto found = std::ranges::find(values, std::invoke(member, options), &std::pair<std::string, T>::second);
+    const bool is_preset = std::invoke(member, options) == std::invoke(member, presets);
     return is_preset || found == values.end() ? std::string() : found->first;
   };
   return declared;
@@ -118,6 +149,40 @@ const std::vector<RunOption>& run_options() {
           {"positions", "--positions", "",
            "Type of x, y and z in the output, not for LAS (default: that of the input; float64 of moved points)"},
           &RunOptions::positions, {{"float32", Type::f32}, {"float64", Type::f64}}),
+      option(
+          {"scale", "--scale", "S|X,Y,Z",
+           "Steps of the integer coordinates of LAS, to which they are rounded (default: those of the input, or the "
+           "finest that reach all points)"},
+          [](auto& options) -> auto& { return options.layout.scale; }),
+      option(
+          {"offset", "--offset", "auto|X,Y,Z",
+           "Offset of the integer coordinates of LAS; auto is near the middle (default: that of the input as long as "
+           "it reaches all points)"},
+          [](auto& options) -> auto& { return options.layout.offset; }),
+      words<std::optional<int>>(
+          {"point_format", "--point-format", "",
+           "Point format of LAS; attributes without a field there become extra bytes (default: that of the input, or "
+           "the shortest that holds all)"},
+          [](auto& options) -> auto& { return options.layout.point_format; },
+          {{"0", 0},
+           {"1", 1},
+           {"2", 2},
+           {"3", 3},
+           {"4", 4},
+           {"5", 5},
+           {"6", 6},
+           {"7", 7},
+           {"8", 8},
+           {"9", 9},
+           {"10", 10}}),
+      words<std::optional<int>>(
+          {"las_version", "--las-version", "", "Version of LAS (default: that of the input, or 1.4)"},
+          [](auto& options) -> auto& { return options.layout.las_version; },
+          {{"1.0", 0}, {"1.1", 1}, {"1.2", 2}, {"1.3", 3}, {"1.4", 4}}),
+      option(
+          {"decimals", "--decimals", "DIGITS",
+           "Digits of x, y and z after the decimal point in text (default: as many as their values need)"},
+          [](auto& options) -> auto& { return options.layout.decimals; }),
       words<Nonfinite>(
           {"nonfinite", "--nonfinite", "",
            "Keep, drop or refuse points with NaN or infinite coordinates (default: keep; drop for LAS outputs)", other},

@@ -12,6 +12,7 @@
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/language/parse.h"
+#include "pointsweep/pipeline/language/run_options.h"
 #include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
@@ -133,6 +134,22 @@ Moves moves_of(const ChainGraph& graph) {
   return moves;
 }
 
+/// Throws UsageError for a wish of FileLayout that the format of an output has no place for.
+void require_layout_possible(const Outputs& outputs, const EngineOptions& options) {
+  for (const OutputFormat& output : output_formats(outputs))
+    for (const RunOption& option : run_options()) {
+      const auto takes = [&](const Format* format) {
+        return std::ranges::find(format->layout, option.name) != format->layout.end();
+      };
+      std::set<std::string_view> takers;
+      for (const Format* format : formats())
+        if (takes(format)) takers.insert(format->name);
+      if (takers.empty() || takes(output.format) || option.text(options).empty()) continue;
+      fail_usage("{}: is for {} outputs, and {} is {}; leave the option out.", option.flag, fmt::join(takers, " and "),
+                 output.example.string(), output.format->name);
+    }
+}
+
 }  // namespace
 
 std::string OutputNames::warning() const {
@@ -183,7 +200,8 @@ void require_outputs(const Outputs& outputs) {
     fail_usage("the run has no output: name a point file, arrays, a writer or tiles.");
 }
 
-void require_tiles_possible(const Outputs& outputs, const EngineOptions& options) {
+void require_outputs_possible(const Outputs& outputs, const EngineOptions& options) {
+  require_layout_possible(outputs, options);
   if (outputs.tiles.empty()) return;
   if (!outputs.points.empty() || !outputs.arrays.empty() || outputs.writer)
     fail_usage("An output for each input cannot be combined with an output of all points; make two runs.");

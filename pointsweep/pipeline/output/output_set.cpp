@@ -52,6 +52,7 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
                         .other_extras = cloud.other_extras(),
                         .made = made,
                         .provenance = std::move(provenance),
+                        .layout = options.layout,
                         .encoder_bytes = place.encoder_bytes};
   if (!outputs.points.empty()) points_.add(create_writer(plan));
   if (outputs.writer) points_.add(outputs.writer(plan));

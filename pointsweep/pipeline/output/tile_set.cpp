@@ -79,14 +79,15 @@ Box bounds_of(InputCloud& cloud) {
 }
 
 /// Returns OutputPlan::bounds for the output of one input.
-std::optional<Box> bounds_if_needed(const Format* format, InputCloud& cloud) {
-  const bool needed = format != nullptr && format->needs_bounds != nullptr && format->needs_bounds(cloud.schema());
+std::optional<Box> bounds_if_needed(const Format* format, const FileLayout& layout, InputCloud& cloud) {
+  const bool needed =
+      format != nullptr && format->needs_bounds != nullptr && format->needs_bounds(cloud.schema(), layout);
   return needed ? std::optional(bounds_of(cloud)) : std::nullopt;
 }
 
-std::shared_ptr<KnownValues> values_if_needed(const Format* format, InputCloud& cloud) {
+std::shared_ptr<KnownValues> values_if_needed(const Format* format, const FileLayout& layout, InputCloud& cloud) {
   if (format == nullptr || format->values == nullptr) return nullptr;
-  return std::make_shared<KnownValues>(format->values(cloud, [](std::uint64_t) { stop_if_cancelled(); }));
+  return std::make_shared<KnownValues>(format->values(cloud, layout, [](std::uint64_t) { stop_if_cancelled(); }));
 }
 
 /// Returns whether a point of the tile has moved. The rows of the tile begin at `first` in the whole cloud.
@@ -203,8 +204,8 @@ void TileSet::open_next() {
 
 /// Tiles with moved points share one decision about their grid; all others keep their own.
 OutputPlace TileSet::place_of_tile(InputCloud& cloud, const Format* format, std::uint64_t first) const {
-  std::shared_ptr<KnownValues> values = values_if_needed(format, cloud);
-  if (!request_.moved || !values) return {bounds_if_needed(format, cloud), values};
+  std::shared_ptr<KnownValues> values = values_if_needed(format, request_.options.layout, cloud);
+  if (!request_.moved || !values) return {bounds_if_needed(format, request_.options.layout, cloud), values};
   if (!has_moved_points(cloud, *request_.moved, first)) return {bounds_of(cloud), values};
   values->grid = request_.moved->grid;
   return {request_.moved->bounds, values};

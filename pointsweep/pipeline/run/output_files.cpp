@@ -130,7 +130,8 @@ RunRecord said_of(const Context& context, int axis) {
 /// none.
 std::shared_ptr<const KnownValues> values_if_needed(const Context& context, const Format* format) {
   if (format == nullptr || format->values == nullptr) return nullptr;
-  return std::make_shared<KnownValues>(format->values(context.cloud, context.progress_of("ordering")));
+  return std::make_shared<KnownValues>(
+      format->values(context.cloud, context.options.layout, context.progress_of("ordering")));
 }
 
 /// The box of the moved points; absent where no stage moves points, or the output needs no box.
@@ -214,7 +215,8 @@ std::string boxes_of_crop(const Context& context, Box cloud) {
 bool needs_bounds(const Context& context) {
   const Format* const format = format_of_output(context.outputs.points);
   return format != nullptr && format->needs_bounds != nullptr && !context.plan.graph.moved_bounds &&
-         (context.dropped.bounds.empty() || context.cloud.selection()) && format->needs_bounds(context.cloud.schema());
+         (context.dropped.bounds.empty() || context.cloud.selection()) &&
+         format->needs_bounds(context.cloud.schema(), context.options.layout);
 }
 
 void OutputFiles::require_writable(const Context& context, const Box& bounds) {

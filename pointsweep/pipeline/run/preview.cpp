@@ -158,7 +158,7 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   out.planned = plan_chain(chain, cloud.schema(), needs_of(outputs, options));
   require_lengths(cloud, out.planned.chain);
   out.notes = notes_on_defaults(cloud, out.planned.chain);
-  require_tiles_possible(outputs, options);
+  require_outputs_possible(outputs, options);
   for (const std::optional<OtherCloud>& other : open_others(out.planned, cloud))
     out.others.push_back(other ? fmt::format("{}, {} points", other->name(), other->count()) : "");
   out.names = names_in_outputs(cloud, out.planned, outputs, options);

@@ -98,7 +98,7 @@ OutputNames check_request(const Request& request, const RunReport& report) {
   require_outputs(outputs);
   require_lengths(cloud, plan.chain);
   for (const std::string& sentence : notes_on_defaults(cloud, plan.chain)) report.note(sentence);
-  require_tiles_possible(outputs, options);
+  require_outputs_possible(outputs, options);
   OutputNames names = names_of_output(request);
   report.warn(names.warning());
   report.warn(kept_system_warning(plan, cloud.crs(), outputs));

@@ -11,13 +11,17 @@ namespace {
 
 class Comparison {
  public:
-  Comparison(RowSource& in, RowSource& out, const std::vector<bool>& replaced) : in_(in), out_(out) {
+  Comparison(RowSource& in, RowSource& out, const std::vector<bool>& replaced, const OutputWays& ways)
+      : in_(in), out_(out) {
     result_.points_in = in.count();
     result_.points_out = out.count();
     for (std::size_t f = 0; f < in.schema().fields.size(); ++f) {
       if (replaced[f]) continue;
-      if (auto pairs = pairs_of_field(in.schema(), f, out.schema())) {
+      const Field& field = in.schema().fields[f];
+      if (auto pairs = pairs_of_field(in.schema(), f, out.schema(), ways.decimals)) {
         pairs_.insert(pairs_.end(), pairs->begin(), pairs->end());
+      } else if (ways.own_field != nullptr && ways.own_field(field.name) == 0 && field.count == 1) {
+        absent_.push_back(field);
       } else {
         result_.missing.push_back(in.schema().fields[f].name);
       }
@@ -55,6 +59,7 @@ class Comparison {
     const std::byte* out = out_.read(first, rows_out).data();
     decode(in_, in, rows_in);
     for (std::size_t i = 0; i < rows_in; ++i) see_input(first + i, {x_[i], y_[i], z_[i]}, look);
+    look_for_absent(in, rows_in);
     decode(out_, out, rows_out);
     for (std::size_t i = 0; i < rows_out; ++i) follow_order({x_[i], y_[i], z_[i]});
     for (std::size_t i = 0; i < n; ++i, in += in_.schema().stride, out += out_.schema().stride) {
@@ -62,6 +67,18 @@ class Comparison {
       if (i < rows_out) add(out, sums_out_, points_out_, words_out_, &FieldPair::found);
       if (i < rows_in && i < rows_out && words_in_ != words_out_) note_different(first + i, in, out);
     }
+  }
+
+  /// An output may lack a field of its format whose values are all 0.
+  void look_for_absent(const std::byte* records, std::size_t n) {
+    std::erase_if(absent_, [&](const Field& field) {
+      for (std::size_t i = 0; i < n; ++i)
+        if (value_of(field, records + i * in_.schema().stride) != 0) {
+          result_.missing.push_back(field.name);
+          return true;
+        }
+      return false;
+    });
   }
 
   void decode(const RowSource& source, const std::byte* records, std::size_t n) {
@@ -110,6 +127,7 @@ class Comparison {
   RowSource& in_;
   RowSource& out_;
   std::vector<FieldPair> pairs_;
+  std::vector<Field> absent_;  ///< of the input; their values are to be 0
   Arrivals result_;
   std::vector<MultisetSum> sums_in_, sums_out_;  ///< by pair
   MultisetSum points_in_, points_out_;
@@ -121,9 +139,9 @@ class Comparison {
 
 }  // namespace
 
-Arrivals compare_arrivals(RowSource& in, RowSource& out, const std::vector<bool>& replaced,
+Arrivals compare_arrivals(RowSource& in, RowSource& out, const std::vector<bool>& replaced, const OutputWays& ways,
                           const PhaseProgress& progress, const std::function<void(std::uint64_t, Vec3)>& look) {
-  return Comparison(in, out, replaced).run(progress, look);
+  return Comparison(in, out, replaced, ways).run(progress, look);
 }
 
 }  // namespace pointsweep

@@ -110,13 +110,14 @@ bool are_equal(const FieldPair& pair, const std::byte* result, const std::byte* 
 }  // namespace
 
 FieldPair::FieldPair(std::string name, const Field& from, std::uint32_t from_component, const Field& to,
-                     std::uint32_t to_component)
+                     std::uint32_t to_component, std::optional<int> digits)
     : name_(std::move(name)),
       from_(component_of(from, from_component)),
       to_(component_of(to, to_component)),
-      bitwise_(stored_alike(from_, to_)),
+      bitwise_(stored_alike(from_, to_) && !digits),
       decimals_(to_.type == Type::f64 && to_.is_plain() ? from_ : Field{}),
-      single_(from_.type == Type::f32 && from_.is_plain() && to_.type == Type::f64 && to_.is_plain()) {}
+      single_(from_.type == Type::f32 && from_.is_plain() && to_.type == Type::f64 && to_.is_plain()),
+      digits_(digits) {}
 
 std::uint64_t FieldPair::word_of(double value) const {
   if (single_) value = static_cast<double>(static_cast<float>(value));
@@ -126,7 +127,8 @@ std::uint64_t FieldPair::word_of(double value) const {
 
 std::uint64_t FieldPair::expected(const std::byte* from_record) const {
   if (bitwise_) return bits_at(from_, from_record);
-  return word_of(stored_and_read(to_, value_of(from_, from_record)));
+  const double value = stored_and_read(to_, value_of(from_, from_record));
+  return word_of(digits_ ? std::stod(fmt::format("{:.{}f}", value, *digits_)) : value);
 }
 
 std::uint64_t FieldPair::found(const std::byte* to_record) const {
@@ -135,21 +137,25 @@ std::uint64_t FieldPair::found(const std::byte* to_record) const {
 
 double FieldPair::resolution(double value) const {
   const double of_double = std::ldexp(std::abs(value), -52);
+  if (digits_) return 0.5 * std::pow(10, -*digits_) + of_double;
   if (to_.type == Type::f64 && to_.is_plain()) return single_ ? std::ldexp(std::abs(value), -24) : 0;
   if (to_.type == Type::f32 && to_.is_plain()) return bitwise_ ? 0 : std::ldexp(std::abs(value), -24) + 0x1p-150;
   return std::abs(to_.scale) / 2 + of_double;
 }
 
-std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to) {
+std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to,
+                                                     std::optional<int> decimals) {
   const std::optional<Schema> scaled = has_wide_colors(to) ? with_wide_colors(from) : std::nullopt;
   const Field& field = (scaled ? *scaled : from).fields[index];
   const PlaceFinder finder(from, index, to);
+  const bool is_coordinate = field.name == "x" || field.name == "y" || field.name == "z";
   std::vector<FieldPair> pairs;
   for (std::uint32_t c = 0; c < field.count; ++c) {
     const auto place = finder.find(c);
     if (!place) return std::nullopt;
     const std::string name = field.count == 1 ? field.name : fmt::format("{}[{}]", field.name, c);
-    pairs.emplace_back(name, field, c, to.fields[place->field], place->component);
+    pairs.emplace_back(name, field, c, to.fields[place->field], place->component,
+                       is_coordinate ? decimals : std::nullopt);
   }
   return pairs;
 }

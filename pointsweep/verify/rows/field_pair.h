@@ -26,8 +26,9 @@ namespace pointsweep {
 class FieldPair {
  public:
   /// Pairs one component of each field; `name` is used in messages.
+  /// `digits`: the values are written as text with as many digits after the decimal point.
   FieldPair(std::string name, const Field& from, std::uint32_t from_component, const Field& to,
-            std::uint32_t to_component);
+            std::uint32_t to_component, std::optional<int> digits = {});
 
   const std::string& name() const { return name_; }
   /// A word that is the same for equal values: from a record with `from`, and from one with `to`.
@@ -46,12 +47,15 @@ class FieldPair {
   bool bitwise_;
   GridDecimals decimals_;  ///< of integers on a decimal grid, which text files hold as the decimal fractions they mean
   bool single_;
+  std::optional<int> digits_;
 };
 
 /// Pairs of all components of from.fields[index] with where a writer of any format may have put them in `to`; nothing
 /// if a component is nowhere. Writers change characters and lengths of names, number components, use the spelling of
 /// their format, and add an exact copy NAME_TYPE of what their format rounds: then the copy counts.
-std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to);
+/// `decimals`: x, y and z are written as text with as many digits after the decimal point.
+std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to,
+                                                     std::optional<int> decimals = {});
 
 /// The sum of mixed values modulo 2^64, in any order: equal for equal multisets, and for different ones with
 /// probability 2^-64.

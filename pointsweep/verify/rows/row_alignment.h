@@ -11,6 +11,7 @@
 
 #include "pointsweep/verify.h"
 #include "pointsweep/verify/rows/field_pair.h"
+#include "pointsweep/verify/rows/made_fields.h"
 #include "pointsweep/verify/rows/row_source.h"
 
 namespace pointsweep {
@@ -40,9 +41,15 @@ std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& al
                                            std::span<const FieldPair> pairs, std::span<const std::uint64_t> rows,
                                            const PhaseProgress& progress);
 
+/// The ways in which the output holds what the input has.
+struct OutputWays {
+  OwnField own_field = nullptr;      ///< of its format, which may leave out fields whose values are all 0
+  std::optional<int> decimals = {};  ///< FileLayout::decimals
+};
+
 /// Reads both files once, side by side. `replaced[f]`: field f of the input was computed again and is not compared.
 /// `look` is called with every row and position of the input.
-Arrivals compare_arrivals(RowSource& in, RowSource& out, const std::vector<bool>& replaced,
+Arrivals compare_arrivals(RowSource& in, RowSource& out, const std::vector<bool>& replaced, const OutputWays& ways,
                           const PhaseProgress& progress,
                           const std::function<void(std::uint64_t row, Vec3 position)>& look);
 
