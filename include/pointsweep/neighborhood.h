@@ -162,6 +162,12 @@ class Neighborhoods {
   T neighbor_value(std::size_t a, std::size_t i, std::size_t j) const {
     return value_of<T>(a, neighbors(i)[j]);
   }
+  /// Attribute `a` of contract().reads_neighbors at all points of a slot, by index_of(); std::byte fits any type.
+  template <class T>
+  const T* values_of_slot(std::size_t a, std::uint32_t slot) const {
+    if constexpr (!std::is_same_v<T, std::byte>) require_size<T>(reads_neighbors_[a]);
+    return reinterpret_cast<const T*>(slots_[slot].columns[reads_neighbors_[a]]);
+  }
   /// Attribute `a` of contract().reads_neighbors at any neighbour of the batch.
   template <class T>
   T value_of(std::size_t a, NeighborRef ref) const {

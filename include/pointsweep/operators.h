@@ -72,6 +72,14 @@ struct RorOptions {
   std::uint64_t min_neighbors = 2;  ///< a point with fewer neighbours is an outlier; >= 1
 };
 
+/// Options of statistics(). `of` is required.
+struct StatisticsOptions {
+  /// Names of the attributes to make, each once: ATTRIBUTE_STATISTIC, with mean, median, min, max, range, deviation,
+  /// majority or count, as in "z_range"; or "count".
+  std::vector<std::string> of = {};
+  std::string where = {};  ///< only neighbours for which this condition holds count; empty: all
+};
+
 struct DensityOptions {
   std::optional<double> radius = {};  ///< of the ball, > 0; absent: the distance to the farthest neighbour
 };
@@ -235,6 +243,9 @@ POINTSWEEP_EXPORT ChainStage lof();
 /// Makes "surface_density" and "volume_density", of the ball up to the farthest neighbour, or of one with a radius, all
 /// of whose points the neighbourhoods have to hold.
 POINTSWEEP_EXPORT ChainStage density(const DensityOptions& options = {});
+/// Makes the statistics of the neighbours' attributes that are named, in float64; min, max and majority in the type of
+/// the attribute, count in uint32. Throws UsageError for a name that ends in no statistic.
+POINTSWEEP_EXPORT ChainStage statistics(const StatisticsOptions& options);
 /// Keeps the rows for which a condition on attributes holds, e.g. "classification == 2 && z < 100"
 /// (docs/pipelines.md). Throws UsageError for a text that is no condition.
 POINTSWEEP_EXPORT ChainStage where(std::string_view condition);

@@ -14,7 +14,7 @@ from ._stage import Stage, made_stage, makes_stage
 __all__ = [
     "assign", "color", "components", "crop", "curvature", "dbscan", "decimate", "density", "distance_to", "drop",
     "fair", "features", "ground", "height", "knn", "lof", "m3c2", "neighborhood_size", "orient", "poisson",
-    "reneighbor", "resort", "ror", "segments", "simplify", "sor", "splats", "unique", "voxel", "where",
+    "reneighbor", "resort", "ror", "segments", "simplify", "sor", "splats", "statistics", "unique", "voxel", "where",
 ]  # fmt: skip
 
 
@@ -758,6 +758,60 @@ def density(radius: float | None = None, *, k: int | None = None) -> Stage:
     return made_stage("density", [
         ("radius", "number", radius, None),
     ], k)
+
+
+@makes_stage
+def statistics(
+    of: str | Sequence[str],
+    *,
+    where: str | None = None,
+    k: int | None = None,
+    radius: float | None = None,
+) -> Stage:
+    """Statistics of the neighbours' attributes: mean, median, min, max, range, deviation, majority and count.
+
+    Parameters
+    ----------
+    of : results, each ATTRIBUTE_STATISTIC with one of the statistics mean, median, min, max, range, deviation,
+        majority and count, as in intensity_median, z_range, classification_majority; or count, the number of
+        neighbours; 'of=' may be left out.
+    where : only neighbours for which this condition holds count; conditions are those of the operator where.
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 16 neighbours where
+        neither is given.
+
+    Neighbours
+    ----------
+    16 where neither k nor a radius is given.
+
+    Formula
+    -------
+    v_1, ..., v_n: the finite values of the attribute at the neighbours for which the condition holds, nearest
+      first. N_i never holds p_i.
+    mean:      v_1 + m, m = 1/n Σ (v_j - v_1)
+    deviation: √(1/n Σ (v_j - v_1 - m)²), that of the whole population
+    median:    the middle value; of an even number (a + b) / 2 of the two middle ones
+    range:     max - min
+    majority:  the most frequent value; of several the one that the nearest neighbour has
+    count:     n; without an attribute, the neighbours for which the condition holds
+    Sums and differences are float64, and so are mean, deviation, median and range. min, max and majority have the
+      type of the attribute, whole numbers of 64 bits are exact. count is uint32.
+
+    Undefined
+    ---------
+    Without a neighbour that counts: NaN, of whole numbers 0; count is 0.
+
+    Cost
+    ----
+    About 10 ns for each neighbour and statistic; majority and median sort.
+
+    In a text
+    ---------
+    knn(k=16) | normals | statistics(z_range, nz_median, count, where="nz > 0")
+    """
+    return made_stage("statistics", [
+        ("of", "attributes", of, None),
+        ("where", "condition", where, None),
+    ], k, radius)
 
 
 @makes_stage

@@ -47,6 +47,7 @@ std::map<std::string, std::string> expected(const std::string& axis, const std::
       {"ror", kSearch},
       {"lof", kSearch},
       {"density", kSearch},
+      {"statistics", kSearch},
       {"unique", in_order(axis, "equal ones together")},
       {"decimate", kRows},
       {"voxel", voxels},

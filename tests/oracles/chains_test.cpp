@@ -21,25 +21,29 @@ TEST(Oracles, TheirGridFindsWhatBruteForceFinds) {
 }
 
 /// Every operator, and every attribute, as the first version that a chain makes of it.
-const char* const kChains[] = {"knn(k=8) | normals | neighborhood_size",
-                               "knn(k=16) | normals | curvature",
-                               "knn(k=12) | normals | splats",
-                               "knn(k=5) | normals | splats(axes=positions)",
-                               "knn(k=24) | normals | curvature | splats(axes=curvature)",
-                               "knn(k=16) | normals | splats | fair",
-                               "knn(k=16) | normals | splats | fair(f=2, g=0.1)",
-                               "knn(radius=0.12) | normals | curvature | splats",
-                               "knn(k=9, radius=0.07) | normals | splats | neighborhood_size",
-                               "knn(k=70) | normals | curvature",
-                               "knn(k=10) | features",
-                               "knn(radius=0.12) | features(eigenvalues=sqrt, with_point=no)",
-                               "knn(k=80) | normals | features(names=[verticality,moment1_axis2,eigenentropy])",
-                               "knn(k=16) | features(eigenvalues=normalized)",
-                               "knn(k=10) | lof",
-                               "knn(radius=0.12) | normals | lof | density(radius=0.1)",
-                               "knn(k=12) | density",
-                               "knn(k=4) | ror(radius=0.05, min_neighbors=4)",
-                               "knn(radius=0.12) | ror(radius=0.06, min_neighbors=6)"};
+const char* const kChains[] = {
+    "knn(k=8) | normals | neighborhood_size",
+    "knn(k=16) | normals | curvature",
+    "knn(k=12) | normals | splats",
+    "knn(k=5) | normals | splats(axes=positions)",
+    "knn(k=24) | normals | curvature | splats(axes=curvature)",
+    "knn(k=16) | normals | splats | fair",
+    "knn(k=16) | normals | splats | fair(f=2, g=0.1)",
+    "knn(radius=0.12) | normals | curvature | splats",
+    "knn(k=9, radius=0.07) | normals | splats | neighborhood_size",
+    "knn(k=70) | normals | curvature",
+    "knn(k=10) | features",
+    "knn(radius=0.12) | features(eigenvalues=sqrt, with_point=no)",
+    "knn(k=80) | normals | features(names=[verticality,moment1_axis2,eigenentropy])",
+    "knn(k=16) | features(eigenvalues=normalized)",
+    "knn(k=10) | lof",
+    "knn(radius=0.12) | normals | lof | density(radius=0.1)",
+    "knn(k=12) | density",
+    "knn(k=9) | statistics(z_median, x_mean, y_deviation, z_range, count, where=\"x > y\")",
+    "knn(radius=0.12) | neighborhood_size | statistics(neighbor_count_majority, neighbor_count_max, count)",
+    "knn(k=12) | normals | statistics(nz_mean, nz_median, nz_deviation, nz_range, nx_min)",
+    "knn(k=4) | ror(radius=0.05, min_neighbors=4)",
+    "knn(radius=0.12) | ror(radius=0.06, min_neighbors=6)"};
 
 TEST(Oracles, EveryChainOnASurfaceIsItsFormula) {
   PointCloud points(bumpy_surface(4000));  // under sanitizers as well: with fewer, `features` within a radius are open
@@ -167,7 +171,9 @@ TEST(Oracles, DegenerateCloudsGetTheDocumentedValues) {
          {"knn(k=8) | normals | curvature", "knn(k=6) | normals | splats | neighborhood_size",
           "knn(k=20) | normals | splats | fair", "knn(k=8) | features",
           "knn(k=5) | features(with_point=no, eigenvalues=sqrt)", "knn(k=6) | lof",
-          "knn(k=6) | density | ror(radius=0.03, min_neighbors=3)", "knn(radius=0.04) | density(radius=0.04)"}) {
+          "knn(k=6) | density | ror(radius=0.03, min_neighbors=3)", "knn(radius=0.04) | density(radius=0.04)",
+          "knn(k=7) | statistics(x_mean, x_deviation, y_median, y_majority, z_min, z_max, z_range, count, where=\"z < "
+          "0.5\")"}) {
       if (name == "one place" && std::string(chain).find("fair") != std::string::npos) continue;  // has no diagonal
       expect_formulas(points.cloud(), chain, name, 1);
     }

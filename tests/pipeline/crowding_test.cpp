@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// features, sor, ror, lof and density are the same bytes however they are computed, and in whatever order points come.
+/// features, sor, ror, lof, density and statistics are the same bytes however they are computed, and in whatever order
+/// points come.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,6 +22,8 @@ const char* const kCrowdedPipelines[] = {
     "knn(k=5) | normals | splats | ror(radius=0.1, min_neighbors=5) | sor(definition=cloudcompare) | lof",
     "knn(radius=0.06) | density(radius=0.06) | ror(radius=0.03) | features(names=[height_range,eigenentropy])",
     "knn(k=20, adaptive=eigenentropy, k_min=4) | features | lof | density",
+    "knn(k=9) | normals | statistics(nz_deviation, z_median, count, x_mean, where=\"nz > 0.3\") | "
+    "statistics(count_majority)",
     "where(x < 0.5) | lof | reneighbor(k=3) | ror(radius=0.2, min_neighbors=3) | density",
 };
 

@@ -50,14 +50,17 @@ bool names_attributes(const OptionDeclaration& option) {
          option.kind == OptionKind::condition || option.kind == OptionKind::assignments;
 }
 
-std::string value_with(OptionKind kind, const std::string& word) {
+/// `of`: the results of statistics().
+std::string value_with(const OptionDeclaration& option, const std::string& word) {
+  const OptionKind kind = option.kind;
+  if (option.name == "of") return word + "_mean";
   if (kind == OptionKind::condition) return word + " == 1";
   return kind == OptionKind::assignments ? word + " = 1" : word;
 }
 
 /// A stage in which `option` names `word`, with what else is required.
 StageText stage_with(const OperatorDeclaration& declaration, const OptionDeclaration& option, const std::string& word) {
-  StageText stage{declaration.name, {{option.name, value_with(option.kind, word), "here"}}, "here"};
+  StageText stage{declaration.name, {{option.name, value_with(option, word), "here"}}, "here"};
   for (const OptionDeclaration& other : declaration.options)
     if (other.name != option.name && (other.required || other.name == "k"))
       stage.options.push_back({other.name, other.name == "k" ? "64" : text_of_value(other.sample), "here"});

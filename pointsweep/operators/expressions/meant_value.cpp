@@ -33,4 +33,13 @@ MeantValue meant_value(const std::string& word, const Schema& input, std::span<c
   return {.field = at ? &input.fields[*at] : nullptr};
 }
 
+Type type_of_values(const Field& field) {
+  if (field.is_plain()) return field.type;
+  if (field.bit_width == 0 || field.scale != 1 || field.bias != 0) return Type::f64;
+  return field.bit_width <= 8    ? Type::u8
+         : field.bit_width <= 16 ? Type::u16
+         : field.bit_width <= 32 ? Type::u32
+                                 : Type::u64;
+}
+
 }  // namespace pointsweep

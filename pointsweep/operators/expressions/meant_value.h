@@ -23,4 +23,8 @@ struct MeantValue {
 /// Positions are never returned.
 MeantValue meant_value(const std::string& word, const Schema& input, std::span<const Attribute> made);
 
+/// Returns the type of a field of the input; of packed bits the smallest type that holds them, of scaled numbers
+/// float64.
+Type type_of_values(const Field& field);
+
 }  // namespace pointsweep

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cstring>
 #include <optional>
+#include <type_traits>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/points/with_type.h"
 
 namespace pointsweep {
 namespace {
@@ -68,29 +70,51 @@ NamedValues::Source NamedValues::read(Attribute attribute, std::size_t component
   return {index, component};
 }
 
-NamedValues::Batch::Batch(const NamedValues& names, const Neighborhoods& in, std::size_t first)
-    : memory_(names.sources_.size()) {
+NamedValues::Batch::Batch(const NamedValues& names, const Neighborhoods& in, std::size_t first) {
+  take(
+      names, in.size(), [&](std::size_t i) { return in.position(i); },
+      [&](std::size_t a, std::size_t i, std::size_t bytes) { return in.values<std::byte>(first + a) + i * bytes; });
+}
+
+NamedValues::Batch::Batch(const NamedValues& names, const Neighborhoods& in, std::size_t first,
+                          std::span<const NeighborRef> neighbors) {
+  take(
+      names, neighbors.size(), [&](std::size_t i) { return in.position_of(neighbors[i]); },
+      [&](std::size_t a, std::size_t i, std::size_t bytes) {
+        const NeighborRef ref = neighbors[i];
+        return in.values_of_slot<std::byte>(first + a, slot_of(ref)) + index_of(ref) * bytes;
+      });
+}
+
+template <class Position, class Record>
+void NamedValues::Batch::take(const NamedValues& names, std::size_t count, Position position, Record record) {
+  memory_.resize(names.sources_.size());
   for (std::size_t n = 0; n < names.sources_.size(); ++n) {
-    const auto [number, component] = names.sources_[n];
+    const Source source = names.sources_[n];
     Memory& out = memory_[n];
-    if (number < 0) {
-      for (std::size_t i = 0; i < in.size(); ++i) out.real.push_back(in.position(i)[static_cast<int>(component)]);
+    if (source.attribute < 0) {
+      out.real.resize(count);
+      for (std::size_t i = 0; i < count; ++i) out.real[i] = position(i)[static_cast<int>(source.component)];
       values_.push_back({.real = out.real.data()});
       continue;
     }
-    const Attribute& attribute = names.reads_[static_cast<std::size_t>(number)];
-    const std::size_t bytes = size_of(attribute.type), stride = attribute.bytes();
-    const std::byte* from = in.values<std::byte>(first + static_cast<std::size_t>(number)) + component * bytes;
-    if (is_64_bits(attribute.type)) {
-      out.whole.resize(in.size());
-      for (std::size_t i = 0; i < in.size(); ++i) std::memcpy(&out.whole[i], from + i * stride, bytes);
-      values_.push_back({.whole = out.whole.data(), .is_signed = attribute.type == Type::i64});
-      continue;
-    }
-    const Field field{.name = "", .type = attribute.type};
-    out.real.resize(in.size());
-    for (std::size_t i = 0; i < in.size(); ++i) out.real[i] = value_of(field, from + i * stride);
-    values_.push_back({.real = out.real.data()});
+    const auto number = static_cast<std::size_t>(source.attribute);
+    const Attribute& attribute = names.reads_[number];
+    with_type(attribute.type, [&]<class T>() {
+      const auto copy = [&](auto& values) {
+        values.resize(count);
+        for (std::size_t i = 0; i < count; ++i) {
+          T value;
+          std::memcpy(&value, record(number, i, attribute.bytes()) + source.component * sizeof(T), sizeof(T));
+          values[i] = static_cast<std::remove_reference_t<decltype(values[i])>>(value);
+        }
+        return values.data();
+      };
+      if constexpr (std::is_integral_v<T> && sizeof(T) == 8)
+        values_.push_back({.whole = copy(out.whole), .is_signed = std::is_signed_v<T>});
+      else
+        values_.push_back({.real = copy(out.real)});
+    });
   }
 }
 

@@ -28,11 +28,20 @@ class NamedValues {
   /// The values of one batch, by number of the name.
   class Batch {
    public:
-    /// The attributes of reads() are those that the operator reads from number `first` on.
+    /// The values of the points of the batch. The attributes of reads() are those that the operator reads from number
+    /// `first` on.
     Batch(const NamedValues& names, const Neighborhoods& in, std::size_t first = 0);
+    /// The values of some neighbours of the batch. The attributes of reads() are those that the operator reads of
+    /// neighbours from number `first` on.
+    Batch(const NamedValues& names, const Neighborhoods& in, std::size_t first, std::span<const NeighborRef> neighbors);
     std::span<const ExpressionValues> values() const { return values_; }
 
    private:
+    /// Takes the values of `count` points. `position(i)` is the position of point i, `record(a, i, bytes)` the address
+    /// of its value of reads()[a], which takes so many bytes.
+    template <class Position, class Record>
+    void take(const NamedValues& names, std::size_t count, Position position, Record record);
+
     /// The values of a name; the vectors are what the pointers point into.
     struct Memory {
       std::vector<double> real;

@@ -45,16 +45,9 @@ TargetRange range_of(Type type) {
   });
 }
 
-/// Returns the range of a field of the input: for packed bits of the smallest type that holds them, for scaled numbers
-/// of float64.
 TargetRange range_of(const Field& field) {
-  if (field.is_plain()) return range_of(field.type);
-  if (field.bit_width == 0 || field.scale != 1 || field.bias != 0) return range_of(Type::f64);
-  TargetRange range = range_of(field.bit_width <= 8    ? Type::u8
-                               : field.bit_width <= 16 ? Type::u16
-                               : field.bit_width <= 32 ? Type::u32
-                                                       : Type::u64);
-  if (field.bit_width < 53) range.most = std::ldexp(1.0, field.bit_width) - 1;
+  TargetRange range = range_of(type_of_values(field));
+  if (range.is_whole && field.bit_width > 0 && field.bit_width < 53) range.most = std::ldexp(1.0, field.bit_width) - 1;
   return range;
 }
 

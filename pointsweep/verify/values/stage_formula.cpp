@@ -201,7 +201,7 @@ const std::vector<NamedFormula>& all_formulas() {
                                       {"core", formula_made<CoreFormula>},
                                       {"color", formula_made<ColorFormula>},
                                       {"neighbors", formula_made<GraphFormula>}};
-    for (const auto& more : {shape_formulas(), assignment_formulas()})
+    for (const auto& more : {shape_formulas(), assignment_formulas(), statistics_formulas()})
       list.insert(list.end(), more.begin(), more.end());
     return list;
   }();

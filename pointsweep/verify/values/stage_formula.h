@@ -87,6 +87,9 @@ std::vector<NamedFormula> shape_formulas();
 /// The formulas of set() and of `where`, which makes selection_attribute().
 std::vector<NamedFormula> assignment_formulas();
 
+/// The formula of statistics().
+std::vector<NamedFormula> statistics_formulas();
+
 /// The value that a name in an expression stands for: a component of an attribute that a stage reads, by number in its
 /// contract, or of the position.
 struct ReadValue {

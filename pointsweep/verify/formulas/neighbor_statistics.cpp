@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/verify/formulas/neighbor_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace pointsweep::formulas {
+namespace {
+
+Estimate value_within(Real value, Real error) { return {.value = {value, 0, 0}, .error = error}; }
+
+/// The most frequent value, by a count of each; of several the one with the least place.
+Real most_frequent(const std::vector<Real>& values) {
+  std::map<Real, std::size_t> counts;
+  for (const Real v : values) ++counts[v];
+  Real best = values.front();
+  for (const Real v : values)
+    if (counts[v] > counts[best]) best = v;
+  return best;
+}
+
+}  // namespace
+
+Estimate statistic_of(std::string_view name, const std::vector<Estimate>& values) {
+  std::vector<Real> v;
+  Real error = 0;  // the largest of a value; no order statistic and no deviation moves farther
+  for (const Estimate& e : values) {
+    if (in_doubt(e) || e.either_sign) return open();
+    if (!std::isfinite(e.value.x)) continue;
+    v.push_back(e.value.x);
+    error = std::max(error, e.error);
+  }
+  const auto n = static_cast<Real>(v.size());
+  if (name == "count") return value_within(n, 0);
+  if (v.empty()) return value_within(std::numeric_limits<Real>::quiet_NaN(), 0);
+  if (name == "majority") return error > 0 ? open() : value_within(most_frequent(v), 0);
+
+  Real sum = 0, far = 0;
+  for (const Real value : v) sum += value - v[0], far = std::max(far, std::fabs(value - v[0]));
+  const Real m = sum / n, rounding_of_m = kDouble * (n + 2) * far;
+  if (name == "mean")
+    return value_within(v[0] + m, error + rounding_of_m + kDouble * (std::fabs(v[0]) + std::fabs(v[0] + m)));
+  if (name == "deviation") {
+    Real squares = 0;
+    for (const Real value : v) squares += (value - v[0] - m) * (value - v[0] - m);
+    const Real deviation = std::sqrt(squares / n);
+    return value_within(deviation, error + rounding_of_m + kDouble * (3 * far + (n + 4) * deviation));
+  }
+  std::sort(v.begin(), v.end());
+  if (name == "min") return value_within(v.front(), error);
+  if (name == "max") return value_within(v.back(), error);
+  if (name == "range") return value_within(v.back() - v.front(), 2 * error + kDouble * (v.back() - v.front()));
+  const Real median = (v[(v.size() - 1) / 2] + v[v.size() / 2]) / 2;
+  return value_within(median, error + kDouble * std::fabs(median));
+}
+
+}  // namespace pointsweep::formulas
