@@ -4,7 +4,7 @@
 /// `pointsweep run IN... OUT --pipeline ...`: any chain of operators in one sweep.
 /// `pointsweep ground IN... OUT`: which points are ground, and how high the others are above it.
 ///
-/// `pointsweep thin IN... OUT`: fewer points, by one of the operators voxel, poisson and decimate.
+/// `pointsweep thin IN... OUT`: fewer points, by one of the operators voxel, poisson, decimate and sample.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -120,7 +120,8 @@ struct ThinningFlag {
 constexpr ThinningFlag kThinningFlags[] = {
     {"--voxel", "voxel", "size"},        {"--voxel-keep", "voxel", "keep"},
     {"--poisson", "poisson", "radius"},  {"--radius-from", "poisson", "radius_from"},
-    {"--decimate", "decimate", "share"}, {"--seed", "decimate", "seed"}};
+    {"--decimate", "decimate", "share"}, {"--seed", "decimate", "seed"},
+    {"--number", "sample", "number"},    {"--rest", "sample", "rest"}};
 
 struct ThinCommand {
   PipelineRun run;
@@ -141,7 +142,7 @@ std::vector<StageText> thinning_stages(const ThinCommand& command) {
     return std::ranges::find(stage.options, first_of(stage), &OptionText::name) != stage.options.end();
   };
   if (std::ranges::count_if(stages, says_how) != 1)
-    fail_usage("thin: give one of --voxel SIZE, --poisson RADIUS and --decimate SHARE.");
+    fail_usage("thin: give one of --voxel SIZE, --poisson RADIUS, --decimate SHARE and --number N.");
   for (const StageText& stage : stages)
     if (!says_how(stage))
       fail_usage("{0}: belongs to --{1}; leave it out, or use --{1}.", stage.options[0].place, stage.name);
@@ -196,12 +197,13 @@ void add_ground_command(CLI::App& app) {
 }
 
 void add_thin_command(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("thin", "Keep fewer points: one in each voxel, at a distance, or a share");
+  CLI::App& verb =
+      *app.add_subcommand("thin", "Keep fewer points: one in each voxel, at a distance, a share, or a number");
   auto command = std::make_shared<ThinCommand>();
   add_inputs_and_output(verb, command->run.paths,
                         "with the attributes of the input, of fewer points (in a folder, one for each input)");
   add_output_option(verb, command->run.paths.named_output);
-  for (const char* name : {"voxel", "poisson", "decimate"}) command->stages.push_back({name, {}, "thin"});
+  for (const char* name : {"voxel", "poisson", "decimate", "sample"}) command->stages.push_back({name, {}, "thin"});
   for (const ThinningFlag& flag : kThinningFlags) {
     StageText& stage = *std::ranges::find(command->stages, std::string(flag.stage), &StageText::name);
     add_stage_option(verb, flag.flag, declared_option_of(flag), stage.options);
@@ -215,8 +217,8 @@ void add_thin_command(CLI::App& app) {
       ->group("");
   add_output_options(verb, command->run);
   verb.footer(
-      "Same as 'pointsweep run' with the pipeline 'voxel(SIZE)', 'poisson(RADIUS)' or 'decimate(SHARE)'. Tiles give "
-      "the points of the merged cloud.\n"
+      "Same as 'pointsweep run' with the pipeline 'voxel(SIZE)', 'poisson(RADIUS)', 'decimate(SHARE)' or 'sample(N)'. "
+      "All but the last give of tiles the points of the merged cloud; a number is that of all inputs together.\n"
       "\nExample: one point in each cube of half a metre:\n"
       "  pointsweep thin scan.ply thin.ply --voxel 0.5\n"
       "\nExample: no two points within 20 cm, of a folder of tiles, into another one:\n"

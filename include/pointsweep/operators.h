@@ -117,6 +117,19 @@ struct DecimateOptions {
   std::uint64_t seed = 0;                                   ///< another seed keeps other points
 };
 
+/// Options of sample(). `number` is required.
+struct SampleOptions {
+  std::uint64_t number = 0;  ///< number of the points that are kept; >= 1
+  bool rest = false;         ///< keep all other points instead
+  std::uint64_t seed = 0;    ///< another seed keeps other points
+};
+
+/// Options of parts(). `number` is required.
+struct PartsOptions {
+  std::uint64_t number = 0;  ///< number of parts; 1 to 65,536
+  std::uint64_t seed = 0;    ///< another seed makes other parts
+};
+
 /// Options of voxel(). `size` is required.
 struct VoxelOptions {
   double size = 0;  ///< edge of a cube of the grid, whose faces lie at multiples of it, length; > 0
@@ -262,6 +275,10 @@ POINTSWEEP_EXPORT ChainStage crop(const CropOptions& options);
 POINTSWEEP_EXPORT ChainStage unique();
 /// Keeps a share of the points, chosen by a hash of their coordinates.
 POINTSWEEP_EXPORT ChainStage decimate(const DecimateOptions& options);
+/// Keeps a number of points, chosen by a hash of their coordinates, or all but these.
+POINTSWEEP_EXPORT ChainStage sample(const SampleOptions& options);
+/// Makes "part", a number from 0, by a hash of the coordinates.
+POINTSWEEP_EXPORT ChainStage parts(const PartsOptions& options);
 /// Keeps one point in each cube of a grid.
 POINTSWEEP_EXPORT ChainStage voxel(const VoxelOptions& options);
 /// Makes "classification": 2 for points of the ground, by a morphological filter of the raster of the lowest points.

@@ -25,4 +25,9 @@ inline std::uint64_t coordinate_hash(Vec3 p, std::uint64_t seed) {
   return hash;
 }
 
+/// Returns the first 53 bits of the hash as a fraction of 1, which is below 1.
+inline double coordinate_fraction(Vec3 p, std::uint64_t seed) {
+  return 0x1p-53 * static_cast<double>(coordinate_hash(p, seed) >> 11);
+}
+
 }  // namespace pointsweep

@@ -13,8 +13,9 @@ from ._stage import Stage, made_stage, makes_stage
 
 __all__ = [
     "assign", "color", "components", "crop", "curvature", "dbscan", "decimate", "density", "distance_to", "drop",
-    "fair", "features", "ground", "height", "knn", "lof", "m3c2", "neighborhood_size", "orient", "poisson",
-    "reneighbor", "resort", "ror", "segments", "simplify", "sor", "splats", "statistics", "unique", "voxel", "where",
+    "fair", "features", "ground", "height", "knn", "lof", "m3c2", "neighborhood_size", "orient", "parts", "poisson",
+    "reneighbor", "resort", "ror", "sample", "segments", "simplify", "sor", "splats", "statistics", "unique",
+    "voxel", "where",
 ]  # fmt: skip
 
 
@@ -868,6 +869,76 @@ def decimate(share: float, *, seed: int = 0) -> Stage:
     """
     return made_stage("decimate", [
         ("share", "number", share, None),
+        ("seed", "whole", seed, 0),
+    ])
+
+
+@makes_stage
+def sample(number: int, *, rest: bool = False, seed: int = 0) -> Stage:
+    """Keeps exactly so many points, chosen by a hash of their coordinates, or all but these.
+
+    Parameters
+    ----------
+    number : keep so many points, or all points of a cloud that has fewer; 1 or more.
+    rest : keep all other points instead.
+    seed : seed of the random choice: another seed keeps other points; with the same seed, a smaller number is a
+        part of a larger one; 0 or more.
+
+    Formula
+    -------
+    The points of the least f_i = ⌊h_i / 2^11⌋ / 2^53, h_i the hash of decimate; equal ones in the order of their
+      rows. rest=yes keeps all other points.
+
+    Undefined
+    ---------
+    Points without a finite place all stay, in addition to the number.
+
+    Cost
+    ----
+    A pass that puts the points in order by their hash, without a search.
+
+    In a text
+    ---------
+    sample(1000)
+    """
+    return made_stage("sample", [
+        ("number", "whole", number, None),
+        ("rest", "no|yes", rest, False),
+        ("seed", "whole", seed, 0),
+    ])
+
+
+@makes_stage
+def parts(number: int, *, seed: int = 0) -> Stage:
+    """Divides the points at random into parts, by a hash of their coordinates.
+
+    Parameters
+    ----------
+    number : number of parts, of about the same size; 1 to 65536.
+    seed : seed of the random choice: another seed makes other parts; 0 or more.
+
+    Makes
+    -----
+    part : (n,) uint16; number of the part, from 0.
+
+    Formula
+    -------
+    part_i = ⌊h_i number / 2^64⌋, h_i the hash of decimate.
+
+    Undefined
+    ---------
+    Points of equal coordinates are in the same part. Points without a finite place are in part 0.
+
+    Cost
+    ----
+    A pass over the rows, without a search; none where other stages search anyway.
+
+    In a text
+    ---------
+    parts(10) | where(part < 8)
+    """
+    return made_stage("parts", [
+        ("number", "whole", number, None),
         ("seed", "whole", seed, 0),
     ])
 

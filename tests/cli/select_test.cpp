@@ -139,7 +139,7 @@ TEST_F(SelectStages, ThinningKeepsTheSameRowsInEveryFormatAndTiling) {
   write_rows("a.txt", [](int i) { return i < 300; });
   write_rows("b.txt", [](int i) { return i >= 300; });
   for (const char* thin :
-       {"decimate(0.5)", "voxel(2.57)", "decimate(0.9, seed=3) | voxel(3, keep=hash)", "poisson(1.9)"}) {
+       {"decimate(0.5)", "sample(300)", "voxel(2.57)", "decimate(0.9, seed=3) | voxel(3, keep=hash)", "poisson(1.9)"}) {
     SCOPED_TRACE(thin);
     const auto thinned = [&](const std::string& in, const std::string& out) {
       made(fmt::format("run {} -o {} -f -q --no-provenance --pipeline '{}'", in, out, thin), out);
@@ -162,7 +162,8 @@ TEST_F(SelectStages, ThinningKeepsTheSameRowsInEveryFormatAndTiling) {
 
 TEST_F(SelectStages, VerifyFindsAWrongRowOfAThinning) {
   write_rows("all.txt", [](int) { return true; });
-  for (const char* thin : {"decimate(0.5)", "voxel(2.5)", "voxel(2.5, keep=hash)", "poisson(2)"}) {
+  for (const char* thin : {"decimate(0.5)", "sample(300)", "sample(300, rest=yes, seed=2)", "voxel(2.5)",
+                           "voxel(2.5, keep=hash)", "poisson(2)"}) {
     made(fmt::format("run all.txt out.txt -f -q --no-provenance --pipeline '{}'", thin), "out.txt");
     const Result sound = tool(fmt::format("verify all.txt out.txt --pipeline '{}'", thin));
     EXPECT_EQ(sound.status, 0) << sound.out << sound.err;

@@ -32,6 +32,8 @@ TEST_F(ThinAndGround, ThinIsVoxelPoissonOrDecimate) {
   expect_same("thin --poisson 1.1", "poisson(1.1)");
   expect_same("thin --radius-from z --poisson 3", "poisson(3, radius_from=z)");
   expect_same("thin --decimate 0.25", "decimate(0.25)");
+  expect_same("thin --number 40", "sample(40)");
+  expect_same("thin --number 40 --rest yes", "sample(40, rest=yes)");
   expect_same("thin --decimate 0.25 --seed 4", "decimate(0.25, seed=4)");
 }
 
@@ -45,7 +47,7 @@ TEST_F(ThinAndGround, TheOldNameOfVoxelKeepIsTakenWithANote) {
 }
 
 TEST_F(ThinAndGround, ThinRefusesWhatDoesNotGoTogether) {
-  const char* how = "thin: give one of --voxel SIZE, --poisson RADIUS and --decimate SHARE";
+  const char* how = "thin: give one of --voxel SIZE, --poisson RADIUS, --decimate SHARE and --number N";
   refused(2, "thin all.txt out.ply", how);
   refused(2, "thin all.txt out.ply --seed 3", how);
   refused(2, "thin all.txt out.ply --voxel 1 --poisson 2", how);

@@ -50,6 +50,8 @@ std::map<std::string, std::string> expected(const std::string& axis, const std::
       {"statistics", kSearch},
       {"unique", in_order(axis, "equal ones together")},
       {"decimate", kRows},
+      {"sample", in_order(axis, "by the hash of their coordinates")},
+      {"parts", kRows},
       {"voxel", voxels},
       {"voxel keep=centroid", voxels},
       {"poisson", disks},

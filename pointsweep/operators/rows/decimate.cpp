@@ -45,8 +45,7 @@ Decimate::Decimate(const DecimateOptions& options) : options_(options) { decimat
 void Decimate::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 p = points.position(i);
-    const double fraction = 0x1p-53 * static_cast<double>(coordinate_hash(p, options_.seed) >> 11);
-    kept[i] = fraction < options_.share || !is_finite(p);
+    kept[i] = coordinate_fraction(p, options_.seed) < options_.share || !is_finite(p);
   }
 }
 

@@ -23,6 +23,11 @@ std::uint64_t hash_of(const Coordinates& p, std::uint64_t seed) {
 
 bool is_in_share(std::uint64_t hash, double share) { return std::ldexp(static_cast<double>(hash / 2048), -53) < share; }
 
+std::uint64_t part_of(std::uint64_t hash, std::uint64_t parts) {
+  const std::uint64_t high = hash / 0x100000000u, low = hash % 0x100000000u;
+  return (high * parts + low * parts / 0x100000000u) / 0x100000000u;
+}
+
 Coordinates voxel_of(const Coordinates& p, double size) {
   Coordinates voxel{};
   for (std::size_t a = 0; a < 3; ++a) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The choice of the point that stays of several, from the definitions of decimate and voxel, and the means of a voxel.
+/// The choice of the point that stays of several, from the definitions of decimate, parts and voxel, and the means of a
+/// voxel.
 #pragma once
 
 #include <array>
@@ -16,6 +17,9 @@ std::uint64_t hash_of(const Coordinates& p, std::uint64_t seed);
 
 /// Returns whether `hash` / 2^64 < `share`, in the 53 bits that a float64 has.
 bool is_in_share(std::uint64_t hash, double share);
+
+/// Returns ⌊hash * parts / 2^64⌋; `parts` below 2^32.
+std::uint64_t part_of(std::uint64_t hash, std::uint64_t parts);
 
 /// The numbers of the voxel of edge length `size` that holds p.
 Coordinates voxel_of(const Coordinates& p, double size);

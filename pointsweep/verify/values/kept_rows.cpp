@@ -6,7 +6,9 @@
 #include <cstring>
 #include <functional>
 #include <optional>
+#include <queue>
 #include <tuple>
+#include <utility>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
@@ -86,6 +88,24 @@ Mask by_hash(InputCloud& cloud, const NamedOptions& options, const PhaseProgress
   for_each_position(source, "reading", progress, [&](std::uint64_t row, Vec3 p) {
     kept[row] = !is_finite(p) || formulas::is_in_share(formulas::hash_of(coordinates(p), seed), share);
   });
+  return kept;
+}
+
+/// Keeps the points of the least hashes, in the bits that decide, or all but these. Takes 16 bytes for each of their
+/// number.
+Mask by_least_hashes(InputCloud& cloud, const NamedOptions& options, const PhaseProgress& progress) {
+  const std::uint64_t number = options.whole("number"), seed = options.whole("seed");
+  const bool rest = options.word("rest") == "yes";
+  Mask kept(cloud.count(), true);
+  std::priority_queue<std::pair<std::uint64_t, std::uint64_t>> least;
+  RowSource source(cloud);
+  for_each_position(source, "reading", progress, [&](std::uint64_t row, Vec3 p) {
+    if (!is_finite(p)) return;
+    kept[row] = rest;
+    least.emplace(formulas::hash_of(coordinates(p), seed) / 2048, row);
+    if (least.size() > number) least.pop();
+  });
+  for (; !least.empty(); least.pop()) kept[least.top().second] = !rest;
   return kept;
 }
 
@@ -186,6 +206,7 @@ Mask kept_by(const StageOperator& stage, InputCloud& cloud, std::uint64_t memory
   const NamedOptions options(op.name(), op.declared_options());
   const std::string name = op.name();
   if (name == "decimate") return by_hash(cloud, options, progress);
+  if (name == "sample") return by_least_hashes(cloud, options, progress);
   if (name == "crop") return by_region(cloud, options, progress);
   if (const auto* select = std::get_if<std::shared_ptr<const SelectOperator>>(&stage))
     return by_condition(cloud, **select, progress);

@@ -6,6 +6,7 @@
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/verify/formulas/colors.h"
+#include "pointsweep/verify/formulas/thinning.h"
 
 namespace pointsweep {
 namespace {
@@ -152,6 +153,22 @@ class ColorFormula final : public StageFormula {
   int widen_;
 };
 
+class PartFormula final : public StageFormula {
+ public:
+  explicit PartFormula(const FormulaSetup& stage)
+      : parts_(stage.options.whole("number")), seed_(stage.options.whole("seed")) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    const formulas::Vector& p = in.place.at;
+    if (in.place.error > 0) return {formulas::open()};
+    if (!formulas::is_finite(p)) return {formulas::undefined()};
+    const formulas::Coordinates at = {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
+    return {exact_number(static_cast<Real>(formulas::part_of(formulas::hash_of(at, seed_), parts_)))};
+  }
+
+ private:
+  std::uint64_t parts_, seed_;
+};
+
 class GraphFormula final : public StageFormula {
  public:
   explicit GraphFormula(const FormulaSetup& stage)
@@ -200,6 +217,7 @@ const std::vector<NamedFormula>& all_formulas() {
                                       {"outlier", formula_made<OutlierFormula>},
                                       {"core", formula_made<CoreFormula>},
                                       {"color", formula_made<ColorFormula>},
+                                      {"parts", formula_made<PartFormula>},
                                       {"neighbors", formula_made<GraphFormula>}};
     for (const auto& more : {shape_formulas(), assignment_formulas(), statistics_formulas()})
       list.insert(list.end(), more.begin(), more.end());

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/rows/parts.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "pointsweep/math/mix.h"
+#include "pointsweep/operators/declare/option_table.h"
+#include "pointsweep/operators/expressions/expression.h"
+
+namespace pointsweep {
+namespace {
+
+const OptionTable<PartsOptions>& parts_options() {
+  static const OptionTable<PartsOptions> table = {
+      option("number", &PartsOptions::number, "number of parts, of about the same size",
+             {.least = 1, .most = 65536, .required = true, .positional = true, .sample = std::uint64_t{10}}),
+      option("seed", &PartsOptions::seed, "seed of the random choice: another seed makes other parts")};
+  return table;
+}
+
+}  // namespace
+
+OperatorDeclaration parts_declaration() {
+  return {.name = "parts",
+          .meaning = "divides the points at random into parts, by a hash of their coordinates",
+          .options = parts_options().declarations(),
+          .make = parts_options().maker<Parts>(),
+          .formula = "part_i = ⌊h_i number / 2^64⌋, h_i the hash of decimate.",
+          .undefined = "Points of equal coordinates are in the same part. Points without a finite place are in part 0.",
+          .cost = "a pass over the rows, without a search; none where other stages search anyway",
+          .attributes = {{.name = "part", .meaning = "number of the part, from 0; undefined: 0"}},
+          .example = "parts(10) | where(part < 8)"};
+}
+
+ChainStage operators::parts(const PartsOptions& options) { return std::make_shared<Parts>(options); }
+
+Parts::Parts(const PartsOptions& options) : options_(options) { parts_options().declare(*this, options); }
+
+Contract Parts::contract() const {
+  return {.makes = {scalar("part", Type::u16, "1", "number of the part, from 0")}, .default_k = 0};
+}
+
+void Parts::apply(const Neighborhoods& in, Columns& out) const {
+  const std::span<std::uint16_t> part = out.column<std::uint16_t>(0);
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    const Vec3 p = in.position(i);
+    const WholeNumber hash = coordinate_hash(p, options_.seed);
+    part[i] = is_finite(p) ? static_cast<std::uint16_t>(hash * WholeNumber{options_.number} >> 64) : 0;
+  }
+}
+
+}  // namespace pointsweep
