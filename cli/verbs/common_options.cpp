@@ -48,7 +48,11 @@ void add_named_options(CLI::App& verb, RunOptions& options, std::initializer_lis
 }
 
 CloudOptions cloud_options(const CommonOptions& options) {
-  return {.ignore_crs = options.ignore_crs, .format = options.format};
+  CloudOptions cloud{.ignore_crs = options.ignore_crs, .crs = options.crs, .format = options.format};
+  if (options.replace_crs && !cloud.crs)
+    fail_usage("--replace-crs: belongs to --crs; name the system, or leave it out.");
+  if (cloud.crs) cloud.crs->replaces = options.replace_crs;
+  return cloud;
 }
 
 void add_progress_options(CLI::App& verb, CommonOptions& options) {
@@ -69,6 +73,25 @@ void add_crs_option(CLI::App& verb, CommonOptions& options) {
                 "Ignore coordinate reference systems: merge inputs of different systems without a transformation, "
                 "treat degrees as lengths, do not convert default lengths to feet")
       ->group(kOtherGroup);
+}
+
+void add_stated_crs_option(CLI::App& verb, CommonOptions& options) {
+  verb.add_option_function<std::string>(
+          "--crs",
+          [&options](const std::string& text) {
+            options.crs = StatedCrs{parse_crs(text), false};
+          },
+          "State the coordinate reference system of the inputs and the output: a code, a file with WKT (.prj), or "
+          "none. "
+          "Coordinates stay as they are")
+      ->type_name("EPSG:CODE|FILE|none")
+      ->group(kOutputGroup);
+}
+
+void add_stated_crs_options(CLI::App& verb, CommonOptions& options) {
+  add_stated_crs_option(verb, options);
+  verb.add_flag("--replace-crs", options.replace_crs, "Let --crs replace another system that an input states")
+      ->group(kOutputGroup);
 }
 
 void add_format_option(CLI::App& verb, std::string& format) {

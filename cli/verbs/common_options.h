@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,8 @@ struct CommonOptions : EngineOptions {
   bool dry_run = false;           ///< print the plan and write nothing
   bool quiet = false;
   std::string format;            ///< format of inputs without a signature; empty: there are none
+  std::optional<StatedCrs> crs;  ///< what --crs states; absent: what the inputs state
+  bool replace_crs = false;      ///< other systems of inputs do not count
   bool ignore_crs = false;       ///< coordinate reference systems neither forbid nor convert anything
   int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
 };
@@ -39,6 +42,10 @@ void add_named_options(CLI::App& verb, RunOptions& options, std::initializer_lis
 void add_progress_options(CLI::App& verb, CommonOptions& options);
 /// --ignore-crs
 void add_crs_option(CLI::App& verb, CommonOptions& options);
+/// --crs EPSG:CODE|FILE|none
+void add_stated_crs_option(CLI::App& verb, CommonOptions& options);
+/// --crs EPSG:CODE|FILE|none and --replace-crs
+void add_stated_crs_options(CLI::App& verb, CommonOptions& options);
 /// --format
 void add_format_option(CLI::App& verb, std::string& format);
 /// --memory SIZE, --temp-dir DIR, --resume DIR, --axis, --stats FILE, --report FILE and, hidden, --half-way-states FILE

@@ -55,6 +55,7 @@ void generate(const GenerateOptions& options) {
   plan.count = reader.info().count;
   plan.overwrite = options.common.overwrite;
   plan.bounds = reader.info().bounds;
+  if (options.common.crs) plan.crs = options.common.crs->crs;
   const std::unique_ptr<Writer> writer = create_writer(plan);
   ProgressDisplay progress(options.common);
   const unsigned threads = options.common.resources.threads;
@@ -115,6 +116,7 @@ void add_generate_command(CLI::App& app) {
   verb.add_option("OUT", options->positional, "File to write, in the format of its extension")->type_name("");
   add_output_option(verb, options->output);
   add_sampling_options(verb, options->sampling);
+  add_stated_crs_option(verb, options->common);
   add_named_options(verb, options->common, {"threads", "overwrite"});
   add_progress_options(verb, options->common);
   verb.footer("");  // without the footer of the tool, which the parser would add

@@ -121,6 +121,7 @@ void add_output_options(CLI::App& verb, PipelineRun& run) {
   add_named_options(verb, run.common,
                     {"order", "engine", "positions", "scale", "offset", "point_format", "las_version", "decimals",
                      "replace", "prefix", "provenance", "no_provenance"});
+  add_stated_crs_options(verb, run.common);
   add_run_options(verb, run.common);
 }
 

@@ -43,6 +43,7 @@ void add_sort_command(CLI::App& app) {
                   "Attributes to write, e.g. intensity,classification; x, y and z always are (default: all)");
   add_named_options(verb, command->common,
                     {"scale", "offset", "point_format", "las_version", "decimals", "provenance", "no_provenance"});
+  add_stated_crs_options(verb, command->common);
   add_run_options(verb, command->common);
   verb.footer(
       "Equal coordinates are ordered by x, y, z, then by input row. Points with NaN or infinite coordinates come "

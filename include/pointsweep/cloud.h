@@ -26,6 +26,9 @@ struct CloudOptions {
   /// warning, degrees are treated as lengths, and default lengths are not converted from metres. If false, the first
   /// two throw a UsageError.
   bool ignore_crs = false;
+  /// The system that the coordinates of all inputs are in. Throws UsageError where an input states another one, or one
+  /// that cannot be compared, unless StatedCrs::replaces. Absent: what the inputs state.
+  std::optional<StatedCrs> crs = {};
   /// Format of the files that have no signature: "kitti" or "float32-xyz" (open_reader).
   std::string format = "";
 };
@@ -58,7 +61,7 @@ class POINTSWEEP_EXPORT Cloud {
   std::size_t input_count() const;
   /// Returns what is known of input `i` < input_count().
   const FileInfo& input(std::size_t i) const;
-  /// Coordinate reference system of the first input that states one.
+  /// Coordinate reference system that CloudOptions states, or else of the first input that states one.
   const std::optional<Crs>& crs() const;
   /// Harmless faults in the combination of inputs, one sentence each. Faults of a single input are in its FileInfo.
   const std::vector<std::string>& warnings() const;

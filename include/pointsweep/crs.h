@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,17 @@ struct Crs {
   std::string wkt;                  ///< in one line; empty if the file has GeoTIFF keys only
   GeoTiffKeys geotiff;              ///< empty if the file has WKT only
 };
+
+/// A statement about the system that coordinates are in. It changes no coordinate.
+struct StatedCrs {
+  std::optional<Crs> crs = {};  ///< absent: outputs state no system
+  bool replaces = false;        ///< inputs may state another system, which then does not count
+};
+
+/// Returns the system that `text` names: "EPSG:2154", "EPSG:2154+5720" (with heights), WKT, or a file of WKT such as a
+/// .prj; none for "none". A code becomes GeoTIFF keys, since there is no registry from which to take WKT. Throws
+/// UsageError, beginning with `where`, for anything else and for codes that GeoTIFF keys cannot state.
+POINTSWEEP_EXPORT std::optional<Crs> parse_crs(const std::string& text, std::string_view where = "--crs");
 
 /// `wkt` in one line or several; a text that is not WKT has neither name nor kind nor codes.
 POINTSWEEP_EXPORT Crs crs_of_wkt(std::string_view wkt);

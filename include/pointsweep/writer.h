@@ -56,6 +56,8 @@ struct OutputPlan {
   std::optional<Box> bounds = std::nullopt;
   /// Coordinate reference system of the points. Not needed where `extras` have it for a writer of the same format.
   std::optional<Crs> crs = std::nullopt;
+  /// `crs`, or none where it is absent, counts in place of what `extras` state.
+  bool replaces_crs = false;
   /// The meaning of coordinates and times in an input that is or was LAS.
   std::shared_ptr<const LasOrigin> las = nullptr;
   /// The known ranges of the values of the input's fields, which are the first of `schema`; null: only types are known.

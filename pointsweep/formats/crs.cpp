@@ -4,20 +4,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <initializer_list>
+#include <iterator>
 #include <map>
 #include <utility>
+
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr std::size_t kLongestName = 60;
+constexpr std::uintmax_t kLongestWkt = 1 << 20;
 
 // Keys of GeoTIFF 1.1 (OGC 19-008).
-constexpr std::uint16_t kModelType = 1024, kCitation = 1026, kGeodeticCrs = 2048, kGeodeticCitation = 2049,
-                        kProjectedCrs = 3072, kProjectedCitation = 3073, kLinearUnit = 3076, kVerticalCrs = 4096;
+constexpr std::uint16_t kModelType = 1024, kRasterType = 1025, kCitation = 1026, kGeodeticCrs = 2048,
+                        kGeodeticCitation = 2049, kProjectedCrs = 3072, kProjectedCitation = 3073, kLinearUnit = 3076,
+                        kVerticalCrs = 4096;
 constexpr std::uint16_t kDoublesTag = 34736, kAsciiTag = 34737;
 constexpr double kUserDefined = 32767;
 
@@ -40,6 +48,17 @@ struct KeyValues {
     return "";
   }
 };
+
+/// "2154+5720" as two codes, the second 0 where there is none; -1 for what is no code.
+std::pair<int, int> codes_of(std::string_view text) {
+  const auto code = [](std::string_view digits) {
+    int number = -1;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+    return error == std::errc() && end == digits.data() + digits.size() ? number : -1;
+  };
+  const std::size_t plus = text.find('+');
+  return {code(text.substr(0, plus)), plus == text.npos ? 0 : code(text.substr(plus + 1))};
+}
 
 /// The piece [first, first + count) of `all`, as far as it is there.
 template <class Range>
@@ -237,6 +256,41 @@ Crs crs_of_geotiff(GeoTiffKeys keys) {
   crs.name = crs.kind == CrsKind::projected ? values.text({kProjectedCitation, kCitation})
                                             : values.text({kCitation, kGeodeticCitation});
   crs.geotiff = std::move(keys);
+  return crs;
+}
+
+GeoTiffKeys geotiff_of_epsg(int epsg, int vertical_epsg) {
+  const bool is_projected = kind_of_epsg(epsg) == CrsKind::projected;
+  std::vector<std::array<int, 2>> keys = {
+      {kModelType, is_projected ? 1 : 2}, {kRasterType, 1}, {is_projected ? kProjectedCrs : kGeodeticCrs, epsg}};
+  if (vertical_epsg != 0) keys.push_back({kVerticalCrs, vertical_epsg});
+  GeoTiffKeys made{.directory = {1, 1, 0, static_cast<std::uint16_t>(keys.size())}, .doubles = {}, .ascii = {}};
+  for (const auto& [key, value] : keys)
+    for (const int entry : {key, 0, 1, value}) made.directory.push_back(static_cast<std::uint16_t>(entry));
+  return made;
+}
+
+std::optional<Crs> parse_crs(const std::string& text, std::string_view where) {
+  if (text == "none") return std::nullopt;
+  std::string wkt = text;
+  if (text.starts_with("EPSG:") || text.starts_with("epsg:")) {
+    const auto [epsg, heights] = codes_of(std::string_view(text).substr(5));
+    if (kind_of_epsg(epsg) == CrsKind::unknown || heights < 0 || heights >= kUserDefined)
+      fail_usage(
+          "{}: '{}' is not the code of a projected or geographic system, e.g. EPSG:2154, or EPSG:2154+5720 with "
+          "heights; for others give a file with WKT.",
+          where, text);
+    return crs_of_geotiff(geotiff_of_epsg(epsg, heights));
+  }
+  std::error_code error;
+  if (std::filesystem::is_regular_file(text, error)) {
+    if (std::filesystem::file_size(text, error) > kLongestWkt) fail_usage("{}: {} is too long for WKT.", where, text);
+    std::ifstream file(text);
+    wkt.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  Crs crs = crs_of_wkt(wkt);
+  if (crs.kind == CrsKind::unknown && crs.name.empty())
+    fail_usage("{}: '{}' is neither EPSG:CODE, nor a file with WKT, nor none.", where, text.substr(0, kLongestName));
   return crs;
 }
 

@@ -27,6 +27,14 @@ std::string wkt_in_one_line(std::string_view text);
 
 Crs crs_of_geotiff(GeoTiffKeys keys);
 
+/// Returns the kind of the horizontal system with this EPSG code; `unknown` for compound, vertical and geocentric
+/// systems and for codes that GeoTIFF keys cannot hold.
+CrsKind kind_of_epsg(int code);
+
+/// Returns GeoTIFF keys that state the system of this EPSG code, which is projected or geographic, and heights; 0:
+/// none.
+GeoTiffKeys geotiff_of_epsg(int epsg, int vertical_epsg);
+
 /// Returns the coordinate reference system of a file with a text and keys, either of which may be empty. `wkt_counts`
 /// decides which of the two is read; the other is kept beside it. Returns none if both are empty.
 std::optional<Crs> crs_of_both(const std::string& wkt, GeoTiffKeys keys, bool wkt_counts);

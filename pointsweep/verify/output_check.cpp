@@ -90,6 +90,8 @@ void take_record(OutputCheck& check, const ProvenanceRecord& record) {
   VerifyOptions& options = check.options;
   const auto setting = [&](const char* name) { return record.setting(name).value_or(""); };
   if (options.prefix.empty()) options.prefix = setting("prefix");
+  if (const std::string crs = setting("crs"); !options.cloud.crs && (crs == "none" || crs.starts_with("EPSG:")))
+    options.cloud.crs = StatedCrs{parse_crs(crs.substr(0, crs.find(' '))), true};
   if (!options.decimals && record.setting("decimals")) options.decimals = std::stoi(setting("decimals"));
   if (options.cloud.format.empty()) options.cloud.format = setting("format");
   if (options.nonfinite == Nonfinite::by_format && setting("nonfinite") == "drop") options.nonfinite = Nonfinite::drop;

@@ -31,8 +31,14 @@ bool is_path(nb::handle item) { return nb::isinstance<nb::str>(item); }
 }  // namespace
 
 Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options) {
-  const CloudOptions how{.ignore_crs = option<bool>(options, "ignore_crs"),
-                         .format = option<std::string>(options, "format")};
+  CloudOptions how{.ignore_crs = option<bool>(options, "ignore_crs"), .format = option<std::string>(options, "format")};
+  if (is_path(source[0])) {
+    const nb::object crs = options["crs"];
+    if (!crs.is_none()) {
+      const bool is_none = nb::isinstance<nb::str>(crs);
+      how.crs = StatedCrs{is_none ? std::nullopt : crs_from(crs), option<bool>(options, "replace_crs")};
+    }
+  }
   if (is_path(source[0])) return Cloud(nb::cast<std::vector<std::filesystem::path>>(source), how);
   std::vector<ArrayColumn> columns;
   for (const nb::handle pair : source)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from typing import Any
 
@@ -48,6 +49,8 @@ def crs_of(value: Any) -> Crs | None:
     """What `crs=` takes: an EPSG code, WKT, an object of pyproj or another with `to_wkt`, or what files state."""
     if value is None or isinstance(value, Crs):
         return value
+    if isinstance(value, os.PathLike) or (isinstance(value, str) and value.lower().endswith((".prj", ".wkt"))):
+        return _of_file(value)
     if isinstance(value, str) and re.match(r"\s*[A-Za-z_]+\s*[\[(]", value):
         return _of_wkt(value)
     if isinstance(value, (int, str)) and not isinstance(value, bool):
@@ -76,6 +79,14 @@ def given_or_stated(given: Any, stated: Crs | None) -> Crs | None:
     if crs is not None and stated is not None and _core.differ(crs._known, stated._known):
         raise UsageError(f"crs: {crs} is given, but the points state {stated}; leave crs out, or transform the points first.")
     return stated if crs is None else crs
+
+
+def _of_file(file: str | os.PathLike[str]) -> Crs:
+    try:
+        with open(file, encoding="utf-8") as text:
+            return _of_wkt(text.read())
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"crs: {os.fspath(file)} is no file with WKT: {error}.") from None
 
 
 def _of_wkt(wkt: str) -> Crs:

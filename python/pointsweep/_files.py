@@ -132,7 +132,13 @@ class Cloud(Files):
 
 
 def open(
-    files: Path | Sequence[Path], *, recursive: bool = False, format: str = "", ignore_crs: bool = False
+    files: Path | Sequence[Path],
+    *,
+    recursive: bool = False,
+    format: str = "",
+    ignore_crs: bool = False,
+    crs: Any = None,
+    replace_crs: bool = False,
 ) -> Cloud:
     """Opens point files as one cloud: the headers are read, not the points.
 
@@ -144,5 +150,10 @@ def open(
     format : of files without a signature: 'kitti' or 'float32-xyz'.
     ignore_crs : ignore coordinate reference systems: merge files of different systems without a transformation, treat
         degrees as lengths, do not convert default lengths to feet.
+    crs : coordinate reference system of the points, as `run` takes it, the path of a file with WKT (.prj, .wkt), or 'none'.
+        Coordinates stay as they are. Default: what the files state.
+    replace_crs : `crs` may replace another system that a file states.
     """
-    return opened(Cloud, files, recursive=recursive, format=format, ignore_crs=ignore_crs)
+    return opened(
+        Cloud, files, recursive=recursive, format=format, ignore_crs=ignore_crs, crs=crs, replace_crs=replace_crs
+    )

@@ -77,8 +77,8 @@ def run(
     out : arrays that the results of these names are written to, of the type and shape that they have, contiguous, e.g. a
         `numpy.memmap` for what does not fit in memory. They are what is kept where `keep` does not say.
     attributes : more attributes of points in arrays, by name.
-    crs : coordinate reference system of points in arrays, which outputs state: an EPSG code, WKT, a `pyproj.CRS`, or the
-        `crs` of a cloud. Default: what a laspy.LasData, a laspy reader or a table of geopandas states.
+    crs : coordinate reference system of points in arrays, or of paths, which outputs state: an EPSG code, WKT, a file with
+        WKT (.prj), a `pyproj.CRS`, or the `crs` of a cloud. Of files `open` can also replace it. Default: what a laspy.LasData, a laspy reader or a table of geopandas states.
     order : of the result's rows: 'input', or 'sweep', along the axis of the largest extent.
     axis : of the sweep: 'x', 'y', 'z' or 'auto', the longest.
     memory : what the run may take in addition to the interpreter, its arrays and the results, e.g. '2G'; what does not

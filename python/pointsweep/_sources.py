@@ -12,7 +12,7 @@ import numpy as np
 from . import _core
 from ._adapters import arrays_by_name, crs_stated_by, from_dlpack
 from ._blocks import spilled
-from ._crs import Crs, given_or_stated
+from ._crs import Crs, crs_of, given_or_stated
 from ._errors import UsageError, warn
 from ._options import path
 from ._types import Files, Path
@@ -46,12 +46,12 @@ def source_of(
     """`points` as `pointsweep.run` takes it; `attributes`: more arrays, by name; `crs`: the system that these points are
     in; `options`: those of the run. An iterator is spilled."""
     if isinstance(points, (str, os.PathLike)) or _is_list_of_paths(points):
-        points = opened(Files, points, ignore_crs=options["ignore_crs"])
+        points, crs = opened(Files, points, ignore_crs=options["ignore_crs"], crs=crs), None
     if isinstance(points, Files):
         if attributes:
             raise UsageError("attributes: arrays cannot be added to the points of files; run on arrays instead.")
         if crs is not None:
-            raise UsageError("crs: is for points in arrays; files state theirs.")
+            raise UsageError("crs: these files are open; state their system in open(files, crs=...).")
         groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]
         ignores = {"ignore_crs": options["ignore_crs"] or points._options["ignore_crs"]}
         crs_of_files = points._known["crs"]
@@ -79,6 +79,8 @@ def opened(
     recursive: bool = False,
     format: str = "",
     ignore_crs: bool = False,
+    crs: Any = None,
+    replace_crs: bool = False,
 ) -> _Files:
     """The point files that `files` stands for, of which headers are read; the options are those of `pointsweep.open`."""
     named = [files] if isinstance(files, (str, os.PathLike)) else list(files)
@@ -90,7 +92,15 @@ def opened(
     listed, notices = _core.list_files([path("open", file) for file in named], recursive, format)
     for notice in notices:
         warn(notice)
-    options = {"ignore_crs": bool(ignore_crs), "format": format}
+    if replace_crs and crs is None:
+        raise UsageError("replace_crs: belongs to crs; name the system, or leave it out.")
+    stated = None if crs is None else "none" if crs == "none" else crs_of(crs)
+    options = {
+        "ignore_crs": bool(ignore_crs),
+        "format": format,
+        "crs": stated._known if isinstance(stated, Crs) else stated,
+        "replace_crs": bool(replace_crs),
+    }
     paths = [file for file, _ in listed]
     return kind(paths, [name for _, name in listed], options, _core.describe(paths, options))
 

@@ -179,7 +179,23 @@ def test_points_are_compared_with_other_systems_only_if_asked(pyproj, tmp_path):
         assert len(ps.run(files, ALL, ignore_crs=True)["xyz"]) == 400
 
 
-def test_files_state_their_own(tmp_path):
-    ps.run(XYZ, ALL, to=tmp_path / "in.las")
-    with pytest.raises(ps.UsageError, match="files state theirs"):
-        ps.run(tmp_path / "in.las", ALL, crs=25832)
+def test_the_system_of_files_is_stated_or_replaced(pyproj, tmp_path):
+    path, prj = tmp_path / "a.las", tmp_path / "l93.prj"
+    ps.run(XYZ, ALL, to=path)
+    prj.write_text(pyproj.CRS(2154).to_wkt("WKT1_GDAL"))
+    for crs in (2154, "EPSG:2154", prj, str(prj)):
+        assert ps.open(path, crs=crs).crs.epsg == 2154
+        ps.run(path, ALL, to=tmp_path / "b.las", crs=crs, overwrite=True)
+        assert ps.open(tmp_path / "b.las").crs.epsg == 2154
+    with pytest.raises(ps.UsageError, match="states EPSG:2154"):
+        ps.open(tmp_path / "b.las", crs=25832)
+    other = ps.open(tmp_path / "b.las", crs=25832, replace_crs=True)
+    other.run(ALL, to=tmp_path / "c.las")
+    assert other.crs.epsg == ps.open(tmp_path / "c.las").crs.epsg == 25832
+    assert other.run(ALL)["xyz"].tobytes() == ps.run(path, ALL)["xyz"].tobytes()
+    ps.open(tmp_path / "b.las", crs="none").run(ALL, to=tmp_path / "d.las")
+    assert ps.open(tmp_path / "d.las").crs is None
+    with pytest.raises(ps.UsageError, match="replace_crs: belongs to crs"):
+        ps.open(path, replace_crs=True)
+    with pytest.raises(ps.UsageError, match="open\\(files, crs"):
+        ps.run(other, ALL, crs=2154)

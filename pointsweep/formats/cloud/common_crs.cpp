@@ -35,6 +35,27 @@ std::string way_to_transform(const Crs& to) {
   return fmt::format(", e.g. by 'pdal translate IN OUT reprojection --filters.reprojection.out_srs=EPSG:{}'", to.epsg);
 }
 
+CommonCrs stated_crs(const std::vector<std::unique_ptr<Reader>>& readers, const StatedCrs& stated) {
+  CommonCrs common{.crs = stated.crs, .warnings = {}};
+  for (const auto& reader : readers) {
+    const FileInfo& info = reader->info();
+    if (!info.crs) continue;
+    if (stated.crs && compare(*stated.crs, *info.crs) == CrsAgreement::same) {
+      common.crs = info.crs;  // which may say more than a code
+      if (common.crs->wkt.empty()) common.crs->wkt = stated.crs->wkt;
+      continue;
+    }
+    if (stated.crs && !stated.replaces)
+      fail_usage(
+          "--crs: {} is given, and {} states {}; leave --crs out, or add --replace-crs if the file is wrong. The "
+          "coordinates stay as they are in any case.",
+          short_text(*stated.crs), info.path.string(), short_text(*info.crs));
+    common.replaces = true;
+  }
+  if (common.replaces) common.crs = stated.crs;
+  return common;
+}
+
 CommonCrs common_crs(const std::vector<std::unique_ptr<Reader>>& readers, bool ignore) {
   CommonCrs common;
   const auto states = [](const auto& reader) { return reader->info().crs.has_value(); };

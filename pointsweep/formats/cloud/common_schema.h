@@ -84,10 +84,14 @@ CommonSchema common_schema(const std::vector<std::unique_ptr<Reader>>& readers);
 struct CommonCrs {
   std::optional<Crs> crs;             ///< of the first input that states one; its WKT may be another's
   std::vector<std::string> warnings;  ///< inputs without a system; systems that could not be compared, or differ
+  bool replaces = false;              ///< an input states another system, which does not count
 };
 
 /// Throws UsageError for inputs whose systems differ; with `ignore` that is a warning, and coordinates stay unchanged.
 CommonCrs common_crs(const std::vector<std::unique_ptr<Reader>>& readers, bool ignore);
+
+/// Returns the system that the user states. Throws UsageError where it contradicts an input and does not replace.
+CommonCrs stated_crs(const std::vector<std::unique_ptr<Reader>>& readers, const StatedCrs& stated);
 
 /// ", e.g. by 'pdal translate ...'": a command that transforms a file to the system; empty where it has no EPSG code.
 std::string way_to_transform(const Crs& to);

@@ -52,7 +52,9 @@ InputCloud::InputCloud(std::vector<std::unique_ptr<Reader>> readers, CloudOption
 void InputCloud::begin(CloudOptions options) {
   if (readers_.empty()) fail_usage("no input was given; name at least one point file.");
   ignores_crs_ = options.ignore_crs;
-  CommonCrs crs = common_crs(readers_, ignores_crs_);
+  stated_crs_ = options.crs;
+  CommonCrs crs = stated_crs_ ? pointsweep::stated_crs(readers_, *stated_crs_) : common_crs(readers_, ignores_crs_);
+  replaces_crs_ = crs.replaces;
   crs_ = std::move(crs.crs);
   warnings_ = std::move(crs.warnings);
   std::optional<LasOrigin> las = common_las_origin(readers_, warnings_);

@@ -39,8 +39,12 @@ class InputCloud {
   std::shared_ptr<const FormatExtras> extras() const;
   /// Extras of the inputs after the first.
   std::vector<std::shared_ptr<const FormatExtras>> other_extras() const;
-  /// Coordinate reference system of the first input that states one.
+  /// Coordinate reference system that the user states, or else of the first input that states one.
   const std::optional<Crs>& crs() const { return crs_; }
+  /// CloudOptions::crs
+  const std::optional<StatedCrs>& stated_crs() const { return stated_crs_; }
+  /// Returns whether crs() counts in place of another system that an input states.
+  bool replaces_crs() const { return replaces_crs_; }
   /// Returns whether inputs may have different coordinate reference systems.
   bool ignores_crs() const { return ignores_crs_; }
   /// The meaning of coordinates and times of inputs that are or were LAS; null if there are no such inputs.
@@ -125,7 +129,8 @@ class InputCloud {
   std::size_t last_input_ = 0;  ///< that read() read
   Schema schema_;
   std::optional<Crs> crs_;
-  bool ignores_crs_ = false;
+  std::optional<StatedCrs> stated_crs_;
+  bool ignores_crs_ = false, replaces_crs_ = false;
   std::shared_ptr<const LasOrigin> las_;
   std::vector<ValueRange> ranges_;
   std::vector<std::string> warnings_, missing_attributes_;

@@ -351,26 +351,36 @@ class Builder {
   /// registry of systems, so they count where there is no other statement.
   void choose_crs() {
     LasHeader& header = layout_.header;
-    const Crs own = input_ != nullptr && input_->crs ? *input_->crs : Crs();
+    if (plan_.replaces_crs && input_ != nullptr && input_->crs_in_evlrs)
+      fail_usage("{}: the input states its system in an extended VLR, which cannot be replaced; write PLY, then LAS.",
+                 plan_.path.string());
+    const bool keeps_own = input_ != nullptr && !plan_.replaces_crs;
+    const Crs own = keeps_own && input_->crs ? *input_->crs : Crs();
     const bool has_own = !own.wkt.empty() || !own.geotiff.empty();
     if (plan_.crs && !has_own) added_crs_ = *plan_.crs;
     if (plan_.crs && has_own && !kept_ && header.point_format >= 6 && own.wkt.empty()) added_crs_.wkt = plan_.crs->wkt;
+    const bool is_old = plan_.layout.las_version.value_or(4) < 4;
+    const bool has_keys = !own.geotiff.empty() || !added_crs_.geotiff.empty();
+    if (is_old && plan_.crs && !has_keys && kind_of_epsg(plan_.crs->epsg) != CrsKind::unknown)
+      added_crs_.geotiff = geotiff_of_epsg(plan_.crs->epsg, plan_.crs->vertical_epsg);  // WKT needs LAS 1.4
     const bool wkt = !own.wkt.empty() || !added_crs_.wkt.empty();
     const bool geotiff = !own.geotiff.empty() || !added_crs_.geotiff.empty();
-    if (kept_ && added_crs_.wkt.empty()) return;
+    if (kept_ && added_crs_.wkt.empty() && added_crs_.geotiff.empty() && !plan_.replaces_crs) return;
     const bool modern = header.point_format >= 6;
-    const bool wkt_counts = plan_.layout.las_version.value_or(4) < 4 ? false
-                            : modern                                 ? wkt || !geotiff
-                            : !added_crs_.wkt.empty()                ? !geotiff
-                                                                     : input_ != nullptr && says_wkt();
+    const bool wkt_counts = is_old                    ? false
+                            : modern                  ? wkt || !geotiff
+                            : !added_crs_.wkt.empty() ? !geotiff
+                                                      : keeps_own && says_wkt();
     if (wkt_counts) upgrade_las_header(header, 4);
     header.global_encoding =
         static_cast<std::uint16_t>((header.global_encoding & ~kLasWktBit) | (wkt_counts ? kLasWktBit : 0));
     if (modern && geotiff && !wkt)
-      layout_.warnings.push_back(
-          fmt::format("{}: point format {} asks for the coordinate reference system as WKT, but the inputs have only "
-                      "GeoTIFF keys; these are kept, and the header says so.",
-                      plan_.path.string(), header.point_format));
+      layout_.warnings.push_back(fmt::format(
+          "{}: point format {} asks for the coordinate reference system as WKT, but {}, and the header says so.",
+          plan_.path.string(), header.point_format,
+          own.geotiff.empty() && (input_ == nullptr || plan_.replaces_crs)
+              ? "only GeoTIFF keys are known; these are written"
+              : "the inputs have only GeoTIFF keys; these are kept"));
   }
 
   bool says_wkt() const { return (layout_.header.global_encoding & kLasWktBit) != 0; }

@@ -60,6 +60,7 @@ class PiecePlacer {
     for (const std::optional<LasVlr>& vlr : {vlrs.laszip, vlrs.copc})
       if (vlr) left_out.push_back(*vlr);
     const bool stale = vlrs.extra_bytes && (descriptions_.extended || !descriptions_.keeps_records);
+    if (plan_.replaces_crs) left_out.insert(left_out.end(), vlrs.projection.begin(), vlrs.projection.end());
     layout_.before = pieces_without(left_out, {vlrs.start, stale ? vlrs.extra_bytes->start : vlrs.end});
     if (stale) layout_.between = pieces_without(left_out, {vlrs.extra_bytes->end(), vlrs.end});
     return static_cast<std::uint32_t>(left_out.size()) + (stale ? 1 : 0);

@@ -92,6 +92,7 @@ std::shared_ptr<LasExtras> read_extras(const std::filesystem::path& path, std::v
                                header.vlr_count, warnings);
   const LasVlrChain evlrs = walk_evlrs(*extras, warnings);
   extras->crs = read_las_crs(*extras->file, header, extras->vlrs, evlrs);
+  extras->crs_in_evlrs = !evlrs.projection.empty();
   const std::optional<LasVlr> vlr = extras->vlrs.extra_bytes ? extras->vlrs.extra_bytes : evlrs.extra_bytes;
   if (vlr) read_extra_bytes(*extras, *vlr, warnings);
   for (const LasVlr& record : extras->vlrs.provenance) read_provenance(*extras, record);

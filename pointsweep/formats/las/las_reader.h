@@ -30,6 +30,7 @@ struct LasExtras final : FormatExtras {
   std::vector<std::byte> extra_bytes;   ///< descriptors that fit the records; empty if there are none
   std::uint64_t points_end = 0;         ///< byte after the last point, or after all bytes of compressed points
   std::optional<Crs> crs;               ///< what VLRs or extended VLRs state
+  bool crs_in_evlrs = false;            ///< an extended VLR states a system
   std::vector<std::string> provenance;  ///< lines of its VLRs that say how the file was made
 };
 

@@ -59,6 +59,8 @@ void note(LasVlrChain& chain, const std::byte* header, const LasVlr& vlr) {
   const std::string_view name(user, std::find(user, user + 16, '\0'));
   const bool tells = name == kProvenanceUser && record == kProvenanceRecord;
   if (tells && chain.provenance.size() < kMostProvenance) chain.provenance.push_back(vlr);
+  const bool states_crs = name == kLasProjectionUser && chain.projection.size() < kMostProvenance;
+  if (states_crs) chain.projection.push_back(vlr);
   std::optional<LasVlr>* const place = place_of(chain, name, record);
   if (place != nullptr && !*place) *place = vlr;
 }

@@ -46,6 +46,7 @@ struct LasVlrChain {
   std::optional<LasVlr> laszip, copc;                           ///< of compressed files; the first of each
   std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first of each: see read_las_crs()
   std::vector<LasVlr> provenance;                               ///< the first 256
+  std::vector<LasVlr> projection;                               ///< likewise; all that state a system
 };
 
 enum class LasVlrKind { vlr, evlr };

@@ -64,6 +64,9 @@ std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const O
   std::string text = fmt::format("version {}, checkpoints {}\n", POINTSWEEP_VERSION, kCheckpointFormat);
   text += inputs_text(cloud) + outputs_text(outputs);
   text += fmt::format("cells of {} points\n{}", options.cell_points, identity_text(options));
+  if (const std::optional<StatedCrs>& stated = cloud.stated_crs())
+    text += fmt::format("crs {} {}\n", stated->crs ? short_text(*stated->crs) : "none",
+                        stated->crs ? stated->crs->wkt : "");
   text += fmt::format("pipeline {}\n", fmt::join(canonical_stages(plan, Presets::spelled_out), " | "));
   for (const PlannedPass& pass : plan.passes) text += pass_text(pass);
   text += kept_text(plan.kept, cloud.schema());

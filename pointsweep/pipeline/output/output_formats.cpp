@@ -222,9 +222,10 @@ std::string name_of_output(const Outputs& outputs) {
   return outputs.points.empty() ? "the output" : outputs.points.string();
 }
 
-std::string kept_system_warning(const ChainPlan& plan, const std::optional<Crs>& crs, const Outputs& outputs) {
+std::string kept_system_warning(const ChainPlan& plan, const InputCloud& cloud, const Outputs& outputs) {
+  const std::optional<Crs>& crs = cloud.crs();
   const auto holds_crs = [](const OutputFormat& output) { return output.format->holds_crs; };
-  if (!crs || std::ranges::none_of(output_formats(outputs), holds_crs)) return "";
+  if (!crs || cloud.stated_crs() || std::ranges::none_of(output_formats(outputs), holds_crs)) return "";
   const Moves moves = moves_of(plan.graph);
   if (!moves.axes[0] && !moves.axes[1] && (!moves.axes[2] || crs->vertical_epsg == 0)) return "";
   std::vector<std::string> axes;
@@ -232,7 +233,7 @@ std::string kept_system_warning(const ChainPlan& plan, const std::optional<Crs>&
     if (moves.axes[axis]) axes.push_back({"xyz"[axis]});
   return fmt::format(
       "{} changes {}, and the output states the coordinate system of the input, {}; if the new coordinates are in "
-      "another system, state that with another program, e.g. 'pdal translate OUT NEW --writers.las.a_srs=EPSG:...'.",
+      "another system, state it with --crs and --replace-crs.",
       fmt::join(moves.stages, ", "), fmt::join(axes, ", "), short_text(*crs));
 }
 

@@ -67,8 +67,8 @@ OutputNeeds needs_of(const Outputs& outputs, const EngineOptions& options);
 std::string name_of_output(const Outputs& outputs);
 
 /// A warning where a stage assigns other coordinates, or an operator of a user makes them, and an output states the
-/// system `crs` of the input all the same; empty where none is needed. The library's other operators move points within
+/// system of the input all the same; empty where none is needed. The library's other operators move points within
 /// their system. Other heights alone matter only where the system defines heights.
-std::string kept_system_warning(const ChainPlan& plan, const std::optional<Crs>& crs, const Outputs& outputs);
+std::string kept_system_warning(const ChainPlan& plan, const InputCloud& cloud, const Outputs& outputs);
 
 }  // namespace pointsweep

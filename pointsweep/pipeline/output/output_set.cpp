@@ -47,6 +47,7 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
                         .overwrite = options.overwrite,
                         .bounds = place.bounds,
                         .crs = cloud.crs(),
+                        .replaces_crs = cloud.replaces_crs(),
                         .las = cloud.las(),
                         .values = of_kept_fields(std::move(place.values), kept),
                         .other_extras = cloud.other_extras(),

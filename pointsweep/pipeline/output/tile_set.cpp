@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 InputCloud cloud_of_input(const InputCloud& all, std::size_t input) {
   std::vector<std::unique_ptr<Reader>> reader;
   reader.push_back(std::make_unique<BorrowedReader>(*all.readers()[input]));
-  return InputCloud(std::move(reader));
+  return InputCloud(std::move(reader), {.crs = all.stated_crs()});
 }
 
 /// Returns the part of a selection that concerns one input, whose rows begin at `first` in the whole cloud.

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/registry.h"
@@ -56,6 +57,8 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
     else
       set(option.name.c_str(), option.text(options));
   }
+  if (const std::optional<StatedCrs>& stated = cloud.stated_crs())
+    set("crs", stated->crs ? short_text(*stated->crs) : "none");
   const auto asked_for =
       std::ranges::find_if(cloud.readers(), [](const auto& r) { return !r->info().asked_for_as.empty(); });
   if (asked_for != cloud.readers().end()) set("format", (*asked_for)->info().asked_for_as);

@@ -162,7 +162,7 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   for (const std::optional<OtherCloud>& other : open_others(out.planned, cloud))
     out.others.push_back(other ? fmt::format("{}, {} points", other->name(), other->count()) : "");
   out.names = names_in_outputs(cloud, out.planned, outputs, options);
-  out.system_warning = kept_system_warning(out.planned, cloud.crs(), outputs);
+  out.system_warning = kept_system_warning(out.planned, cloud, outputs);
   out.tiles = outputs.tiles.size();
   out.points = cloud.count();
   out.decoded_bytes = decoded_input_bytes(cloud);

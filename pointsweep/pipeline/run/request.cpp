@@ -101,7 +101,7 @@ OutputNames check_request(const Request& request, const RunReport& report) {
   require_outputs_possible(outputs, options);
   OutputNames names = names_of_output(request);
   report.warn(names.warning());
-  report.warn(kept_system_warning(plan, cloud.crs(), outputs));
+  report.warn(kept_system_warning(plan, cloud, outputs));
   if (const SweepEngine* engine = engine_of(options.engine)) engine->require_can(plan, options);
   note_neighborhoods(request, report);
   return names;
