@@ -76,7 +76,9 @@ OperatorDeclaration statistics_declaration() {
           "the type of the attribute, whole numbers of 64 bits are exact. count is uint32.",
       .undefined = "Without a neighbour that counts: NaN, of whole numbers 0; count is 0.",
       .degenerate = "have no neighbour that counts; their statistics are NaN, those of whole numbers 0",
-      .cost = "about 10 ns for each neighbour and statistic; majority and median sort",
+      .cost =
+          "about 5 ns for each neighbour and statistic; median and majority, which sort, 10 to 70 ns; a condition 15 "
+          "ns",
       .neighbor_ns = 20,
       .makes_named = true,
       .example = "knn(k=16) | normals | statistics(z_range, nz_median, count, where=\"nz > 0\")"};
