@@ -53,7 +53,8 @@ void add_format_option(CLI::App& verb, std::string& format);
 void add_stream_options(CLI::App& verb, CommonOptions& options);
 /// --keep A,B,...
 inline constexpr const char* kKeepMeaning =
-    "Write only these attributes, by name or by column, e.g. normal or x,y,z,intensity,nx. Where no computed attribute "
+    "Write only these attributes, by name or by column, e.g. normal or x,y,z,intensity,nx, in this order, but for LAS. "
+    "Where no computed attribute "
     "is named, all of them are written; where none of the input is named, all of those (default: all)";
 void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning);
 /// --dry-run

@@ -47,7 +47,7 @@ struct FileLayout {
 /// fields that operators made ("nx", "ny", "nz", ...). The writer maps them to names and types of its format.
 struct OutputPlan {
   std::filesystem::path path;
-  Schema schema;
+  Schema schema;                               ///< lists the fields in the order of columns
   std::uint64_t count = 0;                     ///< exact number of records that will come
   std::shared_ptr<const FormatExtras> extras;  ///< of the (first) input; null if there is none
   bool overwrite = false;                      ///< without it an existing file is refused

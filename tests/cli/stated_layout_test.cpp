@@ -205,5 +205,45 @@ TEST_F(StatedLayout, TilesOrdersResumedRunsAndEmptyOutputsFollowIt) {
   EXPECT_EQ(contents(folder_ / "nan.csv"), "x,y,z\n1.2,2.0,3.0\nnan,5.0,6.0\n7.0,8.0,9.9\n");
 }
 
+TEST_F(StatedLayout, ColumnsStandInTheOrderInWhichKeepNamesThem) {
+  const auto columns = [&](const std::string& file, const std::string& before, char separator) {
+    const std::string text = contents(folder_ / file);
+    const std::size_t begin = text.find(before) + before.size();
+    std::string line = text.substr(begin, text.find('\n', begin) - begin);
+    std::ranges::replace(line, separator, ' ');
+    return line;
+  };
+  std::filesystem::create_directory(folder_ / "tiles");
+  std::filesystem::copy(folder_ / "a.las", folder_ / "tiles");
+  for (const auto& [keep, expected] : {std::pair{"z,x", "y z x nx ny nz"},
+                                       {"intensity,z,y,x", "intensity z y x nx ny nz"},
+                                       {"nx,intensity", "x y z nx intensity"},
+                                       {"intensity,nx", "x y z intensity nx"},
+                                       {"normal,gps_time,x", "y z nx ny nz gps_time x"},
+                                       {"GpsTime,nz,ny", "x y z gps_time nz ny"}}) {
+    made(fmt::format("run a.las o.csv -q -f --keep {} --pipeline normals", keep));
+    EXPECT_EQ(columns("o.csv", "", ','), expected) << keep;
+    made(fmt::format("run tiles/ out/ --output-format csv -q -f --keep {} --pipeline normals", keep));
+    EXPECT_EQ(columns("out/a.csv", "", ','), expected) << keep;
+    for (const char* order : {"input", "sweep"}) {
+      made(fmt::format("run a.las o.pcd -q -f --order {} --keep {} --pipeline normals", order, keep));
+      std::string names = columns("o.pcd", "FIELDS ", ' ');
+      for (const char* axis : {"x", "y", "z"})
+        if (const std::size_t at = names.find(std::string("normal_") + axis); at != names.npos)
+          names.replace(at, 8, std::string("n") + axis);
+      EXPECT_EQ(names, expected) << keep;
+      EXPECT_EQ(tool("verify o.pcd").status, 0) << tool("verify o.pcd").err;
+      made(fmt::format("run a.las o.ply -q -f --order {} --keep {} --pipeline normals", order, keep));
+      EXPECT_EQ(tool("verify o.ply").status, 0) << tool("verify o.ply").err;
+    }
+    made(fmt::format("run a.las o.las -q -f --keep {} --pipeline normals", keep));
+    EXPECT_EQ(tool("verify o.las").status, 0) << tool("verify o.las").err;
+  }
+  made("run a.las o.csv -q -f --keep ny,intensity --prefix p_ --pipeline normals");
+  EXPECT_EQ(columns("o.csv", "", ','), "x y z p_ny intensity");
+  made("sort a.las o.csv -q -f --keep gps_time,z");
+  EXPECT_EQ(columns("o.csv", "", ','), "x y gps_time z");
+}
+
 }  // namespace
 }  // namespace pointsweep

@@ -45,6 +45,7 @@ std::string kept_text(const KeptFields& kept, const Schema& input) {
   for (const std::size_t f : kept.input.value_or(std::vector<std::size_t>())) text += " " + input.fields[f].name;
   if (!kept.left_out.empty()) text += ", of what is made leaving out";
   for (const std::string& field : kept.left_out) text += " " + field;
+  if (!kept.order.empty()) text += fmt::format(", named {}", fmt::join(kept.order, " "));
   return text.empty() ? "" : text + "\n";
 }
 

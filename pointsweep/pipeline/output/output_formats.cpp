@@ -37,6 +37,9 @@ class Naming {
     out_.made = made;
     out_.kept = kept;
     out_.kept.left_out.clear();
+    for (const Attribute& a : made)
+      for (const std::string& field : a.fields)
+        if (!moves(a)) std::ranges::replace(out_.kept.order, field, rules_.prefix + field);
     for (Attribute& a : out_.made)
       for (std::string& field : a.fields) {
         if (kept.left_out.contains(field))

@@ -23,6 +23,13 @@ std::shared_ptr<const KnownValues> of_kept_fields(std::shared_ptr<const KnownVal
   return some;
 }
 
+/// Records of LAS have an order of their own, and so have those of a writer that is no file's.
+Schema listed_schema(const Schema& schema, const std::filesystem::path& output, const KeptFields& kept,
+                     const std::vector<Attribute>& made) {
+  const Format* const format = format_of_output(output);
+  return format != nullptr && format->real_coordinates ? in_named_order(schema, kept, made) : schema;
+}
+
 }  // namespace
 
 std::optional<Type> type_of_positions(const std::vector<Attribute>& made, const std::filesystem::path& output,
@@ -41,7 +48,7 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
     : layout_(cloud.schema(), made, kept, type_of_positions(made, outputs.points, options)),
       input_stride_(cloud.schema().stride) {
   const OutputPlan plan{.path = outputs.points,
-                        .schema = layout_.schema(),
+                        .schema = listed_schema(layout_.schema(), outputs.points, kept, made),
                         .count = cloud.count(),
                         .extras = cloud.extras(),
                         .overwrite = options.overwrite,

@@ -56,6 +56,8 @@ KeptFields kept_of(const KeptFields& kept, const Schema& all, const Schema& own)
   for (const std::size_t f : *kept.input)
     if (const auto field = own_field(own, all.fields[f].name)) mine.input->push_back(*field);
   std::ranges::sort(*mine.input);
+  for (std::string& name : mine.order)
+    if (const auto field = all.find(name) ? own_field(own, name) : std::nullopt) name = own.fields[*field].name;
   return mine;
 }
 

@@ -33,6 +33,7 @@ class Selection {
 
   KeptFields result() const {
     KeptFields kept;
+    kept.order = order_;
     const std::set<std::size_t> input = input_indices();
     for (const Attribute& a : made_) {
       const bool moved = a.name == position_attribute().name;
@@ -57,6 +58,8 @@ class Selection {
           a.name == attribute || (a.name == position_attribute().name && std::ranges::any_of(a.fields, fits));
       for (const std::string& field : a.fields)
         if (whole || fits(field)) any = true, made_fields_.insert(field);
+      for (const std::string& field : a.fields)
+        if (a.name == attribute || fits(field)) append(field);
     }
     return any;
   }
@@ -69,10 +72,15 @@ class Selection {
     auto column = columns.begin();
     for (std::size_t f = 0; f < input_.fields.size(); ++f) {
       const auto end = column + input_.fields[f].count;
-      if (fits(input_.fields[f].name) || std::any_of(column, end, fits)) any = true, input_fields_.insert(f);
+      if (fits(input_.fields[f].name) || std::any_of(column, end, fits))
+        any = true, input_fields_.insert(f), append(input_.fields[f].name);
       column = end;
     }
     return any;
+  }
+
+  void append(const std::string& field) {
+    if (std::ranges::find(order_, field) == order_.end()) order_.push_back(field);
   }
 
   /// Returns the named fields of the input and the coordinates; all fields if none is named.
@@ -102,9 +110,23 @@ class Selection {
   std::string done_;
   std::set<std::string> made_fields_;   ///< empty: all
   std::set<std::size_t> input_fields_;  ///< empty: all
+  std::vector<std::string> order_;
 };
 
 }  // namespace
+
+Schema in_named_order(Schema schema, const KeptFields& kept, const std::vector<Attribute>& made) {
+  const auto rank = [&](const Field& field) {
+    const auto named = std::ranges::find(kept.order, field.name);
+    if (named != kept.order.end()) return 1 + (named - kept.order.begin());
+    const bool is_made = std::ranges::any_of(made, [&](const Attribute& a) {
+      return a.name != position_attribute().name && std::ranges::find(a.fields, field.name) != a.fields.end();
+    });
+    return is_made ? 1 + std::ssize(kept.order) : 0;
+  };
+  if (!kept.order.empty()) std::ranges::stable_sort(schema.fields, {}, rank);
+  return schema;
+}
 
 KeptFields without_replaced(KeptFields kept, const Schema& input) {
   std::set<std::size_t> replaced;

@@ -17,7 +17,12 @@ struct KeptFields {
   std::vector<std::string> attributes;            ///< names of the made attributes of which a field is written
   std::set<std::string> left_out;                 ///< fields of these that are not written
   std::optional<std::vector<std::size_t>> input;  ///< indices of the input's fields, ascending; absent: all of them
+  std::vector<std::string> order = {};            ///< names of the fields that are named, each once, as they are named
 };
+
+/// Lists the fields of `schema`, an output with the attributes `made`, as they are named: unnamed fields of the input
+/// come first, unnamed made ones last. Their places in the record stay.
+Schema in_named_order(Schema schema, const KeptFields& kept, const std::vector<Attribute>& made);
 
 /// Returns the fields that `names` keep. A name stands for the first of these that fits: a made attribute ("normal") or
 /// a field of one ("nx"); a field of the input, under its name or the name of its column in the output; then either in

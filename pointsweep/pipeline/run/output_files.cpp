@@ -23,7 +23,7 @@ namespace {
 /// The facts that determine the result of a run, for its processing record.
 struct RunRecord {
   std::vector<std::string> stages;  ///< canonical_stages() with presets left out, or {"sort"}
-  std::vector<std::string> keep;    ///< Chain::keep if it leaves anything out
+  std::vector<std::string> keep;    ///< recorded_keep()
   const EngineOptions& options;
   int axis = 0;  ///< of the sweep
   bool drops_nonfinite = false;
@@ -33,12 +33,6 @@ struct TileNumber {
   std::size_t tile = 0, tiles = 0;  ///< the first is 0
 };
 
-std::string sorted_list(std::vector<std::string> names) {
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  return fmt::format("{}", fmt::join(names, ","));
-}
-
 ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
   const EngineOptions& options = run.options;
   ProvenanceRecord record{.version = POINTSWEEP_VERSION, .stages = run.stages, .settings = {}, .inputs = {}};
@@ -46,7 +40,7 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
     if (!value.empty()) record.settings.emplace_back(name, value);
   };
   const bool in_order = run.stages == std::vector<std::string>{"sort"} || options.order == Order::sweep;
-  set("keep", sorted_list(run.keep));
+  set("keep", fmt::format("{}", fmt::join(run.keep, ",")));
   for (const RunOption& option : run_options()) {
     if (option.effect != RunOption::Effect::values) continue;
     // What the run has found out counts, not what it was asked for.
@@ -97,6 +91,20 @@ std::vector<std::string> provenance_of_tile(const InputCloud& input, TileNumber 
   return lines_with(input, record, run);
 }
 
+/// Returns whether Chain::keep names the columns of an output in another order than that of the input and of what is
+/// made.
+bool reorders(const Context& context) {
+  const ChainPlan& plan = context.plan;
+  const Schema& input = context.cloud.schema();
+  const std::vector<OutputFormat> written = output_formats(context.outputs);
+  if (std::ranges::none_of(written, [](const OutputFormat& o) { return o.format->real_coordinates; })) return false;
+  std::vector<std::string> all;
+  for (const Field& field : input.fields) all.push_back(field.name);
+  for (const Attribute& a : plan.made) all.insert(all.end(), a.fields.begin(), a.fields.end());
+  const auto place = [&](const std::string& name) { return std::ranges::find(all, name) - all.begin(); };
+  return !std::ranges::is_sorted(plan.kept.order, {}, place);
+}
+
 /// Returns whether an attribute is not written because of Chain::keep.
 bool leaves_out(const ChainPlan& plan) {
   std::set<std::string> made;
@@ -120,10 +128,21 @@ std::vector<std::string> recorded_stages(const ChainPlan& plan) {
   return stages;
 }
 
+/// Returns the names of Chain::keep for a record: as they are given where their order counts, else sorted; none where
+/// nothing is left out.
+std::vector<std::string> recorded_keep(const Context& context) {
+  std::vector<std::string> names = context.plan.chain.keep;
+  if (reorders(context)) return names;
+  if (!leaves_out(context.plan)) return {};
+  std::ranges::sort(names);
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
 /// Returns the record of the run for its outputs.
 RunRecord said_of(const Context& context, int axis) {
   return {.stages = recorded_stages(context.plan),
-          .keep = leaves_out(context.plan) ? context.plan.chain.keep : std::vector<std::string>{},
+          .keep = recorded_keep(context),
           .options = context.options,
           .axis = axis,
           .drops_nonfinite = context.dropped.count > 0};
