@@ -22,6 +22,25 @@ std::vector<std::string> verbs_of(const CLI::App& app) {
   return names;
 }
 
+/// A verb of other programs, and the command here that does the same.
+struct OtherVerb {
+  std::string_view word, command;
+};
+
+constexpr OtherVerb kOtherVerbs[] = {{"merge", "convert IN... OUT"},
+                                     {"copy", "convert IN... OUT"},
+                                     {"translate", "convert IN... OUT"},
+                                     {"compress", "convert IN... OUT.laz"},
+                                     {"clip", "run IN... OUT --pipeline 'crop([0,0,100,100])'"},
+                                     {"filter", "run IN... OUT --pipeline 'where(classification == 2)'"},
+                                     {"pipeline", "run IN... OUT --pipeline 'knn(k=8) | normals'"},
+                                     {"subsample", "thin IN... OUT --voxel 0.5"},
+                                     {"downsample", "thin IN... OUT --voxel 0.5"},
+                                     {"outliers", "denoise IN... OUT"},
+                                     {"smooth", "fair IN... OUT"},
+                                     {"view", "render IN... OUT.png"},
+                                     {"stats", "info IN..."}};
+
 /// "--quiet", "-q", ... of the options that the help shows.
 std::vector<std::string> options_of(const CLI::App& verb) {
   std::vector<std::string> names;
@@ -76,6 +95,8 @@ const CLI::App* find_verb(const CLI::App& app, const std::string& name) {
 std::string unknown_verb_sentence(const CLI::App& app, const std::string& word) {
   if (const std::string command = command_of_operator(word); !command.empty())
     return fmt::format("'{}' is an operator, not a verb: {}", word, command);
+  if (const auto* other = std::ranges::find(kOtherVerbs, word, &OtherVerb::word); other != std::end(kOtherVerbs))
+    return fmt::format("'{}' is not a verb; 'pointsweep {}' does it.", word, other->command);
   if (const std::string_view advice = advice_for(word); !advice.empty())
     return fmt::format("'{}' is not a verb; in the pipeline of 'pointsweep run', {}.", word, advice);
   const auto meant = probable_name(word, verbs_of(app));

@@ -22,6 +22,7 @@ void refuse_empty_values(CLI::App& verb) {
 }  // namespace
 
 void add_commands(CLI::App& app) {
+  add_convert_command(app);
   add_pipeline_commands(app);
   add_thin_command(app);
   add_ground_command(app);

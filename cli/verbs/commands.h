@@ -9,7 +9,8 @@
 namespace pointsweep {
 
 /// Each adds its verb to the tool; the verb runs while the command line is parsed, and throws what goes wrong.
-void add_pipeline_commands(CLI::App& app);  // normals, curvature, splats, features, fair
+void add_convert_command(CLI::App& app);
+void add_pipeline_commands(CLI::App& app);  // normals, curvature, splats, features, fair, denoise
 void add_thin_command(CLI::App& app);
 void add_ground_command(CLI::App& app);
 void add_neighbors_command(CLI::App& app);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// `pointsweep normals|curvature|splats|features|fair IN... OUT`: pipelines by one word each, most of them the paper's
-/// (its Section 4.3).
+/// `pointsweep normals|curvature|splats|features|fair|denoise IN... OUT`: pipelines by one word each, most of them the
+/// paper's (its Section 4.3).
 /// `pointsweep run IN... OUT --pipeline ...`: any chain of operators in one sweep.
+/// `pointsweep convert IN... OUT`: the empty chain.
 /// `pointsweep ground IN... OUT`: which points are ground, and how high the others are above it.
 ///
 /// `pointsweep thin IN... OUT`: fewer points, by one of the operators voxel, poisson, decimate and sample.
@@ -29,7 +30,7 @@ struct RunCommand {
 struct ShortForm {
   const char* verb;
   const char* meaning;
-  const char* output;        ///< what OUT holds in addition to the input's attributes
+  const char* output;        ///< what OUT holds, after "with the attributes of the input"
   const char* stages;        ///< after knn
   const char* with_options;  ///< the second stage whose options the verb takes, after normals; empty: none
   const char* remark;
@@ -37,29 +38,34 @@ struct ShortForm {
 };
 
 constexpr ShortForm kShortForms[] = {
-    {"normals", "Compute a unit normal for every point from its exact neighbours", "nx, ny, nz", "normals", "",
+    {"normals", "Compute a unit normal for every point from its exact neighbours", ", and nx, ny, nz", "normals", "",
      "A point whose neighbours define no plane gets the normal 0 0 0.",
      "Example: a scan of any size in 2 GB of memory, normals towards the scanner:\n"
      "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G --orient viewpoint --viewpoint 0,0,1.7\n"
      "\nExample: a folder of tiles, into another folder without seams:\n"
      "  pointsweep normals tiles/ out/ -k 12"},
-    {"curvature", "Compute normals and principal curvatures", "normals and curvatures", "normals | curvature", "",
+    {"curvature", "Compute normals and principal curvatures", ", and normals and curvatures", "normals | curvature", "",
      "'pointsweep operators curvature' lists the computed attributes.",
      "Example: the principal curvatures alone, beside the attributes of the input:\n"
      "  pointsweep curvature scan.ply curvature.ply -k 64 --keep k1,k2"},
-    {"splats", "Compute normals and elliptical splats that cover the surface", "normals and splats", "normals | splats",
-     "splats", "'pointsweep operators splats' lists the computed attributes.",
+    {"splats", "Compute normals and elliptical splats that cover the surface", ", and normals and splats",
+     "normals | splats", "splats", "'pointsweep operators splats' lists the computed attributes.",
      "Example:\n"
      "  pointsweep splats scan.ply splats.ply -k 12"},
     {"features", "Compute features of the shape of neighbourhoods: linearity, planarity, verticality and more",
-     "the features", "features", "features", "'pointsweep operators features' lists the formulas.",
+     ", and the features", "features", "features", "'pointsweep operators features' lists the formulas.",
      "Example: four features of the points within half a metre:\n"
      "  pointsweep features scan.las features.las --radius 0.5 --names linearity,planarity,sphericity,verticality"},
     {"fair", "Smooth the surface, edge-preserving: move the points, then compute normals and splats",
-     "normals and splats of the moved points", "normals | splats | fair | normals | splats", "fair",
+     ", and normals and splats of the moved points", "normals | splats | fair | normals | splats", "fair",
      "The output has the moved coordinates.",
      "Example:\n"
      "  pointsweep fair scan.ply smooth.ply -k 96 --f 0.3"},
+    {"denoise", "Leave out points that are far from their neighbours: statistical outliers", " of the points that stay",
+     "sor | where(outlier == 0) | drop(mean_distance, outlier)", "sor",
+     "'pointsweep operators sor' says which points are outliers.",
+     "Example: a folder of tiles, into another one, with the rule of PCL:\n"
+     "  pointsweep denoise tiles/ clean/ -k 50 --multiplier 1 --definition pcl"},
 };
 
 struct ShortFormCommand {
@@ -86,13 +92,14 @@ void add_short_form(CLI::App& app, const ShortForm& form) {
   auto command = std::make_shared<ShortFormCommand>();
   const std::string k = default_k_of(form);
   const std::string output =
-      fmt::format("with the attributes of the input, and {} (in a folder, one for each input)", form.output);
+      fmt::format("with the attributes of the input{} (in a folder, one for each input)", form.output);
   add_inputs_and_output(verb, command->run.paths, output.c_str());
   add_output_option(verb, command->run.paths.named_output);
   add_neighborhood_options(verb, k, command->neighborhood);
   if (const OperatorDeclaration* own = declaration_of(form.with_options))
     add_stage_options(verb, own->options, command->options);
-  add_pipeline_options(verb, command->run);
+  const bool has_normals = std::string_view(form.stages).starts_with("normals");
+  has_normals ? add_pipeline_options(verb, command->run) : add_output_options(verb, command->run);
   verb.footer(fmt::format("Same as 'pointsweep run' with the pipeline 'knn(k={}) | {}'. {}\n\n{}", k, form.stages,
                           form.remark, form.example));
   verb.callback([&form, command] { run_stages(stages_of(form, *command), command->run); });
@@ -157,7 +164,9 @@ void add_run_command(CLI::App& app) {
   add_inputs_and_output(verb, command->run.paths,
                         "with the attributes of the input, and the computed ones (in a folder, one for each input)");
   add_output_option(verb, command->run.paths.named_output);
-  verb.add_option("--pipeline", command->pipeline, "Stages such as 'knn(k=12) | normals', or a .json file of them")
+  verb.add_option("--pipeline", command->pipeline,
+                  "Stages such as 'knn(k=12) | normals', or a .json file of them (default: none, which is 'pointsweep "
+                  "convert')")
       ->type_name("TEXT|FILE");
   add_pipeline_options(verb, command->run);
   verb.footer(
@@ -168,11 +177,27 @@ void add_run_command(CLI::App& app) {
       "  pointsweep run scan.ply out.ply --pipeline 'knn(k=12) | normals(orient=up)' --memory 2G\n"
       "  pointsweep run scan.ply out.ply --pipeline 'normals(orient=viewpoint, viewpoint=[0,0,1.7])'");
   verb.callback([command] {
-    if (command->pipeline.empty())
-      fail_usage("run: --pipeline is missing; to copy or merge files write --pipeline 'decimate(1)'.");
+    if (command->pipeline.empty()) return run_stages({}, command->run);
     if (command->pipeline.ends_with(".json")) command->run.paths.other_inputs.emplace_back(command->pipeline);
     run_stages(parse_pipeline_or_file(command->pipeline), command->run);
   });
+}
+
+void add_convert_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("convert", "Copy, merge or compress: write the points into another format");
+  auto command = std::make_shared<PipelineRun>();
+  add_inputs_and_output(verb, command->paths,
+                        "with the attributes of the input, in its order (in a folder, one for each input)");
+  add_output_option(verb, command->paths.named_output);
+  add_output_options(verb, *command);
+  verb.footer(
+      "Points of several inputs follow one another. Nothing is searched, so any number of points streams through a few "
+      "megabytes. Same as 'pointsweep run' without a pipeline.\n"
+      "\nExamples: a scan as LAZ with steps of a millimetre, tiles as one file, and a folder of E57 as LAZ:\n"
+      "  pointsweep convert scan.ply scan.laz --scale 0.001\n"
+      "  pointsweep convert tiles/ merged.laz\n"
+      "  pointsweep convert scans/ out/ --output-format laz");
+  verb.callback([command] { run_stages({}, *command); });
 }
 
 void add_pipeline_commands(CLI::App& app) {

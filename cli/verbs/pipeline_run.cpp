@@ -143,7 +143,8 @@ void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText
 
 void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
   orient_normals(stages, command.orientation);
-  build_chain(stages, Facts{});  // wrong names and options are refused before files are opened
+  const Chain known = build_chain(stages, Facts{});  // wrong names and options are refused before files are opened
+  if (!stages.empty()) require_operators(known);
   if (command.common.dry_run) {
     look_at_cloud(command.paths, command.common,
                   [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {

@@ -32,7 +32,7 @@ struct ProvenanceInput {
 /// One run.
 struct ProvenanceRecord {
   std::string version;
-  std::vector<std::string> stages;                            ///< in the language of pipelines, or "sort"
+  std::vector<std::string> stages;                            ///< in the language of pipelines, or "sort" or "convert"
   std::vector<std::pair<std::string, std::string>> settings;  ///< "order", "keep", ... and their values
   std::vector<ProvenanceInput> inputs;
   std::uint64_t more_inputs = 0;  ///< inputs whose names are left out, since there are too many

@@ -58,6 +58,7 @@ struct OutputCheck {
   std::vector<OptionText> neighborhood;
   std::vector<fs::path> tiles;  ///< an output for each input, if the output is a folder
   bool recorded = false;        ///< the pipeline comes from the record, which names what is not a default in metres
+  bool without_stages = false;  ///< the record says that the run was a sort or a conversion
 
   bool says_how() const { return !options.pipeline.empty() || !neighborhood.empty() || !options.keep.empty(); }
 };
@@ -72,12 +73,14 @@ bool is_known(const std::string& pipeline) {
   }
 }
 
-/// The pipeline and what it keeps. With operators that are not known here, inputs have to be named, and the attributes
+/// Takes the pipeline and what it keeps. With operators that are not known here, inputs have to be named, and the attributes
 /// found say what is checked.
 void take_recorded_pipeline(OutputCheck& check, const ProvenanceRecord& record) {
   const std::string pipeline = fmt::format("{}", fmt::join(record.stages, " | "));
-  if (is_known(pipeline)) {
-    check.options.pipeline = pipeline, check.recorded = true;
+  check.without_stages = pipeline == "sort" || pipeline == "convert";
+  if (check.without_stages || is_known(pipeline)) {
+    if (!check.without_stages) check.options.pipeline = pipeline;
+    check.recorded = true;
     if (record.setting("keep")) check.options.keep = words_of(*record.setting("keep"));
   } else if (check.inputs.empty()) {
     fail_usage("{}: was made by '{}', of which not all operators are known here; name the inputs as well.",
@@ -96,8 +99,8 @@ void take_record(OutputCheck& check, const ProvenanceRecord& record) {
   if (options.cloud.format.empty()) options.cloud.format = setting("format");
   if (options.nonfinite == Nonfinite::by_format && setting("nonfinite") == "drop") options.nonfinite = Nonfinite::drop;
   if (check.says_how()) return;
+  take_recorded_pipeline(check, record);
   const bool sorted = record.stages == std::vector<std::string>{"sort"};
-  if (!sorted) take_recorded_pipeline(check, record);
   if (!options.order) options.order = setting("order") == "sweep" || sorted ? Order::sweep : Order::input;
   const std::string axis = setting("axis");
   if (!options.axis && axis.size() == 1 && axis >= "x" && axis <= "z") options.axis = axis[0] - 'x';
@@ -213,9 +216,12 @@ MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out
   const VerifyOptions& options = check.options;
   const MadeAttributes attributes(cloud.schema(), out.info().schema, changed);
   const std::string likely = attributes.likely_pipeline();
-  if (options.pipeline.empty() && likely.empty()) return {};
-  std::vector<StageText> stages =
-      options.pipeline.empty() ? parse_pipeline(likely) : parse_pipeline_or_file(options.pipeline);
+  std::vector<StageText> stages;
+  if (!options.pipeline.empty())
+    stages = parse_pipeline_or_file(options.pipeline);
+  else if (!check.without_stages && !likely.empty())
+    stages = parse_pipeline(likely);
+  if (stages.empty() && options.keep.empty()) return {};
   const bool knn = !stages.empty() && stages.front().name == neighborhood_declaration().name;
   if (knn && !check.neighborhood.empty())
     fail_usage("{}: the pipeline says in knn which neighbours it takes; leave the option out.",

@@ -61,6 +61,12 @@ PythonChain chain_of(const nb::list& pipeline, const Facts& facts) {
   return chain;
 }
 
+PythonChain chain_to_run(const nb::list& pipeline, const Facts& facts) {
+  PythonChain chain = chain_of(pipeline, facts);
+  if (pipeline.size() > 0) require_operators(chain);
+  return chain;
+}
+
 bool changes_rows(const Chain& chain, const RunOptions& options) {
   if (options.order != Order::input || options.nonfinite == Nonfinite::drop) return true;
   return std::ranges::any_of(chain.stages, [](const ChainStage& stage) { return drops_rows(stage); });

@@ -93,7 +93,7 @@ nb::tuple run_pipeline(const nb::list& source, const nb::list& pipeline, const s
   const Callbacks callbacks{progress, warn};
   const RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, to.is_none(), given);
-  PythonChain chain = chain_of(pipeline, facts_of(cloud.inputs()));
+  PythonChain chain = chain_to_run(pipeline, facts_of(cloud.inputs()));
   chain.keep = keep;
   if (to.is_none()) {
     WantedArrays wanted = wanted_arrays(chain, options, groups);
@@ -116,7 +116,7 @@ std::string plan(const nb::list& source, const nb::list& pipeline, const std::ve
                  const nb::dict& given, const std::vector<FieldGroup>& groups, const std::filesystem::path& to) {
   const RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, to.empty(), given);
-  PythonChain chain = chain_of(pipeline, facts_of(cloud.inputs()));
+  PythonChain chain = chain_to_run(pipeline, facts_of(cloud.inputs()));
   chain.keep = keep;
   if (to.empty()) wanted_arrays(chain, options, groups);
   return plan_text(cloud, chain, to, options);
@@ -142,7 +142,7 @@ nb::tuple run_to_blocks(const nb::list& source, const nb::list& pipeline, const 
                         const nb::object& progress, const nb::object& warn) {
   RunOptions options = run_options(given);
   Cloud cloud = open_cloud(source, true, given);
-  PythonChain chain = chain_of(pipeline, facts_of(cloud.inputs()));
+  PythonChain chain = chain_to_run(pipeline, facts_of(cloud.inputs()));
   const bool changed = changes_rows(chain, options);
   chain.keep = keep;
   if (changed && !keep.empty()) chain.keep.emplace_back(kRowField);

@@ -8,7 +8,7 @@
 >>> ps.open("tiles/*.laz").run("knn(k=8) | normals", to="out/", memory="2G")
 
 `run` is the heart: points in arrays or files, through a pipeline, to arrays or files; `chunks` gives its results block by
-block. `normals` and `neighbors` are short for the two most wanted runs. `knn`, `where`, `sor` and the other built-in
+block. `read` and `write` take points from files to arrays and back, as they are. `normals` and `neighbors` are short for the two most wanted runs. `knn`, `where`, `sor` and the other built-in
 operators are stages of pipelines, and `operator` and `select` make such of functions. `info` says what is in a file,
 `verify` checks what a run has written. `generate` makes points to try things with.
 """
@@ -16,6 +16,7 @@ operators are stages of pipelines, and `operator` and `select` make such of func
 from . import _core, _stages
 from ._check import Check, check
 from ._chunks import Chunks, chunks
+from ._copies import read, write
 from ._crs import Crs
 from ._errors import Error, PointsweepWarning, UsageError
 from ._files import Cloud
@@ -39,7 +40,7 @@ __version__: str = _core.version
 __all__ = [
     "Arrays", "Check", "Chunks", "Cloud", "Crs", "Error", "FileSummary", "Neighbors", "Operator", "Pipeline", "Plan",
     "PointNeighbors", "Points", "PointsweepWarning", "RadiusNeighbors", "Reduction", "Report", "Select", "Stage",
-    "UsageError", "Verdict", "check", "chunks", "generate", "info", "neighbors", "normals", "operator", "plan", "reduce",
-    "run", "select", "verify",
+    "UsageError", "Verdict", "check", "chunks", "generate", "info", "neighbors", "normals", "operator", "plan", "read",
+    "reduce", "run", "select", "verify", "write",
 ]  # fmt: skip
 __all__ += _stages.__all__

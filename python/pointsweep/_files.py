@@ -56,7 +56,7 @@ class Cloud(Files):
         """The positions, (n, 3): all points are read. ``cloud.chunks`` reads files larger than memory."""
         if copy is False:
             raise ValueError("the points of files are in no array before they are read; leave copy=False out.")
-        xyz: np.ndarray = self.run("decimate(1)", keep=["xyz"])["xyz"]
+        xyz: np.ndarray = self.read(keep=["xyz"])["xyz"]
         return xyz if dtype is None else xyz.astype(dtype, copy=False)
 
     @overload
@@ -95,6 +95,35 @@ class Cloud(Files):
     ) -> Arrays | Report:
         """`pointsweep.run` on these files: with ``to=`` it writes files, otherwise it returns arrays."""
         return performed(self, pipeline, to, keep, out, None, None, progress, options)
+
+    @with_run_options
+    def read(
+        self,
+        *,
+        keep: Sequence[str] | str | None = None,
+        progress: ProgressCallback | bool | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Arrays:
+        """All points, in a dict of arrays: 'xyz', (n, 3), and every attribute, or those that `keep` names."""
+        if keep is None:
+            keep = ["xyz", *(name for name in self.attributes if name not in ("x", "y", "z"))]
+        result = performed(self, None, None, keep, None, None, None, progress, options)
+        assert isinstance(result, Arrays)
+        return result
+
+    @with_run_options
+    def write(
+        self,
+        to: Path | Sequence[Path],
+        *,
+        keep: Sequence[str] | str | None = None,
+        progress: ProgressCallback | bool | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Report:
+        """Writes the points as they are to a file, or to a folder with a file for each input: `pointsweep convert`."""
+        result = performed(self, None, to, keep, None, None, None, progress, options)
+        assert isinstance(result, Report)
+        return result
 
     @with_run_options
     def chunks(

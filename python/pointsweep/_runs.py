@@ -117,7 +117,7 @@ def run(
 
 def performed(
     points: Any,
-    pipeline: PipelineLike,
+    pipeline: PipelineLike | None,
     to: Path | Sequence[Path] | None,
     keep: Sequence[str] | str | None,
     out: Mapping[str, np.ndarray] | None,
@@ -126,8 +126,8 @@ def performed(
     progress: ProgressCallback | bool | None,
     options: RunOptions,
 ) -> Arrays | Report:
-    """`run`, for any `to`."""
-    stages = stages_of(pipeline)
+    """`run`, for any `to`; without a pipeline, the points as they are."""
+    stages = [] if pipeline is None else stages_of(pipeline)
     into = outputs_to(out)
     kept = names("keep", list(out) if keep is None and out else keep)
     checked = run_options(**options)

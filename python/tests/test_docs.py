@@ -26,7 +26,7 @@ def test_the_blocks_of_the_documentation_run(tmp_path, monkeypatch):
     except ps.Error as error:
         pytest.skip(str(error))
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs/python.md").read_text(), re.DOTALL)
-    assert len(blocks) == 7
+    assert len(blocks) == 8
     names: dict = {}
     for block in blocks:
         exec(compile(block, "docs/python.md", "exec"), names)

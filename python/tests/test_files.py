@@ -146,3 +146,28 @@ def test_the_layout_of_outputs_is_stated_as_for_the_tool(tmp_path, run_tool):
         ps.run(xyz, "normals", scale=0.1)
     with pytest.raises(ps.UsageError, match="is for LAS and LAZ outputs"):
         ps.run(xyz, "normals", to=tmp_path / "d.ply", scale=0.1)
+
+
+def test_points_go_to_files_and_back_as_they_are(tmp_path):
+    xyz = np.random.default_rng(1).random((1000, 3)).round(3)
+    given = {"xyz": xyz, "intensity": np.arange(1000, dtype="u2"), "label": np.arange(1000, dtype="i4")}
+    report = ps.write(tmp_path / "a.ply", given, crs=2154)
+    assert report.statistics["points_written"] == 1000
+    read = ps.read(tmp_path / "a.ply")
+    assert list(read) == ["xyz", "intensity", "label"]
+    for name, values in given.items():
+        assert np.array_equal(read[name], values) and read[name].dtype == values.dtype, name
+    assert list(ps.read(tmp_path / "a.ply", keep="label")) == ["label"]
+
+    cloud = ps.open(tmp_path / "a.ply")
+    assert np.array_equal(np.asarray(cloud), xyz)
+    cloud.write(tmp_path / "b.laz", scale=0.001, threads=1)
+    assert np.allclose(ps.read(tmp_path / "b.laz")["xyz"], xyz, rtol=0, atol=0.0005)
+    assert str(ps.open(tmp_path / "b.laz").crs) == str(cloud.crs)
+    with pytest.raises(ps.Error, match="exists"):
+        cloud.write(tmp_path / "b.laz")
+
+    ps.write(tmp_path / "c.csv", xyz)
+    assert np.array_equal(ps.read(tmp_path / "c.csv")["xyz"], xyz)
+    sweep = ps.read(tmp_path / "a.ply", order="sweep", axis="x")
+    assert np.array_equal(sweep["intensity"], np.argsort(xyz[:, 0], kind="stable")) or np.all(np.diff(sweep["xyz"][:, 0]) >= 0)

@@ -247,8 +247,7 @@ TEST_F(Help, AnUnknownOperatorIsNamedBeforeItsOptions) {
   refused(2, "run in.ply c.ply --pipeline 'reproject(EPSG)'", "pointsweep does not transform coordinates, but 'pdal");
   write("stages.txt", "normals");
   refused(2, "run in.ply c.ply --pipeline stages.txt", "stages.txt: pipeline files end in .json");
-  refused(2, "run in.ply c.ply", "to copy or merge files write --pipeline 'decimate(1)'");
-  refused(2, "merge in.ply c.ply", "'merge' is not a verb; in the pipeline of 'pointsweep run', decimate(1) copies");
+  refused(2, "merge in.ply c.ply", "'merge' is not a verb; 'pointsweep convert IN... OUT' does it");
   refused(2, "run in.ply c.ply --pipeline 'normals(orient)'", "the option 'orient' has no value; write orient=VALUE");
   refused(2, "run in.ply c.ply --pipeline 'curvature(3)'", "curvature has no options");
   refused(2, "run in.ply c.ply --pipeline 'normals(oreint=up)'", "normals has no option 'oreint'; the nearest");

@@ -44,11 +44,11 @@ TEST_F(RunVerb, DryRunSaysThePlanAndWritesNothing) {
 }
 
 TEST_F(RunVerb, WhatMakesNoSenseIsStatus2AndNamesThePlace) {
-  refused(2, "run in.ply out.ply", "--pipeline");
   refused(2, "run in.ply --pipeline normals", "IN... OUT");
   refused(2, "run in.ply out.ply --pipeline 'knn(k=12) | nromals'", "column 13: no operator is called 'nromals'");
   refused(2, "run in.ply out.ply --pipeline 'knn(k=12'", "column 9");
-  refused(2, "run in.ply out.ply --pipeline 'knn(k=12)'", "computes nothing");
+  refused(2, "run in.ply out.ply --pipeline 'knn(k=12)'", "knn alone computes nothing; add an operator");
+  refused(2, "run in.ply out.ply --pipeline 'reneighbor(k=3)'", "computes nothing; add an operator");
   refused(2, "run in.ply out.ply --pipeline '[{\"type\": \"normals\", \"orient\": \"in\"}]'", "stage 1");
   refused(1, "run in.ply out.ply --pipeline none.json", "none.json");
   EXPECT_FALSE(exists("out.ply"));

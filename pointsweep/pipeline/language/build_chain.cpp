@@ -65,6 +65,13 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
   return chain;
 }
 
+void require_operators(const Chain& chain) {
+  if (chain.stages.empty())
+    fail_usage(
+        "knn alone computes nothing; add an operator, as in knn(k=8) | normals, or leave the pipeline out to copy the "
+        "points.");
+}
+
 void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts) {
   facts.neighborhood = chain.neighborhood;
   for (const ChainStage& stage : chain.stages) note_neighborhood(stage, facts);
@@ -126,6 +133,7 @@ std::vector<std::string> canonical_stages(const Chain& open, Presets presets) {
 
 std::vector<std::string> canonical_stages(const ChainPlan& plan, Presets presets) {
   if (plan.passes.empty()) return {"sort"};
+  if (plan.chain.stages.empty()) return {"convert"};
   return canonical_stages(plan.chain, presets);
 }
 

@@ -30,6 +30,9 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts, const std::
 Chain build_chain(const std::vector<StageText>& stages, const InputCloud& cloud,
                   const std::vector<std::string>& keep = {}, const std::string& prefix = "");
 
+/// Throws UsageError for a chain without stages, where somebody wrote only knn.
+void require_operators(const Chain& chain);
+
 enum class Presets : bool {
   left_out,     ///< for people: "normals"
   spelled_out,  ///< says everything, whatever the presets of another version are: "normals(orient=none)"
@@ -47,7 +50,7 @@ std::string canonical_text(const Neighborhood& neighborhood, Presets presets);
 /// The neighbourhood, then the stages. A number of neighbours that is left to the operators is the one that they get.
 std::vector<std::string> canonical_stages(const Chain& chain, Presets presets);
 
-/// The canonical stages of a plan; "sort" for a plan without passes.
+/// The canonical stages of a plan; "sort" for a plan without passes, "convert" for that of a chain without stages.
 std::vector<std::string> canonical_stages(const ChainPlan& plan, Presets presets);
 
 }  // namespace pointsweep

@@ -174,6 +174,7 @@ RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::u
       memory.efforts.emplace_back();
       memory.record_bytes.push_back(pass.input.stride);
       memory.passes.push_back(plan_rows(codec_bytes));
+      memory.expected_bytes = std::max(memory.expected_bytes, memory.passes.back().expected_bytes);
       continue;
     }
     SweepPlan stages = pass.plan;

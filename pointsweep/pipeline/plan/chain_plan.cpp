@@ -171,10 +171,11 @@ void find_written(ChainPlan& plan, const Schema& input) {
   for (const std::size_t v : plan.graph.made)
     plan.graph.versions[v].is_written =
         std::ranges::find(plan.made, plan.graph.versions[v].attribute.name, &Attribute::name) != plan.made.end();
-  if (plan.made.empty() && !plan.selects() && !plan.graph.drops)
+  if (plan.made.empty() && !plan.selects() && !plan.graph.drops && !plan.chain.stages.empty())
     fail_usage(
-        "the pipeline computes nothing; add an operator, as in knn(k=8) | normals, or copy the points with "
-        "decimate(1).");
+        "the pipeline computes nothing; add an operator, as in knn(k=8) | normals, or leave the pipeline out to copy "
+        "the "
+        "points.");
 }
 
 bool orders_by_moved_positions(const ChainGraph& graph) {
@@ -206,7 +207,7 @@ ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs)
   if (plan.by_moved_positions) needed.insert(stream_position_attribute().name);
   std::vector<Draft> drafts = draft_passes(PassSchedule(plan.graph).passes(), plan.graph);
   find_needed(drafts, std::move(needed), plan.graph, input);
-  if (drafts.empty()) drafts.emplace_back().pass.kind = PassKind::rows;  // the chain only drops attributes
+  if (drafts.empty()) drafts.emplace_back().pass.kind = PassKind::rows;  // the chain is empty or only drops attributes
   if (plan.graph.moved_bounds) drafts.back().pass.reduces.push_back(*plan.graph.moved_bounds);
   std::size_t stages = 0;
   for (const Draft& draft : drafts) {
