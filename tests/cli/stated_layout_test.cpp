@@ -215,7 +215,7 @@ TEST_F(StatedLayout, ColumnsStandInTheOrderInWhichKeepNamesThem) {
   };
   std::filesystem::create_directory(folder_ / "tiles");
   std::filesystem::copy(folder_ / "a.las", folder_ / "tiles");
-  for (const auto& [keep, expected] : {std::pair{"z,x", "y z x nx ny nz"},
+  for (const auto& [keep, expected] : {std::pair{"z,x", "x y z nx ny nz"},
                                        {"intensity,z,y,x", "intensity z y x nx ny nz"},
                                        {"nx,intensity", "x y z nx intensity"},
                                        {"intensity,nx", "x y z intensity nx"},

@@ -116,13 +116,16 @@ class Selection {
 }  // namespace
 
 Schema in_named_order(Schema schema, const KeptFields& kept, const std::vector<Attribute>& made) {
+  const auto is_coordinate = [](const std::string& name) { return name == "x" || name == "y" || name == "z"; };
+  const bool all_coordinates = std::ranges::count_if(kept.order, is_coordinate) == 3;
   const auto rank = [&](const Field& field) {
+    if (is_coordinate(field.name) && !all_coordinates) return std::ptrdiff_t{0};
     const auto named = std::ranges::find(kept.order, field.name);
     if (named != kept.order.end()) return 1 + (named - kept.order.begin());
     const bool is_made = std::ranges::any_of(made, [&](const Attribute& a) {
       return a.name != position_attribute().name && std::ranges::find(a.fields, field.name) != a.fields.end();
     });
-    return is_made ? 1 + std::ssize(kept.order) : 0;
+    return is_made ? 1 + std::ssize(kept.order) : std::ptrdiff_t{0};
   };
   if (!kept.order.empty()) std::ranges::stable_sort(schema.fields, {}, rank);
   return schema;

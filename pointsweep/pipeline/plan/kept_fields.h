@@ -21,7 +21,7 @@ struct KeptFields {
 };
 
 /// Lists the fields of `schema`, an output with the attributes `made`, as they are named: unnamed fields of the input
-/// come first, unnamed made ones last. Their places in the record stay.
+/// come first, and x, y and z where not all three are named; unnamed made ones last. Their places in the record stay.
 Schema in_named_order(Schema schema, const KeptFields& kept, const std::vector<Attribute>& made);
 
 /// Returns the fields that `names` keep. A name stands for the first of these that fits: a made attribute ("normal") or
