@@ -82,8 +82,7 @@ void add_stated_crs_option(CLI::App& verb, CommonOptions& options) {
             options.crs = StatedCrs{parse_crs(text), false};
           },
           "State the coordinate reference system of the inputs and the output: a code, a file with WKT (.prj), or "
-          "none. "
-          "Coordinates stay as they are")
+          "none. Coordinates do not change")
       ->type_name("EPSG:CODE|FILE|none")
       ->group(kOutputGroup);
 }

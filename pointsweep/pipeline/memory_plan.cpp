@@ -182,7 +182,8 @@ class Division {
       : budget_(budget), plan_(plan), demand_(demand), lists_(lists) {
     out_.slab_points = demand.slab_points;
     out_.lists_bytes = lists_bytes(budget, demand) / neighbor_bytes(demand) * sizeof(NeighborRef);
-    out_.threads_bytes = std::max(1u, demand.threads) * thread_bytes(plan, kLeastSlabPoints, budget, demand);
+    if (!is_unlimited(plan))
+      out_.threads_bytes = std::max(1u, demand.threads) * thread_bytes(plan, kLeastSlabPoints, budget, demand);
     // For chunks on their way to their slabs, also where these are in memory.
     out_.stream_buffer_bytes = std::clamp<std::uint64_t>(budget / 8, 8 * kMega, 64 * kMega);
   }

@@ -40,7 +40,7 @@ struct MemoryPlan {
   std::uint64_t recall_bytes = 0;
   std::uint32_t slabs_per_turn = 1;  ///< slabs that come into the window before the steps are taken
   std::uint64_t window_bytes = 0;    ///< expected, with what threads have in hand
-  std::uint64_t threads_bytes = 0;   ///< what threads have in hand, if slabs are as thin as they may be
+  std::uint64_t threads_bytes = 0;   ///< what threads have in hand with the thinnest slabs; 0 if nothing is recalled
   std::uint64_t cells_bytes = 0;     ///< what the cells of the window may take of the budget
   std::uint64_t in_order_bytes = 0;  ///< what an in-order operator may hold
   std::uint64_t lists_bytes = 0;     ///< for the lists that each thread has in hand

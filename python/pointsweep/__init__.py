@@ -8,7 +8,7 @@
 >>> ps.open("tiles/*.laz").run("knn(k=8) | normals", to="out/", memory="2G")
 
 `run` is the heart: points in arrays or files, through a pipeline, to arrays or files; `chunks` gives its results block by
-block. `read` and `write` take points from files to arrays and back, as they are. `normals` and `neighbors` are short for the two most wanted runs. `knn`, `where`, `sor` and the other built-in
+block. `read` and `write` copy points from files to arrays and back. `normals` and `neighbors` are short for the two most wanted runs. `knn`, `where`, `sor` and the other built-in
 operators are stages of pipelines, and `operator` and `select` make such of functions. `info` says what is in a file,
 `verify` checks what a run has written. `generate` makes points to try things with.
 """

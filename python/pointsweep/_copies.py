@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Points from files to arrays and from arrays to files, as they are."""
+"""Copies of points, from files to arrays and from arrays to files."""
 
 from __future__ import annotations
 

@@ -120,7 +120,7 @@ class Cloud(Files):
         progress: ProgressCallback | bool | None = None,
         **options: Unpack[RunOptions],
     ) -> Report:
-        """Writes the points as they are to a file, or to a folder with a file for each input: `pointsweep convert`."""
+        """Writes the points, unchanged, to a file, or to a folder with a file for each input: `pointsweep convert`."""
         result = performed(self, None, to, keep, None, None, None, progress, options)
         assert isinstance(result, Report)
         return result
@@ -180,7 +180,7 @@ def open(
     ignore_crs : ignore coordinate reference systems: merge files of different systems without a transformation, treat
         degrees as lengths, do not convert default lengths to feet.
     crs : coordinate reference system of the points, as `run` takes it, the path of a file with WKT (.prj, .wkt), or 'none'.
-        Coordinates stay as they are. Default: what the files state.
+        Coordinates do not change. Default: what the files state.
     replace_crs : `crs` may replace another system that a file states.
     """
     return opened(

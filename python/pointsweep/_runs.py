@@ -126,7 +126,7 @@ def performed(
     progress: ProgressCallback | bool | None,
     options: RunOptions,
 ) -> Arrays | Report:
-    """`run`, for any `to`; without a pipeline, the points as they are."""
+    """`run`, for any `to`; without a pipeline it copies the points."""
     stages = [] if pipeline is None else stages_of(pipeline)
     into = outputs_to(out)
     kept = names("keep", list(out) if keep is None and out else keep)

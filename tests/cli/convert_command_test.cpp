@@ -97,6 +97,8 @@ TEST_F(ConvertVerb, DenoiseIsSorWithoutItsAttributes) {
   const std::string all = rows_of("in.las"), clean = contents(folder_ / "a.csv");
   EXPECT_LT(clean.size(), all.size());
   EXPECT_EQ(clean.substr(0, clean.find('\n')), all.substr(0, all.find('\n')));
+  made("run in.las marked.las -q --pipeline 'set(outlier = 3)'");
+  refused(2, "denoise marked.las b.las", "the input has an attribute 'outlier'");
   made("denoise in.las a.laz -q");
   EXPECT_EQ(tool("verify a.laz").status, 0);
 }

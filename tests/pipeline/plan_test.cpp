@@ -279,6 +279,18 @@ TEST(RunMemory, FewerThreadsWorkWhereTheBudgetHasNoRoomForAll) {
   }
 }
 
+TEST(RunMemory, WithoutALimitKThreadsNeedNotLeaveMemoryToARecall) {
+  EngineOptions options;
+  options.resources.threads = 64;
+  const auto memory = [&](const char* chain, std::uint64_t mega) {
+    return plan_run_memory(mega * kMega, plan_of(chain), 20'000'000, survey_of(), options, 40);
+  };
+  EXPECT_GT(memory("normals", 4096).passes.front().threads_bytes, 0u);
+  const RunMemory within = memory("knn(radius=0.001) | normals", 2048);
+  EXPECT_EQ(within.passes.front().threads_bytes, 0u);
+  EXPECT_EQ(within.threads, 64u) << "which take more than a quarter";
+}
+
 TEST(RunMemory, WithRowsBetweenPassesNeverExpectsMoreThanTheBudget) {
   for (const char* chain : {"where(z > 0) | normals", "sor | where(outlier == 0) | normals | splats | fair",
                             "unique | normals | where(nz > 0)", "normals | splats | fair | reneighbor | normals"}) {

@@ -94,7 +94,7 @@ RunOption option(RunOption declared, Member member) {
   return declared;
 }
 
-/// The same for a switch, which sets a truth value that is not the default.
+/// Completes the declaration of a switch, which sets the truth value that is not the default.
 RunOption switching(RunOption declared, bool RunOptions::*member) {
   declared.set = [member](RunOptions& options, const std::string&, const std::string&) {
     options.*member = !(RunOptions().*member);
@@ -105,7 +105,7 @@ RunOption switching(RunOption declared, bool RunOptions::*member) {
   return declared;
 }
 
-/// The same for an option whose values are words.
+/// Completes the declaration of an option whose values are words.
 template <class T, class Member>
 RunOption words(RunOption declared, Member member, const std::vector<std::pair<std::string, T>>& values) {
   for (const auto& [word, value] : values) declared.words.push_back(word);

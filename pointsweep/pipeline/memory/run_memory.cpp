@@ -219,8 +219,9 @@ namespace {
 
 /// Threads beyond so many work only where they leave memory for the window and the recall.
 constexpr unsigned kThreadsInAnyCase = 2;
-/// One byte in so many of the memory that grows with the cloud may be taken by all threads for themselves. With more,
-/// the window is so small that many points are recalled in small groups, which costs more than the threads gain.
+/// All threads together may take one part in so many of the memory that grows with the cloud, where points may be
+/// recalled. If they take more, the window is so small that many points are recalled in small groups, which costs more
+/// than the threads gain.
 constexpr std::uint64_t kThreadsShare = 4;
 
 bool is_enough(std::uint64_t budget, const RunMemory& memory) {

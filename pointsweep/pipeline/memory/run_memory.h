@@ -53,9 +53,9 @@ using CodecBytes = std::function<std::uint64_t(unsigned threads)>;
 
 /// Plans the memory of all passes. Records carried between sweeps stay in memory only if nothing is spilled. One survey
 /// serves all sweeps, since the places of moved points are not known yet. As many threads work as the budget has memory
-/// for, at most the threads of the options; from the third on, a thread must also leave three quarters of that memory
-/// to the window and the recall. Throws Error, which states the least sufficient budget, if the budget is too small for
-/// one thread. `output_bytes`: bytes of an output record; `codecs` may be empty.
+/// for, at most the threads of the options; with a limit k, the threads beyond two must also leave three
+/// quarters of that memory to the window and the recall. Throws Error, which states the least sufficient budget, if the
+/// budget is too small for one thread. `output_bytes`: bytes of an output record; `codecs` may be empty.
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs = {},
                           const OnDemandOrder& on_demand = {"it was not looked for", {}});

@@ -17,7 +17,7 @@ struct KeptFields {
   std::vector<std::string> attributes;            ///< names of the made attributes of which a field is written
   std::set<std::string> left_out;                 ///< fields of these that are not written
   std::optional<std::vector<std::size_t>> input;  ///< indices of the input's fields, ascending; absent: all of them
-  std::vector<std::string> order = {};            ///< names of the fields that are named, each once, as they are named
+  std::vector<std::string> order = {};            ///< names of the fields that Chain::keep names, in its order, each once
 };
 
 /// Lists the fields of `schema`, an output with the attributes `made`, as they are named: unnamed fields of the input

@@ -43,7 +43,7 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
   set("keep", fmt::format("{}", fmt::join(run.keep, ",")));
   for (const RunOption& option : run_options()) {
     if (option.effect != RunOption::Effect::values) continue;
-    // What the run has found out counts, not what it was asked for.
+    // The record states the axis that the run has chosen, and whether it has dropped points, not what was asked for.
     if (option.name == "axis")
       set("axis", in_order ? std::string(1, "xyz"[run.axis]) : "");
     else if (option.name == "nonfinite")
@@ -128,8 +128,8 @@ std::vector<std::string> recorded_stages(const ChainPlan& plan) {
   return stages;
 }
 
-/// Returns the names of Chain::keep for a record: as they are given where their order counts, else sorted; none where
-/// nothing is left out.
+/// Returns the names of Chain::keep for a record, in the given order if columns stand in that order, else sorted.
+/// Returns none if the run leaves nothing out.
 std::vector<std::string> recorded_keep(const Context& context) {
   std::vector<std::string> names = context.plan.chain.keep;
   if (reorders(context)) return names;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The values of a point that the names of an expression stand for, as far as they are known.
+/// Lookup of the names in an expression: the attribute that each name stands for, and the range in which its value at a
+/// point is known to lie.
 #pragma once
 
 #include <vector>
@@ -14,7 +15,8 @@ struct NamedRead {
   bool is_whole = false;  ///< it is a 64-bit integer
 };
 
-/// What each name of the expression stands for; `reads`: of the stage that evaluates it.
+/// Returns the read value of each name of the expression, in its order. `reads` are the attributes that the stage
+/// reads.
 std::vector<NamedRead> reads_of(const formulas::PlainExpression& expression, const std::vector<Attribute>& reads);
 
 /// The ranges of the values of a point.
