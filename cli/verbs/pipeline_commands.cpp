@@ -148,9 +148,25 @@ const OptionDeclaration& declared_option_of(const ThinningFlag& flag) {
   return *std::ranges::find(options, std::string(flag.option), &OptionDeclaration::name);
 }
 
+/// The flag that says that the points are thinned by the stage.
+const char* flag_of(const StageText& stage) {
+  return std::ranges::find(kThinningFlags, stage.name, &ThinningFlag::stage)->flag;
+}
+
+/// Gives --seed, which is read as an option of decimate, to sample if points are sampled.
+void move_seed(std::vector<StageText>& stages) {
+  StageText& decimate = *std::ranges::find(stages, "decimate", &StageText::name);
+  StageText& sample = *std::ranges::find(stages, "sample", &StageText::name);
+  if (sample.options.empty()) return;
+  for (const OptionText& option : decimate.options)
+    if (option.name == "seed") sample.options.push_back(option);
+  std::erase_if(decimate.options, [](const OptionText& option) { return option.name == "seed"; });
+}
+
 /// The stage with its first option; of options that stand beside it alone, or of two such stages, there is no sense.
 std::vector<StageText> thinning_stages(const ThinCommand& command) {
   std::vector<StageText> stages = command.stages;
+  move_seed(stages);
   std::erase_if(stages, [](const StageText& stage) { return stage.options.empty(); });
   const auto first_of = [](const StageText& stage) { return declaration_of(stage.name)->options.front().name; };
   const auto says_how = [&](const StageText& stage) {
@@ -160,7 +176,7 @@ std::vector<StageText> thinning_stages(const ThinCommand& command) {
     fail_usage("thin: give one of --voxel SIZE, --poisson RADIUS, --decimate SHARE and --number N.");
   for (const StageText& stage : stages)
     if (!says_how(stage))
-      fail_usage("{0}: belongs to --{1}; leave it out, or use --{1}.", stage.options[0].place, stage.name);
+      fail_usage("{0}: belongs to {1}; leave it out, or use {1}.", stage.options[0].place, flag_of(stage));
   return stages;
 }
 

@@ -9,6 +9,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/verify/values/stored_values.h"
 
 namespace pointsweep {
 namespace {
@@ -19,19 +20,13 @@ formulas::Place place_of(const Surroundings& around, std::size_t i) {
   return {{around.x[i], around.y[i], around.z[i]}, 0};
 }
 
-/// The components of a stored value as numbers.
-double number_at(Type type, const std::byte* value, std::size_t component) {
-  Field field;
-  field.type = type;
-  return value_of(field, value, static_cast<std::uint32_t>(component));
-}
-
 /// Stores a number, rounded once to its type.
 void store(Type type, formulas::Real number, std::byte* to) {
   const auto copy = [to](auto value) { std::memcpy(to, &value, sizeof value); };
   if (type == Type::f32) return copy(static_cast<float>(number));
   if (type == Type::f64) return copy(static_cast<double>(number));
   if (type == Type::u64) return copy(static_cast<std::uint64_t>(number));
+  if (type == Type::i64) return copy(static_cast<std::int64_t>(number));
   if (type == Type::u32) return copy(static_cast<std::uint32_t>(number));
   Field field;
   field.type = type;
@@ -196,11 +191,9 @@ void ChainValues::fetch_file_columns(const Surroundings& around, RowSource& in, 
   for (const FileColumn& f : file_columns_) columns[f.column].resize(around.size() * f.attribute.bytes());
   for_each_record(in, rows, [&](std::size_t r, const std::byte* record) {
     for (const FileColumn& f : file_columns_) {
-      Field to;
-      to.type = f.attribute.type;
-      std::byte* value = columns[f.column].data() + order[r] * f.attribute.bytes();
-      for (std::size_t c = 0; c < f.fields.size(); ++c)
-        set_value(to, value, value_of(f.fields[c], record), static_cast<std::uint32_t>(c));
+      const Type type = f.attribute.type;
+      std::byte* const value = columns[f.column].data() + order[r] * f.attribute.bytes();
+      for (std::size_t c = 0; c < f.fields.size(); ++c) put_value(f.fields[c], record, type, value + c * size_of(type));
     }
   });
 }
@@ -274,7 +267,7 @@ formulas::Kept ChainValues::kept_of(const Surroundings& around, std::size_t i, c
     for (std::size_t n = first; n < first + count; ++n) neighbors.push_back(place_of(around, around.neighbors[n]));
     std::vector<double> values;
     for (const std::uint16_t c : rule_reads_)
-      values.push_back(number_at(columns_[c].type, columns[c].data() + i * columns_[c].bytes(), 0));
+      values.push_back(static_cast<double>(number_in(columns_[c].type, columns[c].data() + i * columns_[c].bytes())));
     return rule_formula_(place_of(around, i), neighbors, values);
   }
   PointColumns own = slots[i / kCellCapacity];
@@ -321,8 +314,8 @@ void ChainValues::take_bits(std::uint16_t column, const ColumnBytes& bits, const
     const std::byte* value = bits[column].data() + i * a.bytes();
     for (std::size_t e = 0; e < estimates_of(a); ++e) {
       const auto number = [&](std::size_t c) {
-        return components > 3 ? (c == 0 ? number_at(a.type, value, e) : 0)
-                              : (c < components ? number_at(a.type, value, c) : 0);
+        return components > 3 ? (c == 0 ? number_in(a.type, value, e) : 0)
+                              : (c < components ? number_in(a.type, value, c) : 0);
       };
       const bool unsure = i < in_doubt.size() && in_doubt[i];
       estimates[column].push_back(unsure ? formulas::open() : Estimate{.value = {number(0), number(1), number(2)}});

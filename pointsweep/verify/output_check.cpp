@@ -73,8 +73,8 @@ bool is_known(const std::string& pipeline) {
   }
 }
 
-/// Takes the pipeline and what it keeps. With operators that are not known here, inputs have to be named, and the attributes
-/// found say what is checked.
+/// Takes the pipeline and what it keeps. With operators that are not known here, inputs have to be named, and the
+/// attributes found say what is checked.
 void take_recorded_pipeline(OutputCheck& check, const ProvenanceRecord& record) {
   const std::string pipeline = fmt::format("{}", fmt::join(record.stages, " | "));
   check.without_stages = pipeline == "sort" || pipeline == "convert";

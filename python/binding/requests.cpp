@@ -74,8 +74,10 @@ bool changes_rows(const Chain& chain, const RunOptions& options) {
 
 bool moves_points(const Chain& chain) {
   return std::ranges::any_of(chain.stages, [](const ChainStage& stage) {
-    const std::vector<Attribute> made = contract_of(stage).makes;
-    return std::ranges::find(made, position_attribute().name, &Attribute::name) != made.end();
+    // An assignment to x, y or z is one to a part of the position only once the attributes of the cloud are known.
+    const auto is_coordinate = [](const std::string& field) { return field == "x" || field == "y" || field == "z"; };
+    return std::ranges::any_of(contract_of(stage).makes,
+                               [&](const Attribute& made) { return std::ranges::any_of(made.fields, is_coordinate); });
   });
 }
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ._files import open as open_files
 from ._options import with_run_options
 from ._results import Arrays, Report
-from ._runs import performed
+from ._runs import COPY, performed
 from ._types import Path, ProgressCallback, RunOptions
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def read(
 
     ``ps.open(files).chunks(rows)`` reads files that are larger than memory. Takes the options of `run`.
     """
-    return open_files(files).read(keep=keep, progress=progress, **options)
+    return open_files(files, ignore_crs=bool(options.get("ignore_crs"))).read(keep=keep, progress=progress, **options)
 
 
 @with_run_options
@@ -46,6 +46,6 @@ def write(
 
     ``ps.write("a.laz", {"xyz": xyz, "intensity": i}, crs=2154, scale=0.001)``. Takes the options of `run`.
     """
-    result = performed(points, None, to, keep, None, attributes, crs, progress, options)
+    result = performed(points, COPY, to, keep, None, attributes, crs, progress, options)
     assert isinstance(result, Report)
     return result

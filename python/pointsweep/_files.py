@@ -12,7 +12,7 @@ from ._chunks import Chunks, chunks
 from ._crs import Crs
 from ._options import with_run_options
 from ._results import Arrays, Report
-from ._runs import performed
+from ._runs import COPY, performed
 from ._sources import opened
 from ._tables import html_table
 from ._types import Files, Path, PipelineLike, ProgressCallback, RunOptions
@@ -107,7 +107,7 @@ class Cloud(Files):
         """All points, in a dict of arrays: 'xyz', (n, 3), and every attribute, or those that `keep` names."""
         if keep is None:
             keep = ["xyz", *(name for name in self.attributes if name not in ("x", "y", "z"))]
-        result = performed(self, None, None, keep, None, None, None, progress, options)
+        result = performed(self, COPY, None, keep, None, None, None, progress, options)
         assert isinstance(result, Arrays)
         return result
 
@@ -121,7 +121,7 @@ class Cloud(Files):
         **options: Unpack[RunOptions],
     ) -> Report:
         """Writes the points, unchanged, to a file, or to a folder with a file for each input: `pointsweep convert`."""
-        result = performed(self, None, to, keep, None, None, None, progress, options)
+        result = performed(self, COPY, to, keep, None, None, None, progress, options)
         assert isinstance(result, Report)
         return result
 

@@ -11,6 +11,8 @@ import re
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
+import numpy as np
+
 from . import _core
 from ._errors import UsageError
 from ._types import RunOptions
@@ -99,7 +101,7 @@ def _threads(_: str, threads: Any) -> str:
 
 def _numbers(name: str, value: Any, one_for_all: bool = False) -> str:
     """Three numbers, or one that stands for all, as a text."""
-    several = [value] if isinstance(value, str) or not hasattr(value, "__iter__") else list(value)
+    several = [value] if isinstance(value, str) or not np.ndim(value) else list(value)
     if len(several) not in ((1, 3) if one_for_all else (3,)):
         raise UsageError(f"{name}: {value!r} is not {'a number or ' if one_for_all else ''}three numbers.")
     return ",".join(repr(number(name, v)) for v in several)
@@ -109,7 +111,7 @@ def _numbers(name: str, value: Any, one_for_all: bool = False) -> str:
 _TEXTS: dict[str, Callable[[str, Any], str]] = {
     "": lambda _, value: "yes" if value else "",
     "S|X,Y,Z": lambda name, value: _numbers(name, value, one_for_all=True),
-    "auto|X,Y,Z": lambda name, value: value if value == "auto" else _numbers(name, value),
+    "auto|X,Y,Z": lambda name, value: value if isinstance(value, str) and value == "auto" else _numbers(name, value),
     "DIGITS": lambda name, value: str(whole(name, value)),
     "A,B,...": lambda name, value: ",".join(names(name, value)),
     "DIR": path,
@@ -125,7 +127,7 @@ _PRESETS = {"order": "input", "overwrite": False, "prefix": "", "provenance": Tr
 def _text(name: str, value: Any) -> str:
     """The value of a run option as the extension module takes it; empty: the default."""
     placeholder, words = _core.run_options[name]
-    if words and isinstance(value, int):
+    if words and isinstance(value, (int, np.integer)):
         value = str(value)  # of a point format
     return word(name, value) if words else "" if value is None else _TEXTS[placeholder](name, value)
 

@@ -115,9 +115,16 @@ def run(
     return performed(points, pipeline, to, keep, out, attributes, crs, progress, options)
 
 
+class _Copy:
+    """The type of `COPY`."""
+
+
+COPY = _Copy()
+
+
 def performed(
     points: Any,
-    pipeline: PipelineLike | None,
+    pipeline: PipelineLike | _Copy,
     to: Path | Sequence[Path] | None,
     keep: Sequence[str] | str | None,
     out: Mapping[str, np.ndarray] | None,
@@ -126,8 +133,8 @@ def performed(
     progress: ProgressCallback | bool | None,
     options: RunOptions,
 ) -> Arrays | Report:
-    """`run`, for any `to`; without a pipeline it copies the points."""
-    stages = [] if pipeline is None else stages_of(pipeline)
+    """`run`, for any `to`; `COPY` stands for a pipeline without stages."""
+    stages = [] if isinstance(pipeline, _Copy) else stages_of(pipeline)
     into = outputs_to(out)
     kept = names("keep", list(out) if keep is None and out else keep)
     checked = run_options(**options)

@@ -923,7 +923,8 @@ def parts(number: int, *, seed: int = 0) -> Stage:
 
     Formula
     -------
-    part_i = ⌊h_i number / 2^64⌋, h_i the hash of decimate.
+    part_i = ⌊h_i number / 2^64⌋, h_i the hash of decimate, whose seed is increased by 0x7061727473, "parts" in
+      ASCII.
 
     Undefined
     ---------

@@ -131,3 +131,20 @@ def test_a_callback_ends_a_check(scan):
         ps.info(scan, progress=stop)
     with pytest.raises(KeyboardInterrupt):
         ps.verify(scan, scan, progress=stop)
+
+
+def test_verify_compares_whole_numbers_of_64_bits_exactly(tmp_path):
+    random = np.random.default_rng(5)
+    points = {
+        "xyz": random.random((500, 3)).round(3),
+        "large": random.integers(0, 50, 500).astype("u8") + np.uint64(2**64 - 60),
+        "least": random.integers(-20, 20, 500) + (-(2**63) + 30),
+    }
+    ps.write(tmp_path / "in.las", points)
+    names = "large_max, large_majority, large_range, least_min, least_majority, least_mean"
+    pipeline = f"knn(k=3) | statistics({names}) | set(copy = large, as=uint64)"
+    ps.run(tmp_path / "in.las", pipeline, to=tmp_path / "out.las")
+    verdict = ps.verify(tmp_path / "out.las", tmp_path / "in.las")
+    assert verdict, str(verdict)
+    found = ps.read(tmp_path / "out.las", keep=["copy", "large_max"])
+    assert np.array_equal(found["copy"], points["large"]) and (found["large_max"] >= 2**64 - 60).all()

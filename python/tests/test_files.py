@@ -171,3 +171,26 @@ def test_points_go_to_files_and_back_as_they_are(tmp_path):
     assert np.array_equal(ps.read(tmp_path / "c.csv")["xyz"], xyz)
     sweep = ps.read(tmp_path / "a.ply", order="sweep", axis="x")
     assert np.array_equal(sweep["intensity"], np.argsort(xyz[:, 0], kind="stable")) or np.all(np.diff(sweep["xyz"][:, 0]) >= 0)
+
+
+def test_layouts_are_taken_from_arrays_and_numbers_of_numpy(tmp_path):
+    xyz = np.random.default_rng(2).random((100, 3))
+    with pytest.warns(ps.PointsweepWarning, match="rounded to steps of 0.01, 0.01, 0.01|rounded to steps of 0.01"):
+        ps.write(tmp_path / "a.las", xyz, scale=np.array([0.01] * 3), offset=np.zeros(3), point_format=np.int64(7))
+    with pytest.warns(ps.PointsweepWarning, match="rounded"):
+        ps.write(tmp_path / "b.las", xyz, scale=np.array(0.01), offset=np.zeros(3), point_format=7)
+    assert np.array_equal(ps.read(tmp_path / "a.las")["xyz"], ps.read(tmp_path / "b.las")["xyz"])
+    ps.generate("volume", 100, tmp_path / "c.ply")
+    with pytest.raises(ps.UsageError, match="pipeline"):
+        ps.run(tmp_path / "c.ply", None)
+
+
+def test_reading_files_of_different_systems_takes_ignore_crs(tmp_path):
+    pytest.importorskip("pyproj")
+    for code in (2154, 25832):
+        ps.write(tmp_path / f"{code}.ply", np.zeros((2, 3)), crs=code)
+    files = [tmp_path / "2154.ply", tmp_path / "25832.ply"]
+    with pytest.raises(ps.Error):
+        ps.read(files)
+    with pytest.warns(ps.PointsweepWarning, match="ignore_crs"):
+        assert len(ps.read(files, ignore_crs=True)["xyz"]) == 4

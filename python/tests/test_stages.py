@@ -144,3 +144,10 @@ def test_no_docstring_has_the_least_number(declarations):
         assert "5e-324" not in getattr(ps, name).__doc__
     allowed = {option["name"]: option["allowed"] for o in declarations if o["name"] == "voxel" for option in o["options"] if "allowed" in option}
     assert allowed["size"] == "above 0" and "; above 0;" in ps.voxel.__doc__
+
+
+def test_what_is_made_after_moved_points_is_returned():
+    xyz = np.random.default_rng(3).random((200, 3))
+    for pipeline in ("set(z = z * 3) | normals", "set(x = x + 1, y = y - 1) | normals"):
+        result = ps.run(xyz, pipeline)
+        assert "normal" in result and "xyz" in result, pipeline

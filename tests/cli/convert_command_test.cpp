@@ -51,7 +51,7 @@ TEST_F(ConvertVerb, PutsInputsOneAfterAnotherAndAFolderIntoAFolder) {
   EXPECT_EQ(tool("verify tiles out").status, 0);
 }
 
-TEST_F(ConvertVerb, TakesLittleMemoryAndGoesOnAfterAStop) {
+TEST_F(ConvertVerb, TakesLittleMemoryAndAFolderForCheckpoints) {
   const std::string rows = rows_of("in.las");
   for (const char* options : {"--memory 32M --threads 1", "--memory 32M --threads 7", "--resume kept"}) {
     made(fmt::format("convert in.las a.laz -q -f {}", options));

@@ -61,6 +61,15 @@ TEST_F(StatedLayout, TheScaleIsThatOfTheFileAndOneLineTellsWhatIsRounded) {
       }
 }
 
+TEST_F(StatedLayout, TheSmallestRoundingIsTold) {
+  write("s.csv", "x,y,z\n5.0009,1,2\n6,1,2\n");
+  for (const char* scale : {"1", "1000", "1e12"}) {
+    const Result result = tool(fmt::format("run s.csv s.las -f --scale {}", scale));
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.err.find("coordinates are rounded to steps of"), std::string::npos) << scale << result.err;
+  }
+}
+
 TEST_F(StatedLayout, TheOffsetIsKeptStatedOrNearTheMiddle) {
   made(std::string("run a.las b.las --scale 0.001") + kCopy);
   EXPECT_EQ(grid("b.las").offset.x, 0) << "that of the input reaches all points";

@@ -35,6 +35,7 @@ TEST_F(ThinAndGround, ThinIsVoxelPoissonOrDecimate) {
   expect_same("thin --number 40", "sample(40)");
   expect_same("thin --number 40 --rest yes", "sample(40, rest=yes)");
   expect_same("thin --decimate 0.25 --seed 4", "decimate(0.25, seed=4)");
+  expect_same("thin --number 50 --rest yes --seed 4", "sample(50, rest=yes, seed=4)");
 }
 
 TEST_F(ThinAndGround, TheOldNameOfVoxelKeepIsTakenWithANote) {
@@ -51,6 +52,7 @@ TEST_F(ThinAndGround, ThinRefusesWhatDoesNotGoTogether) {
   refused(2, "thin all.txt out.ply", how);
   refused(2, "thin all.txt out.ply --seed 3", how);
   refused(2, "thin all.txt out.ply --voxel 1 --poisson 2", how);
+  refused(2, "thin all.txt out.ply --decimate 0.5 --rest yes", "--rest: belongs to --number; leave it out, or use");
   refused(2, "thin all.txt out.ply --voxel 1 --seed 3",
           "--seed: belongs to --decimate; leave it out, or use --decimate");
   refused(2, "thin all.txt out.ply --voxel 0", "--voxel: voxel: size is a number, above 0, not '0'");

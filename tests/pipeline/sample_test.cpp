@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <set>
@@ -119,7 +120,7 @@ TEST(Parts, AreTheHashInEqualIntervals) {
         // The interval of 2^64 / number that holds the hash, by long division of the hash into 16 bits.
         std::uint64_t carry = 0, part = 0;
         for (int shift = 0; shift < 64; shift += 16) {
-          const std::uint64_t digits = hash_of_point(points[i], 3) >> shift & 0xffff;
+          const std::uint64_t digits = hash_of_point(points[i], 3 + 0x7061727473) >> shift & 0xffff;
           part = digits * number + carry;
           carry = part >> 16;
         }
@@ -140,6 +141,18 @@ TEST(Parts, AreDisjointCompleteAndOfAboutTheSameSize) {
   EXPECT_EQ(all.size(), points.size());
   for (const char* wrong : {"parts", "parts(0)", "parts(65537)"})
     EXPECT_NE(refusal([&] { chain_of_any_cloud(wrong); }), "") << wrong;
+}
+
+TEST(Parts, APartOfASampleIsAsLargeAsAnother) {
+  const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 20000, 56));
+  for (const char* chosen : {"sample(2000)", "sample(2000, rest=yes)", "decimate(0.1)"}) {
+    const Records out = records_of(run_text(input, fmt::format("{} | parts(4)", chosen), tiny(2000)));
+    std::array<std::size_t, 4> sizes{};
+    for (std::size_t i = 0; i < out.size(); ++i) ++sizes.at(static_cast<std::size_t>(out.value(i, "part")));
+    for (const std::size_t size : sizes)
+      EXPECT_NEAR(static_cast<double>(size), static_cast<double>(out.size()) / 4, static_cast<double>(out.size()) / 16)
+          << chosen;
+  }
 }
 
 }  // namespace

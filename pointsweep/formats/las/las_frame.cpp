@@ -21,10 +21,13 @@ constexpr std::size_t kRowsAtOnce = 256;
 /// Byte 14 of a point that is return 1 of 1, in point formats 0 to 5 and 6 to 10.
 constexpr std::byte kOnlyLegacyReturn{0x09}, kOnlyReturn{0x11};
 
-/// Returns whether a coordinate is farther from the grid than rounding in float64 explains.
+/// Returns whether a coordinate is farther from the grid than sums of coordinates in float64 explain: by a thousandth of
+/// a step, or by 1e-9 of the coordinate where steps are long.
 bool is_beside_grid(double value, double scale, double offset) {
   const double steps = (value - offset) / scale;
-  return std::abs(steps - std::nearbyint(steps)) > 1e-3 && !is_on_las_grid(value, scale, offset);
+  const double distance = std::abs(steps - std::nearbyint(steps)) * scale;
+  return distance > std::min(1e-3 * scale, 1e-9 * std::max(1.0, std::abs(value))) &&
+         !is_on_las_grid(value, scale, offset);
 }
 
 }  // namespace

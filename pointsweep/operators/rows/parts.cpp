@@ -12,6 +12,9 @@
 namespace pointsweep {
 namespace {
 
+/// Added to the seed, so that the points of a sample or of decimate with the same seed are in all parts.
+constexpr std::uint64_t kPartsSeed = 0x7061727473;  // "parts" in ASCII
+
 const OptionTable<PartsOptions>& parts_options() {
   static const OptionTable<PartsOptions> table = {
       option("number", &PartsOptions::number, "number of parts, of about the same size",
@@ -27,7 +30,9 @@ OperatorDeclaration parts_declaration() {
           .meaning = "divides the points at random into parts, by a hash of their coordinates",
           .options = parts_options().declarations(),
           .make = parts_options().maker<Parts>(),
-          .formula = "part_i = ⌊h_i number / 2^64⌋, h_i the hash of decimate.",
+          .formula =
+              "part_i = ⌊h_i number / 2^64⌋, h_i the hash of decimate, whose seed is increased by 0x7061727473, "
+              "\"parts\" in ASCII.",
           .undefined = "Points of equal coordinates are in the same part. Points without a finite place are in part 0.",
           .cost = "a pass over the rows, without a search; none where other stages search anyway",
           .attributes = {{.name = "part", .meaning = "number of the part, from 0; undefined: 0"}},
@@ -46,7 +51,7 @@ void Parts::apply(const Neighborhoods& in, Columns& out) const {
   const std::span<std::uint16_t> part = out.column<std::uint16_t>(0);
   for (std::size_t i = 0; i < in.size(); ++i) {
     const Vec3 p = in.position(i);
-    const WholeNumber hash = coordinate_hash(p, options_.seed);
+    const WholeNumber hash = coordinate_hash(p, options_.seed + kPartsSeed);
     part[i] = is_finite(p) ? static_cast<std::uint16_t>(hash * WholeNumber{options_.number} >> 64) : 0;
   }
 }

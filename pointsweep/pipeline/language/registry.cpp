@@ -50,11 +50,15 @@ struct OtherWord {
 constexpr std::string_view kReproject =
     "pointsweep does not transform coordinates, but 'pdal translate IN OUT reprojection "
     "--filters.reprojection.out_srs=EPSG:CODE' does";
+constexpr std::string_view kCopy = "leave the stage out: a run without stages copies the points of all inputs";
 constexpr OtherWord kOtherWords[] = {
     {"reproject", kReproject},
     {"reprojection", kReproject},
     {"transform", "set moves points, as in set(x = x + 1000, y = y + 2000)"},
-    {"convert", "leave the stage out: a run without stages copies the points of all inputs"}};
+    {"merge", kCopy},
+    {"copy", kCopy},
+    {"convert", kCopy},
+    {"translate", kCopy}};
 
 }  // namespace
 

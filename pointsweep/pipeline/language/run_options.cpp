@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/pipeline/language/quantities.h"
 
 namespace pointsweep {
@@ -53,8 +54,9 @@ void read(const std::string& text, const std::string& where, std::vector<std::st
 
 /// One number stands for all axes.
 void read(const std::string& text, const std::string& where, std::optional<Vec3>& steps) {
-  const bool is_one = text.find(',') == text.npos;
-  steps = parse_vector(where, is_one ? fmt::format("{0},{0},{0}", text) : text);
+  double one = 0;
+  const bool is_one = parse_number(text, one);
+  steps = is_one ? Vec3{one, one, one} : parse_vector(where, text);
   if (!(steps->x > 0 && steps->y > 0 && steps->z > 0)) fail_usage("{}: '{}' is not above 0.", where, text);
 }
 void read(const std::string& text, const std::string& where, std::optional<Anchor>& place) {

@@ -20,6 +20,7 @@
 #include "pointsweep/verify/formulas/thinning.h"
 #include "pointsweep/verify/values/named_options.h"
 #include "pointsweep/verify/values/stage_formula.h"
+#include "pointsweep/verify/values/stored_values.h"
 
 namespace pointsweep {
 namespace {
@@ -137,20 +138,6 @@ Mask by_region(InputCloud& cloud, const NamedOptions& options, const PhaseProgre
     kept[row] = inside != outside;
   });
   return kept;
-}
-
-/// A stored value as the operator reads it: in its own type, or as float64.
-void put_value(const Field& field, const std::byte* record, Type type, std::byte* to) {
-  if (field.is_plain() && field.type == type) return void(std::copy_n(record + field.offset, size_of(type), to));
-  set_value({.name = "", .type = type}, to, value_of(field, record));
-}
-
-formulas::Real number_in(Type type, const std::byte* value) {
-  return with_type(type, [&]<class T>() {
-    T number;
-    std::memcpy(&number, value, sizeof number);
-    return static_cast<formulas::Real>(number);
-  });
 }
 
 /// Evaluates the formula of a condition on each row. The operator itself decides where it has no formula, and where

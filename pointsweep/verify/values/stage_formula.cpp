@@ -153,6 +153,8 @@ class ColorFormula final : public StageFormula {
   int widen_;
 };
 
+constexpr std::uint64_t kPartsSeed = 0x7061727473;  // "parts" in ASCII
+
 class PartFormula final : public StageFormula {
  public:
   explicit PartFormula(const FormulaSetup& stage)
@@ -162,7 +164,7 @@ class PartFormula final : public StageFormula {
     if (in.place.error > 0) return {formulas::open()};
     if (!formulas::is_finite(p)) return {formulas::undefined()};
     const formulas::Coordinates at = {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
-    return {exact_number(static_cast<Real>(formulas::part_of(formulas::hash_of(at, seed_), parts_)))};
+    return {exact_number(static_cast<Real>(formulas::part_of(formulas::hash_of(at, seed_ + kPartsSeed), parts_)))};
   }
 
  private:
