@@ -131,6 +131,9 @@ def test_attributes_pass_through_and_lists_stay_together(surface):
     records["t"] = np.arange(3000) + 2**60
     arrays = ps.run(records, "where(t < 1152921504606847986)")
     assert np.array_equal(arrays["t"], records["t"][:1010]) and arrays["c"].shape == (1010, 2)
+    arrays = ps.run(records, ps.where("t in (1152921504606846977, 1152921504606846979) or x between 0.5 and 0.6"))
+    kept = np.isin(records["t"] - 2**60, (1, 3)) | (records["x"] >= 0.5) & (records["x"] <= 0.6)
+    assert np.array_equal(arrays["t"], records["t"][kept])
 
 
 @pytest.mark.filterwarnings("ignore:k = 16 is more")

@@ -121,6 +121,8 @@ TEST_F(VerifySelects, SeveralAndOthers) {
   checks("normals | where(nz > 0.9 || level < 3)");
   checks("sor | where(outlier == 0) | set(q = z * 2) | where(q > 0.005)");
   checks("reneighbor | where(z < 0.5)");
+  checks("normals | where(level in (1, 2, 5) and not nz between 0.1 and 0.2)");
+  checks("set(q = max(abs(x - 3), exp(-y))) | where(q < 2 or atan2(y, x) > 1 and log(x + 1) < 1)");
   checks("normals | orient | where(nz > 0.5)");
 }
 

@@ -40,6 +40,17 @@ TEST(Parse, SpaceMeansNothingBetweenWords) {
             kExample);
 }
 
+TEST(Parse, ConditionsEndWhereTheirParenthesesClose) {
+  for (const char* condition : {"a in (2, 9)", "not a in(2, 9)", "abs(a) in (min(1, 2), 3)",
+                                "a not in (2, 9) and b > 1", "a between 2 and 5", "a between min(1, 2) and 5"}) {
+    const StageTexts stages = parse_pipeline("where(" + std::string(condition) + ", x=1) | b");
+    ASSERT_EQ(stages.size(), 2u) << condition;
+    EXPECT_EQ(stages[0].options, (std::vector<OptionText>{{"", condition, ""}, {"x", "1", ""}}));
+  }
+  for (const char* text : {"where(in=2)", "where(between=in)", "where(a = in, between)"})
+    EXPECT_EQ(parse_pipeline(text)[0].options.back().value.find('='), std::string::npos) << text;
+}
+
 TEST(Parse, QuotesHoldAnyCharacter) {
   const StageTexts stages = parse_pipeline(R"(a(x="p | q) \"\\", y='it\'s', z=""))");
   ASSERT_EQ(stages.size(), 1u);

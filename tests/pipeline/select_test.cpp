@@ -44,6 +44,22 @@ const std::vector<std::pair<std::string, Keeps>>& conditions() {
          return i != 1 && r.value(i, "x") + r.value(i, "y") * 2 - r.value(i, "z") < 3.5;
        }},
       {"gain == gain", [](const Records& r, std::size_t i) { return !std::isnan(r.value(i, "gain")); }},
+      {"classification in (2, 7, 9) or intensity between 100 and 2000 and not gain > 0.5",
+       [](const Records& r, std::size_t i) {
+         const double c = r.value(i, "classification"), n = r.value(i, "intensity");
+         return c == 2 || c == 7 || c == 9 || (n >= 100 && n <= 2000 && !(r.value(i, "gain") > 0.5));
+       }},
+      {"gain not in (0, 1) and gain not between 0.2 and 0.4",
+       [](const Records& r, std::size_t i) {
+         const double gain = r.value(i, "gain");
+         return gain != 0 && gain != 1 && !(gain >= 0.2 && gain <= 0.4);
+       }},
+      {"abs(x) in (0, 1) or min(y, z) between -0.5 and sqrt(x * x)",
+       [](const Records& r, std::size_t i) {
+         const double x = std::fabs(r.value(i, "x")), y = r.value(i, "y"), z = r.value(i, "z");
+         const double least = std::isnan(y) || std::isnan(z) ? y + z : std::min(y, z);
+         return x == 0 || x == 1 || (least >= -0.5 && least <= std::sqrt(x * x));
+       }},
       {"1 < 2", [](const Records&, std::size_t) { return true; }},
   };
   return all;

@@ -209,6 +209,11 @@ TEST(Set, IsTheSameInTextJsonAndItsCanonicalForm) {
       R"json([{"type": "set", "assign": ["classification = 7 where z > 0.5", "a = x*(y+1) - -z"], "as": "float32"}])json";
   EXPECT_EQ(records(list), expected);
   EXPECT_EQ(records("set(assign='classification = 7 where z > 0.5, a = x*(y+1) - -z', as=float32)"), expected);
+  EXPECT_EQ(records("set(classification = 7 where z > 0.5, a = max(x, y) where z in (0, 1) or z between 0 and 1)"),
+            records(R"json([{"type": "set", "assign": ["classification = 7 where z > 0.5",
+                                                      "a = max(x, y) where z == 0 || z >= 0 && z <= 1"]}])json"));
+  EXPECT_EQ(Set("b=min(c,2) where c in(2,3),d = 1", {}).declared_options(),
+            (Options{{"assign", "b = min(c, 2) where c in (2, 3), d = 1"}}));
   EXPECT_EQ(Set("b=1 where c<2,d = - e", {}).declared_options(), (Options{{"assign", "b = 1 where c < 2, d = -e"}}));
 }
 

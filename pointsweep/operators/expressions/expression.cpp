@@ -7,6 +7,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/expressions/expression_node.h"
+#include "pointsweep/operators/expressions/expression_text.h"
 
 namespace pointsweep {
 namespace {
@@ -15,17 +16,13 @@ constexpr std::pair<std::string_view, Operation> kComparisons[] = {
     {"==", Operation::equal},         {"!=", Operation::unequal}, {"<=", Operation::less_equal},
     {">=", Operation::greater_equal}, {"<", Operation::less},     {">", Operation::greater}};
 
-bool begins_name(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool continues_name(char c) { return begins_name(c) || is_digit(c) || c == '.'; }
-
 using Node = Expression::Node;
 
 /// Recursive descent through the grammar in the header.
-class ExpressionParser {
+class ExpressionParser : private ExpressionText {
  public:
   ExpressionParser(std::string_view text, std::string_view where, std::vector<Expression::Name>& names)
-      : text_(text), where_(where), names_(names) {}
+      : ExpressionText(text, where), names_(names) {}
 
   Node whole_text(Expression::Form form) {
     const bool is_condition = form == Expression::Form::condition;
@@ -39,17 +36,17 @@ class ExpressionParser {
 
  private:
   Node either() {
-    return chain(Operation::either, "||", [this] { return both(); });
+    return chain(Operation::either, "||", "or", [this] { return both(); });
   }
   Node both() {
-    return chain(Operation::both, "&&", [this] { return test(); });
+    return chain(Operation::both, "&&", "and", [this] { return test(); });
   }
 
   template <class Part>
-  Node chain(Operation operation, std::string_view sign, Part part) {
+  Node chain(Operation operation, std::string_view sign, std::string_view word, Part part) {
     const std::size_t first = at_;
     Node node = part();
-    while (take(sign)) {
+    while (take(sign) || take_word(word)) {
       note_binary(sign);
       Node left = condition(std::move(node), first);
       const std::size_t second = at_;
@@ -63,14 +60,10 @@ class ExpressionParser {
   Node test() {
     const Depth depth(*this);
     skip_blanks();
-    if (text_.substr(at_, 2) != "!=" && take("!")) {
-      canonical_ += '!';
-      const std::size_t first = at_;
-      Node node{.operation = Operation::no};
-      node.parts = {condition(test(), first)};
-      return node;
-    }
-    return comparison();
+    if (!((text_.substr(at_, 2) != "!=" && take("!")) || take_not())) return comparison();
+    canonical_ += '!';
+    const std::size_t first = at_;
+    return negated_test(condition(test(), first));
   }
 
   Node comparison() {
@@ -85,9 +78,51 @@ class ExpressionParser {
       node.parts = {std::move(left), std::move(right)};
       return node;
     }
+    const std::size_t second = at_;
+    const bool is_negated = take_word("not");
+    if (take_word("in")) {
+      note_binary(is_negated ? "not in" : "in");
+      if (!take("(")) unexpected("a list of numbers such as (2, 9)");
+      Node node{.operation = Operation::among};
+      node.parts = {number(std::move(left), first)};
+      arguments(node.parts);
+      return is_negated ? negated_test(std::move(node)) : node;
+    }
+    if (take_word("between")) {
+      note_binary(is_negated ? "not between" : "between");
+      Node node{.operation = Operation::between};
+      node.parts = {number(std::move(left), first), bound()};
+      if (!take_word("and")) unexpected("'and' with the upper bound, as in between 2 and 5,");
+      note_binary("and");
+      node.parts.push_back(bound());
+      return is_negated ? negated_test(std::move(node)) : node;
+    }
+    if (is_negated) fail_at(second, "'in' or 'between' is expected after 'not'");
     skip_blanks();
     if (text_.substr(at_, 1) == "=") fail_at(at_, "'=' compares nothing; write ==");
     return left;
+  }
+
+  static Node negated_test(Node part) {
+    Node node{.operation = Operation::no};
+    node.parts = {std::move(part)};
+    return node;
+  }
+
+  Node bound() {
+    const std::size_t first = at_;
+    return number(sum(), first);
+  }
+
+  /// Numbers with commas between, up to the ")" that closes them.
+  void arguments(std::vector<Node>& to) {
+    canonical_ += '(';
+    do {
+      if (canonical_.back() != '(') canonical_ += ", ";
+      to.push_back(bound());
+    } while (take(","));
+    if (!take(")")) unexpected("',' or ')'");
+    canonical_ += ')';
   }
 
   Node sum() {
@@ -134,7 +169,7 @@ class ExpressionParser {
   }
 
   static Node negated(Node part) {
-    if (part.operation == Operation::number && !part.large) {
+    if (part.operation == Operation::number && part.whole.value_or(0) <= WholeNumber{1} << 63) {
       part.number = -part.number;
       if (part.whole) part.whole = -*part.whole;
       return part;
@@ -149,10 +184,25 @@ class ExpressionParser {
     while (at_ < text_.size() && continues_name(text_[at_])) ++at_;
     const std::string_view word = text_.substr(first, at_ - first);
     canonical_ += word;
+    if (take("(")) return call(word, first);
     const auto known = std::ranges::find(names_, word, &Expression::Name::text);
     Node node{.operation = Operation::name};
     node.name = static_cast<std::size_t>(known - names_.begin());
     if (known == names_.end()) names_.push_back({std::string(word), first + 1});
+    return node;
+  }
+
+  /// What follows the "(" of a function.
+  Node call(std::string_view name, std::size_t first) {
+    Node node{.operation = Operation::function};
+    node.function = expression_function(name);
+    if (node.function == nullptr)
+      fail_at(first, fmt::format("there is no function '{}'; there are {}", name, names_of_functions()));
+    arguments(node.parts);
+    const std::size_t least = node.function->least, most = node.function->most, count = node.parts.size();
+    if (count < least || count > most)
+      fail_at(first, fmt::format("{} takes {}{} number{}, not {}", name, least, most > least ? " or more" : "",
+                                 most > 1 ? "s" : "", count));
     return node;
   }
 
@@ -163,12 +213,7 @@ class ExpressionParser {
     if (error != std::errc() || (end != last && continues_name(*end))) unexpected("an attribute or a number");
     std::uint64_t whole = 0;
     const auto [whole_end, whole_error] = std::from_chars(first, last, whole);
-    if (whole_error == std::errc() && whole_end == end) {
-      if (whole >> 63)
-        node.large = whole;
-      else
-        node.whole = static_cast<std::int64_t>(whole);
-    }
+    if (whole_error == std::errc() && whole_end == end) node.whole = whole;
     canonical_.append(first, end);
     at_ += static_cast<std::size_t>(end - first);
     return node;
@@ -183,27 +228,6 @@ class ExpressionParser {
     return node;
   }
 
-  void note_binary(std::string_view sign) { canonical_ += fmt::format(" {} ", sign); }
-
-  bool take(std::string_view sign) {
-    skip_blanks();
-    if (!text_.substr(at_).starts_with(sign)) return false;
-    at_ += sign.size();
-    return true;
-  }
-  void skip_blanks() {
-    while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n')) ++at_;
-  }
-
-  [[noreturn]] void unexpected(std::string_view wanted) const {
-    if (at_ >= text_.size()) fail_at(at_, fmt::format("{} is expected, but the condition ends", wanted));
-    fail_at(at_, fmt::format("{} is expected, not '{}'", wanted, text_[at_]));
-  }
-  [[noreturn]] void fail_at(std::size_t at, std::string_view what) const {
-    while (at < text_.size() && text_[at] == ' ') ++at;
-    fail_usage("{}: '{}', column {}: {}.", where_, text_, at + 1, what);
-  }
-
   /// Bounds the recursion.
   struct Depth {
     explicit Depth(ExpressionParser& of) : parser(of) {
@@ -216,10 +240,7 @@ class ExpressionParser {
     ExpressionParser& parser;
   };
   static constexpr int kMostDepth = 200;  // two for each parenthesis
-  std::string_view text_, where_;
   std::vector<Expression::Name>& names_;
-  std::size_t at_ = 0;
-  std::string canonical_;
   int depth_ = 0;
 };
 

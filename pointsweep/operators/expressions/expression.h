@@ -24,13 +24,16 @@ struct ExpressionValues {
 __extension__ typedef __int128 WholeNumber;
 
 /// A condition, or a number. Grammar, loosest first; blanks count only between words:
-///   condition = both {"||" both}         both = test {"&&" test}
-///   test = "!" test | "(" condition ")" | sum ("==" | "!=" | "<" | "<=" | ">" | ">=") sum
-///   sum = product {("+" | "-") product}  product = factor {("*" | "/") factor}
-///   factor = ["-"] factor | number | name | "(" sum ")"        name = letter or _ {letter, digit, _ or .}
+///   condition = both {("||" | "or") both}      both = test {("&&" | "and") test}
+///   test = ("!" | "not") test | "(" condition ")" | sum ("==" | "!=" | "<" | "<=" | ">" | ">=") sum |
+///          sum ["not"] "in" "(" sum {"," sum} ")" | sum ["not"] "between" sum "and" sum
+///   sum = product {("+" | "-") product}        product = factor {("*" | "/") factor}
+///   factor = "-" factor | number | name | function "(" sum {"," sum} ")" | "(" sum ")"
+///   name = letter or _ {letter, digit, _ or .}
+/// A word is a name where an operand stands. "not" is one only before a sign that it cannot precede, as in not == 1.
 /// Numbers are float64 and follow IEEE 754: a comparison with NaN is false, != true, and x / 0 is infinite or NaN.
 /// A comparison of a 64-bit integer attribute with another one or with a whole number is exact; everything else is done
-/// in float64, to which such attributes are then rounded.
+/// in float64, to which such attributes are then rounded. `in` compares as ==, `between` as >= and <=.
 class Expression {
  public:
   enum class Form : std::uint8_t { condition, number /**< a sum of the grammar */ };
@@ -44,7 +47,8 @@ class Expression {
   /// The attributes it looks at, each once, in the order of appearance.
   const std::vector<Name>& names() const { return names_; }
   const std::string& text() const { return text_; }  ///< as given, without blanks at both ends
-  /// A text that is equal for conditions that differ in nothing but blanks: "a < 2 && !(b == 3)".
+  /// A text that is equal for conditions that differ only in blanks and in "and", "or", "not" for "&&", "||", "!":
+  /// "a < 2 && !(b == 3)".
   const std::string& canonical() const { return canonical_; }
 
   /// Sets kept[i] to 1 where the condition holds for point i, else to 0. `values`: by number in names().

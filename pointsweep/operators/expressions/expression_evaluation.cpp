@@ -31,21 +31,32 @@ class ExpressionEvaluator {
         for (std::size_t i = 0; i < size_; ++i) out[i] = both ? out[i] & right[i] : out[i] | right[i];
         return out;
       }
+      case Operation::among: {
+        std::vector<std::uint8_t> out(size_, 0);
+        for (std::size_t p = 1; p < node.parts.size(); ++p) {
+          const std::vector<std::uint8_t> is_equal = compared(Operation::equal, node.parts[0], node.parts[p]);
+          for (std::size_t i = 0; i < size_; ++i) out[i] |= is_equal[i];
+        }
+        return out;
+      }
+      case Operation::between: {
+        std::vector<std::uint8_t> out = compared(Operation::greater_equal, node.parts[0], node.parts[1]);
+        const std::vector<std::uint8_t> below = compared(Operation::less_equal, node.parts[0], node.parts[2]);
+        for (std::size_t i = 0; i < size_; ++i) out[i] &= below[i];
+        return out;
+      }
       default:
-        break;
+        return compared(node.operation, node.parts[0], node.parts[1]);
     }
-    if (is_whole(node.parts[0]) && is_whole(node.parts[1]) && !(is_literal(node.parts[0]) && is_literal(node.parts[1])))
-      return compared(node.operation, wholes(node.parts[0]), wholes(node.parts[1]));
-    return compared(node.operation, reals(node.parts[0]), reals(node.parts[1]));
   }
 
   bool is_whole(const Node& node) const {
     if (node.operation == Operation::name) return values_[node.name].whole != nullptr;
-    return is_literal(node) && (node.whole || node.large);
+    return is_literal(node) && node.whole.has_value();
   }
 
   std::vector<Whole> wholes(const Node& node) const {
-    if (is_literal(node)) return std::vector<Whole>(size_, node.large ? Whole{*node.large} : Whole{*node.whole});
+    if (is_literal(node)) return std::vector<Whole>(size_, *node.whole);
     std::vector<Whole> out(size_);
     const ExpressionValues& v = values_[node.name];
     for (std::size_t i = 0; i < size_; ++i)
@@ -64,6 +75,7 @@ class ExpressionEvaluator {
             v.is_signed ? static_cast<double>(static_cast<std::int64_t>(v.whole[i])) : static_cast<double>(v.whole[i]);
       return out;
     }
+    if (node.operation == Operation::function) return values_of_function(node);
     std::vector<double> out = reals(node.parts[0]);
     if (node.operation == Operation::negate) {
       for (double& v : out) v = -v;
@@ -87,6 +99,23 @@ class ExpressionEvaluator {
       default:
         return a / b;
     }
+  }
+
+  std::vector<double> values_of_function(const Node& node) const {
+    std::vector<std::vector<double>> parts;
+    for (const Node& part : node.parts) parts.push_back(reals(part));
+    std::vector<double> out(size_), arguments(parts.size());
+    for (std::size_t i = 0; i < size_; ++i) {
+      for (std::size_t p = 0; p < parts.size(); ++p) arguments[p] = parts[p][i];
+      out[i] = node.function->value(arguments);
+    }
+    return out;
+  }
+
+  std::vector<std::uint8_t> compared(Operation operation, const Node& a, const Node& b) const {
+    if (is_whole(a) && is_whole(b) && !(is_literal(a) && is_literal(b)))
+      return compared(operation, wholes(a), wholes(b));
+    return compared(operation, reals(a), reals(b));
   }
 
   template <class T>

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pointsweep/operators/expressions/expression.h"
+#include "pointsweep/operators/expressions/expression_function.h"
 
 namespace pointsweep {
 
@@ -20,12 +21,15 @@ enum class Operation : std::uint8_t {
   subtract,
   multiply,
   divide,
+  function,
   equal,
   unequal,
   less,
   less_equal,
   greater,
   greater_equal,
+  among,    ///< the first part is equal to one of the others
+  between,  ///< the first part is not below the second and not above the third
   no,
   both,
   either
@@ -34,9 +38,9 @@ enum class Operation : std::uint8_t {
 struct Expression::Node {
   Operation operation = Operation::number;
   double number = 0;
-  std::optional<std::int64_t> whole = {};   ///< value of a whole number below 2^63
-  std::optional<std::uint64_t> large = {};  ///< value of a whole number from 2^63 on
-  std::size_t name = 0;                     ///< index in names()
+  std::optional<WholeNumber> whole = {};  ///< value of a whole number below 2^64
+  std::size_t name = 0;                   ///< index in names()
+  const ExpressionFunction* function = nullptr;
   std::vector<Node> parts = {};
 
   bool is_condition() const { return operation >= Operation::equal; }

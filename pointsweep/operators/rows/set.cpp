@@ -71,6 +71,16 @@ std::size_t place_of_where(std::string_view text) {
   return text.npos;
 }
 
+/// Returns the index of the comma that ends the assignment that begins at `begin`, or the size of the text.
+std::size_t end_of_assignment(std::string_view text, std::size_t begin) {
+  int open = 0;
+  for (std::size_t i = begin; i < text.size(); ++i) {
+    open += text[i] == '(' ? 1 : text[i] == ')' ? -1 : 0;
+    if (text[i] == ',' && open <= 0) return i;
+  }
+  return text.size();
+}
+
 Assignment assignment_of(std::string_view text, const std::string& place) {
   const std::size_t equals = text.find('=');
   const std::string_view name = trimmed(text.substr(0, equals));
@@ -148,7 +158,7 @@ std::string Assignment::canonical() const {
 std::vector<Assignment> assignments_of(std::string_view text, const std::string& place) {
   std::vector<Assignment> assignments;
   for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::size_t end = end_of_assignment(text, begin);
     assignments.push_back(assignment_of(text.substr(begin, end - begin), place));
     begin = end + 1;
   }

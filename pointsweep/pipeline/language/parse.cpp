@@ -22,6 +22,20 @@ bool is_name_character(char c) {
 /// Returns whether `c` may stand in a value without quotes.
 bool is_bare(char c) { return is_name_character(c) || c == '+' || c == '%' || c == ':' || c == '/'; }
 
+/// Returns the index of the first word `in` or `between` after an operand of a condition; npos if there is none.
+std::size_t place_of_word(std::string_view option) {
+  for (std::size_t at = 0, end = 0; at < option.size(); at = end) {
+    end = at + 1;
+    if (!is_name_character(option[at])) continue;
+    while (end < option.size() && is_name_character(option[end])) ++end;
+    const std::string_view word = option.substr(at, end - at);
+    const std::size_t before = at == 0 ? option.npos : option.find_last_not_of(kSpace, at - 1);
+    const bool has_operand = before != option.npos && (option[before] == ')' || is_name_character(option[before]));
+    if (has_operand && (word == "in" || word == "between")) return at;
+  }
+  return option.npos;
+}
+
 /// Recursive descent through
 ///   pipeline = stage {"|" stage}            stage = name ["(" [option {"," option}] ")"]
 ///   option = [name "="] (value | condition | assignment)  value = bare | quoted | "[" bare {"," bare} "]"
@@ -93,8 +107,8 @@ class Parser {
   bool is_condition() const {
     if (at_ >= text_.size() || text_[at_] == '"' || text_[at_] == '\'' || text_[at_] == '[') return false;
     const std::string_view option = text_.substr(at_, end_of_option() - at_);
-    if (option.find_first_of("\"'[") < option.find_first_of("<>!&")) return false;
-    return option.find("==") != option.npos || option.find_first_of("<>!&") != option.npos;
+    const std::size_t sign = std::min({option.find("=="), option.find_first_of("<>!&"), place_of_word(option)});
+    return sign != option.npos && sign < option.find_first_of("\"'[");
   }
 
   std::string condition() {

@@ -9,70 +9,71 @@
 namespace pointsweep::formulas {
 namespace {
 
+constexpr int kRankOfComparisons = 4, kRankOfFunctions = 8;
+constexpr const char* kOpenBetween = "between ";  ///< a `between` before its `and`
+
 int rank_of(const std::string& sign) {
   if (sign == "||") return 1;
   if (sign == "&&") return 2;
   if (sign == "!") return 3;
   if (sign == "+" || sign == "-") return 5;
   if (sign == "*" || sign == "/") return 6;
-  return sign == "-1" ? 7 : 4;
+  if (sign == "-1") return 7;
+  const bool is_function =
+      std::isalpha(static_cast<unsigned char>(sign[0])) && sign != "in" && !sign.starts_with("between");
+  return is_function ? kRankOfFunctions : kRankOfComparisons;
 }
 
 bool is_prefix(const std::string& sign) { return sign == "!" || sign == "-1"; }
 
-PossibleNumber as_exact(Real value) { return {value, value, false}; }
+bool continues_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.'; }
 
-/// Rounds the range to float64, the type in which numbers are combined.
-PossibleNumber as_double(const PossibleNumber& n) {
-  return {static_cast<Real>(static_cast<double>(n.low)), static_cast<Real>(static_cast<double>(n.high)), false};
+/// Returns whether the text begins with what a `not` may stand before.
+bool begins_operand(std::string_view text) {
+  if (text.empty() || text.starts_with("!=")) return false;
+  return continues_word(text[0]) || text[0] == '(' || text[0] == '-' || text[0] == '!';
 }
 
-double plain(char sign, double a, double b) {
-  return sign == '+' ? a + b : sign == '-' ? a - b : sign == '*' ? a * b : a / b;
+/// Returns whether the innermost comparison that waits is a `between` before its `and`.
+template <class List>
+bool is_open_between(const List& waiting) {
+  for (auto last = waiting.rbegin(); last != waiting.rend() && last->sign != "("; ++last)
+    if (rank_of(last->sign) <= kRankOfComparisons) return last->sign == kOpenBetween;
+  return false;
 }
 
-PossibleNumber combined(char sign, PossibleNumber a, PossibleNumber b) {
-  a = as_double(a), b = as_double(b);
-  if (a.is_exact() && b.is_exact())
-    return as_exact(plain(sign, static_cast<double>(a.low), static_cast<double>(b.low)));
-  const PossibleNumber anything{-kInfinity, kInfinity, false};
-  if (sign == '/' && b.low <= 0 && b.high >= 0) return anything;
-  PossibleNumber out{kInfinity, -kInfinity, false};
-  for (const Real x : {a.low, a.high})
-    for (const Real y : {b.low, b.high}) {
-      const Real v = sign == '+' ? x + y : sign == '-' ? x - y : sign == '*' ? x * y : x / y;
-      if (!std::isfinite(v)) return anything;
-      const Real slack = 2 * kDouble * std::fabs(v) + 0x1p-1074L;
-      out.low = std::min(out.low, v - slack), out.high = std::max(out.high, v + slack);
-    }
-  return out;
+std::optional<bool> opposite(std::optional<bool> truth) { return truth ? std::optional(!*truth) : std::nullopt; }
+
+std::optional<bool> either(std::optional<bool> a, std::optional<bool> b) {
+  if (a == true || b == true) return true;
+  return a && b ? std::optional(false) : std::nullopt;
 }
 
-std::optional<bool> compared(const std::string& sign, const PossibleNumber& a, const PossibleNumber& b) {
-  if (a.is_exact() && b.is_exact()) {
-    const Real x = a.low, y = b.low;
-    if (sign == "==") return x == y;
-    if (sign == "!=") return x != y;
-    if (sign == "<") return x < y;
-    if (sign == "<=") return x <= y;
-    if (sign == ">") return x > y;
-    return x >= y;
-  }
-  const bool below = a.high<b.low, above = a.low> b.high;
-  if (!below && !above) return std::nullopt;
-  if (sign == "==") return false;
-  if (sign == "!=") return true;
-  return (sign[0] == '<') == below;
+std::optional<bool> both(std::optional<bool> a, std::optional<bool> b) {
+  return opposite(either(opposite(a), opposite(b)));
 }
 
 }  // namespace
 
 PlainExpression::PlainExpression(std::string_view text) { read(text); }
 
-/// Dijkstra's shunting yard.
+/// Dijkstra's shunting yard. A function and a list of `in` are operators whose operands stand between parentheses.
 void PlainExpression::read(std::string_view text) {
-  std::vector<std::string> waiting;
-  const auto put = [&](const std::string& sign) { postfix_.push_back({.sign = sign}); };
+  struct Waiting {
+    std::string sign;
+    std::size_t parts = 2;
+  };
+  std::vector<Waiting> waiting;
+  const auto put_last = [&] {
+    postfix_.push_back({.sign = waiting.back().sign, .parts = waiting.back().parts});
+    waiting.pop_back();
+  };
+  const auto put_from_rank = [&](int rank) {
+    while (!waiting.empty() && waiting.back().sign != "(" && rank_of(waiting.back().sign) >= rank) put_last();
+  };
+  const auto put_to_parenthesis = [&] {
+    while (waiting.back().sign != "(") put_last();
+  };
   bool operand_before = false;
   for (std::size_t at = 0; at < text.size();) {
     const char c = text[at];
@@ -84,82 +85,101 @@ void PlainExpression::read(std::string_view text) {
       const double value = std::strtod(rest.c_str(), &end);
       const auto length = static_cast<std::size_t>(end - rest.c_str());
       const bool digits = rest.find_first_not_of("0123456789") >= length && rest.size() >= length;
-      PossibleNumber number = as_exact(value);
+      PossibleNumber number = single_number(value);
       if (digits && std::strtold(rest.substr(0, length).c_str(), nullptr) < 0x1p64L)
         number = {std::strtold(rest.substr(0, length).c_str(), nullptr), 0, true}, number.high = number.low;
       postfix_.push_back({.sign = {}, .value = number});
       at += length, operand_before = true;
     } else if (std::isalpha(static_cast<unsigned char>(c)) || c == '_') {
       std::size_t end = at;
-      while (end < text.size() &&
-             (std::isalnum(static_cast<unsigned char>(text[end])) || text[end] == '_' || text[end] == '.'))
-        ++end;
+      while (end < text.size() && continues_word(text[end])) ++end;
       const std::string word(text.substr(at, end - at));
-      const auto known = std::find(names_.begin(), names_.end(), word);
-      postfix_.push_back({.sign = {}, .is_name = true, .name = static_cast<std::size_t>(known - names_.begin())});
-      if (known == names_.end()) names_.push_back(word);
-      at = end, operand_before = true;
+      const std::size_t next = std::min(text.find_first_not_of(" \t\n", end), text.size());
+      at = end;
+      if (operand_before && word == "and" && is_open_between(waiting)) {
+        put_from_rank(kRankOfComparisons + 1);
+        waiting.back().sign = "between";
+        operand_before = false;
+      } else if (operand_before || (word == "not" && begins_operand(text.substr(next)))) {
+        // An operator. Of `a not in (1)` the `not` waits under the `in`, which binds tighter.
+        const std::string sign = word == "and" ? "&&" : word == "or" ? "||" : word == "not" ? "!" : word;
+        if (operand_before) put_from_rank(sign == "!" ? kRankOfComparisons + 1 : rank_of(sign));
+        waiting.push_back({sign == "between" ? kOpenBetween : sign, sign == "!" ? 1u : sign == "between" ? 3u : 2u});
+        operand_before = word == "not" && operand_before;
+      } else if (text.substr(next).starts_with("(")) {
+        waiting.push_back({word, 0});
+      } else {
+        const auto known = std::find(names_.begin(), names_.end(), word);
+        postfix_.push_back({.sign = {}, .is_name = true, .name = static_cast<std::size_t>(known - names_.begin())});
+        if (known == names_.end()) names_.push_back(word);
+        operand_before = true;
+      }
     } else if (c == '(') {
-      waiting.emplace_back("("), ++at, operand_before = false;
+      waiting.push_back({"(", 1}), ++at, operand_before = false;
+    } else if (c == ',') {
+      put_to_parenthesis();
+      ++waiting.back().parts, ++at, operand_before = false;
     } else if (c == ')') {
-      while (waiting.back() != "(") put(waiting.back()), waiting.pop_back();
+      put_to_parenthesis();
+      const std::size_t parts = waiting.back().parts;
       waiting.pop_back(), ++at, operand_before = true;
+      const bool is_list = !waiting.empty() && waiting.back().sign == "in";
+      if (!is_list && (waiting.empty() || rank_of(waiting.back().sign) != kRankOfFunctions)) continue;
+      waiting.back().parts = is_list ? parts + 1 : parts;
+      put_last();
     } else {
       std::string sign(text.substr(at, 2));
       if (sign != "||" && sign != "&&" && sign != "==" && sign != "!=" && sign != "<=" && sign != ">=") sign.resize(1);
       at += sign.size();
       if (sign == "-" && !operand_before) sign = "-1";
-      if (!is_prefix(sign))
-        while (!waiting.empty() && waiting.back() != "(" && rank_of(waiting.back()) >= rank_of(sign))
-          put(waiting.back()), waiting.pop_back();
-      waiting.push_back(sign), operand_before = false;
+      if (!is_prefix(sign)) put_from_rank(rank_of(sign));
+      waiting.push_back({sign, is_prefix(sign) ? 1u : 2u}), operand_before = false;
     }
   }
-  for (; !waiting.empty(); waiting.pop_back()) put(waiting.back());
+  while (!waiting.empty()) put_last();
 }
 
 PlainExpression::Part PlainExpression::evaluate(std::span<const PossibleNumber> values) const {
   std::vector<Part> stack;
-  const auto pop = [&] {
-    Part part = stack.back();
-    stack.pop_back();
-    return part;
-  };
   for (const Token& token : postfix_) {
-    if (token.sign.empty()) {
-      stack.push_back({.number = token.is_name ? values[token.name] : token.value, .is_literal = !token.is_name});
-      continue;
-    }
-    const Part right = pop();
-    if (token.sign == "!") {
-      stack.push_back({.number = {}, .truth = right.truth ? std::optional(!*right.truth) : std::nullopt});
-      continue;
-    }
-    if (token.sign == "-1") {
-      const bool keeps = right.is_literal && right.number.is_whole && right.number.low < 0x1p63L;
-      const PossibleNumber n = keeps ? right.number : as_double(right.number);
-      stack.push_back({.number = {-n.high, -n.low, keeps}, .is_literal = right.is_literal});
-      continue;
-    }
-    const Part left = pop();
-    if (token.sign == "&&" || token.sign == "||") {
-      const bool decides = token.sign == "||";
-      Part out;
-      if (left.truth == decides || right.truth == decides)
-        out.truth = decides;
-      else if (left.truth && right.truth)
-        out.truth = !decides;
-      stack.push_back(out);
-    } else if (token.sign == "+" || token.sign == "-" || token.sign == "*" || token.sign == "/") {
-      stack.push_back({.number = combined(token.sign[0], left.number, right.number)});
-    } else {
-      const bool exact = left.number.is_whole && right.number.is_whole && !(left.is_literal && right.is_literal);
-      stack.push_back({.number = {},
-                       .truth = exact ? compared(token.sign, left.number, right.number)
-                                      : compared(token.sign, as_double(left.number), as_double(right.number))});
-    }
+    Part part{.number = token.is_name ? values[token.name] : token.value, .is_literal = !token.is_name};
+    if (!token.sign.empty()) part = result_of(token, std::span(stack).last(token.parts));
+    stack.resize(stack.size() - token.parts);
+    stack.push_back(part);
   }
   return stack.back();
+}
+
+PlainExpression::Part PlainExpression::result_of(const Token& token, std::span<const Part> parts) {
+  const Part &left = parts.front(), &right = parts.back();
+  const std::string& sign = token.sign;
+  if (sign == "!") return {.number = {}, .truth = opposite(right.truth)};
+  if (sign == "-1") {
+    const bool keeps = right.is_literal && right.number.is_whole && right.number.low <= 0x1p63L;
+    const PossibleNumber n = keeps ? right.number : as_double(right.number);
+    return {.number = {-n.high, -n.low, keeps}, .is_literal = right.is_literal};
+  }
+  if (sign == "||") return {.number = {}, .truth = either(left.truth, right.truth)};
+  if (sign == "&&") return {.number = {}, .truth = both(left.truth, right.truth)};
+  if (sign == "+" || sign == "-" || sign == "*" || sign == "/")
+    return {.number = combined(sign[0], left.number, right.number)};
+  if (sign == "between")
+    return {.number = {}, .truth = both(truth_of(">=", left, parts[1]), truth_of("<=", left, right))};
+  if (sign == "in") {
+    std::optional<bool> found = false;
+    for (const Part& part : parts.subspan(1)) found = either(found, truth_of("==", left, part));
+    return {.number = {}, .truth = found};
+  }
+  if (rank_of(sign) == kRankOfComparisons) return {.number = {}, .truth = truth_of(sign, left, right)};
+  std::vector<PossibleNumber> arguments;
+  for (const Part& part : parts) arguments.push_back(part.number);
+  return {.number = function_of(sign, arguments)};
+}
+
+std::optional<bool> PlainExpression::truth_of(const std::string& sign, const Part& left, const Part& right) {
+  const bool exact = left.number.is_whole && right.number.is_whole && !(left.is_literal && right.is_literal);
+  return exact ? compared(sign, left.number, right.number)
+               : compared(sign, as_double(left.number), as_double(right.number));
 }
 
 PossibleNumber PlainExpression::number(std::span<const PossibleNumber> values) const { return evaluate(values).number; }

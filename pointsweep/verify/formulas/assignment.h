@@ -10,17 +10,9 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/verify/formulas/estimate.h"
+#include "pointsweep/verify/formulas/possible_number.h"
 
 namespace pointsweep::formulas {
-
-/// The range of a name, or of a part of an expression. A single value is exact, and may be NaN.
-struct PossibleNumber {
-  Real low = 0, high = 0;
-  bool is_whole = false;  ///< a 64-bit integer, or a whole number as written
-
-  bool is_exact() const { return low == high || (low != low && high != high); }
-};
 
 /// An expression that the tool has accepted.
 class PlainExpression {
@@ -34,7 +26,8 @@ class PlainExpression {
 
  private:
   struct Token {
-    std::string sign;  ///< an operator; "-1" for the unary minus; empty for a number or a name
+    std::string sign;       ///< an operator or a function; "-1" for the unary minus; empty for a number or a name
+    std::size_t parts = 0;  ///< operands that the operator or function takes
     PossibleNumber value = {};
     bool is_name = false;
     std::size_t name = 0;
@@ -45,6 +38,8 @@ class PlainExpression {
     std::optional<bool> truth = {};
   };
   Part evaluate(std::span<const PossibleNumber> values) const;
+  static Part result_of(const Token& token, std::span<const Part> parts);
+  static std::optional<bool> truth_of(const std::string& sign, const Part& left, const Part& right);
   void read(std::string_view text);
 
   std::vector<std::string> names_;

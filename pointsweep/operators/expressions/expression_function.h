@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+/// The functions that expressions call by name.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace pointsweep {
+
+struct ExpressionFunction {
+  std::string_view name;
+  std::size_t least, most;  ///< numbers of arguments that it takes
+  double (*value)(std::span<const double> arguments);
+};
+
+/// Null if no function has this name.
+const ExpressionFunction* expression_function(std::string_view name);
+
+/// The names of all functions, with blanks between.
+std::string names_of_functions();
+
+}  // namespace pointsweep

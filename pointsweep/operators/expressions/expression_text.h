@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+/// The text of an expression while it is read: a place in it, the signs and words there, and messages about them.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace pointsweep {
+
+class ExpressionText {
+ public:
+  /// `where` begins messages.
+  ExpressionText(std::string_view text, std::string_view where) : text_(text), where_(where) {}
+
+ protected:
+  static bool begins_name(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+  static bool is_digit(char c) { return c >= '0' && c <= '9'; }
+  static bool continues_name(char c) { return begins_name(c) || is_digit(c) || c == '.'; }
+
+  /// Skips blanks, then the sign, if the text goes on with it. Returns whether it does.
+  bool take(std::string_view sign);
+  /// Like take(), for a word that no letter follows.
+  bool take_word(std::string_view word);
+  /// Takes the word `not`, unless it is the name of an attribute.
+  bool take_not();
+  void skip_blanks();
+
+  /// Adds an operator with blanks around it to the canonical text.
+  void note_binary(std::string_view sign) { canonical_.append(" ").append(sign).append(" "); }
+
+  [[noreturn]] void unexpected(std::string_view wanted) const;
+  [[noreturn]] void fail_at(std::size_t at, std::string_view what) const;
+
+  std::string_view text_;
+  std::size_t at_ = 0;     ///< index of the first character that has not been read
+  std::string canonical_;  ///< of what has been read
+
+ private:
+  std::string_view where_;
+};
+
+}  // namespace pointsweep
