@@ -81,7 +81,8 @@ std::string parser_sentence(const CLI::ParseError& error) {
   std::string text = error.what();
   if (text.starts_with(kInputsAndOutput)) text.replace(0, std::string_view(kInputsAndOutput).size(), "IN... OUT");
   if (error.get_name() != "ArgumentMismatch") return text + ".";
-  return text.substr(0, text.find(':')) + " needs a value.";
+  const std::string option = text.substr(0, text.find(':'));
+  return text.find("At Most") == text.npos ? option + " needs a value." : option + " is given more than once.";
 }
 
 }  // namespace

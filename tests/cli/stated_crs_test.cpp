@@ -65,6 +65,11 @@ TEST_F(StatedSystem, ACodeBecomesGeoTiffKeysAndAFileItsWkt) {
   EXPECT_EQ(legacy.err.find("warning"), std::string::npos) << legacy.err;
   EXPECT_NE(format("o.las").find("LAS 1.2"), std::string::npos);
   run("a.xyz", "o.las", "--crs l93.prj --las-version 1.2");
+  write("local.prj", R"(LOCAL_CS["site grid",UNIT["metre",1]])");
+  const std::string local = "run a.xyz o.las -f --crs local.prj --pipeline 'decimate(1)' --las-version 1.";
+  EXPECT_NE(tool(local + "2").err.find("LAS 1.2 names a coordinate reference system by GeoTIFF keys"),
+            std::string::npos);
+  EXPECT_EQ(tool(local + "4").err.find("by GeoTIFF keys"), std::string::npos);
   expect_code("o.las", 2154, true);
   made("generate statue s.las -n 100 -q --crs EPSG:2154");
   expect_code("s.las", 2154, false);
@@ -128,9 +133,11 @@ TEST_F(StatedSystem, WhatIsNoSystemIsRefused) {
   write("no.prj", "hello");
   for (const char* wrong :
        {"EPSG:", "EPSG:x", "EPSG:1", "EPSG:99999", "EPSG:5698", "EPSG:4978", "EPSG:2154+", "EPSG:2154+99999"})
-    refused(2, fmt::format("run a.xyz o.las --crs {}{}", wrong, kCopyInto), "is not the code of a projected or geographic");
+    refused(2, fmt::format("run a.xyz o.las --crs {}{}", wrong, kCopyInto),
+            "is not the code of a projected or geographic");
   for (const char* wrong : {"lambert", "no.prj", "absent.prj"})
-    refused(2, fmt::format("run a.xyz o.las --crs {}{}", wrong, kCopyInto), "is neither EPSG:CODE, nor a file with WKT");
+    refused(2, fmt::format("run a.xyz o.las --crs {}{}", wrong, kCopyInto),
+            "is neither EPSG:CODE, nor a file with WKT");
   refused(2, std::string("run a.xyz o.las --replace-crs") + kCopyInto, "--replace-crs: belongs to --crs");
 }
 

@@ -149,9 +149,34 @@ TEST_F(StatedLayout, TheVersionChoosesAmongItsPointFormats) {
   EXPECT_EQ(tool("verify w.las u.las").status, 0);
   refused(2, std::string("run a.las o.las --las-version 1.2") + kCopy,
           "LAS 1.2 has no point format 6, which needs LAS 1.4");
+  refused(2, std::string("run a.csv o.las --las-version 1.2 --las-version 1.4") + kCopy,
+          "--las-version is given more than once");
   refused(2, std::string("run a.csv o.las --las-version 1.3 --point-format 7") + kCopy,
           "LAS 1.3 has no point format 7");
   refused(2, std::string("run a.csv o.las --point-format 11") + kCopy, "--point-format: '11' is not 0, 1,");
+}
+
+TEST_F(StatedLayout, StandardGpsTimeIsNotTakenForGpsTimeOfTheWeek) {
+  std::string bytes = contents(folder_ / "a.las");
+  bytes[6] = static_cast<char>(bytes[6] | 1);  // the bit of the clock in the global encoding
+  write("standard.las", bytes);
+  ASSERT_TRUE(open_reader(folder_ / "standard.las")->info().las->standard_time);
+  const std::string old = "run standard.las o.las --point-format 1 --las-version 1.";
+  refused(2, old + "1" + kCopy,
+          "LAS 1.1 knows only GPS time of the week, but the input has adjusted standard GPS time");
+  made(old + "2" + kCopy);
+  EXPECT_TRUE(open_reader(folder_ / "o.las")->info().las->standard_time);
+  made(std::string("run standard.las o.las --point-format 0 --las-version 1.1 --keep x,y,z") + kCopy);
+}
+
+TEST_F(StatedLayout, OldVersionsTakePointFormatsThatTheyHave) {
+  write("c.csv", "x,y,z,red,green,blue\n1,2,3,300,400,500\n2,3,4,301,401,501\n");
+  for (const auto& [version, expected] :
+       {std::pair{"1.1", "LAS 1.1 point format 0"}, {"1.2", "LAS 1.2 point format 2"}}) {
+    made(fmt::format("run c.csv o.las --las-version {}{}", version, kCopy));
+    EXPECT_EQ(format("o.las").find(expected), 0u) << format("o.las");
+    EXPECT_EQ(values("o.las", "red"), (std::vector<double>{300, 301}));
+  }
 }
 
 TEST_F(StatedLayout, TextHasTheStatedDecimals) {

@@ -164,6 +164,13 @@ TEST(NeighborhoodStatistics, OfEquallyFrequentValuesTheNearestIsTheMajority) {
   EXPECT_EQ(of_first({9, 1, 1, 9, 9, 1}), 1);
 }
 
+TEST(NeighborhoodStatistics, TheMeanOfWholeNumbersRoundsTheirSumAlone) {
+  constexpr std::uint64_t kOdd = (std::uint64_t{1} << 53) + 1;  // no float64
+  const Records in = on_a_line<std::uint64_t>({0, 1, -2, 3}, {0, kOdd, kOdd + 2, kOdd + 2}, Type::u64);
+  const Records out = records_of(run_text(in, "knn(k=3) | statistics(v_mean)", {}));
+  EXPECT_EQ(out.value(0, "v_mean"), 0x1p53 + 2);
+}
+
 TEST(NeighborhoodStatistics, OfWholeNumbersOf64BitsAreExact) {
   const std::uint64_t big = std::numeric_limits<std::uint64_t>::max();
   const Records in = on_a_line<std::uint64_t>({0, 1, -2, 3, -4}, {0, big, big - 1, big - 1, big - 3}, Type::u64);

@@ -264,14 +264,6 @@ class Builder {
                                                         (plan_.las->standard_time ? kLasStandardTimeBit : 0));
   }
 
-  static bool is_las_name(const std::string& name) {
-    Schema alone;
-    for (const char* color : {"red", "green", "blue"}) alone.append(color, Type::u16);
-    if (!alone.find(name)) alone.append(name, Type::f64);
-    const std::vector<std::string> names = las_names_in(alone);
-    return std::ranges::find(names, name) != names.end();
-  }
-
   /// Gives the header the version that the user states.
   void take_version(int minor) {
     LasHeader& header = layout_.header;
@@ -285,6 +277,11 @@ class Builder {
     if (minor < header.minor && (header.evlr_count > 0 || header.waveform_start > 0))
       fail_usage("{}: LAS 1.{} has no place for the extended VLRs or waveforms of the input; state LAS 1.{}.",
                  plan_.path.string(), minor, header.minor);
+    if (minor < 2 && (header.global_encoding & kLasStandardTimeBit) != 0 && las_has_time(header.point_format))
+      fail_usage(
+          "{}: LAS 1.{} knows only GPS time of the week, but the input has adjusted standard GPS time; state LAS "
+          "1.2 or later, or point format 0.",
+          plan_.path.string(), minor);
     set_las_version(header, minor);
   }
 
@@ -365,6 +362,11 @@ class Builder {
       added_crs_.geotiff = geotiff_of_epsg(plan_.crs->epsg, plan_.crs->vertical_epsg);  // WKT needs LAS 1.4
     const bool wkt = !own.wkt.empty() || !added_crs_.wkt.empty();
     const bool geotiff = !own.geotiff.empty() || !added_crs_.geotiff.empty();
+    if (is_old && wkt && !geotiff)
+      layout_.warnings.push_back(fmt::format(
+          "{}: LAS 1.{} names a coordinate reference system by GeoTIFF keys, and that of the input is known "
+          "only as WKT, so most programs will not find it; state LAS 1.4, or the system with --crs EPSG:CODE.",
+          plan_.path.string(), header.minor));
     if (kept_ && added_crs_.wkt.empty() && added_crs_.geotiff.empty() && !plan_.replaces_crs) return;
     const bool modern = header.point_format >= 6;
     const bool wkt_counts = is_old                    ? false

@@ -124,6 +124,10 @@ int las_minor_of(int point_format) { return point_format >= 6 ? 4 : point_format
 
 bool las_has_waveforms(int point_format) { return kParts[point_format].waveform; }
 
+bool las_has_time(int point_format) {
+  return las_point_schema(point_format, {1, 1, 1}, {}).find("gps_time").has_value();
+}
+
 std::optional<std::uint16_t> las_record_length(int point_format) {
   if (point_format < 0 || point_format >= kLasPointFormats) return std::nullopt;
   const Parts& parts = kParts[point_format];
@@ -157,6 +161,12 @@ std::vector<std::string> las_names_in(const Schema& schema) {
     }
   }
   return names;
+}
+
+bool is_las_name(const std::string& name) {
+  return !is_coordinate(name) && std::ranges::any_of(std::array{kFullestModern, kFullestLegacy}, [&](int format) {
+    return las_point_schema(format, {1, 1, 1}, {}).find(name).has_value();
+  });
 }
 
 bool las_field_holds(const Field& target, const Field& source, const ValueRange& range) {
@@ -199,7 +209,8 @@ std::vector<std::size_t> undecided_las_fields(const Schema& schema, const std::v
   const std::vector<std::string> names = las_names_in(schema);
   std::vector<int> formats = {kFullestModern};
   if (choice.is_stated())
-    formats = {choice.format.value_or(choice.most_minor < 3   ? 3
+    formats = {choice.format.value_or(choice.most_minor < 2   ? 1
+                                      : choice.most_minor < 3 ? 3
                                       : choice.most_minor < 4 ? kFullestLegacy
                                                               : kFullestModern)};
   else if (choice.legacy && std::none_of(names.begin(), names.end(), only_modern_has))

@@ -29,9 +29,14 @@ int las_minor_of(int point_format);
 /// Returns whether records of the point format refer to waveforms.
 bool las_has_waveforms(int point_format);
 
+bool las_has_time(int point_format);
+
 /// The place of the return number in a record: the low bits of byte 14, under this mask.
 inline constexpr std::uint32_t kLasReturnByte = 14;
 inline std::uint8_t las_return_mask(int point_format) { return point_format >= 6 ? 0x0F : 0x07; }
+
+/// Returns whether some point format has a field of the name, x, y and z left out.
+bool is_las_name(const std::string& name);
 
 /// Names of the fields of `schema` that point formats have, x, y and z left out. Colours count if red, green and blue
 /// are there, waveform packets if all of their fields are.

@@ -32,7 +32,13 @@ double mean_of_differences(std::span<const Value> values) {
 
 template <class Value>
 double mean_of(std::span<const Value> values) {
-  return static_cast<double>(values[0]) + mean_of_differences(values);
+  if constexpr (std::is_integral_v<Value>) {
+    WholeNumber sum = 0;
+    for (const Value v : values) sum += v;
+    return static_cast<double>(sum) / static_cast<double>(values.size());
+  } else {
+    return values[0] + mean_of_differences(values);
+  }
 }
 
 /// Returns the standard deviation of the whole population, √(1/n Σ (v_j - mean)²).
