@@ -48,15 +48,22 @@ Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options
 
 PythonChain chain_of(const nb::list& pipeline, const Facts& facts) {
   PythonChain chain;
-  bool first = true;
+  bool may_begin = true;  // knn comes before all stages that look at neighbours
   for (const nb::handle item : pipeline) {
     if (!nb::isinstance<nb::str>(item)) {
       chain.stages.push_back(python_operator(item, chain.functions));
-    } else {
-      const std::vector<StageText> stages = parse_pipeline(nb::cast<std::string>(item));
-      first ? void(static_cast<Chain&>(chain) = build_chain(stages, facts)) : append_to(chain, stages, facts);
+      may_begin = may_begin && !nb::cast<bool>(item.attr("sees_neighbors"));
+      continue;
     }
-    first = false;
+    const std::vector<StageText> stages = parse_pipeline(nb::cast<std::string>(item));
+    if (may_begin) {
+      const Chain rest = build_chain(stages, facts);
+      chain.neighborhood = rest.neighborhood;
+      chain.stages.insert(chain.stages.end(), rest.stages.begin(), rest.stages.end());
+    } else {
+      append_to(chain, stages, facts);
+    }
+    may_begin = false;
   }
   return chain;
 }

@@ -16,6 +16,7 @@ operators are stages of pipelines, and `operator` and `select` make such of func
 from . import _core, _stages
 from ._check import Check, check
 from ._chunks import Chunks, chunks
+from ._columns import CloudWithColumns
 from ._copies import read, write
 from ._crs import Crs
 from ._errors import Error, PointsweepWarning, UsageError
@@ -38,7 +39,7 @@ from ._verify import Verdict, verify
 __version__: str = _core.version
 # Without `open` and `set`, so that `from pointsweep import *` leaves the builtins of these names.
 __all__ = [
-    "Arrays", "Check", "Chunks", "Cloud", "Crs", "Error", "FileSummary", "Neighbors", "Operator", "Pipeline", "Plan",
+    "Arrays", "Check", "Chunks", "Cloud", "CloudWithColumns", "Crs", "Error", "FileSummary", "Neighbors", "Operator", "Pipeline", "Plan",
     "PointNeighbors", "Points", "PointsweepWarning", "RadiusNeighbors", "Reduction", "Report", "Select", "Stage",
     "UsageError", "Verdict", "check", "chunks", "generate", "info", "neighbors", "normals", "operator", "plan", "read",
     "reduce", "run", "select", "verify", "write",

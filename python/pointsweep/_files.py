@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from ._chunks import Chunks, chunks
+from ._columns import CloudWithColumns
 from ._crs import Crs
 from ._options import with_run_options
 from ._results import Arrays, Report
@@ -137,6 +138,14 @@ class Cloud(Files):
     ) -> Chunks:
         """`pointsweep.chunks` of these files: the results of a run, block by block."""
         return chunks(self, rows, pipeline, keep=keep, progress=progress, **options)
+
+    def with_columns(self, **columns: Any) -> CloudWithColumns:
+        """These files with arrays of yours as attributes: ``ps.open(f).with_columns(label=labels).write(g)``.
+
+        Each array has a row for each point, in the order of the files, and one or more numbers in it. It takes the place
+        of an attribute of the files that has its name. All else that the files have stays as it is.
+        """
+        return CloudWithColumns(self, self.attributes, columns)
 
     def __repr__(self) -> str:
         files = self.files[0] if len(self.files) == 1 else f"{len(self.files)} files"

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ._crs import Crs
+from ._errors import UsageError
 from ._tables import html_table
 
 if TYPE_CHECKING:
+    import geopandas
     import pandas
     import pyarrow
 
@@ -128,6 +130,18 @@ class Arrays(dict):
         import pandas
 
         return pandas.DataFrame(self.columns(), copy=False)
+
+    def to_geopandas(self) -> geopandas.GeoDataFrame:
+        """A geopandas.GeoDataFrame of points with heights, made of 'xyz', a column for each other of `columns()`, and the
+        coordinate system of the input."""
+        import geopandas
+
+        if "xyz" not in self:
+            raise UsageError("to_geopandas: there is no 'xyz'; name it in keep.")
+        x, y, z = self["xyz"].T
+        flat = {name: values for name, values in self.columns().items() if name not in ("x", "y", "z")}
+        points = geopandas.points_from_xy(x, y, z)
+        return geopandas.GeoDataFrame(flat, geometry=points, crs=self.crs)
 
     def to_arrow(self) -> pyarrow.Table:
         """A pyarrow.Table with a column for each of `columns()`."""

@@ -49,7 +49,7 @@ def source_of(
         points, crs = opened(Files, points, ignore_crs=options["ignore_crs"], crs=crs), None
     if isinstance(points, Files):
         if attributes:
-            raise UsageError("attributes: arrays cannot be added to the points of files; run on arrays instead.")
+            raise UsageError("attributes: is for points in arrays; add arrays to files with open(files).with_columns(name=array).")
         if crs is not None:
             raise UsageError("crs: these files are open; state their system in open(files, crs=...).")
         groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]

@@ -13,6 +13,7 @@ from ._adapters import are_points
 from ._errors import UsageError
 from ._options import number, path, whole
 from ._pipeline import Joinable
+from ._shapes import is_shape, polygons_as_text
 from ._types import Files, FunctionStage
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -65,6 +66,8 @@ def makes_stage(function: _Function) -> _Function:
     @functools.wraps(function)
     def checked(*arguments: Any, **options: Any) -> Any:
         for name, value in [*itertools.zip_longest(positional[: len(arguments)], arguments), *options.items()]:
+            if name == "polygon" and is_shape(value):
+                continue
             if name in takes_files and not isinstance(value, Files) and are_points(value):
                 raise UsageError(f"{name}: {type(value).__name__} is not a path; write these points to a file. {called}")
             if name not in takes_files and are_points(value):
@@ -84,6 +87,8 @@ def _texts_of(stage: str, options: Iterable[tuple[str, str, Any, Any]]) -> dict[
 
 
 def _path_of(where: str, value: Any) -> str:
+    if where == "crop: polygon" and is_shape(value):
+        return polygons_as_text(where, value)
     if isinstance(value, Files):
         if len(value.files) > 1:
             raise UsageError(f"{where}: is a cloud of {len(value.files)} files; give their folder or a pattern instead.")

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""Arrays of a program as more attributes of the points of files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._errors import UsageError
+from ._operator import Operator, Points, operator
+from ._options import with_run_options
+from ._results import Arrays, Report
+from ._runs import performed
+from ._sources import numbers
+from ._stage_list import stages_of
+from ._types import Files, FunctionStage, Path, PipelineLike, ProgressCallback, RunOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class CloudWithColumns:
+    """Point files with arrays beside them; made with `Cloud.with_columns`. An array is read where it is: it may be a
+    `numpy.memmap`."""
+
+    def __init__(self, cloud: Files, attributes: Mapping[str, np.dtype[Any]], columns: Mapping[str, Any]) -> None:
+        self.cloud = cloud  #: the files
+        self._attributes = dict(attributes)  # of the files
+        self.columns = {name: _column(name, values, len(self)) for name, values in columns.items()}
+        if not self.columns:
+            raise UsageError("with_columns: name at least one array, e.g. with_columns(label=labels).")
+
+    @property
+    def attributes(self) -> dict[str, np.dtype[Any]]:
+        """As those of `Cloud`, with the columns."""
+        made = {name: np.dtype((v.dtype, v.shape[1])) if v.ndim == 2 else v.dtype for name, v in self.columns.items()}
+        return {**self._attributes, **made}
+
+    def with_columns(self, **columns: Any) -> CloudWithColumns:
+        """These files with more arrays; one of the same name takes the place of that which was there."""
+        return CloudWithColumns(self.cloud, self._attributes, {**self.columns, **columns})
+
+    @with_run_options
+    def run(
+        self,
+        pipeline: PipelineLike,
+        *,
+        to: Path | Sequence[Path] | None = None,
+        keep: Sequence[str] | str | None = None,
+        progress: ProgressCallback | bool | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Arrays | Report:
+        """`pointsweep.run` on these files, whose stages read the columns as attributes of the input."""
+        stages: list[str | FunctionStage] = [self._stage(), *stages_of(pipeline)]
+        given = options if to is None else self._replacing(options)
+        return performed(self.cloud, stages, to, keep, None, None, None, progress, given)
+
+    @with_run_options
+    def read(
+        self,
+        *,
+        keep: Sequence[str] | str | None = None,
+        progress: ProgressCallback | bool | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Arrays:
+        """All points with their attributes and the columns, in a dict of arrays, as `Cloud.read`."""
+        if keep is None:
+            keep = ["xyz", *(name for name in self.attributes if name not in ("x", "y", "z"))]
+        result = performed(self.cloud, self._stage(), None, keep, None, None, None, progress, options)
+        assert isinstance(result, Arrays)
+        return result
+
+    @with_run_options
+    def write(
+        self,
+        to: Path | Sequence[Path],
+        *,
+        keep: Sequence[str] | str | None = None,
+        progress: ProgressCallback | bool | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Report:
+        """Writes the points with all that the files have and the columns, to a file, or to a folder with a file for each
+        input."""
+        result = performed(self.cloud, self._stage(), to, keep, None, None, None, progress, self._replacing(options))
+        assert isinstance(result, Report)
+        return result
+
+    def __len__(self) -> int:
+        return int(self.cloud._known["count"])
+
+    def __repr__(self) -> str:
+        return f"<pointsweep.CloudWithColumns: {', '.join(self.columns)} beside {self.cloud!r}>"
+
+    def _stage(self) -> Operator:
+        columns = self.columns
+        types = {name: np.dtype((v.dtype, v.shape[1])) if v.ndim == 2 else v.dtype for name, v in columns.items()}
+
+        @operator(makes=types, neighbors=False)
+        def with_columns(p: Points) -> dict[str, np.ndarray]:
+            rows = p.rows
+            return {name: np.asarray(values[rows]) for name, values in columns.items()}
+
+        return with_columns
+
+    def _replacing(self, options: RunOptions) -> RunOptions:
+        """The options of a run to files, with the columns among what may take the place of attributes of these."""
+        there = [name for name in self.columns if name in self._attributes]
+        given = options.get("replace")
+        named = [given] if isinstance(given, str) else list(given or ())
+        return {**options, "replace": [*named, *there]}
+
+
+def _column(name: str, values: Any, n: int) -> np.ndarray:
+    array = numbers(name, values)
+    if array.ndim not in (1, 2) or len(array) != n:
+        raise UsageError(f"{name}: has the shape {array.shape}, but the files have {n} points; give a row for each.")
+    if array.dtype == np.bool_:
+        array = array.view(np.uint8)
+    return array
