@@ -25,18 +25,20 @@ std::size_t bytes_of(const std::vector<Attribute>& attributes);
 /// Returns every spelling under which files hold the library's attribute field `name`, best first, e.g. for "nx": nx,
 /// normal_x, normalx, "normal x". A name without known aliases is its only spelling.
 std::vector<std::string> spellings_of(std::string_view name);
-/// Returns the names of the library's attribute fields that have several spellings.
+/// Returns every word by which a user may name that field: its spellings, and the words of other programs for it.
+std::vector<std::string> words_for(std::string_view name);
+/// Returns the names of the library's attribute fields for which there are several words.
 std::vector<std::string> names_with_spellings();
 /// Returns the library's own name for the attribute that a file calls `spelling`, in any case; `spelling` in lower case
 /// if it is no known alias.
 std::string library_name_of(std::string_view spelling);
-/// Returns whether `word`, in any case, is one of the spellings under which files hold the attribute `field`.
+/// Returns whether `word`, in any case, is one of the words by which a user may name the attribute `field`.
 bool is_spelling_of(std::string_view field, std::string_view word);
 /// Returns whether `word`, in any case, is a spelling of the attribute field `field` and of no other. "curvature" is a
 /// spelling of the surface variation (PCL), but other programs mean other curvatures by it.
 bool means_only(std::string_view word, std::string_view field);
 /// Returns the index of the field that a user means by `word`: the field with exactly this name, else a field of which
-/// `word` is a spelling. Returns nullopt if there is none.
+/// `word` is a spelling, else one that other programs call so. Returns nullopt if there is none.
 std::optional<std::size_t> field_meant(const Schema& schema, std::string_view word);
 
 /// The three coordinate fields of a schema.

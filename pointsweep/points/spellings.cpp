@@ -34,6 +34,29 @@ constexpr Row kRows[] = {
     {"surface_variation", "curvature", "scalar_surface_variation", "scalar_curvature"},
 };
 
+/// Words of PDAL, laspy and lasR for fields of LAS, after the library's own name. Users may write them; a column of a
+/// file that has such a name stays a column of its own.
+constexpr Row kWordsOfUsers[] = {
+    {"return_number", "return_num"},
+    {"scan_direction_flag", "scandirectionflag"},
+    {"edge_of_flight_line", "edgeofflightline"},
+    {"synthetic", "synthetic_flag"},
+    {"key_point", "keypoint", "keypoint_flag"},
+    {"withheld", "withheld_flag"},
+    {"overlap", "overlap_flag"},
+    {"scanner_channel", "scannerchannel", "scanchannel"},
+    {"point_source_id", "pt_src_id"},
+    {"nir", "infrared"},
+};
+
+/// Returns the library's own name for the attribute that a user calls `word`.
+std::string meaning_of(std::string_view word) {
+  const std::string name = library_name_of(word);
+  for (const Row& row : kWordsOfUsers)
+    if (!name.empty() && std::ranges::find(row, name) != row.end()) return std::string(row.front());
+  return name;
+}
+
 }  // namespace
 
 std::vector<std::string> spellings_of(std::string_view name) {
@@ -45,9 +68,18 @@ std::vector<std::string> spellings_of(std::string_view name) {
   return {std::string(name)};
 }
 
+std::vector<std::string> words_for(std::string_view name) {
+  std::vector<std::string> words = spellings_of(name);
+  for (const Row& row : kWordsOfUsers)
+    if (row.front() == name) words.insert(words.end(), row.begin() + 1, std::ranges::find(row, std::string_view{}));
+  return words;
+}
+
 std::vector<std::string> names_with_spellings() {
   std::vector<std::string> names;
   for (const Row& row : kRows) names.emplace_back(row.front());
+  for (const Row& row : kWordsOfUsers)
+    if (std::ranges::find(names, row.front()) == names.end()) names.emplace_back(row.front());
   return names;
 }
 
@@ -61,7 +93,7 @@ std::string library_name_of(std::string_view spelling) {
 
 bool is_spelling_of(std::string_view field, std::string_view word) {
   const std::vector<std::string> spellings = spellings_of(field);
-  return in_lower_case(field) == in_lower_case(word) || library_name_of(field) == library_name_of(word) ||
+  return in_lower_case(field) == in_lower_case(word) || library_name_of(field) == meaning_of(word) ||
          std::ranges::find(spellings, in_lower_case(word)) != spellings.end();
 }
 
@@ -74,7 +106,9 @@ std::optional<std::size_t> field_meant(const Schema& schema, std::string_view wo
   const auto same = std::ranges::find(schema.fields, word, &Field::name);
   if (same != schema.fields.end()) return static_cast<std::size_t>(same - schema.fields.begin());
   const auto known = schema.find(word);
-  return known ? known : schema.find(library_name_of(word));
+  if (known) return known;
+  const auto named = schema.find(library_name_of(word));
+  return named ? named : schema.find(meaning_of(word));
 }
 
 }  // namespace pointsweep

@@ -143,6 +143,8 @@ MUTANTS = [
            "    require_output_name(path);\n", "", ("pipeline:Tiles.*", "cli:OutputName.*")),
     Mutant("a move of heights alone is a move out of any system", "cli", "pointsweep/pipeline/output/output_formats.cpp",
            "(!moves.axes[2] || crs->vertical_epsg == 0)", "!moves.axes[2]", ("cli:CoordinateSystem.*",)),
+    Mutant("words of other programs are not known", "cli", "pointsweep/points/spellings.cpp",
+           "return named ? named : schema.find(meaning_of(word));", "return named;", ("pipeline:Spellings.*",)),
     Mutant("a condition reads the input's field of a name that was made in another spelling", "cli",
            "pointsweep/operators/expressions/meant_value.cpp", "return means_only(word, field);", "return word == field;",
            ("pipeline:Spellings.*",)),

@@ -28,7 +28,8 @@ Schema schema_with(const std::string& field) {
 /// assignments have no words with blanks.
 void for_each_pair_of_spellings(const std::function<void(const std::string& field, const std::string& word)>& look) {
   for (const std::string& name : names_with_spellings()) {
-    std::vector<std::string> fields = spellings_of(name), words = fields;
+    std::vector<std::string> fields = spellings_of(name);
+    const std::vector<std::string> words = words_for(name);
     for (std::string& field : fields) field[0] = static_cast<char>(std::toupper(field[0]));
     for (const std::string& field : fields)
       for (const std::string& word : words)
@@ -117,6 +118,17 @@ TEST(Spellings, MeanWhatIsMadeRatherThanWhatTheInputHas) {
   const Chain chain = build_chain(parse_pipeline("normals | curvature | where(curvature > 0)"), Facts{});
   const ChainPlan plan = plan_chain(chain, schema_with("curvature"));
   EXPECT_TRUE(std::ranges::any_of(plan.graph.versions, [](const auto& v) { return !v.producer; }));
+}
+
+/// A column that comes from another program is not taken for a field of LAS, unless its spelling says so.
+TEST(Spellings, WordsOfUsersAreNoSpellingsOfFiles) {
+  for (const char* word : {"KeyPoint", "ScanDirectionFlag", "Infrared", "Overlap_flag"}) {
+    Schema schema = schema_with(word);
+    EXPECT_FALSE(schema.find("key_point") || schema.find("scan_direction_flag") || schema.find("nir")) << word;
+    schema.append("key_point", Type::u8);
+    EXPECT_EQ(field_meant(schema, word), 3u) << word;
+  }
+  EXPECT_EQ(field_meant(schema_with("key_point"), "Keypoint_flag"), 3u);
 }
 
 TEST(Spellings, OfANewAttributeGetTheTypeThatLasHasForIt) {
