@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/expressions/expression.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -124,7 +125,7 @@ TEST(Expression, FollowsIeeeWhereValuesAreMissing) {
   EXPECT_EQ(kept("a not between 0 and 2", {kNaN, 1}), (Bits{1, 0}));
   for (const char* number : {"sqrt(0 - 1)", "log(-1)", "min(1, a)", "min(a, 1)", "max(1, a)", "abs(a)", "exp(a)",
                              "round(a)", "hypot(a, 1)", "atan2(1, a)"})
-    EXPECT_EQ(kept(std::string(number) + " == a || a == a", {kNaN}), (Bits{0})) << number;
+    EXPECT_EQ(kept(fmt::format("{0} < 9 || {0} >= 9", number), {kNaN}), (Bits{0})) << number;
 }
 
 TEST(Expression, Compares64BitIntegersExactly) {
