@@ -15,10 +15,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from ._files import Cloud
 from ._stage import Stage, made_stage, makes_stage
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 __all__ = [{names}]  # fmt: skip
 '''
@@ -26,6 +29,7 @@ __all__ = [{names}]  # fmt: skip
 TYPES = {
     "whole": "int", "number": "float", "point": "Sequence[float]", "numbers": "Sequence[float]", "attribute": "str",
     "condition": "str", "word": "str", "file": "str | os.PathLike[str] | Cloud",
+    "matrix": "ArrayLike | str | os.PathLike[str]",
     "attributes": "str | Sequence[str]", "assignments": "str",
 }  # fmt: skip
 WIDTH = 116

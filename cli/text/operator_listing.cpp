@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "cli/text/help.h"
@@ -97,8 +98,10 @@ ListedOperator listed(const OperatorDeclaration& declaration) {
 
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr const char* kKindsOfOptions[] = {"whole",     "number",  "choice", "names", "point",      "attribute",
-                                           "condition", "numbers", "file",   "word",  "attributes", "assignments"};
+constexpr const char* kKindsOfOptions[] = {"whole",     "number",     "choice",     "names", "point",
+                                           "attribute", "condition",  "numbers",    "file",  "matrix",
+                                           "word",      "attributes", "assignments"};
+static_assert(std::size(kKindsOfOptions) == 1 + static_cast<std::size_t>(OptionKind::assignments));
 constexpr const char* kKindsOfAttributes[] = {"position", "vector", "normal", "scalar", "index", "color"};
 
 OrderedJson json_of(const OptionValue& value) {

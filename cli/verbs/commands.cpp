@@ -25,6 +25,7 @@ void add_commands(CLI::App& app) {
   add_convert_command(app);
   add_pipeline_commands(app);
   add_thin_command(app);
+  add_transform_command(app);
   add_ground_command(app);
   add_neighbors_command(app);
   add_sort_command(app);

@@ -3,12 +3,14 @@
 /// paper's (its Section 4.3).
 /// `pointsweep run IN... OUT --pipeline ...`: any chain of operators in one sweep.
 /// `pointsweep convert IN... OUT`: the empty chain.
+/// `pointsweep transform IN... OUT --matrix FILE`: the points moved by a matrix.
 /// `pointsweep ground IN... OUT`: which points are ground, and how high the others are above it.
 ///
 /// `pointsweep thin IN... OUT`: fewer points, by one of the operators voxel, poisson, decimate and sample.
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -124,6 +126,11 @@ std::vector<StageText> ground_stages(const GroundCommand& command) {
   if (command.height) stages.push_back({"height", {}, "ground"});
   return stages;
 }
+
+struct TransformCommand {
+  PipelineRun run;
+  std::vector<OptionText> options;
+};
 
 /// An option of an operator as a flag of the verb.
 struct ThinningFlag {
@@ -243,6 +250,32 @@ void add_ground_command(CLI::App& app) {
       "\nExample: ground of a folder of tiles, without seams, and heights above it:\n"
       "  pointsweep ground tiles/ out/ --cell 0.5 --window 15 --height");
   verb.callback([command] { run_stages(ground_stages(*command), command->run); });
+}
+
+void add_transform_command(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("transform", "Move the points by a matrix, and turn their normals");
+  auto command = std::make_shared<TransformCommand>();
+  add_inputs_and_output(verb, command->run.paths,
+                        "with the attributes of the input and the moved coordinates (in a folder, one for each input)");
+  add_output_option(verb, command->run.paths.named_output);
+  for (const OptionDeclaration& option : declaration_of("transform")->options)
+    if (option.name != "inverse" && option.name != "scale")
+      add_stage_option(verb, "--" + option.name, option, command->options);
+  verb.add_flag_function(
+      "--inverse",
+      [command](std::int64_t) {
+        command->options.push_back({"inverse", "yes", "--inverse"});
+      },
+      "Move the points back: by the inverse of the matrix");
+  add_output_options(verb, command->run);
+  verb.footer(
+      "Same as 'pointsweep run' with the pipeline 'transform(FILE)'. The file has 4 lines of 4 numbers, the last one 0 "
+      "0 "
+      "0 1, as CloudCompare, Open3D and numpy.savetxt write them. 'pointsweep operators transform' has the formula.\n"
+      "\nExample: a scan into the place of another one, as a registration has found it, and back:\n"
+      "  pointsweep transform scan.ply placed.ply --matrix registration.txt\n"
+      "  pointsweep transform placed.ply back.ply --matrix registration.txt --inverse");
+  verb.callback([command] { run_stages({{"transform", command->options, "transform"}}, command->run); });
 }
 
 void add_thin_command(CLI::App& app) {

@@ -34,6 +34,8 @@ std::string value_name(const OptionDeclaration& option) {
       return "NUMBER,...";
     case OptionKind::file:
       return "FILE";
+    case OptionKind::matrix:
+      return "FILE|NUMBERS";
     case OptionKind::attributes:
       return "NAME,...";
     case OptionKind::assignments:

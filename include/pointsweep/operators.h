@@ -171,6 +171,15 @@ struct M3c2Options {
   double registration = 0;  ///< error of the registration of the two clouds, length; >= 0
 };
 
+/// Options of transform(). One of matrix, scale and translate is required; they apply in this order.
+struct TransformOptions {
+  /// Name of a file with 4 rows of 4 numbers, the last row 0 0 0 1, or these 12 or 16 numbers themselves, row by row.
+  std::string matrix = {};
+  double scale = 1;                    ///< factor of the coordinates; > 0
+  std::optional<Vec3> translate = {};  ///< added to the coordinates, length
+  bool inverse = false;                ///< the points move back
+};
+
 /// The map from numbers to colours of color().
 enum class ColorMap { viridis, turbo, gray, classes /**< colours of the classes of LAS */ };
 
@@ -265,6 +274,9 @@ POINTSWEEP_EXPORT ChainStage where(std::string_view condition);
 /// Assigns numbers to attributes, e.g. "classification = 7 where outlier == 1", several with commas between. `type`: of
 /// new attributes; absent: that of LAS for the name, else float64. Throws UsageError for a text that assigns nothing.
 POINTSWEEP_EXPORT ChainStage set(std::string_view assignments, std::optional<Type> type = std::nullopt);
+/// Moves the points by a matrix, turns their normals and other directions, and scales lengths. Throws Error for a file
+/// that is no matrix of 4 rows of 4 numbers, and UsageError for a matrix that is singular.
+POINTSWEEP_EXPORT ChainStage transform(const TransformOptions& options);
 /// Makes "color", red, green and blue, from the values of an attribute.
 POINTSWEEP_EXPORT ChainStage color(const ColorOptions& options);
 /// Leaves attributes out of the output; later stages do not see them.

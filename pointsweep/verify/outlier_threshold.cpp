@@ -48,10 +48,17 @@ CloudThreshold threshold_of(ForEach for_each, Type type, const NamedOptions& opt
 
 }  // namespace
 
+bool makes_distances_again(const std::vector<StageOperator>& operators) {
+  const auto makes = [](const StageOperator& op) {
+    return std::ranges::any_of(contract_of(op).makes, [](const Attribute& a) { return a.name == kMeanDistance; });
+  };
+  return std::any_of(std::ranges::find_if(operators, is_outlier), operators.end(), makes);
+}
+
 CloudThreshold outlier_threshold(Reader& out, const std::vector<StageOperator>& operators, const std::string& prefix,
                                  const PhaseProgress& progress) {
   const auto op = std::ranges::find_if(operators, is_outlier);
-  if (op == operators.end()) return {};
+  if (op == operators.end() || makes_distances_again(operators)) return {};
   RowSource source(out);
   const auto at = source.schema().find(prefix + kMeanDistance);
   if (!at) return {};

@@ -13,9 +13,13 @@
 
 namespace pointsweep {
 
+/// Returns whether an operator after the first Outlier makes the mean distances again, so that the output does not have
+/// those that it compared.
+bool makes_distances_again(const std::vector<StageOperator>& operators);
+
 /// mean + multiplier * deviation, by the operator's definition, of the finite mean distances of all points of `out`, in
 /// extended precision, for the first Outlier among the operators. `prefix`: of the names of made attributes. NaN if
-/// there is none, or if the output has no mean distances. Reads it twice.
+/// there is none, or if the output has not its mean distances. Reads it twice.
 CloudThreshold outlier_threshold(Reader& out, const std::vector<StageOperator>& operators, const std::string& prefix,
                                  const PhaseProgress& progress);
 

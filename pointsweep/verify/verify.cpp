@@ -381,7 +381,7 @@ class Verification {
 Verdict verify(InputCloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options) {
   MadeBy known = made_by;
   known.operators = with_input_values(std::move(known.operators), in);
-  if (known.leaves_out) {
+  if (known.leaves_out || makes_distances_again(known.operators)) {
     try {
       known.outlier_threshold =
           outlier_threshold_of_all(in, known.operators, known.rule, known.neighborhood, options.memory_bytes);

@@ -5,9 +5,12 @@ from __future__ import annotations
 
 import functools
 import itertools
+import os
 import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
+
+import numpy as np
 
 from ._adapters import are_points
 from ._errors import UsageError
@@ -59,6 +62,7 @@ def made_stage(
 def makes_stage(function: _Function) -> _Function:
     """The function that makes a stage, which refuses points as an argument."""
     takes_files = {name for name, kind in function.__annotations__.items() if "PathLike" in kind}
+    takes_arrays = {name for name, kind in function.__annotations__.items() if "ArrayLike" in kind}
     positional = function.__code__.co_varnames[: function.__code__.co_argcount]
 
     called = f"pointsweep.{function.__name__} makes a stage, which is then called on points: pointsweep.{function.__name__}(...)(points)."
@@ -67,6 +71,10 @@ def makes_stage(function: _Function) -> _Function:
     def checked(*arguments: Any, **options: Any) -> Any:
         for name, value in [*itertools.zip_longest(positional[: len(arguments)], arguments), *options.items()]:
             if name == "polygon" and is_shape(value):
+                continue
+            if name in takes_arrays and are_points(value):
+                if not _is_matrix(value):
+                    raise UsageError(f"{name}: {type(value).__name__} is no matrix of 4 rows of 4 numbers. {called}")
                 continue
             if name in takes_files and not isinstance(value, Files) and are_points(value):
                 raise UsageError(f"{name}: {type(value).__name__} is not a path; write these points to a file. {called}")
@@ -96,6 +104,17 @@ def _path_of(where: str, value: Any) -> str:
     return path(where, value)
 
 
+def _is_matrix(value: Any) -> bool:
+    """Whether the value holds the rows of a 4x4 matrix, or the first three of them."""
+    return (isinstance(value, (list, tuple)) or hasattr(value, "__array__")) and np.shape(value) in ((4, 4), (3, 4))
+
+
+def _text_of_matrix(where: str, value: Any) -> str:
+    if not _is_matrix(value):
+        raise UsageError(f"{where}: {value!r} is neither a matrix of 4 rows of 4 numbers nor a path.")
+    return f"[{','.join(repr(number(where, c)) for row in value for c in row)}]"
+
+
 def _text_of(where: str, kind: str, value: Any) -> str:
     if kind == "whole":
         return str(whole(where, value))
@@ -111,6 +130,10 @@ def _text_of(where: str, kind: str, value: Any) -> str:
         return f"[{','.join(repr(number(where, c)) for c in value)}]"
     if kind in ("names", "attributes"):
         return f"[{','.join([value] if isinstance(value, str) else value)}]"
+    if kind == "matrix" and not isinstance(value, (str, os.PathLike)):
+        return _text_of_matrix(where, value)
+    if kind == "matrix":
+        value = path(where, value)
     if kind == "file":
         value = _path_of(where, value)
     if not isinstance(value, str):

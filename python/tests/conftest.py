@@ -52,7 +52,7 @@ def declarations(tool):
 
 
 VALUES = {
-    "condition": "x > 1", "assignments": "a = x + 1", "attributes": ["a", "b"], "numbers": [0, 0, 1, 1], "point": (1, 2, 3.5),
+    "condition": "x > 1", "assignments": "a = x + 1", "attributes": ["a", "b"], "numbers": [0, 0, 1, 1], "matrix": [[0, -1, 0, 5], [1, 0, 0, 6], [0, 0, 1, 7]], "point": (1, 2, 3.5),
     "file": "other.ply",
 }  # fmt: skip
 

@@ -151,3 +151,36 @@ def test_what_is_made_after_moved_points_is_returned():
     for pipeline in ("set(z = z * 3) | normals", "set(x = x + 1, y = y - 1) | normals"):
         result = ps.run(xyz, pipeline)
         assert "normal" in result and "xyz" in result, pipeline
+
+
+@pytest.mark.filterwarnings("ignore:replacing nx, ny, nz of the input")
+def test_transform_takes_a_matrix_as_array_or_file(tmp_path):
+    random = np.random.default_rng(9)
+    xyz, c = random.random((300, 3)) * 100, np.cos(0.7)
+    turn = np.array([[c, -np.sin(0.7), 0, 5e5], [np.sin(0.7), c, 0, 5e6], [0, 0, 1, -12.5], [0, 0, 0, 1]])
+    normal = random.normal(size=(300, 3))
+    normal = (normal / np.linalg.norm(normal, axis=1)[:, None]).astype(np.float32)
+    points = {"xyz": xyz, "normal": normal}
+    there = ps.run(points, ps.transform(turn))
+    np.testing.assert_allclose(there["xyz"], xyz @ turn[:3, :3].T + turn[:3, 3], rtol=0, atol=2e-9)
+    np.testing.assert_allclose(there["normal"], normal @ turn[:3, :3].T, rtol=0, atol=1e-6)
+    back = ps.run({"xyz": there["xyz"], "normal": there["normal"]}, ps.transform(turn, inverse=True))
+    np.testing.assert_allclose(back["xyz"], xyz, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(back["normal"], normal, rtol=0, atol=1e-6)
+    np.savetxt(tmp_path / "m.txt", turn, fmt="%.17g")
+    for same in (turn[:3], turn.tolist(), tmp_path / "m.txt", str(tmp_path / "m.txt")):
+        np.testing.assert_array_equal(ps.run(points, ps.transform(same))["xyz"], there["xyz"])
+    np.testing.assert_array_equal(ps.transform(scale=2, translate=(1, 2, 3))(xyz)["xyz"], 2 * xyz + [1, 2, 3])
+
+
+def test_transform_refuses_what_is_no_matrix():
+    for wrong, words in [
+        (np.eye(3), "matrix: ndarray is no matrix of 4 rows of 4 numbers"),
+        ([1, 2, 3], "neither a matrix of 4 rows of 4 numbers nor a path"),
+        (np.full((4, 4), np.nan), "is not finite"),
+        (7, "is neither a matrix of 4 rows of 4 numbers nor a path"),
+        (np.zeros((3, 4)), "the matrix is singular"),
+        ("absent.txt", "absent.txt: cannot be opened"),
+    ]:
+        with pytest.raises((ps.UsageError, ps.Error), match=words):
+            ps.run(np.random.default_rng(1).random((9, 3)), ps.transform(wrong))

@@ -22,9 +22,9 @@ namespace {
 
 using Help = Tool;
 
-constexpr const char* kEveryVerb[] = {"normals",   "curvature", "splats",     "fair",   "thin",      "ground",
-                                      "neighbors", "sort",      "run",        "verify", "operators", "info",
-                                      "generate",  "render",    "completion", "man",    "help"};
+constexpr const char* kEveryVerb[] = {"normals", "curvature", "splats", "fair",       "thin",   "transform",
+                                      "ground",  "neighbors", "sort",   "run",        "verify", "operators",
+                                      "info",    "generate",  "render", "completion", "man",    "help"};
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream in(text);
@@ -193,8 +193,9 @@ TEST_F(Help, ExamplesRunAsPasted) {
   for (const char* tile : {"tile_1", "tile_2"}) made(std::string("generate sphere -n 900 -o ") + tile + ".las");
   std::filesystem::create_directory(folder_ / "tiles");
   std::filesystem::copy(folder_ / "tile_1.las", folder_ / "tiles");
-  for (const std::string verb : {"normals", "curvature", "splats", "fair", "thin", "ground", "neighbors", "sort", "run",
-                                 "operators", "completion", "man", "help"}) {
+  write("registration.txt", "0 -1 0 5\n1 0 0 2\n0 0 1 0\n0 0 0 1\n");
+  for (const std::string verb : {"normals", "curvature", "splats", "fair", "thin", "transform", "ground", "neighbors",
+                                 "sort", "run", "operators", "completion", "man", "help"}) {
     const auto examples = lines_after(tool("help " + verb).out, "pointsweep");
     EXPECT_FALSE(examples.empty()) << verb;
     for (const std::string& example : examples) {
@@ -244,7 +245,7 @@ TEST_F(Help, AnUnknownOperatorIsNamedBeforeItsOptions) {
   refused(2, "run in.ply c.ply --pipeline 'knn(8, 3) | normals'",
           "column 8: knn: '3' has no name; write options as NAME=VALUE, e.g. k=3");
   refused(2, "run in.ply c.ply --pipeline 'normals(k=8)'", "k belongs to the neighbourhood: write knn(k=8) | normals");
-  refused(2, "run in.ply c.ply --pipeline 'reproject(EPSG)'", "pointsweep does not transform coordinates, but 'pdal");
+  refused(2, "run in.ply c.ply --pipeline 'reproject(EPSG)'", "pointsweep does not reproject coordinates, but 'pdal");
   write("stages.txt", "normals");
   refused(2, "run in.ply c.ply --pipeline stages.txt", "stages.txt: pipeline files end in .json");
   refused(2, "merge in.ply c.ply", "'merge' is not a verb; 'pointsweep convert IN... OUT' does it");

@@ -10,8 +10,8 @@ namespace {
 
 using Usage = Tool;
 
-constexpr const char* kVerbs[] = {"normals", "neighbors", "sort",      "curvature", "splats",   "fair",  "thin",
-                                  "ground",  "run",       "operators", "info",      "generate", "render"};
+constexpr const char* kVerbs[] = {"normals",   "neighbors", "sort", "curvature", "splats", "fair",     "thin",
+                                  "transform", "ground",    "run",  "operators", "info",   "generate", "render"};
 
 TEST_F(Usage, HelpNamesEveryVerb) {
   const Result result = tool("--help");

@@ -43,6 +43,7 @@ std::map<std::string, std::string> expected(const std::string& axis, const std::
       {"crop", kRows},
       {"set", kRows},
       {"drop", kRows},
+      {"transform", kRows},
       {"sor", kSearch + " / " + kRows},
       {"ror", kSearch},
       {"lof", kSearch},

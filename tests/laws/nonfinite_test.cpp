@@ -130,6 +130,9 @@ class Judgement {
     return !plan_.selects() || one_.declaration->undefined.find("stay") != std::string::npos ||
            one_.declaration->undefined.find("all kept") != std::string::npos;
   }
+  bool is_documented_to_keep_coordinates() const {
+    return one_.declaration->undefined.find("keeps its coordinates") != std::string::npos;
+  }
   /// Returns whether a value for undefined data is documented.
   bool is_documented(const Attribute& a) const {
     const auto note = std::ranges::find(one_.declaration->attributes, a.name, &AttributeNote::name);
@@ -165,7 +168,8 @@ class Judgement {
     for (const std::string& field : a.fields) {
       if (!out_.schema.find(field)) continue;
       const double found = at(out_.schema, record, field);
-      const bool is_twin = pointwise && !(moves && field == "x") && !is_documented(a);
+      const bool stays = moves && (field == "x" || is_documented_to_keep_coordinates());
+      const bool is_twin = pointwise && !stays && !is_documented(a);
       if (is_twin && lost_by(i) != Lost::x) continue;
       if (is_twin) {
         EXPECT_TRUE(is_same(found, at(twin_.schema, far.at(double(i)), field))) << field << " is " << found;

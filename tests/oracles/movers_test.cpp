@@ -24,6 +24,21 @@ TEST(OraclesOfMovedPoints, FairedPointsGetTheNormalsOfWhereTheyAre) {
     expect_formulas(points.cloud(), chain, "surface");
 }
 
+/// Rotations, a mirror, scales and inverses, by far coordinates: positions, directions and lengths of earlier stages.
+TEST(OraclesOfMovedPoints, AMatrixMovesTurnsAndScalesWhatWasMade) {
+  PointCloud points(bumpy_surface(sized(3000), 8));
+  const std::string made = "knn(k=12) | normals | curvature | splats | features | lof | density | ";
+  for (const char* transform :
+       {"transform([0.8,-0.6,0,500000,0.6,0.8,0,5000000,0,0,1,-3])",
+        "transform([0.8,-0.6,0,5000,0.6,0.8,0,-50,0,0,1,-3], inverse=yes, scale=0.3048, translate=[1,2,3])",
+        "transform([0,0,-1,0,0,1,0,0,1,0,0,0], translate=[-7,0.1,1e7])", "transform(scale=3)",
+        "transform([0,2,0,0,2,0,0,0,0,0,2,1])"})
+    expect_formulas(points.cloud(), made + transform, "surface");
+  expect_formulas(points.cloud(), "knn(k=12) | normals | transform([1,0.5,0,3,0,1,-2,4,0.1,0,0.7,5]) | normals",
+                  "sheared");
+  expect_formulas(points.cloud(), "transform([1,0.5,0,3,0,1,-2,4,0.1,0,0.7,5], inverse=yes)", "sheared");
+}
+
 TEST(OraclesOfMovedPoints, RealModelsAreFaired) {
   if (real_clouds().empty()) GTEST_SKIP() << "no real clouds: set POINTSWEEP_DATA to the folder that holds them";
   for (const RealCloud& real : real_clouds()) {

@@ -50,6 +50,7 @@ class Workshop:
                  "pointsweep generate terrain after.laz -n 20000 --noise 0.05 --seed 2")
         polygon = '{"type": "Polygon", "coordinates": [[[100, 100], [700, 100], [400, 800], [100, 100]]]}'
         (self.path / "site.geojson").write_text(polygon)
+        (self.path / "registration.txt").write_text("0 -1 0 500\n1 0 0 200\n0 0 1 0\n0 0 0 1\n")
         (self.path / "flight.csv").write_text("".join(f"{time},{x},500,800\n" for time, x in ((-1, 0), (1, 1000))))
 
 

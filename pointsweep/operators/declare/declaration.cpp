@@ -59,6 +59,8 @@ std::string OptionDeclaration::allowed() const {
       return "a list of numbers, [A,B,...]";
     case OptionKind::file:
       return "the name of a file";
+    case OptionKind::matrix:
+      return "4 rows of 4 numbers, or the name of a file that holds them";
     case OptionKind::word:
       return "a word of letters and digits";
     case OptionKind::attributes:
@@ -96,6 +98,7 @@ bool OptionDeclaration::allows(const OptionValue& value) const {
     case OptionKind::attribute:
     case OptionKind::condition:
     case OptionKind::file:
+    case OptionKind::matrix:
     case OptionKind::assignments:
       break;
   }

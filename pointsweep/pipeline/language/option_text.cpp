@@ -109,6 +109,7 @@ std::optional<OptionValue> parse_unchecked(OptionKind kind, std::string_view tex
       return text_of_numbers(numbers_of(text));
     case OptionKind::choice:
     case OptionKind::file:
+    case OptionKind::matrix:
     case OptionKind::word:
     case OptionKind::attributes:
     case OptionKind::assignments:

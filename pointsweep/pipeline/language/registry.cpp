@@ -19,6 +19,7 @@
 #include "pointsweep/operators/rows/drop.h"
 #include "pointsweep/operators/rows/parts.h"
 #include "pointsweep/operators/rows/set.h"
+#include "pointsweep/operators/rows/transform.h"
 #include "pointsweep/operators/rows/unique.h"
 #include "pointsweep/operators/rows/where.h"
 #include "pointsweep/operators/statistics/density.h"
@@ -48,33 +49,28 @@ struct OtherWord {
 };
 
 constexpr std::string_view kReproject =
-    "pointsweep does not transform coordinates, but 'pdal translate IN OUT reprojection "
+    "pointsweep does not reproject coordinates, but 'pdal translate IN OUT reprojection "
     "--filters.reprojection.out_srs=EPSG:CODE' does";
 constexpr std::string_view kCopy = "leave the stage out: a run without stages copies the points of all inputs";
-constexpr OtherWord kOtherWords[] = {
-    {"reproject", kReproject},
-    {"reprojection", kReproject},
-    {"transform", "set moves points, as in set(x = x + 1000, y = y + 2000)"},
-    {"merge", kCopy},
-    {"copy", kCopy},
-    {"convert", kCopy},
-    {"translate", kCopy}};
+constexpr OtherWord kOtherWords[] = {{"reproject", kReproject}, {"reprojection", kReproject}, {"merge", kCopy},
+                                     {"copy", kCopy},           {"convert", kCopy},           {"translate", kCopy}};
 
 }  // namespace
 
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = {
-      normals_declaration(),    curvature_declaration(),   splats_declaration(),
-      fair_declaration(),       features_declaration(),    neighborhood_size_declaration(),
-      where_declaration(),      crop_declaration(),        set_declaration(),
-      drop_declaration(),       sor_declaration(),         ror_declaration(),
-      lof_declaration(),        density_declaration(),     statistics_declaration(),
-      unique_declaration(),     decimate_declaration(),    sample_declaration(),
-      parts_declaration(),      voxel_declaration(),       poisson_declaration(),
-      simplify_declaration(),   ground_declaration(),      height_declaration(),
-      color_declaration(),      distance_to_declaration(), m3c2_declaration(),
-      components_declaration(), dbscan_declaration(),      segments_declaration(),
-      orient_declaration(),     reneighbor_declaration(),  resort_declaration(),
+      normals_declaration(),    curvature_declaration(),  splats_declaration(),
+      fair_declaration(),       features_declaration(),   neighborhood_size_declaration(),
+      where_declaration(),      crop_declaration(),       set_declaration(),
+      drop_declaration(),       transform_declaration(),  sor_declaration(),
+      ror_declaration(),        lof_declaration(),        density_declaration(),
+      statistics_declaration(), unique_declaration(),     decimate_declaration(),
+      sample_declaration(),     parts_declaration(),      voxel_declaration(),
+      poisson_declaration(),    simplify_declaration(),   ground_declaration(),
+      height_declaration(),     color_declaration(),      distance_to_declaration(),
+      m3c2_declaration(),       components_declaration(), dbscan_declaration(),
+      segments_declaration(),   orient_declaration(),     reneighbor_declaration(),
+      resort_declaration(),
   };
   return operators;
 }

@@ -221,7 +221,7 @@ const std::vector<NamedFormula>& all_formulas() {
                                       {"color", formula_made<ColorFormula>},
                                       {"parts", formula_made<PartFormula>},
                                       {"neighbors", formula_made<GraphFormula>}};
-    for (const auto& more : {shape_formulas(), assignment_formulas(), statistics_formulas()})
+    for (const auto& more : {shape_formulas(), assignment_formulas(), transform_formulas(), statistics_formulas()})
       list.insert(list.end(), more.begin(), more.end());
     return list;
   }();

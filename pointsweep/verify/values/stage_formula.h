@@ -87,6 +87,9 @@ std::vector<NamedFormula> shape_formulas();
 /// The formulas of set() and of `where`, which makes selection_attribute().
 std::vector<NamedFormula> assignment_formulas();
 
+/// The formula of transform().
+std::vector<NamedFormula> transform_formulas();
+
 /// The formula of statistics().
 std::vector<NamedFormula> statistics_formulas();
 

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+/// Affine maps of space: p' = A p + t.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "pointsweep/geometry.h"
+
+namespace pointsweep {
+
+/// The first three rows of a 4x4 matrix whose last row is 0 0 0 1. The default map moves nothing.
+struct AffineMap {
+  using Row = std::array<double, 4>;
+  std::array<Row, 3> rows = {Row{1, 0, 0, 0}, Row{0, 1, 0, 0}, Row{0, 0, 1, 0}};
+
+  /// Returns ((a x + b y) + c z) + t in each coordinate.
+  Vec3 moved(Vec3 p) const;
+  /// Returns A v.
+  Vec3 turned(Vec3 v) const;
+  /// Returns Aᵀ v.
+  Vec3 turned_by_transpose(Vec3 v) const;
+  /// Returns the map that moves points back. `place` begins the UsageError for a map of space onto a plane, a line or a
+  /// point: one where |det| of A with rows of length 1 is at most 1e-12.
+  AffineMap inverse(const std::string& place) const;
+};
+
+/// Returns the map of 12 or 16 numbers, row by row, with commas, semicolons or blanks between, or of the file of that
+/// name that holds them; lines of the file that begin with # are comments. Throws Error for a file, and UsageError that
+/// begins with `place` for a text, that is no such matrix.
+AffineMap affine_map_of(const std::string& text_or_file, const std::string& place);
+
+}  // namespace pointsweep

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// Moving all points by a matrix, with their directions and lengths.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/rows/affine_map.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration transform_declaration();
+
+/// Moves the points, and makes each attribute again that is a direction or a length: of the earlier stages, and those
+/// of the input that bear the names of attributes that operators of this library make.
+class Transform final : public LocalOperator {
+ public:
+  /// Reads the file with the matrix, if there is one. Throws Error for one that cannot be read or is no matrix, and
+  /// UsageError for options that move no point or cannot be taken back. `place`: for messages.
+  explicit Transform(TransformOptions options, std::string place = "transform");
+  std::string name() const override { return "transform"; }
+  Contract contract() const override;
+  /// Throws RowError naming the lowest row whose coordinates would no longer be finite.
+  void apply(const Neighborhoods& in, Columns& out) const override;
+  std::array<bool, 3> changes_system() const override;
+  std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
+
+ private:
+  /// Returns the factor of the values of an attribute whose unit has the length in this power.
+  double factor_of(const Attribute& attribute) const;
+  bool changes(const Attribute& attribute) const;
+  template <class T>
+  void change(std::size_t number, const Neighborhoods& in, Columns& out) const;
+
+  std::string place_;
+  AffineMap map_, back_;
+  std::optional<double> scale_;     ///< of lengths; absent: they do not all scale alike
+  std::vector<Attribute> changed_;  ///< after bound(): read and made again
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+/// Points, directions and lengths under an affine map p' = A p + t.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "pointsweep/verify/formulas/estimate.h"
+
+namespace pointsweep::formulas {
+
+/// A map, and how far the float64 numbers of an operator may be from each of its numbers.
+class Affine {
+ public:
+  /// The 12 numbers of the first three rows of a 4x4 matrix, times `scale`, then moved by `translation`.
+  Affine(std::span<const double> rows, double scale, Vector translation);
+  /// The map that takes points back, by cofactors.
+  Affine inverse() const;
+
+  /// Returns A p + t; a point that is not finite stays.
+  Place moved(const Place& p) const;
+  /// Returns A v with the length of v.
+  Estimate tangent(const Estimate& v) const;
+  /// Returns A⁻ᵀ n with the length of n.
+  Estimate normal(const Estimate& n) const;
+  /// Returns √(trace(AᵀA) / 3), and 1 where that is within 1e-6 of 1.
+  Real scale() const;
+
+ private:
+  Affine() = default;
+  Vector column(std::size_t c) const { return {entry_[0][c], entry_[1][c], entry_[2][c]}; }
+  Vector cofactors(std::size_t c) const { return cross(column((c + 1) % 3), column((c + 2) % 3)); }
+  Real determinant() const { return dot(column(0), cofactors(0)); }
+  /// Returns the directed vector with the length of `before`, and its error.
+  Estimate of_same_length(Vector directed, const Estimate& before) const;
+
+  std::array<std::array<Real, 4>, 3> entry_{}, error_{};
+};
+
+}  // namespace pointsweep::formulas
