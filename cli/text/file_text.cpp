@@ -193,7 +193,11 @@ std::string to_text(const FileSummary& summary) {
   if (info.crs) text += line("crs", short_text(*info.crs));
   text += to_text(info.count, summary.bounds);
   if (summary.nonfinite > 0) text += line("not finite", fmt::format("{} points, not in the bounds", summary.nonfinite));
-  text += storage_text(info.schema) + density_text(summary);
+  text += storage_text(info.schema);
+  if (summary.of_header)
+    return text + line("attributes", attribute_text(info.schema)) +
+           line("read", "the header alone, which states the bounds");
+  text += density_text(summary);
   text += line("order", order_text(summary)) + counts_text(summary) + gps_text(summary);
   return text + line("attributes", attribute_text(info.schema)) + ranges_text(info.schema, summary);
 }
@@ -232,6 +236,8 @@ std::string summary_of(const ListedSummaries& files) {
   text += to_text(points, bounds);
   if (const auto density = density_of(files.readable))
     text += fmt::format("  density     {:.4g} points per square unit of x and y\n", *density);
+  if (std::ranges::any_of(files.readable, &FileSummary::of_header))
+    text += "  read        the headers alone, which state the bounds\n";
   const std::vector<std::string> sentences = inconsistencies_of(files.readable);
   if (readable > 1 && sentences.empty()) text += "  The files are consistent.\n";
   if (!sentences.empty()) text += "  inconsistent\n";

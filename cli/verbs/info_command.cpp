@@ -25,6 +25,8 @@ struct InfoCommand {
   bool recursive = false;
   bool json = false, table = false;
   bool spacing = true;
+  bool quick = false;  ///< headers alone
+  bool check = false;  ///< warnings are failures
 };
 
 enum class InfoStyle : std::uint8_t { details, table, json };
@@ -38,6 +40,7 @@ class InfoReport {
   void add(FileSummary summary, const std::filesystem::path& label) {
     if (style_ == InfoStyle::json) json_.push_back(json_of(summary));
     if (style_ == InfoStyle::details) print(to_text(summary));
+    faulty_ += summary.info.warnings.empty() ? 0 : 1;
     summary.info.path = label;
     files_.readable.push_back(std::move(summary));
   }
@@ -53,6 +56,8 @@ class InfoReport {
   }
   std::size_t files() const { return files_.size(); }
   std::size_t failures() const { return files_.unreadable.size(); }
+  /// Files with warnings.
+  std::size_t faulty() const { return faulty_; }
 
  private:
   nlohmann::ordered_json all_as_json() const {
@@ -75,6 +80,7 @@ class InfoReport {
   InfoStyle style_;
   nlohmann::ordered_json json_ = nlohmann::ordered_json::array();
   ListedSummaries files_;
+  std::size_t faulty_ = 0;
 };
 
 /// A file to look at, and what a table calls it: the name below the folder that was named, if that was one alone.
@@ -89,7 +95,8 @@ void look_at_file(const LabelledFile& file, const InfoCommand& options, bool spa
     stop_if_cancelled();
     progress.report("info", done, total);
   };
-  FileSummary summary = summarize(*reader, {.spacing = spacing, .progress = show});
+  FileSummary summary =
+      options.quick ? summarize_header(*reader) : summarize(*reader, {.spacing = spacing, .progress = show});
   const std::string path = file.path.string();
   for (const std::string& warning : summary.info.warnings)
     progress.say(Severity::warning, warning.starts_with(path) ? warning : fmt::format("{}: {}", path, warning));
@@ -143,6 +150,8 @@ void info(const InfoCommand& options) {
   }
   report.finish();
   if (report.failures() > 0) fail("{} of {} files could not be read.", report.failures(), report.files());
+  if (options.check && report.faulty() > 0)
+    fail("{} of {} files have the faults that the warnings name.", report.faulty(), report.files());
 }
 
 }  // namespace
@@ -156,18 +165,26 @@ void add_info_command(CLI::App& app) {
   verb.add_flag("--table", options->table,
                 "Write one line for each file, read once (default for folders, patterns and .vpc files)")
       ->excludes(json);
-  verb.add_flag_callback(
+  CLI::Option* no_spacing = verb.add_flag_callback(
       "--no-spacing", [options] { options->spacing = false; },
       "Read files once instead of twice, without the distances between points");
+  verb.add_flag("--quick", options->quick, "Read headers only: counts, bounds and attributes as these state them")
+      ->excludes(no_spacing);
+  verb.add_flag(
+      "--check", options->check,
+      "End with status 1 where a warning names a fault of a file, such as bounds that are not those of the points");
   add_format_option(verb, options->common.format);
   add_progress_options(verb, options->common);
   verb.footer(
-      "The files are read to their end, so that bounds, counts and ranges are those of the points, not of a header.\n"
+      "Without --quick files are read to their end: bounds, counts and ranges are those of the points, not of a "
+      "header.\n"
       "A file that cannot be read is reported; the others are still read, and the exit status is 1.\n"
       "Several files are compared: formats, coordinate reference systems, attributes and their types.\n"
       "\nExamples:\n"
       "  pointsweep info scan.ply\n"
       "  pointsweep info tiles/\n"
+      "  pointsweep info --quick --recursive survey/\n"
+      "  pointsweep info --check delivery/\n"
       "  pointsweep info --table tile_*.las");
   verb.callback([options] { info(*options); });
 }

@@ -49,6 +49,7 @@ struct FileSummary {
   double area = 0, cell_side = 0;            ///< of the occupied cells in x and y, and the side of a cell
   std::vector<double> nearest;               ///< distances to the nearest neighbours of a sample, ascending
   bool has_classes = false, has_returns = false;
+  bool of_header = false;  ///< of the header alone: bounds are those that it states, and nothing of the points is known
 
   /// Finite points for each unit of occupied area; none without area.
   std::optional<double> density() const;
@@ -66,6 +67,9 @@ struct SummaryOptions {
 
 /// Reads all points of a file in sequence. Memory: about 10 MB. Throws Error where the file cannot be read to its end.
 POINTSWEEP_EXPORT FileSummary summarize(Reader& reader, const SummaryOptions& options = {});
+
+/// Returns what the header says, without a look at the points. Formats without a header were read when they were opened.
+POINTSWEEP_EXPORT FileSummary summarize_header(const Reader& reader);
 
 /// Returns the range of the field `gps_time`, with the clock of the LAS header; none without the field or if all are 0.
 POINTSWEEP_EXPORT std::optional<GpsTimes> gps_times(const FileSummary& summary);

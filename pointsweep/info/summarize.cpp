@@ -256,6 +256,19 @@ FileSummary summarize(Reader& reader, const SummaryOptions& options) {
   return summary;
 }
 
+FileSummary summarize_header(const Reader& reader) {
+  const FileInfo& info = reader.info();
+  FileSummary summary;
+  summary.info = info;
+  summary.info.extras = nullptr;
+  summary.ranges.resize(info.schema.fields.size());
+  summary.of_header = true;
+  if (!info.bounds || !is_finite(info.bounds->lo) || !is_finite(info.bounds->hi)) return summary;
+  const Vec3 extent = info.bounds->extent();
+  if (info.count > 0 && std::min({extent.x, extent.y, extent.z}) >= 0) summary.bounds = *info.bounds;
+  return summary;
+}
+
 std::optional<GpsTimes> gps_times(const FileSummary& summary) {
   const FileInfo& info = summary.info;
   const auto field = info.schema.find("gps_time");

@@ -140,6 +140,7 @@ def _summary(known: dict[str, Any], crs: Crs | None) -> FileSummary:
     def counts(of: dict[str, int] | None) -> dict[int, int] | None:
         return None if of is None else {int(value): points for value, points in of.items()}
 
+    del known["read"]  # the points
     bounds, times = known.pop("bounds"), known.pop("gps_time")
     attributes = {
         a["name"]: Attribute(np.dtype(a["type"]), a["count"], a["scale"], a["offset"], a["min"], a["max"], a["nonfinite"])

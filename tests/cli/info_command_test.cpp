@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -47,6 +49,47 @@ TEST_F(Info, StatesFormatCountBoundsAndAttributes) {
   says(text, "z           -3 .. 100000.125");
   says(text, "attributes  x float32, y z float64, red uint8");
   EXPECT_TRUE(text.starts_with("a.ply\n  format      PLY")) << text;
+}
+
+TEST_F(Info, QuickReadsHeadersAlone) {
+  made("generate statue a.laz -n 3000 -q");
+  made("generate terrain b.laz -n 2000 -q");
+  std::string damaged = contents(folder_ / "a.laz");
+  std::fill(damaged.begin() + std::ssize(damaged) / 2, damaged.begin() + std::ssize(damaged) * 3 / 4, '\xff');
+  write("damaged.laz", damaged);
+  EXPECT_NE(tool("info damaged.laz").status, 0) << "the test damages points";
+  std::string bounds = tool("info a.laz").out, quick = tool("info --quick a.laz").out;
+  says(quick, "read        the header alone, which states the bounds");
+  bounds.resize(bounds.find("\n  density")), quick.resize(quick.find("\n  attributes"));
+  EXPECT_EQ(quick, bounds);
+  const auto json = json_of("--quick a.laz b.laz damaged.laz")["files"];
+  EXPECT_EQ(json[0]["read"], "header");
+  EXPECT_EQ(json[1]["points"], 2000);
+  EXPECT_EQ(json[2]["bounds"], json[0]["bounds"]);
+  for (const char* unknown : {"nonfinite", "density", "spacing", "ascending", "descending", "classes", "gps_time"})
+    EXPECT_TRUE(json[0][unknown].is_null()) << unknown;
+  const auto full = json_of("a.laz")["files"][0];
+  EXPECT_EQ(full["read"], "points");
+  for (const char* known : {"path", "format", "bytes", "points", "crs", "scale", "offset", "provenance"})
+    EXPECT_EQ(json[0][known], full[known]) << known;
+  std::filesystem::create_directory(folder_ / "t");
+  for (const char* name : {"a.laz", "b.laz"}) std::filesystem::rename(folder_ / name, folder_ / "t" / name);
+  says(tool("info --quick t").out, "points      5000");
+  write("p.csv", "x,y,z\n1,2,3\n4,5,6\n");
+  EXPECT_EQ(json_of("--quick p.csv")["files"][0]["points"], 2);
+  EXPECT_EQ(tool("info --quick --no-spacing p.csv").status, 2);
+}
+
+TEST_F(Info, CheckEndsWithStatus1WhereAFileHasAFault) {
+  made("generate statue a.las -n 300 -q");
+  EXPECT_EQ(tool("info --check a.las").status, 0) << tool("info --check a.las").err;
+  std::string bytes = contents(folder_ / "a.las");
+  const double wrong = 999999;
+  std::memcpy(bytes.data() + 179, &wrong, sizeof wrong);  // the greatest x
+  write("wrong.las", bytes);
+  EXPECT_EQ(tool("info wrong.las").status, 0);
+  EXPECT_EQ(tool("info --quick --check wrong.las").status, 0) << "only the points contradict the header";
+  refused(1, "info --check a.las wrong.las", "1 of 2 files have the faults that the warnings name.");
 }
 
 TEST_F(Info, FindsTheOrderAlongEachAxis) {
@@ -212,9 +255,10 @@ TEST_F(Info, JsonHasTheDocumentedKeys) {
   const auto json = json_of("a.ply nothing.ply", 1);
   std::string keys;
   for (const auto& [key, value] : json.at("files").at(0).items()) keys += key + " ";
-  EXPECT_EQ(keys,
-            "path format bytes points nonfinite bounds crs scale offset density density_cell spacing spacing_sample "
-            "spacing_duplicates ascending descending classes returns gps_time attributes provenance warnings ");
+  EXPECT_EQ(
+      keys,
+      "path format bytes points read nonfinite bounds crs scale offset density density_cell spacing spacing_sample "
+      "spacing_duplicates ascending descending classes returns gps_time attributes provenance warnings ");
   EXPECT_EQ(json.at("files").at(1).at("path"), "nothing.ply");
   EXPECT_NE(json.at("files").at(1).at("error").get<std::string>().find("no such file"), std::string::npos);
   EXPECT_EQ(json.at("all").at("unreadable"), 1);
