@@ -66,7 +66,7 @@ TEST_F(StatedSystem, ACodeBecomesGeoTiffKeysAndAFileItsWkt) {
   EXPECT_NE(format("o.las").find("LAS 1.2"), std::string::npos);
   run("a.xyz", "o.las", "--crs l93.prj --las-version 1.2");
   write("local.prj", R"(LOCAL_CS["site grid",UNIT["metre",1]])");
-  const std::string local = "run a.xyz o.las -f --crs local.prj --pipeline 'decimate(1)' --las-version 1.";
+  const std::string local = "run a.xyz local.las -f --crs local.prj --pipeline 'decimate(1)' --las-version 1.";
   EXPECT_NE(tool(local + "2").err.find("LAS 1.2 names a coordinate reference system by GeoTIFF keys"),
             std::string::npos);
   EXPECT_EQ(tool(local + "4").err.find("by GeoTIFF keys"), std::string::npos);
