@@ -35,8 +35,7 @@ class CloudWithColumns:
     @property
     def attributes(self) -> dict[str, np.dtype[Any]]:
         """As those of `Cloud`, with the columns."""
-        made = {name: np.dtype((v.dtype, v.shape[1])) if v.ndim == 2 else v.dtype for name, v in self.columns.items()}
-        return {**self._attributes, **made}
+        return {**self._attributes, **self._types()}
 
     def with_columns(self, **columns: Any) -> CloudWithColumns:
         """These files with more arrays; one of the same name takes the place of that which was there."""
@@ -53,9 +52,7 @@ class CloudWithColumns:
         **options: Unpack[RunOptions],
     ) -> Arrays | Report:
         """`pointsweep.run` on these files, whose stages read the columns as attributes of the input."""
-        stages: list[str | FunctionStage] = [self._stage(), *stages_of(pipeline)]
-        given = options if to is None else self._replacing(options)
-        return performed(self.cloud, stages, to, keep, None, None, None, progress, given)
+        return self._performed(stages_of(pipeline), to, keep, progress, options)
 
     @with_run_options
     def read(
@@ -68,7 +65,7 @@ class CloudWithColumns:
         """All points with their attributes and the columns, in a dict of arrays, as `Cloud.read`."""
         if keep is None:
             keep = ["xyz", *(name for name in self.attributes if name not in ("x", "y", "z"))]
-        result = performed(self.cloud, self._stage(), None, keep, None, None, None, progress, options)
+        result = self._performed([], None, keep, progress, options)
         assert isinstance(result, Arrays)
         return result
 
@@ -83,7 +80,7 @@ class CloudWithColumns:
     ) -> Report:
         """Writes the points with all that the files have and the columns, to a file, or to a folder with a file for each
         input."""
-        result = performed(self.cloud, self._stage(), to, keep, None, None, None, progress, self._replacing(options))
+        result = self._performed([], to, keep, progress, options)
         assert isinstance(result, Report)
         return result
 
@@ -93,23 +90,38 @@ class CloudWithColumns:
     def __repr__(self) -> str:
         return f"<pointsweep.CloudWithColumns: {', '.join(self.columns)} beside {self.cloud!r}>"
 
+    def _performed(
+        self,
+        stages: Sequence[str | FunctionStage],
+        to: Path | Sequence[Path] | None,
+        keep: Sequence[str] | str | None,
+        progress: ProgressCallback | bool | None,
+        options: RunOptions,
+    ) -> Arrays | Report:
+        if options.get("nonfinite") == "drop":
+            raise UsageError(
+                "nonfinite: points that are dropped would give their rows of the columns to others; leave it out, and "
+                "such points with where(x - x == 0 and y - y == 0 and z - z == 0)."
+            )
+        given = options
+        if to is not None:
+            named = options.get("replace")
+            replaced = [name for name in self.columns if name in self._attributes]
+            given = {**options, "replace": [*([named] if isinstance(named, str) else named or ()), *replaced]}
+        return performed(self.cloud, [self._stage(), *stages], to, keep, None, None, None, progress, given)
+
     def _stage(self) -> Operator:
         columns = self.columns
-        types = {name: np.dtype((v.dtype, v.shape[1])) if v.ndim == 2 else v.dtype for name, v in columns.items()}
 
-        @operator(makes=types, neighbors=False)
+        @operator(makes=self._types(), neighbors=False)
         def with_columns(p: Points) -> dict[str, np.ndarray]:
             rows = p.rows
             return {name: np.asarray(values[rows]) for name, values in columns.items()}
 
         return with_columns
 
-    def _replacing(self, options: RunOptions) -> RunOptions:
-        """The options of a run to files, with the columns among what may take the place of attributes of these."""
-        there = [name for name in self.columns if name in self._attributes]
-        given = options.get("replace")
-        named = [given] if isinstance(given, str) else list(given or ())
-        return {**options, "replace": [*named, *there]}
+    def _types(self) -> dict[str, np.dtype[Any]]:
+        return {name: np.dtype((v.dtype, v.shape[1])) if v.ndim == 2 else v.dtype for name, v in self.columns.items()}
 
 
 def _column(name: str, values: Any, n: int) -> np.ndarray:

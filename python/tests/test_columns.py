@@ -64,16 +64,30 @@ def test_columns_that_do_not_fit_are_refused(tiles, tmp_path):
         ps.run(cloud, "normals", attributes={"label": np.zeros(3000)})
 
 
-def test_a_resumed_run_with_other_columns_is_refused(tiles, tmp_path):
+def test_checkpoints_of_other_columns_are_not_resumed(tiles, tmp_path):
     cloud, kept = ps.open(tiles), tmp_path / "kept"
     label = np.arange(3000, dtype=np.uint16)
-    first, second = tmp_path / "a.laz", tmp_path / "b.laz"
-    cloud.with_columns(label=label).run("knn(k=4) | normals", to=first, resume=kept)
-    label = label + 1
-    with pytest.raises(ps.Error):
-        cloud.with_columns(label=label).run("knn(k=4) | normals", to=second, resume=kept)
-        np.testing.assert_array_equal(ps.read(second)["label"], label)
-        raise ps.Error("it ran anew, with the new label")
+    cloud.with_columns(label=label).run("knn(k=4) | normals", to=tmp_path / "a.laz", resume=kept)
+    cloud.with_columns(label=label + 1).run("knn(k=4) | normals", to=tmp_path / "b.laz", resume=kept)
+    np.testing.assert_array_equal(ps.read(tmp_path / "b.laz")["label"], label + 1)
+
+
+def test_points_without_a_place_keep_their_rows_of_columns(tmp_path):
+    xyz, ident = np.random.default_rng(4).random((1000, 3)), np.arange(1000.0)
+    xyz[::7, 1] = np.nan
+    ps.write(tmp_path / "a.ply", {"xyz": xyz, "ident": ident})
+    labelled = ps.open(tmp_path / "a.ply").with_columns(label=np.arange(1000))
+    finite = "knn(k=4) | where(x - x == 0 and y - y == 0 and z - z == 0) | normals"
+    for pipeline, n in [("knn(k=4) | normals", 1000), (finite, 857)]:
+        for result in [
+            labelled.run(pipeline, keep=["ident", "label"]),
+            labelled.run(pipeline, to=tmp_path / "b.ply", overwrite=True) and ps.read(tmp_path / "b.ply"),
+        ]:
+            assert len(result["label"]) == n
+            np.testing.assert_array_equal(result["label"], result["ident"])
+    for act in (lambda: labelled.read(nonfinite="drop"), lambda: labelled.run("decimate(1)", nonfinite="drop")):
+        with pytest.raises(ps.UsageError, match="would give their rows of the columns to others"):
+            act()
 
 
 def test_points_come_as_a_table_of_geopandas_and_back(tiles):

@@ -192,7 +192,7 @@ class ExpressionParser : private ExpressionText {
     return node;
   }
 
-  /// What follows the "(" of a function.
+  /// Reads the arguments of a function and the ")" after them.
   Node call(std::string_view name, std::size_t first) {
     Node node{.operation = Operation::function};
     node.function = expression_function(name);

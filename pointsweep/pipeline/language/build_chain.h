@@ -30,7 +30,7 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts, const std::
 Chain build_chain(const std::vector<StageText>& stages, const InputCloud& cloud,
                   const std::vector<std::string>& keep = {}, const std::string& prefix = "");
 
-/// Throws UsageError if the chain of a pipeline that somebody wrote has no stages, because knn is its only word.
+/// Throws UsageError if the chain has no stages. The chain of the pipeline `knn(k=8)` has none.
 void require_operators(const Chain& chain);
 
 enum class Presets : bool {
