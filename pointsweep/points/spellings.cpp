@@ -34,8 +34,8 @@ constexpr Row kRows[] = {
     {"surface_variation", "curvature", "scalar_surface_variation", "scalar_curvature"},
 };
 
-/// Words of PDAL, laspy and lasR for fields of LAS, after the library's own name. Users may write them; a column of a
-/// file that has such a name stays a column of its own.
+/// Words of PDAL, laspy and lasR for fields of LAS, after the library's own name. Users may write them in conditions and
+/// options. Readers do not rename a column of a file that has such a name.
 constexpr Row kWordsOfUsers[] = {
     {"return_number", "return_num"},
     {"scan_direction_flag", "scandirectionflag"},
