@@ -193,7 +193,7 @@ TEST(Set, TellsWhatIsWrong) {
   expect("set(classification = clas)", "there is no attribute 'clas'; there are x, y, z, classification");
   expect("set", "the option 'assign' is missing; write set(");
   expect("set(a = 1, as=float)", "as is int8, uint8");
-  expect("normals | set(normal = 1)", "'normal' has several components; assign to one of them");
+  expect("normals | set(normal = 1)", "'normal' has several components; name one of them");
   expect("set(a = 1, )", "an assignment such as classification = 7 is expected");
 }
 

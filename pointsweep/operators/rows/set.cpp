@@ -35,22 +35,6 @@ std::vector<std::string> names_of_types() {
   return names;
 }
 
-TargetRange range_of(Type type) {
-  return with_type(type, [&]<class T>() {
-    if constexpr (std::is_floating_point_v<T>) return TargetRange{.type = type};
-    return TargetRange{.type = type,
-                       .least = static_cast<double>(std::numeric_limits<T>::min()),
-                       .most = static_cast<double>(std::numeric_limits<T>::max()),
-                       .is_whole = true};
-  });
-}
-
-TargetRange range_of(const Field& field) {
-  TargetRange range = range_of(type_of_values(field));
-  if (range.is_whole && field.bit_width > 0 && field.bit_width < 53) range.most = std::ldexp(1.0, field.bit_width) - 1;
-  return range;
-}
-
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool continues_word(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.';
@@ -209,48 +193,31 @@ std::shared_ptr<const LocalOperator> SetAttribute::bound(const Schema& input, st
 /// An attribute made before, a coordinate, a field of the input, or a new one.
 void SetAttribute::find_target(const Schema& input, std::span<const Attribute> made) {
   const std::string& name = assignment_.name;
-  const MeantValue meant = meant_value(name, input, made);
-  if (meant.made != nullptr) {
-    target_ = *meant.made;
-    component_ = meant.component;
-    range_ = range_of(target_.type);
-    old_ = target_;
-    return;
-  }
   const std::string word = library_name_of(name);
-  if (word.size() == 1 && word[0] >= 'x' && word[0] <= 'z') {
+  const bool is_coordinate = word.size() == 1 && word[0] >= 'x' && word[0] <= 'z';
+  if (is_coordinate && meant_value(name, {}, made).made == nullptr) {
     target_ = position_attribute();
     component_ = static_cast<std::size_t>(word[0] - 'x');
     range_ = range_of(Type::f64);
     return;
   }
-  if (std::ranges::find(made, name, &Attribute::name) != made.end())
-    fail_usage("{}: '{}' has several components; assign to one of them.", place_, name);
-  if (meant.field == nullptr) {
-    // A new "b" is a number of the user's, not the blue of a colour that is not there.
-    const auto las = std::ranges::find(kTypesOfLas, name.size() == 1 ? name : word, &LasType::first);
-    range_ = range_of(type_ ? *type_ : las != std::end(kTypesOfLas) ? las->second : Type::f64);
-    target_ = scalar(name, range_.type, "1", "assigned");
+  if (std::optional<AssignedTarget> known = target_of(name, input, made, place_)) {
+    target_ = std::move(known->made), component_ = known->component, range_ = known->range;
+    old_ = std::move(known->old);
     return;
   }
-  const Field& field = *meant.field;
-  if (field.count != 1)
-    fail_usage("{}: '{}' is an array of {}, and set assigns single values.", place_, field.name, field.count);
-  range_ = range_of(field);
-  target_ = scalar(field.name, range_.type, "1", "assigned");
-  const bool exact = field.is_plain() && (field.type == Type::i64 || field.type == Type::u64);
-  old_ = scalar(field.name, exact ? field.type : Type::f64, "", "");
+  // A new "b" is a number of the user's, not the blue of a colour that is not there.
+  const auto las = std::ranges::find(kTypesOfLas, name.size() == 1 ? name : word, &LasType::first);
+  range_ = range_of(type_ ? *type_ : las != std::end(kTypesOfLas) ? las->second : Type::f64);
+  target_ = scalar(name, range_.type, "1", "assigned");
 }
 
 RowSentence SetAttribute::refusal(const std::string& value) const {
-  const std::string range = range_.is_whole
-                                ? fmt::format("{}, {:.0f} to {:.0f}", name_of(range_.type), range_.least, range_.most)
-                            : target_.name == position_attribute().name ? std::string("a finite coordinate")
-                                                                        : std::string(name_of(range_.type));
+  const bool moves = target_.name == position_attribute().name;
   return {fmt::format("{}: row ", place_),
           fmt::format(": {} would be {}, which is not {}; exclude such points by a condition, or assign to a new "
                       "attribute.",
-                      assignment_.name, value, range)};
+                      assignment_.name, value, moves ? "a finite coordinate" : range_.text())};
 }
 
 /// `is_placed`: the point has a finite place, which it must not lose.
@@ -262,11 +229,7 @@ std::optional<T> SetAttribute::stored(double value, bool is_placed) const {
     if ((std::isfinite(value) || moves) && !std::isfinite(as_stored)) return std::nullopt;
     return as_stored;
   } else {
-    const double rounded = std::nearbyint(value);
-    // The largest of 64 bits is no double: its next one is too large.
-    const bool below = range_.most < 0x1p53 ? rounded <= range_.most : rounded < range_.most;
-    if (!(rounded >= range_.least && below)) return std::nullopt;
-    return static_cast<T>(rounded);
+    return whole_in<T>(range_, std::nearbyint(value));
   }
 }
 
@@ -315,11 +278,10 @@ void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
       continue;
     }
     if constexpr (std::is_integral_v<T>) {
-      const auto number = static_cast<T>(wholes[i]);
-      const bool fits =
-          WholeNumber{number} == wholes[i] && (range_.most >= 0x1p53 || static_cast<double>(number) <= range_.most);
-      if (!fits) refuse(i, [&] { return fmt::format("{:.0f}", static_cast<double>(wholes[i])); });
-      value[component_] = number;
+      if (const std::optional<T> number = whole_in<T>(range_, wholes[i]))
+        value[component_] = *number;
+      else
+        refuse(i, [&] { return fmt::format("{:.0f}", static_cast<double>(wholes[i])); });
     }
   }
   refused.throw_if_any();

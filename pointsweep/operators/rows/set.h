@@ -11,6 +11,7 @@
 
 #include "pointsweep/chain.h"
 #include "pointsweep/operator.h"
+#include "pointsweep/operators/expressions/assigned_target.h"
 #include "pointsweep/operators/expressions/expression.h"
 #include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/row_error.h"
@@ -32,13 +33,6 @@ struct Assignment {
 
 /// Assignments with commas between. Throws UsageError that begins with `place`.
 std::vector<Assignment> assignments_of(std::string_view text, const std::string& place);
-
-/// The values that the target of an assignment can hold.
-struct TargetRange {
-  Type type = Type::f64;
-  double least = 0, most = 0;  ///< of whole numbers
-  bool is_whole = false;
-};
 
 /// Makes a new version of one attribute. Values of whole-number types are rounded to the nearest, halves to even.
 class SetAttribute final : public LocalOperator {

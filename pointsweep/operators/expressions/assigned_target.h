@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+/// The attribute that gets new values under a name that a user writes, and the values that it can hold.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "pointsweep/attribute.h"
+#include "pointsweep/operators/expressions/expression.h"
+
+namespace pointsweep {
+
+/// The values that an attribute can hold.
+struct TargetRange {
+  Type type = Type::f64;
+  double least = 0, most = 0;  ///< of whole numbers
+  bool is_whole = false;
+
+  /// "uint8, 0 to 255", "float32".
+  std::string text() const;
+};
+
+TargetRange range_of(Type type);
+/// Returns the range of a field of the input, of packed bits that of the bits.
+TargetRange range_of(const Field& field);
+
+/// Returns a whole number as a T; nothing outside of the range. T: the integer type of the range.
+template <class T>
+std::optional<T> whole_in(const TargetRange& range, double whole) {
+  // The largest of 64 bits is no double: its next one is too large.
+  const bool below = range.most < 0x1p53 ? whole <= range.most : whole < range.most;
+  if (!(whole >= range.least && below)) return std::nullopt;
+  return static_cast<T>(whole);
+}
+template <class T>
+std::optional<T> whole_in(const TargetRange& range, WholeNumber whole) {
+  const auto number = static_cast<T>(whole);
+  const bool fits = WholeNumber{number} == whole && (range.most >= 0x1p53 || static_cast<double>(number) <= range.most);
+  return fits ? std::optional(number) : std::nullopt;
+}
+
+/// An attribute that is there already.
+struct AssignedTarget {
+  Attribute made;             ///< a new version of an attribute made before, or of a field of the input
+  std::size_t component = 0;  ///< that the name stands for
+  TargetRange range;
+  Attribute old;  ///< the version before, as it can be read: exact
+};
+
+/// Returns the attribute made before, or the field of the input, that `name` means; nothing if it means none. `name` is
+/// no coordinate. Throws UsageError that begins with `place` for a name of several values.
+std::optional<AssignedTarget> target_of(const std::string& name, const Schema& input, std::span<const Attribute> made,
+                                        const std::string& place);
+
+}  // namespace pointsweep
