@@ -2,6 +2,7 @@
 /// Operators that take all points of the cloud in order along an axis: they drop rows, make attributes, or both.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -26,6 +27,8 @@ struct OrderedPoints {
   std::span<const Vec3> positions;      ///< finite
   std::span<const std::uint64_t> rows;  ///< input rows, ascending for equal places
   std::span<const double> values;       ///< the components of InOrderContract::reads, of one point after another
+  /// The same components, each as a value of its type in the first of 8 bytes: whole numbers of 64 bits are exact.
+  std::span<const std::array<std::byte, 8>> words;
 };
 
 /// The results of a call to an InOrderWork. A run names each row at most once. A row that is named nowhere stays, and
@@ -53,16 +56,22 @@ class POINTSWEEP_EXPORT InOrderWork {
 /// Makes an empty file in the temporary folder.
 using MakeScratch = std::function<std::unique_ptr<Scratch>()>;
 
-/// Gives all finite points of another cloud, in ascending order along the axis.
-using OtherPoints = std::function<void(
-    const std::function<void(std::span<const Vec3> positions, std::span<const std::uint64_t> rows)>& take)>;
+/// Finite points of another cloud. They ascend along the axis, then by x, y and z, then by row.
+struct OtherPoints {
+  std::span<const Vec3> positions;
+  std::span<const std::uint64_t> rows;
+  std::span<const std::byte> values;  ///< of InOrderOperator::other_reads(), of one point after another
+};
+
+/// Gives all finite points of another cloud in their order.
+using GiveOtherPoints = std::function<void(const std::function<void(const OtherPoints&)>& take)>;
 
 /// The setting of an InOrderWork: its axis, its memory, and access to files and to the other cloud.
 struct InOrderSetup {
   int axis = 0;                    ///< along which places ascend; with Places::in_plane 0 or 1
   std::uint64_t memory_bytes = 0;  ///< that the work may hold
   MakeScratch make_scratch = {};
-  OtherPoints other_points = {};  ///< of InOrderOperator::other_cloud()
+  GiveOtherPoints other_points = {};  ///< of InOrderOperator::other_cloud()
 };
 
 /// An estimate of the cloud that an InOrderWork will take, from a survey.
@@ -118,6 +127,15 @@ class POINTSWEEP_EXPORT InOrderOperator : public Operator {
   }
   /// Returns the path, folder or pattern of the other cloud that the operator reads; empty: it reads none.
   virtual std::string other_cloud() const { return {}; }
+  /// Returns the attributes that the operator reads of the points of the other cloud, beside their positions: after
+  /// bound_to_other() with the names and types of its fields.
+  virtual std::vector<Attribute> other_reads() const { return {}; }
+  /// Returns the operator for another cloud with these fields. It is called before bound(), and only where
+  /// other_reads() names attributes. Throws UsageError for a name that no field has.
+  virtual std::shared_ptr<const InOrderOperator> bound_to_other(const Schema& other) const {
+    (void)other;
+    return nullptr;
+  }
   /// Returns the operator for such a cloud, or null; see LocalOperator::bound().
   virtual std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;

@@ -171,6 +171,23 @@ struct M3c2Options {
   double registration = 0;  ///< error of the registration of the two clouds, length; >= 0
 };
 
+/// The value that the k points of another cloud give.
+enum class TakeVote {
+  majority,  ///< the most frequent value; of several, the one that the nearest point has
+  mean,      ///< the mean of the values
+  nearest,   ///< the value of the nearest point; k is 1
+};
+
+/// Options of take(). `cloud` and `attributes` are required.
+struct TakeOptions {
+  std::string cloud = {};                    ///< the other cloud: a file, a folder or a pattern
+  std::vector<std::string> attributes = {};  ///< of the other cloud, each once, in any spelling
+  std::uint64_t k = 1;                       ///< number of the nearest points that vote; 1 to 1,000
+  TakeVote vote = TakeVote::majority;
+  std::optional<double> most = {};     ///< points farther than it do not count, length, > 0; absent: no limit
+  std::optional<double> missing = {};  ///< value where no point counts; needs `most`
+};
+
 /// Options of transform(). One of matrix, scale and translate is required; they apply in this order.
 struct TransformOptions {
   /// Name of a file with 4 rows of 4 numbers, the last row 0 0 0 1, or these 12 or 16 numbers themselves, row by row.
@@ -317,6 +334,8 @@ POINTSWEEP_EXPORT ChainStage orient(const OrientOptions& options = {});
 /// Makes "cloud_distance": the distance to the nearest point of another cloud, or NaN where that is farther than
 /// `most`.
 POINTSWEEP_EXPORT ChainStage distance_to(const DistanceToOptions& options);
+/// Gives the attributes of another cloud's nearest points to the points.
+POINTSWEEP_EXPORT ChainStage take(const TakeOptions& options);
 /// Makes "m3c2_distance", the change to another cloud along the normal, and "m3c2_lod", its level of detection, with
 /// the spreads and numbers of points that these come from. Needs "normal".
 POINTSWEEP_EXPORT ChainStage m3c2(const M3c2Options& options);

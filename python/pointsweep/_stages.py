@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 __all__ = [
     "assign", "color", "components", "crop", "curvature", "dbscan", "decimate", "density", "distance_to", "drop",
     "fair", "features", "ground", "height", "knn", "lof", "m3c2", "neighborhood_size", "orient", "parts", "poisson",
-    "reneighbor", "resort", "ror", "sample", "segments", "simplify", "sor", "splats", "statistics", "transform",
-    "unique", "voxel", "where",
+    "reneighbor", "resort", "ror", "sample", "segments", "simplify", "sor", "splats", "statistics", "take",
+    "transform", "unique", "voxel", "where",
 ]  # fmt: skip
 
 
@@ -1409,6 +1409,67 @@ def m3c2(cloud: str | os.PathLike[str] | Cloud, cylinder: float, depth: float, *
         ("cylinder", "number", cylinder, None),
         ("depth", "number", depth, None),
         ("registration", "number", registration, 0),
+    ])
+
+
+@makes_stage
+def take(
+    cloud: str | os.PathLike[str] | Cloud,
+    attributes: str | Sequence[str],
+    *,
+    k: int = 1,
+    vote: Literal["majority", "mean", "nearest"] = "majority",
+    most: float | None = None,
+    missing: float | None = None,
+) -> Stage:
+    """Takes attributes from the nearest points of another cloud.
+
+    Parameters
+    ----------
+    cloud : the other cloud: a point file, a folder of them or a pattern.
+    attributes : attributes of the other cloud, as in [classification, tree_id].
+    k : so many nearest points of the other cloud give the value; 1 to 1000.
+    vote : the value that they give: their majority, their mean, or that of the nearest.
+    most : maximum distance of a point that counts; without this option there is no limit; above 0; unit: length.
+    missing : value of points that have no point within 'most'; without this option they keep the value that they
+        have, and new attributes are NaN; finite.
+
+    Formula
+    -------
+    v_1, ..., v_n: the values of the k points of the other cloud with the least (dx² + dy²) + dz² in float64, equal
+      ones by x, y, z, then row, however far away they are; with `most` those of them with d² <= most · most.
+    majority: the most frequent value; of several the one that the nearest point has
+    mean:     the mean, of whole numbers from their exact sum, of others v_1 + 1/n Σ (v_j - v_1), in float64
+    nearest:  v_1, with k=1
+    Where n > 1, and for means, only finite values count.
+    An attribute that the cloud has keeps its type. Whole numbers are exact; means are rounded to whole-number
+      types, halves to even. Colours of 8 bits become those of 16 bits by 257, and back. A new attribute has the
+      type that it has in the other cloud; means are float64, but those of colours.
+
+    Undefined
+    ---------
+    Without a value, a point gets `missing`; without that option it keeps the value that it has, and a new attribute
+    is NaN: then a new attribute of whole numbers is refused where there is `most`. A point without a finite place
+    keeps its values; its new attributes are NaN, those of whole numbers 0. A value that the type of the attribute
+    cannot hold ends the run with an error that names the row.
+
+    Cost
+    ----
+    A pass that puts the points in order along an axis; the other cloud is put in the same order in the temporary
+    folder (32 bytes a point and those of its attributes, and as much while it is ordered), and memory holds what is
+    near the front.
+
+    In a text
+    ---------
+    take(labelled.las, attributes=[classification, tree_id], k=5)
+    """
+    return made_stage("take", [
+        ("cloud", "file", cloud, None),
+        ("attributes", "attributes", attributes, None),
+        ("k", "whole", k, 1),
+        ("vote", "choice", vote, "majority"),
+        ("most", "number", most, None),
+        ("missing", "number", missing, None),
     ])
 
 

@@ -61,6 +61,7 @@ def samples(option):
     """Values of an option, by its declaration alone."""
     kind, choices = option["kind"], option.get("choices")
     least, most = option.get("range") or (0, None)
+    least = least or 0
     if kind == "names":
         return [choices, choices[:1]]
     if kind == "choice":

@@ -13,7 +13,7 @@ class MemoryLaw : public Tool, public testing::WithParamInterface<std::string> {
  protected:
   MemoryLaw() {
     write_points(folder_ / "in.ply", cloud_for_examples(100000, 1));
-    write_points(folder_ / "other.ply", cloud_for_examples(20000, 2));
+    write_labelled_points(folder_ / "other.ply", cloud_for_examples(20000, 2));
   }
 
   /// The command of the example in so many MB.

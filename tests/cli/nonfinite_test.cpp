@@ -155,14 +155,14 @@ TEST_F(NonfinitePoints, ThatWereDroppedAreNoDifferenceToVerify) {
 }
 
 TEST_F(NonfinitePoints, OfEveryOperatorAreAsVerifyDerivesThem) {
-  std::string text = "x,y,z,nx,ny,nz,classification,intensity\n", other = "0 0 0\n1 1 0\n";
+  std::string text = "x,y,z,nx,ny,nz,classification,intensity\n", other = "x,y,z,classification\n0,0,0,1\n1,1,0,3\n";
   for (int i = 0; i < 40; ++i)
     text += fmt::format("{},{},{},0,0,1,{},{}\n", i % 9 == 4 ? "nan" : fmt::format("{}", 0.3 * (i % 7)),
                         i % 11 == 5 ? "inf" : fmt::format("{}", 0.4 * (i % 6)), 0.1 * (i % 5), i % 4, 10 * i);
   write("dirty.csv", text);
-  write("other.xyz", other);
+  write("other.csv", other);
   const EveryOperator every({"normal", "classification", "intensity"}, "knn(radius=2)",
-                            (folder_ / "other.xyz").string());
+                            (folder_ / "other.csv").string());
   for (const OperatorDeclaration& declaration : all_operators()) {
     const std::string pipeline = every.case_of(declaration, every.values_of(declaration)).pipeline;
     SCOPED_TRACE(pipeline);

@@ -110,14 +110,14 @@ class VerifyOperators : public Tool {
 TEST_F(VerifyOperators, EveryRadiusAtTheLeastThatHoldsAPointAndNextToIt) {
   const PairAtRadius pair = pairs_at_radius().back();
   const std::string header = "x,y,z,nx,ny,nz,k1,own\n";
-  write("other.xyz", fmt::format("{} {} {}\n", pair.q.x, pair.q.y, pair.q.z));
+  write("other.csv", fmt::format("x,y,z,label\n{},{},{},1\n", pair.q.x, pair.q.y, pair.q.z));
   for (const auto& [name, text] : radius_pipelines())
     for (const double r : {PairAtRadius::below(pair.radius), pair.radius, PairAtRadius::above(pair.radius)}) {
       std::string rows;
       for (const Vec3 p : {pair.p, pair.q, pair.p + Vec3{1000, 0, 0}, pair.p + Vec3{0, 3000, 0}})
         rows += fmt::format("{},{},{},0,0,1,1,{}\n", p.x, p.y, p.z, r);
       write("in.csv", header + rows);
-      const std::string pipeline = radius_pipeline(text, r, (folder_ / "other.xyz").string());
+      const std::string pipeline = radius_pipeline(text, r, (folder_ / "other.csv").string());
       made("run in.csv out.ply -f -q --pipeline '" + pipeline + "'", "out.ply");
       const Result result = tool("verify out.ply");
       EXPECT_NE(result.status, 1) << pipeline << "\n" << result.out << result.err;
@@ -127,6 +127,13 @@ TEST_F(VerifyOperators, EveryRadiusAtTheLeastThatHoldsAPointAndNextToIt) {
 TEST_F(VerifyOperators, DistancesToAnotherCloud) {
   checks("distance_to(other.ply)", {"cloud_distance"});
   checks("distance_to(other.ply, most=0.1)", {"cloud_distance"});
+}
+
+TEST_F(VerifyOperators, AttributesOfAnotherCloud) {
+  checks("take(other.ply, attributes=classification)", {"classification"});
+  checks("drop(nx, ny, nz, intensity) | take(other.ply, attributes=[intensity, nx], k=5, vote=mean, most=0.2)",
+         {"intensity"});
+  checks("normals | take(other.ply, attributes=[nz, classification], k=4, most=0.1, missing=2)", {"classification"});
 }
 
 TEST_F(VerifyOperators, ChangesAlongNormals) {

@@ -62,6 +62,7 @@ std::map<std::string, std::string> expected(const std::string& axis, const std::
       {"color", kRows + " / " + kRows},
       {"distance_to", beside},
       {"m3c2", beside},
+      {"take", beside},
       {"components", connecting("components")},
       {"dbscan", connecting("clusters")},
       {"segments", connecting("segments")},
@@ -73,8 +74,8 @@ std::map<std::string, std::string> expected(const std::string& axis, const std::
 
 class DryRun : public testing::Test {
  protected:
-  DryRun() : other_(testing::TempDir() + fmt::format("pointsweep-dry-run-{}.xyz", getpid())) {
-    std::ofstream(other_) << "0 0 0\n1 1 1\n";
+  DryRun() : other_(testing::TempDir() + fmt::format("pointsweep-dry-run-{}.csv", getpid())) {
+    std::ofstream(other_) << "x,y,z,classification\n0,0,0,1\n1,1,1,2\n";
     for (const char* name : {"x", "y", "z"}) input_.schema.append(name, Type::f64);
     for (const char* name :
          {"nx", "ny", "nz", "k1", "splat_axis_x", "splat_axis_y", "splat_axis_z", "splat_length", "splat_ratio"})

@@ -67,9 +67,10 @@ Vec3 far_away(std::size_t row, Vec3 p) {
 
 class NonfiniteLaw : public testing::Test {
  protected:
-  NonfiniteLaw() : other_(testing::TempDir() + fmt::format("pointsweep-law-{}.xyz", getpid())) {
+  NonfiniteLaw() : other_(testing::TempDir() + fmt::format("pointsweep-law-{}.csv", getpid())) {
     std::ofstream file(other_);
-    for (std::size_t i = 0; i < 20; ++i) file << 0.4 * double(i) << " " << 0.3 * double(i) << " 0.1\n";
+    file << "x,y,z,classification\n";
+    for (std::size_t i = 0; i < 20; ++i) file << 0.4 * double(i) << "," << 0.3 * double(i) << ",0.1," << i % 3 << "\n";
   }
   ~NonfiniteLaw() override { std::filesystem::remove(other_); }
 

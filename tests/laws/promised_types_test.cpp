@@ -21,10 +21,12 @@ constexpr std::size_t kPromisePoints = 400;
 
 class PromisedTypes : public testing::Test {
  protected:
-  PromisedTypes() : other_(testing::TempDir() + fmt::format("pointsweep-promise-{}.xyz", getpid())) {
+  PromisedTypes() : other_(testing::TempDir() + fmt::format("pointsweep-promise-{}.csv", getpid())) {
     std::ofstream file(other_);
-    for (const Vec3& p : cloud_for_examples(kPromisePoints, 9)) file << fmt::format("{} {} {}\n", p.x, p.y, p.z);
-    attributes_ = {scalar("intensity", Type::u16, "1", "")};
+    file << "x,y,z,classification\n";
+    for (const Vec3& p : cloud_for_examples(kPromisePoints, 9))
+      file << fmt::format("{},{},{},{}\n", p.x, p.y, p.z, p.x > 3 ? 2 : 5);
+    attributes_ = {scalar("intensity", Type::u16, "1", ""), scalar("classification", Type::u8, "1", "")};
     std::set<std::string> known = names();
     const EveryOperator every({}, "", other_);
     for (const OperatorDeclaration& declaration : all_operators()) {

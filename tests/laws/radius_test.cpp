@@ -22,13 +22,13 @@ constexpr std::size_t kRadiusPoints = 8;
 
 class RadiusRule : public testing::Test {
  protected:
-  RadiusRule() : other_(testing::TempDir() + fmt::format("pointsweep-radius-{}.xyz", getpid())) {}
+  RadiusRule() : other_(testing::TempDir() + fmt::format("pointsweep-radius-{}.csv", getpid())) {}
   ~RadiusRule() override { std::filesystem::remove(other_); }
 
   /// A run over the pair and over far points, so that slabs lie between. The second of the pair is the other cloud.
   RunResult made(const PairAtRadius& pair, const std::string& text, double radius,
                  Engine engine = Engine::exact) const {
-    std::ofstream(other_) << fmt::format("{} {} {}\n", pair.q.x, pair.q.y, pair.q.z);
+    std::ofstream(other_) << fmt::format("x,y,z,label\n{},{},{},1\n", pair.q.x, pair.q.y, pair.q.z);
     std::vector<Vec3> points = {pair.p, pair.q};
     for (int i = 1; points.size() < kRadiusPoints; ++i)
       points.push_back(pair.p + Vec3{1e3 * i, 2e3 * (i % 2 == 0 ? i : -i), 0});
@@ -61,6 +61,7 @@ bool holds(const RunResult& made, double radius) {
   if (const auto outlier = first("outlier")) return outlier == 0;
   if (const auto density = first("surface_density")) return *density * M_PI * radius * radius > 1.5;
   if (const auto distance = first("cloud_distance")) return !std::isnan(*distance);
+  if (const auto label = first("label")) return label == 1;
   if (const auto count = first("m3c2_samples2")) return count == 1;
   return made.field("x").size() < kRadiusPoints;
 }

@@ -47,7 +47,9 @@ class Workshop:
     def make_inputs(self):
         self.run("pointsweep generate terrain scan.laz -n 20000 --noise 0.05; mkdir tiles; pointsweep sort scan.laz before.laz\n"
                  "pointsweep run scan.laz tiles/west.laz --pipeline 'where(x < 500)'; pointsweep run scan.laz tiles/east.laz --pipeline 'where(x >= 500)'\n"
-                 "pointsweep generate terrain after.laz -n 20000 --noise 0.05 --seed 2")
+                 "pointsweep generate terrain after.laz -n 20000 --noise 0.05 --seed 2\n"
+                 "pointsweep run scan.laz labelled.laz --pipeline 'voxel(20) | set(tree_id = floor(x), as=uint32)'\n"
+                 "pointsweep run after.laz photo.laz --pipeline 'color(z)'")
         polygon = '{"type": "Polygon", "coordinates": [[[100, 100], [700, 100], [400, 800], [100, 100]]]}'
         (self.path / "site.geojson").write_text(polygon)
         (self.path / "registration.txt").write_text("0 -1 0 500\n1 0 0 200\n0 0 1 0\n0 0 0 1\n")

@@ -152,6 +152,7 @@ OptionValues changed(const OperatorDeclaration& declaration, const OptionDeclara
                                                           {"k_from", {k}},
                                                           {"radius_from", {k}},
                                                           {"adaptive", {k}},
+                                                          {"missing", {{"most", 5.0}}},
                                                           {"checksum", {{"polygon", kPolygonOfSample}}},
                                                           {"k_min", {k, {"adaptive", "eigenentropy"}}}};
   OptionValues values = sample_values(declaration);

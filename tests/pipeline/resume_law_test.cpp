@@ -22,7 +22,7 @@ class ResumeLaw : public testing::Test {
  protected:
   ResumeLaw() {
     write_points(folder_ / "in.ply", cloud_for_examples(20000, 1));
-    write_points(folder_ / "other.ply", cloud_for_examples(5000, 2));
+    write_labelled_points(folder_ / "other.ply", cloud_for_examples(5000, 2));
   }
 
   EngineOptions options(const std::string& output, std::uint64_t memory) const {

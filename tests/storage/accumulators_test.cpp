@@ -27,7 +27,7 @@ namespace {
 std::map<std::string, std::shared_ptr<const Reduction>> all_reductions() {
   const TemporaryFolder folder;
   write_points(folder / "in.ply", cloud_for_examples(200, 1));
-  write_points(folder / "other.ply", cloud_for_examples(200, 2));
+  write_labelled_points(folder / "other.ply", cloud_for_examples(200, 2));
   std::map<std::string, std::shared_ptr<const Reduction>> all;
   const auto add = [&](const std::shared_ptr<const Reduction>& reduction) { all[reduction->text()] = reduction; };
   add(std::make_shared<InputDiagonal>());

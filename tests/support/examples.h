@@ -58,4 +58,20 @@ inline void write_points(const std::filesystem::path& path, const std::vector<Ve
   write_all(plan_for(path, points.size(), schema), std::as_bytes(std::span(points)));
 }
 
+/// Writes a file of float64 coordinates with a classification and a tree_id.
+inline void write_labelled_points(const std::filesystem::path& path, const std::vector<Vec3>& points) {
+  Schema schema;
+  for (const char* field : {"x", "y", "z"}) schema.append(field, Type::f64);
+  schema.append("classification", Type::u8);
+  schema.append("tree_id", Type::u32);
+  std::vector<std::byte> records(points.size() * schema.stride);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::byte* const record = records.data() + i * schema.stride;
+    for (std::size_t f = 0; f < 3; ++f) set_value(schema.fields[f], record, points[i][static_cast<int>(f)]);
+    set_value(schema.fields[3], record, static_cast<double>(i % 5));
+    set_value(schema.fields[4], record, static_cast<double>(100'000 + i));
+  }
+  write_all(plan_for(path, points.size(), schema), records);
+}
+
 }  // namespace pointsweep

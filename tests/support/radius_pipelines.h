@@ -62,6 +62,7 @@ inline const std::map<std::string, std::string>& radius_pipelines() {
       {"simplify most", "simplify(1e10, most={r})"},
       {"simplify least", "simplify(1e-300, most=100, least={r})"},
       {"distance_to most", "distance_to({other}, most={r})"},
+      {"take most", "take({other}, attributes=label, most={r}, missing=0)"},
       {"m3c2 cylinder", "m3c2({other}, cylinder={wide}, depth=1)"}};
   return pipelines;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/files.h"
 #include "pointsweep/formats/las_scale.h"
 
 namespace pointsweep {
@@ -283,6 +284,12 @@ std::size_t InputCloud::read_input(const ReadInput& read, std::vector<std::byte>
   if (mapping.conversion) mapping.conversion->run(target.data(), records.data(), rows);
   if (mapping.missing.is_needed()) mapping.missing.run(records.first(rows * schema_.stride), schema_.stride);
   return rows;
+}
+
+std::unique_ptr<InputCloud> opened_cloud(const std::string& name, bool ignore_crs) {
+  std::vector<std::filesystem::path> paths;
+  for (const ListedFile& file : list_inputs({name}, false).files) paths.push_back(file.path);
+  return std::make_unique<InputCloud>(paths, CloudOptions{.ignore_crs = ignore_crs});
 }
 
 }  // namespace pointsweep

@@ -138,4 +138,8 @@ class InputCloud {
   std::shared_ptr<const RowSelection> selection_;
 };
 
+/// Opens the files that a path, a folder or a pattern stands for (files.h) as one cloud. `ignore_crs`: they may have
+/// different coordinate reference systems.
+std::unique_ptr<InputCloud> opened_cloud(const std::string& name, bool ignore_crs);
+
 }  // namespace pointsweep

@@ -17,8 +17,8 @@ class DistanceToWork final : public InOrderWork {
  public:
   DistanceToWork(double most, const InOrderSetup& setup)
       : most2_(most * most), other_(PointCells::Space::all, setup.axis, setup.memory_bytes, setup.make_scratch()) {
-    setup.other_points([&](std::span<const Vec3> positions, std::span<const std::uint64_t> rows) {
-      for (std::size_t i = 0; i < rows.size(); ++i) other_.add(positions[i], rows[i]);
+    setup.other_points([&](const OtherPoints& points) {
+      for (std::size_t i = 0; i < points.rows.size(); ++i) other_.add(points.positions[i], points.rows[i]);
     });
     other_.finish();
   }

@@ -74,8 +74,8 @@ class M3c2Work final : public InOrderWork {
  public:
   M3c2Work(const M3c2Options& options, const InOrderSetup& setup)
       : options_(options), own_(cells(setup)), other_(cells(setup)) {
-    setup.other_points([&](std::span<const Vec3> positions, std::span<const std::uint64_t> rows) {
-      for (std::size_t i = 0; i < rows.size(); ++i) other_.add(positions[i], rows[i]);
+    setup.other_points([&](const OtherPoints& points) {
+      for (std::size_t i = 0; i < points.rows.size(); ++i) other_.add(points.positions[i], points.rows[i]);
     });
     other_.finish();
   }

@@ -18,6 +18,7 @@ bool is_within(double value, const OptionDeclaration& option) { return value >= 
 
 std::string range_text(double least, double most) {
   if (least == kAboveZero) return std::isfinite(most) ? fmt::format("above 0, at most {}", most) : "above 0";
+  if (!std::isfinite(least)) return "finite";
   return std::isfinite(most) ? fmt::format("{} to {}", least, most) : fmt::format("{} or more", least);
 }
 

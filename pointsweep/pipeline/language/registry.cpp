@@ -7,6 +7,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/change/distance_to.h"
 #include "pointsweep/operators/change/m3c2.h"
+#include "pointsweep/operators/change/take.h"
 #include "pointsweep/operators/graph/connected_components.h"
 #include "pointsweep/operators/graph/density_clusters.h"
 #include "pointsweep/operators/graph/orient.h"
@@ -59,18 +60,18 @@ constexpr OtherWord kOtherWords[] = {{"reproject", kReproject}, {"reprojection",
 
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = {
-      normals_declaration(),    curvature_declaration(),  splats_declaration(),
-      fair_declaration(),       features_declaration(),   neighborhood_size_declaration(),
-      where_declaration(),      crop_declaration(),       set_declaration(),
-      drop_declaration(),       transform_declaration(),  sor_declaration(),
-      ror_declaration(),        lof_declaration(),        density_declaration(),
-      statistics_declaration(), unique_declaration(),     decimate_declaration(),
-      sample_declaration(),     parts_declaration(),      voxel_declaration(),
-      poisson_declaration(),    simplify_declaration(),   ground_declaration(),
-      height_declaration(),     color_declaration(),      distance_to_declaration(),
-      m3c2_declaration(),       components_declaration(), dbscan_declaration(),
-      segments_declaration(),   orient_declaration(),     reneighbor_declaration(),
-      resort_declaration(),
+      normals_declaration(),    curvature_declaration(), splats_declaration(),
+      fair_declaration(),       features_declaration(),  neighborhood_size_declaration(),
+      where_declaration(),      crop_declaration(),      set_declaration(),
+      drop_declaration(),       transform_declaration(), sor_declaration(),
+      ror_declaration(),        lof_declaration(),       density_declaration(),
+      statistics_declaration(), unique_declaration(),    decimate_declaration(),
+      sample_declaration(),     parts_declaration(),     voxel_declaration(),
+      poisson_declaration(),    simplify_declaration(),  ground_declaration(),
+      height_declaration(),     color_declaration(),     distance_to_declaration(),
+      m3c2_declaration(),       take_declaration(),      components_declaration(),
+      dbscan_declaration(),     segments_declaration(),  orient_declaration(),
+      reneighbor_declaration(), resort_declaration(),
   };
   return operators;
 }

@@ -71,7 +71,8 @@ void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& s
   const InOrderEffort alone = op->effort(cloud);
   effort = {alone.seconds / demand.threads, alone.cause, alone.text, alone.remedy};
   demand.in_order_bytes = op->least_bytes(cloud);
-  if (!op->other_cloud().empty()) demand.in_order_bytes += OtherCloud::working_bytes(demand.threads);
+  if (!op->other_cloud().empty())
+    demand.in_order_bytes += OtherCloud::working_bytes(demand.threads, bytes_of(op->other_reads()));
 }
 
 /// Adds the demand of a forest: the supernodes of a bucket and of the points whose neighbours are not all in earlier

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/operators/kinds/moved_bounds.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
 
@@ -70,7 +71,7 @@ class GraphBuilder {
 
  private:
   void add(const StageOperator& stage) {
-    const StageOperator op = bound_to_what_is_there(stage);
+    const StageOperator op = bound_to_what_is_there(bound_to_other_cloud(stage));
     const Contract contract = contract_of(op);
     const std::string name = name_of(op);
     GraphNode node{.what = op, .stage = is_part_of_.empty() ? name : is_part_of_, .position = position_};
@@ -84,6 +85,13 @@ class GraphBuilder {
       node.makes.push_back(a.name == selection_attribute().name ? new_version(a, number) : make(a, number));
     if (node.drops_rows()) ++drops_rows_;
     graph_.nodes.push_back(std::move(node));
+  }
+
+  /// Only operators that read attributes of another cloud need its fields.
+  static StageOperator bound_to_other_cloud(const StageOperator& stage) {
+    const auto* const op = std::get_if<std::shared_ptr<const InOrderOperator>>(&stage);
+    if (op == nullptr || (*op)->other_reads().empty()) return stage;
+    return (*op)->bound_to_other(opened_cloud((*op)->other_cloud(), true)->schema());
   }
 
   StageOperator bound_to_what_is_there(const StageOperator& op) const {

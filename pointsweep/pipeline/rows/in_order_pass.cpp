@@ -104,7 +104,7 @@ class OrderedBatch {
 
   /// Returns the points of `n` records, without records whose place is not finite.
   OrderedPoints of(const std::byte* records, std::size_t n) {
-    places_.clear(), positions_.clear(), rows_.clear(), values_.clear();
+    places_.clear(), positions_.clear(), rows_.clear(), values_.clear(), words_.clear();
     for (std::size_t i = 0; i < n; ++i) {
       const std::byte* record = records + i * schema_.stride;
       const Vec3 place = vector_at(place_, record);
@@ -112,9 +112,10 @@ class OrderedBatch {
       places_.push_back(place);
       positions_.push_back(vector_at(position_, record));
       rows_.push_back(row_of(schema_, record));
-      for (const Value& value : values_of_) values_.push_back(value.of(record, rows_.back(), refused_));
+      for (const Value& value : values_of_)
+        values_.push_back(value.of(record, rows_.back(), words_.emplace_back(), refused_));
     }
-    return {places_, positions_, rows_, values_};
+    return {places_, positions_, rows_, values_, words_};
   }
 
  private:
@@ -122,10 +123,10 @@ class OrderedBatch {
   class Value {
    public:
     Value(const Field& stored, Type type) : promised_(stored, type), made_{.name = "", .type = type} {}
-    double of(const std::byte* record, std::uint64_t row, FirstRowError& refused) const {
-      std::byte bytes[sizeof(double)];
-      promised_.convert(record, row, bytes, refused);
-      return value_of(made_, bytes);
+    double of(const std::byte* record, std::uint64_t row, std::array<std::byte, 8>& word,
+              FirstRowError& refused) const {
+      promised_.convert(record, row, word.data(), refused);
+      return value_of(made_, word.data());
     }
 
    private:
@@ -142,6 +143,7 @@ class OrderedBatch {
   std::vector<Vec3> places_, positions_;
   std::vector<std::uint64_t> rows_;
   std::vector<double> values_;
+  std::vector<std::array<std::byte, 8>> words_;
   FirstRowError refused_;
 };
 

@@ -3,32 +3,43 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "pointsweep/fail.h"
-#include "pointsweep/files.h"
 #include "pointsweep/formats/cloud/common_schema.h"
 #include "pointsweep/formats/crs.h"
+#include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/working_record.h"
 #include "pointsweep/pipeline/rows/cloud_source.h"
 #include "pointsweep/pipeline/rows/ordered_output.h"
+#include "pointsweep/points/promised_type.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kSlabPoints = 32768, kBufferBytes = 8u << 20;
 
-std::unique_ptr<InputCloud> open_other(const std::string& name, bool ignore_crs) {
-  std::vector<std::filesystem::path> paths;
-  for (const ListedFile& file : list_inputs({name}, false).files) paths.push_back(file.path);
-  return std::make_unique<InputCloud>(paths, CloudOptions{.ignore_crs = ignore_crs});
+/// The fields of a cloud that an operator reads of it.
+std::vector<std::size_t> fields_of(const std::vector<Attribute>& reads, const Schema& schema, const std::string& name) {
+  std::vector<std::size_t> fields;
+  for (const Attribute& a : reads) {
+    const auto field = std::ranges::find(schema.fields, a.name, &Field::name);
+    if (field == schema.fields.end() || type_of_values(*field) != a.type)
+      fail("{}: '{}' is not what it was when the run began; the file has changed.", name, a.name);
+    fields.push_back(static_cast<std::size_t>(field - schema.fields.begin()));
+  }
+  return fields;
 }
 
 }  // namespace
 
-OtherCloud::OtherCloud(const std::string& name, const InputCloud& cloud)
-    : name_(name), cloud_(open_other(name, cloud.ignores_crs())) {
+OtherCloud::OtherCloud(const std::string& name, std::vector<Attribute> reads, const InputCloud& cloud)
+    : name_(name), reads_(std::move(reads)), cloud_(opened_cloud(name, cloud.ignores_crs())) {
   if (cloud_->count() == 0) fail("{}: has no points to compare with.", name);
+  if (!reads_.empty()) warnings_ = cloud_->missing_attributes();
   const std::optional<Crs>&mine = cloud.crs(), &other = cloud_->crs();
   if (!mine || !other) return;
   const CrsAgreement agreement = compare(*mine, *other);
@@ -63,42 +74,52 @@ std::string OtherCloud::identity() const {
 }
 
 /// The buffer, slabs on their way into order on each thread, and the survey's sample.
-std::uint64_t OtherCloud::working_bytes(unsigned threads) {
+std::uint64_t OtherCloud::working_bytes(unsigned threads, std::uint64_t value_bytes) {
   constexpr std::uint64_t kRecordBytes = 32;
-  return 2 * kBufferBytes + (threads + 1) * 3 * kSlabPoints * kRecordBytes;
+  return 2 * kBufferBytes + (threads + 1) * 3 * kSlabPoints * (kRecordBytes + value_bytes);
 }
 
 void OtherCloud::give_in_order(int axis, const SpillPlace& spill,
                                const std::function<void(std::uint64_t rows)>& progress,
-                               const std::function<void(std::span<const Vec3>, std::span<const std::uint64_t>)>& take) {
+                               const std::function<void(const OtherPoints&)>& take) {
   const PointSource source = source_of(*cloud_, [](std::size_t) {});
   const Survey sample = survey(source, axis, false);
   const Stream stream(source, sample,
                       {.axis = axis,
                        .slab_points = kSlabPoints,
                        .canonical = true,
-                       .payload = {},
+                       .payload = fields_of(reads_, source.schema, name_),
                        .spill = spill,
                        .buffer_bytes = kBufferBytes,
                        .progress = progress});
   cloud_->require_unchanged();
   const Schema& schema = stream.record_schema();
   const PositionFields fields = position_fields(schema, name_);
+  std::vector<PromisedType> values_of;
+  for (const Attribute& a : reads_) values_of.emplace_back(schema.fields[schema.find(a.name).value()], a.type);
+  const std::size_t value_bytes = bytes_of(reads_);
+  FirstRowError none;  // types are those of the values
   std::vector<double> x, y, z;
   std::vector<Vec3> positions;
   std::vector<std::uint64_t> rows;
+  std::vector<std::byte> values;
   const auto give = [&](std::span<const std::byte> records) {
     const std::size_t n = records.size() / schema.stride;
     x.resize(n), y.resize(n), z.resize(n);
     decode_positions(fields, records.data(), schema.stride, n, x.data(), y.data(), z.data());
-    positions.clear(), rows.clear();
+    positions.clear(), rows.clear(), values.clear();
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3 p{x[i], y[i], z[i]};
       if (!is_finite(p)) continue;
       positions.push_back(p);
-      rows.push_back(row_of(schema, records.data() + i * schema.stride));
+      const std::byte* const record = records.data() + i * schema.stride;
+      rows.push_back(row_of(schema, record));
+      values.resize(values.size() + value_bytes);
+      std::byte* to = values.data() + values.size() - value_bytes;
+      for (std::size_t v = 0; v < values_of.size(); to += size_of(reads_[v++].type))
+        values_of[v].convert(record, rows.back(), to, none);
     }
-    take(positions, rows);
+    take({positions, rows, values});
   };
   write_in_order(stream, schema.stride, give, progress);
 }
@@ -107,7 +128,7 @@ std::vector<std::optional<OtherCloud>> open_others(const ChainPlan& plan, const 
   std::vector<std::optional<OtherCloud>> others(plan.passes.size());
   for (std::size_t p = 0; p < others.size(); ++p) {
     const InOrderOperator* op = plan.passes[p].in_order();
-    if (op != nullptr && !op->other_cloud().empty()) others[p].emplace(op->other_cloud(), cloud);
+    if (op != nullptr && !op->other_cloud().empty()) others[p].emplace(op->other_cloud(), op->other_reads(), cloud);
   }
   return others;
 }

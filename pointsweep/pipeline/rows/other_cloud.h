@@ -21,7 +21,8 @@ class OtherCloud {
  public:
   /// Opens the files that `name` stands for (files.h). Throws Error where there is none, UsageError where they
   /// state another coordinate reference system than `cloud` and the latter does not ignore that.
-  OtherCloud(const std::string& name, const InputCloud& cloud);
+  /// `reads`: the attributes that are read of it, by the names of its fields.
+  OtherCloud(const std::string& name, std::vector<Attribute> reads, const InputCloud& cloud);
 
   const std::string& name() const { return name_; }
   std::uint64_t count() const { return cloud_->count(); }
@@ -34,11 +35,13 @@ class OtherCloud {
   /// Puts its points in order along the axis, into a temporary file, and gives them. Throws Error if a file has changed
   /// since it was opened. Needs working_bytes() of memory beside the file.
   void give_in_order(int axis, const SpillPlace& spill, const std::function<void(std::uint64_t rows)>& progress,
-                     const std::function<void(std::span<const Vec3>, std::span<const std::uint64_t>)>& take);
-  static std::uint64_t working_bytes(unsigned threads);
+                     const std::function<void(const OtherPoints&)>& take);
+  /// `value_bytes`: of what is read of a point.
+  static std::uint64_t working_bytes(unsigned threads, std::uint64_t value_bytes);
 
  private:
   std::string name_;
+  std::vector<Attribute> reads_;
   std::unique_ptr<InputCloud> cloud_;
   std::vector<std::string> warnings_;
 };

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <limits>
 
-#include "pointsweep/files.h"
 #include "pointsweep/verify/formulas/cylinder.h"
 #include "pointsweep/verify/search/ball_index.h"
 #include "pointsweep/verify/search/nearest_in_stream.h"
@@ -15,11 +14,7 @@ using formulas::Estimate;
 using Estimates = std::vector<Estimate>;
 
 /// Coordinates are not transformed: the run has refused different reference systems.
-InputCloud opened(const std::string& name) {
-  std::vector<std::filesystem::path> paths;
-  for (const ListedFile& file : list_inputs({name}, false).files) paths.push_back(file.path);
-  return InputCloud(paths, {.ignore_crs = true});
-}
+std::unique_ptr<InputCloud> opened(const std::string& name) { return opened_cloud(name, true); }
 
 PointsOfCloud points_of(RowSource& source, const PhaseProgress& progress) {
   return [&](const auto& take) { for_each_position(source, "comparing", progress, take); };
@@ -34,7 +29,7 @@ class NearestDistance final : public CloudFormula {
   std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
     std::vector<Vec3> places;
     for (const CloudPoint& p : points) places.push_back(p.at.position);
-    RowSource source(other_);
+    RowSource source(*other_);
     const auto nearest =
         nearest_of_cloud(places, points_of(source, in.rows.progress()), source.count(), {.reach2 = most_ * most_});
     std::vector<Estimates> made;
@@ -46,7 +41,7 @@ class NearestDistance final : public CloudFormula {
   }
 
  private:
-  InputCloud other_;
+  std::unique_ptr<InputCloud> other_;
   double most_;
 };
 
@@ -59,7 +54,7 @@ class ChangeAlongNormals final : public CloudFormula {
         registration_(stage.options.number("registration")) {}
   void prepare(const CloudInput&) override {}
   std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
-    RowSource other(other_);
+    RowSource other(*other_);
     const auto before = filled(points, in.rows.input(), in.rows.progress());
     const auto after = filled(points, other, in.rows.progress());
     std::vector<Estimates> made;
@@ -92,7 +87,7 @@ class ChangeAlongNormals final : public CloudFormula {
     return cylinders;
   }
 
-  InputCloud other_;
+  std::unique_ptr<InputCloud> other_;
   double cylinder_, depth_, registration_;
 };
 

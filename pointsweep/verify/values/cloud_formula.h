@@ -82,6 +82,9 @@ NamedCloudFormula voxel_formula();
 /// Formulas of the operators that compare with another cloud.
 std::vector<NamedCloudFormula> change_formulas();
 
+/// The formula of attributes that are taken from another cloud.
+NamedCloudFormula take_formula();
+
 /// Formulas of the operators that connect points: whole graphs in memory.
 std::vector<NamedCloudFormula> graph_formulas();
 

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+/// Attributes of another cloud.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/in_order_operator.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/change/taken_value.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration take_declaration();
+
+/// An attribute that `take` makes, of which some components or all are taken.
+struct TakeTarget {
+  Attribute made;
+  std::optional<Attribute> old;  ///< the version before, which the operator reads
+};
+
+/// Gives points the attributes of the nearest points of another cloud.
+class Take final : public InOrderOperator {
+ public:
+  /// Throws UsageError that begins with `place` for options that do not fit each other.
+  explicit Take(TakeOptions options, std::string place = "take");
+
+  std::string name() const override { return "take"; }
+  InOrderContract in_order_contract() const override;
+  std::string other_cloud() const override { return options_.cloud; }
+  std::vector<Attribute> other_reads() const override;
+  /// Throws UsageError for an attribute that the other cloud does not have, with the nearest that it has.
+  std::shared_ptr<const InOrderOperator> bound_to_other(const Schema& other) const override;
+  /// Throws UsageError where points without a value would have none that their attribute can hold.
+  std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
+  std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
+
+ private:
+  void find_target(TakenAttribute& taken, const Schema& input, std::span<const Attribute> made);
+  void require_missing_value(const TakenAttribute& taken) const;
+
+  TakeOptions options_;
+  std::string place_;
+  std::vector<TakenAttribute> taken_;
+  std::vector<TakeTarget> targets_;
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/change/take_work.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/operators/nearest/point_cells.h"
+#include "pointsweep/operators/nearest/point_records.h"
+#include "pointsweep/points/schema.h"
+#include "pointsweep/row_error.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+namespace {
+
+/// Nearest points that are found before their values are looked at, and the least places that they are found for.
+constexpr std::uint64_t kFoundAtOnce = 1 << 18, kLeastPlaces = 4096;
+/// Points that a thread gives values to at once.
+constexpr std::size_t kTakenAtOnce = 1024;
+
+std::uint64_t places_at_once(std::uint64_t k) { return std::max(kFoundAtOnce / k, kLeastPlaces); }
+
+/// Bytes of the nearest points of all places, and of their values.
+std::uint64_t found_bytes(std::uint64_t k, std::uint64_t value_bytes) {
+  return places_at_once(k) * k * (sizeof(std::uint64_t) + value_bytes);
+}
+
+/// The points of the other cloud are numbered in their order, which for points at the same place is that of their rows:
+/// a search that breaks ties by number gives the same points as one by row, and a number tells where the values are.
+class TakeWork final : public InOrderWork {
+ public:
+  TakeWork(TakeRules rules, std::uint64_t value_bytes, const InOrderSetup& setup)
+      : rules_(std::move(rules)),
+        k_(static_cast<std::size_t>(rules_.options.k)),
+        value_bytes_(value_bytes),
+        other_(PointCells::Space::all, setup.axis, share(setup, sizeof(CellPoint)), setup.make_scratch()),
+        values_(value_bytes_, share(setup, value_bytes_), setup.make_scratch()) {
+    if (rules_.options.most) most2_ = *rules_.options.most * *rules_.options.most;
+    for (const TakeTarget& target : rules_.targets) made_bytes_ += target.made.bytes();
+    std::uint64_t number = 0;
+    setup.other_points([&](const OtherPoints& points) {
+      for (const Vec3 position : points.positions) other_.add(position, number++);
+      values_.add(points.values);
+    });
+    other_.finish();
+    values_.finish();
+    if (number == 0)
+      fail("{}: {} has no point with a finite place, so there is nothing to take.", rules_.place, rules_.options.cloud);
+  }
+
+  void add(unsigned, const OrderedPoints& points, Findings& findings) override {
+    const auto most = static_cast<std::size_t>(places_at_once(k_));
+    for (std::size_t first = 0; first < points.rows.size(); first += most)
+      take(points, first, std::min(most, points.rows.size() - first), findings);
+  }
+  void end(unsigned, Findings&) override { refused_.throw_if_any(); }
+
+ private:
+  /// The part of the memory for what takes `bytes` of a point.
+  std::uint64_t share(const InOrderSetup& setup, std::uint64_t bytes) const {
+    const std::uint64_t found = found_bytes(k_, value_bytes_);
+    const std::uint64_t left = setup.memory_bytes - std::min(setup.memory_bytes, found);
+    return left / (sizeof(CellPoint) + value_bytes_) * bytes;
+  }
+
+  void take(const OrderedPoints& points, std::size_t first, std::size_t count, Findings& findings) {
+    numbers_.assign(count * k_, PointRecords::kNone);
+    found_.resize(numbers_.size() * value_bytes_);
+    other_.nearest_of_all(points.positions.subspan(first, count), {.k = k_, .most2 = most2_},
+                          [&](std::size_t i, const std::vector<CellNeighbor>& nearest) {
+                            for (std::size_t j = 0; j < nearest.size(); ++j) numbers_[i * k_ + j] = nearest[j].row;
+                          });
+    values_.gather(numbers_, found_);
+    const std::span<const std::uint64_t> rows = points.rows.subspan(first, count);
+    findings.rows.insert(findings.rows.end(), rows.begin(), rows.end());
+    const std::size_t made_before = findings.values.size();
+    findings.values.resize(made_before + count * made_bytes_);
+    std::vector<FirstRowError> refused(count / kTakenAtOnce + 1);
+    parallel_for_blocks(count, kTakenAtOnce, [&](std::size_t begin, std::size_t n, unsigned) {
+      for (std::size_t i = begin; i < begin + n; ++i) {
+        std::byte* const record = findings.values.data() + made_before + i * made_bytes_;
+        put_old_values(points, first + i, record);
+        put_taken_values(i, rows[i], record, refused[begin / kTakenAtOnce]);
+      }
+    });
+    for (const FirstRowError& part : refused) refused_.note(part);
+  }
+
+  /// The values that the point has; of new attributes, those of rows without a value.
+  void put_old_values(const OrderedPoints& points, std::size_t point, std::byte* record) const {
+    const std::size_t reads = points.rows.empty() ? 0 : points.words.size() / points.rows.size();
+    std::size_t read = point * reads;
+    for (const TakeTarget& target : rules_.targets) {
+      if (!target.old) {
+        std::memset(record, static_cast<int>(target.made.fill), target.made.bytes());
+      } else {
+        const Field before{.name = "", .type = target.old->type}, after{.name = "", .type = target.made.type};
+        for (std::uint32_t c = 0; c < target.made.fields.size(); ++c, ++read) {
+          const std::byte* const word = points.words[read].data();
+          if (before.type == after.type)
+            std::memcpy(record + c * size_of(after.type), word, size_of(after.type));
+          else
+            set_value(after, record, value_of(before, word), c);
+        }
+      }
+      record += target.made.bytes();
+    }
+  }
+
+  void put_taken_values(std::size_t i, std::uint64_t row, std::byte* record, FirstRowError& refused) const {
+    const std::span<const std::uint64_t> numbers = std::span(numbers_).subspan(i * k_, k_);
+    const auto count = static_cast<std::size_t>(std::ranges::find(numbers, PointRecords::kNone) - numbers.begin());
+    const std::span<const std::byte> records = std::span(found_).subspan(i * k_ * value_bytes_, count * value_bytes_);
+    const TakeOptions& options = rules_.options;
+    for (const TakenAttribute& taken : rules_.taken) {
+      std::optional<VotedValue> value = voted_value(taken, options.vote, records, value_bytes_);
+      if (!value && options.missing) value = {.real = *options.missing};
+      if (!value || put_value(*value, taken, options.vote == TakeVote::mean, record)) continue;
+      refused.note(row, [&] { return refusal(taken, value->number()); });
+    }
+  }
+
+  RowSentence refusal(const TakenAttribute& taken, double value) const {
+    return {fmt::format("{}: row ", rules_.place),
+            fmt::format(": '{0}' would be {1}, which is not {2}; drop({0}) before lets it have the type of {3}.",
+                        taken.name, value, taken.range.text(), rules_.options.cloud)};
+  }
+
+  const TakeRules rules_;
+  const std::size_t k_, value_bytes_;
+  std::size_t made_bytes_ = 0;
+  double most2_ = std::numeric_limits<double>::infinity();
+  PointCells other_;
+  PointRecords values_;
+  std::vector<std::uint64_t> numbers_;  ///< of the nearest points of a place after another, k for each
+  std::vector<std::byte> found_;        ///< their values
+  FirstRowError refused_;
+};
+
+}  // namespace
+
+std::unique_ptr<InOrderWork> start_taking(TakeRules rules, const InOrderSetup& setup) {
+  std::uint64_t value_bytes = 0;
+  for (const TakenAttribute& taken : rules.taken) value_bytes += taken.source.bytes();
+  return std::make_unique<TakeWork>(std::move(rules), value_bytes, setup);
+}
+
+std::uint64_t least_taking_bytes(std::uint64_t k, std::uint64_t value_bytes) {
+  return PointCells::least_bytes() + PointRecords::least_bytes(value_bytes) + found_bytes(k, value_bytes);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+/// The run of `take` over the points of a cloud.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pointsweep/operators/change/take.h"
+
+namespace pointsweep {
+
+struct TakeRules {
+  TakeOptions options;
+  std::string place;  ///< begins sentences
+  std::vector<TakenAttribute> taken;
+  std::vector<TakeTarget> targets;
+};
+
+/// Reads the other cloud. Throws Error where it has no point with a finite place. `rules` are those of a bound
+/// operator.
+std::unique_ptr<InOrderWork> start_taking(TakeRules rules, const InOrderSetup& setup);
+
+/// Returns the least memory of the work. `value_bytes`: of what is taken from a point.
+std::uint64_t least_taking_bytes(std::uint64_t k, std::uint64_t value_bytes);
+
+}  // namespace pointsweep

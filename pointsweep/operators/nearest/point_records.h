@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// Attributes of a set of points that does not fit in memory: they lie in scratch, and blocks of them in memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pointsweep/points/scratch.h"
+
+namespace pointsweep {
+
+/// Records of one length, numbered from 0 in the order in which they come. Questions that follow one another should be
+/// about records near to each other.
+class PointRecords {
+ public:
+  /// Stands for no record.
+  static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
+
+  /// `record_bytes`: of a record, > 0; `memory_bytes`: for the blocks that are in memory, of which there are a few in
+  /// any case.
+  PointRecords(std::size_t record_bytes, std::uint64_t memory_bytes, std::unique_ptr<Scratch> scratch);
+  /// Takes the next records, all of them before the first question.
+  void add(std::span<const std::byte> records);
+  void finish();
+  std::uint64_t count() const { return count_; }
+
+  /// Copies record numbers[i] to place i of `to`, on all threads, and nothing for kNone.
+  void gather(std::span<const std::uint64_t> numbers, std::span<std::byte> to);
+
+  static std::uint64_t least_bytes(std::size_t record_bytes);
+
+ private:
+  void load(std::span<const std::size_t> blocks);
+  void end_block();
+
+  std::size_t record_bytes_, most_loaded_;
+  std::unique_ptr<Scratch> scratch_;
+  std::vector<std::byte> block_;                ///< that grows
+  std::uint64_t count_ = 0;                     ///< of the records in scratch
+  std::vector<std::vector<std::byte>> blocks_;  ///< empty: not in memory
+  std::vector<std::size_t> loaded_;
+};
+
+}  // namespace pointsweep
