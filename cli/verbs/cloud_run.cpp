@@ -32,6 +32,7 @@ EngineOptions run_options(const CommonOptions& options) {
 /// The files that a command names; standard input can be read then.
 ResolvedFiles files_of(InputsAndOutput named, const CommonOptions& options) {
   for (const auto& path : {options.stats, options.report, options.half_way_states}) named.other_outputs.push_back(path);
+  named.divides = options.division.divides();
   named.resumes = !options.resume_folder.empty();
   ResolvedFiles files = resolve(named, options.format);
   take_standard_input(files.inputs, options);
@@ -50,14 +51,19 @@ void complete(OutputFile& file, const std::string& text) {
   file.seal();
 }
 
+/// Returns whether the run has named its outputs.
+bool is_divided(const ResolvedFiles& files) {
+  return files.tiles.empty() && files.output.filename().string().find('*') != std::string::npos;
+}
+
 /// The share of a run that the page about it may take in addition, and what it may take of a short run, in seconds.
 constexpr double kPageShare = 0.1, kPageSeconds = 0.5;
 
 /// Adds the result, read again, to the summary; nothing where the output is no point file or has no point to show.
 void add_result(const ResolvedFiles& files, const InputCloud& input, ProgressDisplay& display, RunSummary& summary) {
   const Statistics& statistics = summary.statistics;
-  if (is_array_name(files.output) || is_standard_stream(files.output) || statistics.points_written == 0 ||
-      statistics.nonfinite - statistics.dropped == statistics.points)
+  if (is_divided(files) || is_array_name(files.output) || is_standard_stream(files.output) ||
+      statistics.points_written == 0 || statistics.nonfinite - statistics.dropped == statistics.points)
     return;
   const auto start = std::chrono::steady_clock::now();
   InputCloud cloud(files.tiles.empty() ? std::vector{files.output} : files.tiles, {.ignore_crs = true});
@@ -113,10 +119,10 @@ std::set<std::string> about_degenerate(const Statistics& s, const std::filesyste
 
 /// "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory"
 std::string conclusion(const ResolvedFiles& files, const Statistics& s) {
-  std::string text =
-      fmt::format("wrote {}: ", is_standard_stream(files.output) ? "standard output" : files.output.string());
-  if (!files.tiles.empty())
-    text += files.tiles.size() == 1 ? "1 file, " : fmt::format("{} files, ", files.tiles.size());
+  const std::filesystem::path output = is_divided(files) ? files.output.parent_path() / "" : files.output;
+  std::string text = fmt::format("wrote {}: ", is_standard_stream(output) ? "standard output" : output.string());
+  if (!files.tiles.empty() || is_divided(files))
+    text += s.files_written == 1 ? "1 file, " : fmt::format("{} files, ", s.files_written);
   text += fmt::format("{} points", s.points_written);
   if (s.points_written < s.points) text += fmt::format(" of {}", s.points);
   text += fmt::format(" in {:.1f} s", s.total_seconds);

@@ -57,6 +57,8 @@ void add_pipeline_options(CLI::App& verb, PipelineRun& run);
 
 /// Adds the options of add_pipeline_options() without the options of normals.
 void add_output_options(CLI::App& verb, PipelineRun& run);
+/// Adds the options of add_output_options() without those that divide the output.
+void add_file_options(CLI::App& verb, PipelineRun& run);
 
 /// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or one that has its own.
 void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation);

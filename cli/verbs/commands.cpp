@@ -26,6 +26,8 @@ void add_commands(CLI::App& app) {
   add_pipeline_commands(app);
   add_thin_command(app);
   add_transform_command(app);
+  add_tile_command(app);
+  add_split_command(app);
   add_ground_command(app);
   add_neighbors_command(app);
   add_sort_command(app);

@@ -13,6 +13,8 @@ void add_convert_command(CLI::App& app);
 void add_pipeline_commands(CLI::App& app);  // normals, curvature, splats, features, fair, denoise
 void add_thin_command(CLI::App& app);
 void add_transform_command(CLI::App& app);
+void add_tile_command(CLI::App& app);
+void add_split_command(CLI::App& app);
 void add_ground_command(CLI::App& app);
 void add_neighbors_command(CLI::App& app);
 void add_sort_command(CLI::App& app);

@@ -31,15 +31,17 @@ const char* group_of(const RunOption& option) {
 
 }  // namespace
 
-void add_run_option(CLI::App& verb, RunOptions& options, std::string_view name, const char* meaning) {
+void add_run_option(CLI::App& verb, RunOptions& options, std::string_view name, const char* meaning,
+                    const char* other_flag) {
   const RunOption& declared = run_option(name);
+  const std::string named = other_flag != nullptr ? other_flag : declared.flag;
   const std::string text = meaning != nullptr ? meaning : declared.meaning;
-  const auto set = [&options, &declared](const std::string& value) {
-    declared.set(options, value, declared.flag.substr(declared.flag.find("--")));
+  const auto set = [&options, &declared, named](const std::string& value) {
+    declared.set(options, value, named.substr(named.find("--")));
   };
   CLI::Option* const flag = declared.value.empty() ? verb.add_flag_callback(
-                                                         declared.flag, [set] { set(kSwitchedOn); }, text)
-                                                   : verb.add_option_function<std::string>(declared.flag, set, text);
+                                                         named, [set] { set(kSwitchedOn); }, text)
+                                                   : verb.add_option_function<std::string>(named, set, text);
   flag->type_name(declared.value)->group(group_of(declared));
 }
 

@@ -36,7 +36,9 @@ struct CommonOptions : EngineOptions {
 CloudOptions cloud_options(const CommonOptions& options);
 
 /// Adds the flag of an option of runs. `meaning`: another sentence for the help than that of the declaration.
-void add_run_option(CLI::App& verb, RunOptions& options, std::string_view name, const char* meaning = nullptr);
+/// `flag`: another one than that of the declaration.
+void add_run_option(CLI::App& verb, RunOptions& options, std::string_view name, const char* meaning = nullptr,
+                    const char* flag = nullptr);
 void add_named_options(CLI::App& verb, RunOptions& options, std::initializer_list<std::string_view> names);
 /// --quiet, --progress-fd N
 void add_progress_options(CLI::App& verb, CommonOptions& options);
@@ -65,6 +67,7 @@ struct InputsAndOutput {
   std::filesystem::path named_output;                ///< of --output; empty: the last of `files`
   bool recursive = false;                            ///< --recursive
   std::string output_format;                         ///< --output-format; empty: the format of each input
+  bool divides = false;                              ///< OUT is a folder for files that the run names
   bool resumes = false;                              ///< OUT may be a folder with outputs of an earlier process
   std::vector<std::filesystem::path> other_inputs;   ///< files that are read in addition to points
   std::vector<std::filesystem::path> other_outputs;  ///< files that are written in addition to OUT
@@ -79,9 +82,9 @@ struct InputsAndOutput {
 /// The files to read and to write.
 struct ResolvedFiles {
   std::vector<std::filesystem::path> inputs;  ///< folders, patterns and .vpc files replaced by what they stand for
-  std::filesystem::path output;
-  std::vector<std::filesystem::path> tiles;  ///< an output for each input, if `output` is a folder; else empty
-  std::vector<std::string> notices;          ///< files that are left out, for people
+  std::filesystem::path output;               ///< with a * in its name if the run divides it among files
+  std::vector<std::filesystem::path> tiles;   ///< an output for each input, if `output` is a folder; else empty
+  std::vector<std::string> notices;           ///< files that are left out, for people
 };
 
 /// IN... OUT and --recursive. `output_meaning` goes on after "then output", e.g. "with the attributes of the input".
@@ -94,10 +97,10 @@ void add_output_format_option(CLI::App& verb, std::string& format);
 void add_output_option(CLI::App& verb, std::filesystem::path& output);
 
 /// Lists the inputs (pointsweep/files.h); `format`: of --format, or "". Where OUT is a folder, or ends in '/', each
-/// input has an output in it. Throws UsageError where no input or no output is named, where a list of several inputs
-/// ends with a file or a folder of point files that exists (a pattern such as *.las with OUT forgotten), where an
-/// output is an input or another output, and where inputs have no format that is written; Error for a folder without
-/// point files.
+/// input has an output in it, unless the run names its files. Throws UsageError where no input or no output is named,
+/// where a list of several inputs ends with a file or a folder of point files that exists (a pattern such as *.las with
+/// OUT forgotten), where an output is an input or another output, and where inputs have no format that is written;
+/// Error for a folder without point files.
 ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format);
 
 /// Checks a verb that makes one output of all inputs: throws UsageError with the reason where the output is a folder.

@@ -55,16 +55,16 @@ void require_input_and_output(const InputsAndOutput& named) {
 }
 
 /// A folder of outputs among its inputs: a later run would take its files as inputs.
-void require_no_folder_of_inputs(const InputsAndOutput& named) {
+void require_no_folder_of_inputs(const InputsAndOutput& named, const fs::path& folder) {
   std::error_code error;
-  const fs::path output = fs::weakly_canonical(fs::absolute(named.output() / "", error), error);
+  const fs::path output = fs::weakly_canonical(fs::absolute(folder / "", error), error);
   for (const fs::path& input : named.inputs()) {
     if (!fs::is_directory(input, error)) continue;
     const fs::path relative = output.lexically_relative(fs::canonical(input / "", error));
     const bool is_same = relative == "." || relative == "./" || relative.empty();
     if (is_same || (named.recursive && relative.begin()->string() != ".."))
       fail_usage("{}: is {} the folder of inputs {}, so its files would be inputs of a later run; name another folder.",
-                 named.output().string(), is_same ? "also" : "in", input.string());
+                 folder.string(), is_same ? "also" : "in", input.string());
   }
 }
 
@@ -77,12 +77,38 @@ void require_written_format(const fs::path& input, const fs::path& output) {
              input.string(), extension_of(output).empty() ? "without extension" : "*" + extension_of(output));
 }
 
-std::vector<fs::path> tiles_in(const InputsAndOutput& named, const std::vector<ListedFile>& inputs) {
-  require_no_folder_of_inputs(named);
+/// The folder of outputs is made, but not the folders that it is in.
+void require_place_of(const fs::path& folder) {
   std::error_code error;
-  const fs::path parent = (named.output() / "").parent_path().parent_path();
+  const fs::path parent = (folder / "").parent_path().parent_path();
   if (!parent.empty() && !fs::is_directory(parent, error))
-    fail("{}: the folder {} does not exist; create it first.", named.output().string(), parent.string());
+    fail("{}: the folder {} does not exist; create it first.", folder.string(), parent.string());
+}
+
+/// Returns the paths of the files among which a run divides its output, with a * for their names: OUT if it has one,
+/// else all in the folder OUT.
+fs::path divided_output(const InputsAndOutput& named, const std::vector<ListedFile>& inputs) {
+  const fs::path& output = named.output();
+  if (is_standard_stream(output)) fail_usage("-: many files are written; name a folder for them.");
+  require_output_name(output);
+  const bool is_pattern = output.filename().string().find('*') != std::string::npos;
+  if (!is_pattern && !is_folder_name(output) && format_of_output(output) != nullptr)
+    fail_usage("{}: is the name of one file, and many are written; name a folder for them.", output.string());
+  const fs::path folder = is_pattern ? output.parent_path() : output;
+  if (!folder.empty()) require_no_folder_of_inputs(named, folder);
+  require_place_of(folder);
+  if (is_pattern && !named.output_format.empty())
+    fail_usage("--output-format: {} says the format; leave the option out, or name a folder.", output.string());
+  const fs::path& first = inputs.front().path;
+  const std::string own = is_standard_stream(first) ? ".ply" : extension_of(first);
+  fs::path pattern = is_pattern ? output : output / ("*" + (named.output_format.empty() ? own : named.output_format));
+  if (!is_standard_stream(first)) require_written_format(first, pattern);
+  return pattern;
+}
+
+std::vector<fs::path> tiles_in(const InputsAndOutput& named, const std::vector<ListedFile>& inputs) {
+  require_no_folder_of_inputs(named, named.output());
+  require_place_of(named.output());
   std::vector<fs::path> tiles;
   std::map<fs::path, fs::path> inputs_of;
   for (const ListedFile& input : inputs) {
@@ -148,11 +174,14 @@ void add_output_option(CLI::App& verb, fs::path& output) {
 
 ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format) {
   require_input_and_output(named);
-  const bool is_folder = is_folder_name(named.output());
+  const bool is_folder = named.divides || is_folder_name(named.output());
   require_folder_for_format(named, is_folder);
   InputList list = list_inputs(named.inputs(), named.recursive, format);
   ResolvedFiles files{.inputs = {}, .output = named.output(), .tiles = {}, .notices = std::move(list.notices)};
-  if (is_folder) files.tiles = tiles_in(named, list.files);
+  if (named.divides)
+    files.output = divided_output(named, list.files);
+  else if (is_folder)
+    files.tiles = tiles_in(named, list.files);
   for (ListedFile& file : list.files) files.inputs.push_back(std::move(file.path));
   std::vector<fs::path> read = files.inputs, written = files.tiles;
   if (!is_folder) written.push_back(files.output);

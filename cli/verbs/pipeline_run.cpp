@@ -129,6 +129,11 @@ void add_pipeline_options(CLI::App& verb, PipelineRun& run) {
 }
 
 void add_output_options(CLI::App& verb, PipelineRun& run) {
+  add_named_options(verb, run.common, {"tile", "tile_origin", "tile_buffer", "split"});
+  add_file_options(verb, run);
+}
+
+void add_file_options(CLI::App& verb, PipelineRun& run) {
   add_output_format_option(verb, run.paths.output_format);
   add_keep_option(verb, run.common.keep, kKeepMeaning);
   add_named_options(verb, run.common,

@@ -34,6 +34,7 @@ std::vector<std::uint64_t> rows_named_in(const std::string& path) {
 VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& display) {
   VerifyOptions options = command.check;
   options.axis = command.common.axis;
+  options.division = command.common.division;
   options.prefix = command.common.prefix;
   options.decimals = command.common.layout.decimals;
   options.nonfinite = command.common.nonfinite;
@@ -83,6 +84,8 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
   add_named_options(verb, command.common, {"axis", "nonfinite"});
   add_run_option(verb, command.common, "prefix", "The --prefix of the run");
   add_run_option(verb, command.common, "decimals", "The --decimals of the run");
+  for (const char* name : {"tile", "tile_origin", "tile_buffer", "split"})
+    add_run_option(verb, command.common, name, "The same of the run, where the files have no record of it");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 /// Running a chain of operators over a cloud of any size: the library's front door.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -87,6 +88,26 @@ struct Resources {
   std::filesystem::path temp_folder = {};
 };
 
+/// The division of the points of an output among several point files: by square tiles in x and y, or by the values of
+/// an attribute. Each point is in exactly one file, where the points keep their order. All files have one layout, one
+/// grid and one header but for counts and bounds. Files without points are not written.
+struct OutputDivision {
+  /// Length of the edge of a tile, above 0; absent: no tiles. Tile (i, j) holds origin.x + i * tile <= x < origin.x +
+  /// (i + 1) * tile, and y likewise, in float64, of the coordinates that a reader of the output gets. Its name is
+  /// `X_Y`, its lower corner. Points whose x or y is not finite are in the file `unplaced`.
+  std::optional<double> tile = {};
+  std::array<double, 2> tile_origin = {0, 0};  ///< a corner of tiles
+  /// From 0 to `tile`: a tile also holds the points of the eight tiles around it that are less than this outside of it
+  /// in x and in y, at its lower sides up to this. All points have the attribute `buffer`, which is 1 for these.
+  double tile_buffer = 0;
+  /// Name of an attribute of the output, of whole numbers. The name of a file is `ATTRIBUTE_VALUE`. Empty: none.
+  std::string split = {};
+
+  /// Returns whether there is more than one file.
+  bool divides() const { return tile.has_value() || !split.empty(); }
+  friend bool operator==(const OutputDivision&, const OutputDivision&) = default;
+};
+
 /// Options of a run: first the options that the results depend on, then its resources, then its observer.
 struct RunOptions {
   Order order = Order::input;
@@ -99,6 +120,9 @@ struct RunOptions {
   /// for LAS, which stores integers.
   std::optional<Type> positions = {};
   FileLayout layout = {};  ///< of the files
+  /// Of Outputs::points, whose path then has a * in the place of the name of each file. At most 10,000 files are
+  /// written, unless `overwrite` allows more, which it refuses before the first. Not with resume_folder.
+  OutputDivision division = {};
   /// Attributes of the input that made ones may overwrite, although they are not the same: `curvature`, above all,
   /// which programs disagree about. What bears the very name of a made one (nx, ny, nz) is overwritten in any case.
   std::vector<std::string> replace = {};
@@ -119,7 +143,8 @@ struct RunOptions {
 /// Destinations of the results: any of the first three, e.g. {.points = "out.ply"}, or tiles. A run without a
 /// destination is refused.
 struct Outputs {
-  /// Point file with the attributes of the input and the made ones; the extension says the format.
+  /// Point file with the attributes of the input and the made ones; the extension says the format. With
+  /// RunOptions::division: the point files, e.g. out/*.laz, where * stands for their names. Missing folders are made.
   std::filesystem::path points = {};
   /// Made attribute -> .npy file; needs Order::input.
   std::vector<std::pair<std::string, std::filesystem::path>> arrays = {};

@@ -41,6 +41,7 @@ struct DegenerateResults {
 struct Statistics {
   std::uint64_t points = 0;          ///< points of the input, without the dropped ones
   std::uint64_t points_written = 0;  ///< points of the input that no select has left out
+  std::uint64_t files_written = 0;   ///< point files
   std::uint64_t sweeps = 0;          ///< passes that find neighbourhoods
   std::uint64_t k = 0;               ///< number of neighbours in the first sweep; 0: no limit
   std::uint64_t certified = 0;   ///< points whose neighbourhoods are proven exact in every sweep: all finite ones that

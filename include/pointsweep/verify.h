@@ -36,6 +36,7 @@ struct VerifyOptions {
   std::string pipeline = {};
   Options neighborhood = {};
   std::vector<std::string> keep = {};
+  OutputDivision division = {};  ///< RunOptions::division of the run, if the files in the folder have no record
   Nonfinite nonfinite = Nonfinite::by_format;  ///< RunOptions::nonfinite of the run
   bool recursive = false;                      ///< folders among the inputs stand for the files in their folders, too
   CloudOptions cloud = {};                     ///< how the inputs become one cloud

@@ -20,6 +20,9 @@ namespace pointsweep {
 
 class InputCloud;
 
+/// Returns the coordinate on an axis (0, 1, 2) that a reader of an output gets where `value` is written.
+using StoredCoordinate = std::function<double(std::size_t axis, double value)>;
+
 struct Format {
   enum class Content : std::uint8_t {
     points,  ///< points with attributes
@@ -78,6 +81,10 @@ struct Format {
   /// the number of points read; it may throw.
   KnownValues (*values)(InputCloud& cloud, const FileLayout& layout,
                         const std::function<void(std::uint64_t rows)>& progress) = nullptr;
+
+  /// Returns how the output of a plan rounds coordinates; none where it holds them as they come. Null: its outputs hold
+  /// all coordinates as they come.
+  StoredCoordinate (*stored_coordinate)(const OutputPlan& plan) = nullptr;
 
   /// Returns whether this build reads and writes the format, as far as `open` and `create` are given.
   bool is_built_in() const { return has_codec == nullptr || has_codec(); }

@@ -111,6 +111,7 @@ std::string to_json(const Statistics& s) {
   nlohmann::ordered_json json = {
       {"points", s.points},
       {"points_written", s.points_written},
+      {"files_written", s.files_written},
       {"sweeps", s.sweeps},
       {"k", s.k},
       {"certified", s.certified},

@@ -15,6 +15,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/files.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/formats/files/folder_entries.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/pipeline/language/build_chain.h"
@@ -24,29 +25,13 @@
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/verify/checked_stages.h"
+#include "pointsweep/verify/divided_output.h"
 #include "pointsweep/verify/outlier_threshold.h"
+#include "pointsweep/verify/rows/cloud_reader.h"
 #include "pointsweep/verify/verify.h"
 
 namespace pointsweep {
 namespace {
-
-class CloudReader final : public Reader {
- public:
-  /// `name`: what the files are called together in sentences.
-  CloudReader(InputCloud cloud, const std::filesystem::path& name) : cloud_(std::move(cloud)) {
-    info_.path = name;
-    info_.format = "several files";
-    info_.schema = cloud_.schema();
-    info_.count = cloud_.count();
-    info_.bytes = cloud_.bytes();
-    info_.crs = cloud_.crs();
-    info_.las = cloud_.las();
-  }
-  std::size_t read(std::uint64_t row, std::span<std::byte> records) override { return cloud_.read(row, records); }
-
- private:
-  InputCloud cloud_;
-};
 
 namespace fs = std::filesystem;
 
@@ -56,10 +41,12 @@ struct OutputCheck {
   fs::path output;
   VerifyOptions options;
   std::vector<OptionText> neighborhood;
-  std::vector<fs::path> tiles;  ///< an output for each input, if the output is a folder
+  std::vector<fs::path> tiles;  ///< the files of the output, if it is a folder: an output for each input, unless the
+                                ///< run has divided its output
   bool recorded = false;        ///< the pipeline comes from the record, which names what is not a default in metres
   bool without_stages = false;  ///< the record says that the run was a sort or a conversion
 
+  bool is_divided() const { return options.division.divides(); }
   bool says_how() const { return !options.pipeline.empty() || !neighborhood.empty() || !options.keep.empty(); }
 };
 
@@ -116,18 +103,33 @@ fs::path tile_of(const ListedFile& input, const fs::path& folder) {
        input.path.string());
 }
 
+/// Lists the files in the folder if a run has divided its output among them, as the options or the first file say.
+void list_parts(OutputCheck& check) {
+  const auto is_file = [](const fs::directory_entry& entry) {
+    return !is_hidden(entry.path()) && entry.is_regular_file() && is_point_file(entry.path());
+  };
+  if (std::ranges::none_of(entries_of(check.output), is_file)) return;
+  const InputList files = list_inputs({check.output}, false, "");
+  OutputDivision& division = check.options.division;
+  const std::optional<ProvenanceRecord> record = recorded_run(files.files.front().path);
+  if (record && !division.divides()) division = recorded_division(*record);
+  if (!division.divides()) return;
+  for (const ListedFile& file : files.files) check.tiles.push_back(file.path);
+}
+
 /// Replaces folders, patterns and .vpc files among the inputs by what they stand for; the output may be a folder.
 void list_files(OutputCheck& check) {
   const fs::path& output = check.output;
   const bool is_folder = fs::is_directory(output);
-  if (check.inputs.empty() && is_folder)
+  if (is_folder) list_parts(check);
+  if (check.inputs.empty() && is_folder && !check.is_divided())
     fail_usage("{}: is a folder; name the inputs too: pointsweep verify tiles/ {}.", output.string(), output.string());
   if (check.inputs.empty()) return;
   const InputList inputs = list_inputs(check.inputs, check.options.recursive, check.options.cloud.format);
   check.inputs.clear();
   for (const ListedFile& input : inputs.files) {
     check.inputs.push_back(input.path);
-    if (is_folder) check.tiles.push_back(tile_of(input, output));
+    if (is_folder && !check.is_divided()) check.tiles.push_back(tile_of(input, output));
   }
 }
 
@@ -239,10 +241,11 @@ MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out
   if (all_are_dropped) leave_selects(made);
   leave_out(plan.kept, options.prefix, cloud.schema(), made);
   // Outliers are compared with the mean distances in the output, which are compared with the input.
-  if (made.leaves_out && options.order == Order::sweep)
+  made.in_any_order = check.is_divided();
+  if (made.leaves_out && (options.order == Order::sweep || made.in_any_order))
     fail_usage(
-        "verify: which rows a stage after others has left out is not told by an output in the order of the sweep; "
-        "verify one in the order of the input.");
+        "verify: which rows a stage after others has left out is not told by an output in the order of the sweep, nor "
+        "by one that is divided among files; verify one file in the order of the input.");
   if (!made.leaves_out)
     made.outlier_threshold = outlier_threshold(out, made.operators, options.prefix, options.progress);
   if (!options.pipeline.empty() || !options.keep.empty()) return made;
@@ -266,13 +269,20 @@ Verdict checked(const OutputCheck& check, InputCloud& cloud) {
     const std::unique_ptr<Reader> array = array_format().open(check.output);
     return verify(cloud, *array, true, made_by_neighbors(check, cloud, *array), options);
   }
+  DividedOutput divided;
+  if (check.is_divided()) divided = read_divided(check.tiles, check.output, options.division, options.progress);
   const std::unique_ptr<Reader> out =
-      check.tiles.empty() ? open_reader(check.output)
-                          : std::make_unique<CloudReader>(InputCloud(check.tiles, {.ignore_crs = true}), check.output);
+      check.is_divided() ? std::move(divided.own)
+      : check.tiles.empty()
+          ? open_reader(check.output)
+          : std::make_unique<CloudReader>(InputCloud(check.tiles, {.ignore_crs = true}), check.output);
   const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
   const auto made_with = [&](const std::set<std::string>& changed) {
     MadeBy made = made_by_pipeline(check, cloud, *out, changed);
     if (format != nullptr) made.own_field = format->own_field;
+    made.in_any_order = check.is_divided();
+    made.known_differences = divided.sentences;
+    made.more_differences = divided.misplaced - divided.sentences.size();
     return made;
   };
   const MadeBy made = made_with({});

@@ -49,6 +49,8 @@ class Verification {
   }
 
   Verdict run() {
+    for (const std::string& difference : made_by_.known_differences) differ("{}", difference);
+    verdict_.difference_count += made_by_.more_differences;
     pair_made_attributes();
     if (made_by_.leaves_out && !find_kept_rows()) return std::move(verdict_);
     compare();
@@ -109,14 +111,19 @@ class Verification {
       made_values_.emplace_back(estimate, std::move(pairs));
   }
 
-  /// False where rows of the output are not rows of the input in its order.
-  bool find_kept_rows() {
+  /// Pairs the fields by which rows of the output are recognized.
+  void pair_known_fields() {
     for (std::size_t f = 0; f < replaced_.size(); ++f)
       if (!replaced_[f])
         if (const auto pairs = pairs_of_field(in_.schema(), f, out_.schema(), options_.decimals))
           known_.insert(known_.end(), pairs->begin(), pairs->end());
     if (known_.empty())
-      fail_usage("verify: {} holds nothing of the input, which tells what rows were left out.", out_.name());
+      fail_usage("verify: {} holds nothing of the input, by which its rows are recognized.", out_.name());
+  }
+
+  /// False where rows of the output are not rows of the input in its order.
+  bool find_kept_rows() {
+    pair_known_fields();
     alignment_ = align_rows(in_, out_, known_, options_.progress);
     verdict_.left_out = in_.count() - alignment_->kept.size();
     verdict_.arrivals.points_in = in_.count(), verdict_.arrivals.points_out = out_.count();
@@ -160,7 +167,11 @@ class Verification {
     if (a.points_in != a.points_out) differ("{} points came out of {}", a.points_out, a.points_in);
     if (!verdict_.attributes_compared) {
       verdict_.order = "input";
+    } else if (made_by_.in_any_order) {
+      judge_values_in_any_order();
+      verdict_.order = "files of the output";
     } else if (sweep_is_meant()) {
+      judge_values_in_any_order();
       judge_sweep_order();
     } else {
       verdict_.order = "input";
@@ -193,7 +204,7 @@ class Verification {
     }
   }
 
-  void judge_sweep_order() {
+  void judge_values_in_any_order() {
     const Arrivals& a = verdict_.arrivals;
     for (const AttributeArrival& one : a.attributes)
       if (one.sum_in != one.sum_out) differ("the values of {} are not those of the input", one.name);
@@ -201,6 +212,10 @@ class Verification {
                                        [](const AttributeArrival& one) { return one.sum_in != one.sum_out; });
     if (!sums_tell && a.sum_in != a.sum_out && a.points_in == a.points_out)
       differ("all values are there, but not all with the points they belong to");
+  }
+
+  void judge_sweep_order() {
+    const Arrivals& a = verdict_.arrivals;
     axis_ = options_.axis ? *options_.axis : a.bounds.longest_axis();
     verdict_.order = fmt::format("sweep along {}", "xyz"[axis_]);
     if (moved() || a.ascending[static_cast<std::size_t>(axis_)]) return;
@@ -216,8 +231,14 @@ class Verification {
 
   void check_sample() {
     std::vector<std::uint64_t> places = rows_;  // of the sample in the output
+    if (made_by_.in_any_order) {
+      pair_known_fields();
+      const auto found = rows_with_values(in_, out_, known_, rows_, options_.progress);
+      if (!found) return;  // a difference is known then
+      places = *found, ++verdict_.passes;
+    }
     if (axis_ >= 0) places = sweep_rows(in_, rows_, axis_, options_.progress), ++verdict_.passes;
-    CloudRows rows(in_, out_, axis_, options_.memory_bytes, options_.progress, !alignment_);
+    CloudRows rows(in_, out_, axis_, options_.memory_bytes, options_.progress, !alignment_ && !made_by_.in_any_order);
     for (std::string& untold :
          chain_.look_at_cloud(rows, made_by_.neighborhood, made_by_.before_means.get(), columns_of_output()))
       verdict_.untold.push_back(std::move(untold));

@@ -31,6 +31,10 @@ struct MadeBy {
   CloudThreshold outlier_threshold = {};
   /// Selects after other stages are among the operators: the output has a part of the rows of the input.
   bool leaves_out = false;
+  /// The output has the rows in an order that neither the input nor the points tell.
+  bool in_any_order = false;
+  std::vector<std::string> known_differences = {};  ///< of the output, found before the check
+  std::uint64_t more_differences = 0;               ///< further ones
   /// Other stages leave out rows too, so that a row that the output has not may have gone there.
   bool leaves_out_more = false;
   std::vector<std::string> untold = {};  ///< sentences about what is not checked, and why

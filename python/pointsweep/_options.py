@@ -99,11 +99,11 @@ def _threads(_: str, threads: Any) -> str:
     return str(whole("threads", threads))
 
 
-def _numbers(name: str, value: Any, one_for_all: bool = False) -> str:
-    """Three numbers, or one that stands for all, as a text."""
+def _numbers(name: str, value: Any, one_for_all: bool = False, count: int = 3) -> str:
+    """Some numbers, or one that stands for all, as a text."""
     several = [value] if isinstance(value, str) or not np.ndim(value) else list(value)
-    if len(several) not in ((1, 3) if one_for_all else (3,)):
-        raise UsageError(f"{name}: {value!r} is not {'a number or ' if one_for_all else ''}three numbers.")
+    if len(several) not in ((1, count) if one_for_all else (count,)):
+        raise UsageError(f"{name}: {value!r} is not {'a number or ' if one_for_all else ''}{'two' if count == 2 else 'three'} numbers.")
     return ",".join(repr(number(name, v)) for v in several)
 
 
@@ -112,6 +112,10 @@ _TEXTS: dict[str, Callable[[str, Any], str]] = {
     "": lambda _, value: "yes" if value else "",
     "S|X,Y,Z": lambda name, value: _numbers(name, value, one_for_all=True),
     "auto|X,Y,Z": lambda name, value: value if isinstance(value, str) and value == "auto" else _numbers(name, value),
+    "X,Y": lambda name, value: _numbers(name, value, count=2),
+    "LENGTH": lambda name, value: repr(number(name, value)),
+    "WIDTH": lambda name, value: repr(number(name, value)),
+    "ATTRIBUTE": lambda name, value: names(name, value)[0],
     "DIGITS": lambda name, value: str(whole(name, value)),
     "A,B,...": lambda name, value: ",".join(names(name, value)),
     "DIR": path,
@@ -157,7 +161,7 @@ def refuse_options(given: dict[str, Any], names: Iterable[str], remark: str) -> 
 
 def refuse_options_of_files(given: dict[str, Any], remedy: str) -> None:
     """Raises UsageError for a checked option that only outputs in files have."""
-    layout = ("scale", "offset", "point_format", "las_version", "decimals")
+    layout = ("scale", "offset", "point_format", "las_version", "decimals", "tile", "tile_origin", "tile_buffer", "split")
     refuse_options(given, ("prefix", "resume", "provenance", *layout), f"is for outputs in files; {remedy}")
 
 

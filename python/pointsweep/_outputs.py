@@ -35,8 +35,11 @@ def _writable(name: str, array: np.ndarray) -> np.ndarray:
     return array.reshape(len(array), -1) if len(array) else array.reshape(0, array.shape[1] if array.ndim == 2 else 1)
 
 
-def outputs_of(to: Path | Sequence[Path], source: Source) -> str | list[str]:
-    """The file to write, or a list with a file for each input."""
+def outputs_of(to: Path | Sequence[Path], source: Source, divides: bool) -> str | list[str]:
+    """The file to write, or a list with a file for each input; where the run `divides` its output, the files with a * for
+    the name of each."""
+    if divides:
+        return _divided(to, source)
     if not isinstance(to, (str, os.PathLike)):
         files = [path("to", file) for file in to]
         if not files:
@@ -48,6 +51,17 @@ def outputs_of(to: Path | Sequence[Path], source: Source) -> str | list[str]:
     if not source.is_files:
         raise UsageError(f"to: {named} is a folder, which gets a file for each input file; name a file for arrays.")
     return [os.path.join(named, _tile_name(name)) for name in source.names]
+
+
+def _divided(to: Path | Sequence[Path], source: Source) -> str:
+    if not isinstance(to, (str, os.PathLike)):
+        raise UsageError("to: tile and split name the files themselves; give their folder.")
+    named = path("to", to)
+    if "*" in os.path.basename(named):
+        return named
+    if not source.is_files:
+        raise UsageError(f"to: {named} says no format for arrays; name the files, e.g. {os.path.join(named, '*.laz')}.")
+    return os.path.join(named, "*" + os.path.splitext(source.names[0])[1])
 
 
 def _tile_name(name: str) -> str:

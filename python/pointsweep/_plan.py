@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from . import _core
 from ._errors import UsageError
 from ._options import names, path, run_options, with_run_options
+from ._outputs import outputs_of
 from ._sources import source_of
 from ._stage_list import stages_of
 from ._types import Path, PipelineLike, RunOptions
@@ -47,9 +48,12 @@ def plan(
     """
     stages = stages_of(pipeline)
     checked = run_options(**options)
+    divides = bool(checked["tile"] or checked["split"])
     file = "" if to is None else path("to", to)
-    if file.endswith(os.sep) or os.path.isdir(file or os.devnull):
-        raise UsageError(f"to: {file} is a folder; a plan is that of a run to one file.")
+    if not divides and (file.endswith(os.sep) or os.path.isdir(file or os.devnull)):
+        raise UsageError(f"to: {file} is a folder; a plan is that of a run to one file, or one that divides its output.")
     source = source_of(points, attributes, crs, checked)
+    if file and divides:
+        file = str(outputs_of(file, source, divides))
     text = _core.plan(source.inputs, stages, names("keep", keep), {**checked, **source.options}, source.groups, file)
     return Plan(text)

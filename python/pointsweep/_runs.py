@@ -101,6 +101,11 @@ def run(
         input, or the shortest that holds all.
     las_version : '1.0' to '1.4'. Default: that of the input, or '1.4'.
     decimals : digits of x, y and z after the decimal point in text outputs. Default: as many as their values need.
+    tile : divides the points among square tiles of this edge: files X_Y in the folder `to`, named after their lower
+        corners, of the format of the first input; `to` may also name them, e.g. 'out/*.laz'.
+    tile_origin : a corner of tiles, two numbers. Default: 0, 0.
+    tile_buffer : tiles also hold the points of their neighbours within this width, with an attribute 'buffer' of 1.
+    split : an attribute; the folder `to` gets a file for each of its values.
     provenance : the processing record of output files names inputs by their 'names' (the default) or by their absolute
         'paths'; False: files get no record.
     ignore_crs : coordinates of different systems are merged and compared without a transformation.
@@ -152,7 +157,7 @@ def performed(
         raise UsageError("out: is for results in arrays; leave it out, or to=.")
     if given["resume"] and not source.is_files:
         raise UsageError("resume: is for files; arrays are gone when this process ends.")
-    files = outputs_of(to, source)
+    files = outputs_of(to, source, divides=bool(given["tile"] or given["split"]))
     stages = identified(stages, resumed=bool(given["resume"]))
     with called(progress) as shown:
         _, statistics = _core.run(source.inputs, stages, kept, given, source.groups, files, {}, shown, warn)

@@ -172,7 +172,7 @@ def neighbors(
     checked = run_options(**options)
     source = source_of(points, attributes, crs, checked)
     given = {**checked, **source.options}
-    refuse_options(given, ("order", "prefix", "resume", "provenance", "positions", "scale", "offset", "point_format", "las_version", "decimals"), "is not an option of neighbors")
+    refuse_options(given, ("order", "prefix", "resume", "provenance", "positions", "scale", "offset", "point_format", "las_version", "decimals", "tile", "tile_origin", "tile_buffer", "split"), "is not an option of neighbors")
     if k is None and radius is not None:
         with called(progress) as shown:
             lists = _core.radius_neighbors(source.inputs, number("radius", radius), given, shown, warn)

@@ -70,6 +70,10 @@ class RunOptions(TypedDict, total=False):
     point_format: int | None
     las_version: Literal["1.0", "1.1", "1.2", "1.3", "1.4"] | None
     decimals: int | None
+    tile: float | None
+    tile_origin: Sequence[float] | None
+    tile_buffer: float | None
+    split: str | None
     provenance: Literal["names", "paths"] | bool
     ignore_crs: bool
 

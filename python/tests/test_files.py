@@ -194,3 +194,34 @@ def test_reading_files_of_different_systems_takes_ignore_crs(tmp_path):
         ps.read(files)
     with pytest.warns(ps.PointsweepWarning, match="ignore_crs"):
         assert len(ps.read(files, ignore_crs=True)["xyz"]) == 4
+
+
+def test_tiles_and_parts_are_those_of_the_tool(run_tool, tmp_path):
+    xyz = np.random.default_rng(3).uniform(-300, 700, (2000, 3))
+    ps.write(tmp_path / "a.laz", {"xyz": xyz, "classification": (np.arange(2000) % 3).astype("u1")})
+    report = ps.open(tmp_path / "a.laz").run("knn(k=8) | normals", to=tmp_path / "out", tile=500, tile_buffer=20, tile_origin=(100, 0))
+    run_tool("normals", tmp_path / "a.laz", tmp_path / "tool/", "-k", "8", "--tile", "500", "--tile-buffer", "20", "--tile-origin", "100,0")
+    names = sorted(file.name for file in (tmp_path / "out").iterdir())
+    assert names == sorted(file.name for file in (tmp_path / "tool").iterdir()) and "-400_0.laz" in names and len(names) == 9
+    assert report.statistics["files_written"] == 9
+    for name in names:
+        assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "tool" / name).read_bytes()
+    assert ps.verify(tmp_path / "out", tmp_path / "a.laz")
+    ps.open(tmp_path / "a.laz").write(tmp_path / "classes", split="classification")
+    assert sorted(file.name for file in (tmp_path / "classes").iterdir()) == [f"classification_{c}.laz" for c in range(3)]
+    assert (ps.read(tmp_path / "classes/classification_1.laz")["classification"] == 1).all()
+    ps.run(xyz, "normals", to=tmp_path / "arrays/*.ply", tile=1e6)
+    assert len(list((tmp_path / "arrays").iterdir())) == 8 / 2
+    for wrong, sentence in (
+        ({"tile": 0}, "tile: '0.0' is not above 0"),
+        ({"tile": 5, "tile_origin": 3}, "tile_origin: 3 is not two numbers"),
+        ({"tile": 5, "split": "part"}, "tile and split each divide the output"),
+        ({"split": "intensities"}, "split: the output has no attribute 'intensities'"),
+        ({"tile_buffer": 5}, "tile_buffer belong to tile"),
+    ):
+        with pytest.raises(ps.UsageError, match=sentence):
+            ps.run(tmp_path / "a.laz", "normals", to=tmp_path / "x" / "*.laz" if "tile_buffer" not in wrong or "tile" in wrong else tmp_path / "x.laz", **wrong)
+    with pytest.raises(ps.UsageError, match="says no format for arrays"):
+        ps.run(xyz, "normals", to=tmp_path / "x", tile=5)
+    with pytest.raises(ps.UsageError, match="tile: is for outputs in files"):
+        ps.run(xyz, "normals", tile=5)

@@ -26,8 +26,11 @@ class OutputName : public Tool {
 };
 
 TEST_F(OutputName, OfAFormatThatIsNotWrittenIsRefusedByEveryVerbThatWritesPoints) {
-  const std::map<std::string, std::string> others = {
-      {"run", " --pipeline normals"}, {"thin", " --voxel 1"}, {"transform", " --translate 1,2,3"}};
+  const std::map<std::string, std::string> others = {{"run", " --pipeline normals"},
+                                                     {"split", " --by classification"},
+                                                     {"thin", " --voxel 1"},
+                                                     {"tile", " --size 1"},
+                                                     {"transform", " --translate 1,2,3"}};
   const std::set<std::string> of_other_files = {"neighbors", "render", "generate"};  // arrays, pictures; see below
   const auto has_output = [](const CLI::App* verb) { return verb->get_option_no_throw("-o") != nullptr; };
   CLI::App app;

@@ -18,8 +18,10 @@ void set_option(RunOptions& options, const std::string& name, const std::string&
 
 /// A value of each option whose values are no words.
 const std::map<std::string, std::string> kSamplesOfOptions = {
-    {"replace", "a,b"}, {"prefix", "p_"},   {"memory", "268435456B"}, {"temp_folder", "/tmp"}, {"threads", "3"},
-    {"resume", "here"}, {"scale", "0.001"}, {"offset", "auto"},       {"decimals", "3"}};
+    {"replace", "a,b"},         {"prefix", "p_"},   {"memory", "268435456B"},  {"temp_folder", "/tmp"},
+    {"threads", "3"},           {"resume", "here"}, {"scale", "0.001"},        {"offset", "auto"},
+    {"decimals", "3"},          {"tile", "62.5"},   {"tile_origin", "1,-2.5"}, {"tile_buffer", "20"},
+    {"split", "classification"}};
 
 TEST(OptionsOfRuns, AreTakenAndGivenBack) {
   std::set<std::string> names;

@@ -76,7 +76,7 @@ struct Condition {
   std::function<bool(const Records&, std::size_t row)> holds;
 };
 
-const std::vector<Condition>& conditions() {
+const std::vector<Condition>& conditions_on_records() {
   static const std::vector<Condition> all = {
       {"", [](const Records&, std::size_t) { return true; }},
       {"classification < 3 && gain > 0.1",
@@ -114,7 +114,7 @@ TEST(NeighborhoodStatistics, AreTheirDefinitionsOnEveryCloudWithEveryNeighborhoo
     const std::vector<Vec3> points = in.positions();
     for (const Reach& reach : reaches) {
       const auto lists = brute_force_neighbors(points, reach.k, reach.radius);
-      for (const Condition& condition : conditions()) {
+      for (const Condition& condition : conditions_on_records()) {
         const std::string text = "knn(" + reach.text + ") | " + all_statistics(condition.text);
         SCOPED_TRACE(name + ", " + text);
         const Records out = records_of(run_text(in, text, tiny(90)));

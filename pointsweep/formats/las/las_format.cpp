@@ -53,7 +53,8 @@ const Format kLasFormat = {.name = "LAS",
                            .own_field = own_field,
                            .layout = kLayout,
                            .needs_bounds = needs_bounds,
-                           .values = las_values};
+                           .values = las_values,
+                           .stored_coordinate = las_stored_coordinate};
 
 const Format kLazFormat = {.name = "LAZ",
                            .title = "LAZ 1.0 to 1.4, COPC",
@@ -78,6 +79,7 @@ const Format kLazFormat = {.name = "LAZ",
                            .own_field = own_field,
                            .layout = kLayout,
                            .needs_bounds = needs_bounds,
-                           .values = las_values};
+                           .values = las_values,
+                           .stored_coordinate = las_stored_coordinate};
 
 }  // namespace pointsweep

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/formats/format.h"
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/writer.h"
 
@@ -17,6 +18,9 @@ namespace pointsweep {
 /// lie on the grid of the LAS file that they came from, or of decimal fractions such as text files have. `progress`
 /// gets the number of points read; it may throw.
 KnownValues las_values(InputCloud& cloud, const FileLayout& layout, const std::function<void(std::uint64_t)>& progress);
+
+/// Returns how coordinates are rounded to the grid of the output.
+StoredCoordinate las_stored_coordinate(const OutputPlan& plan);
 
 /// Throws Error before anything is written when the points cannot be stored as LAS. Without a LAS input, plan.bounds
 /// has to be there unless the coordinates are integers of at most 32 bits.

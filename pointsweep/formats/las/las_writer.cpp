@@ -101,6 +101,18 @@ class LasWriter : public Writer {
 
 }  // namespace
 
+StoredCoordinate las_stored_coordinate(const OutputPlan& plan) {
+  const LasLayout layout = lay_out_las(plan);
+  if (!layout.positions_change) return {};
+  return [scale = layout.header.scale, offset = layout.header.offset](std::size_t axis, double value) {
+    const int a = static_cast<int>(axis);
+    const Field step{.name = {}, .type = Type::i32, .scale = scale[a], .bias = offset[a]};
+    std::byte steps[sizeof(std::int32_t)];
+    set_value(step, steps, value);
+    return value_of(step, steps);
+  };
+}
+
 std::unique_ptr<Writer> create_las_writer(const OutputPlan& plan) { return std::make_unique<LasWriter>(plan); }
 
 }  // namespace pointsweep

@@ -24,7 +24,8 @@ const Format kTextFormat = {.name = "text",
                             .open = open_text,
                             .create = create_text_writer,
                             .holds_provenance = true,
-                            .layout = kLayout};
+                            .layout = kLayout,
+                            .stored_coordinate = text_stored_coordinate};
 
 const Format kPtsFormat = {.name = "text",
                            .title = "PTS",
@@ -34,7 +35,8 @@ const Format kPtsFormat = {.name = "text",
                            .extensions = kPtsExtensions,
                            .create = create_text_writer,
                            .holds_provenance = true,
-                           .layout = kLayout};
+                           .layout = kLayout,
+                           .stored_coordinate = text_stored_coordinate};
 
 const Format kCsvFormat = {.name = "text",
                            .title = "CSV",
@@ -43,6 +45,7 @@ const Format kCsvFormat = {.name = "text",
                            .writes = "columns separated by commas",
                            .extensions = kCsvExtensions,
                            .create = create_text_writer,
-                           .layout = kLayout};
+                           .layout = kLayout,
+                           .stored_coordinate = text_stored_coordinate};
 
 }  // namespace pointsweep

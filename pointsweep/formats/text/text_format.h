@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "pointsweep/formats/format.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/writer.h"
 
@@ -21,5 +22,8 @@ bool fits_text(const std::filesystem::path& path);
 /// first line: plain in a .csv, after `# ` otherwise, so that programs that know no header take it for a comment.
 /// A .pts starts with the number of points instead, and names its columns only where they are not the usual ones.
 std::unique_ptr<Writer> create_text_writer(const OutputPlan& plan);
+
+/// Returns how coordinates are rounded to the digits that are written.
+StoredCoordinate text_stored_coordinate(const OutputPlan& plan);
 
 }  // namespace pointsweep

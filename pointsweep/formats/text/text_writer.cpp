@@ -2,11 +2,14 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "pointsweep/fail.h"
@@ -129,6 +132,23 @@ class TextWriter final : public Writer {
 };
 
 }  // namespace
+
+StoredCoordinate text_stored_coordinate(const OutputPlan& plan) {
+  const PositionFields position = position_fields(plan.schema, plan.path.string());
+  const std::array<Field, 3> fields = {position.x, position.y, position.z};
+  const auto is_exact = [](const Field& field) { return field.is_plain() && field.type != Type::f32; };
+  if (!plan.layout.decimals && std::ranges::all_of(fields, is_exact)) return {};
+  const std::array<GridDecimals, 3> decimals = {GridDecimals(fields[0]), GridDecimals(fields[1]),
+                                                GridDecimals(fields[2])};
+  return [fields, decimals, digits = plan.layout.decimals](std::size_t axis, double value) {
+    if (!std::isfinite(value)) return value;
+    if (!digits && fields[axis].type != Type::f32) return decimals[axis].of(value);
+    const std::string text =
+        digits ? fmt::format("{:.{}f}", value, *digits) : fmt::format("{}", static_cast<float>(value));
+    std::from_chars(text.data(), text.data() + text.size(), value);
+    return value;
+  };
+}
 
 std::unique_ptr<Writer> create_text_writer(const OutputPlan& plan) { return std::make_unique<TextWriter>(plan); }
 

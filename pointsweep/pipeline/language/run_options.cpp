@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <functional>
 #include <set>
 #include <utility>
@@ -68,6 +69,27 @@ void read(const std::string& text, const std::string& where, std::optional<int>&
   if (!digits) fail_usage("{}: '{}' is not a whole number from 0 to {}.", where, text, kMostDigits);
 }
 
+void read(const std::string& text, const std::string& where, double& length) {
+  if (!parse_number(text, length) || !std::isfinite(length) || length < 0)
+    fail_usage("{}: '{}' is not a number from 0 on.", where, text);
+}
+void read(const std::string& text, const std::string& where, std::optional<double>& length) {
+  read(text, where, length.emplace());
+  if (*length == 0) fail_usage("{}: '{}' is not above 0.", where, text);
+}
+void read(const std::string& text, const std::string& where, std::array<double, 2>& corner) {
+  const std::size_t comma = text.find(',');
+  const auto is_number = [&](const std::string& word, double& value) {
+    return parse_number(word, value) && std::isfinite(value);
+  };
+  if (comma == std::string::npos || !is_number(text.substr(0, comma), corner[0]) ||
+      !is_number(text.substr(comma + 1), corner[1]))
+    fail_usage("{}: '{}' is not X,Y, two numbers.", where, text);
+}
+
+std::string text_of(double length) { return fmt::format("{}", length); }
+std::string text_of(const std::optional<double>& length) { return fmt::format("{}", *length); }
+std::string text_of(const std::array<double, 2>& corner) { return fmt::format("{},{}", corner[0], corner[1]); }
 std::string text_of(Vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
 std::string text_of(const std::optional<Vec3>& steps) {
   return steps->x == steps->y && steps->y == steps->z ? fmt::format("{}", steps->x) : text_of(*steps);
@@ -185,6 +207,23 @@ const std::vector<RunOption>& run_options() {
           {"decimals", "--decimals", "DIGITS",
            "Digits of x, y and z after the decimal point in text (default: as many as their values need)"},
           [](auto& options) -> auto& { return options.layout.decimals; }),
+      option(
+          {"tile", "--tile", "LENGTH",
+           "Divide the output among square tiles of this edge, files X_Y in the folder OUT, named after their lower "
+           "corners"},
+          [](auto& options) -> auto& { return options.division.tile; }),
+      option(
+          {"tile_origin", "--tile-origin", "X,Y", "Corner of a tile (default: 0,0)"},
+          [](auto& options) -> auto& { return options.division.tile_origin; }),
+      option(
+          {"tile_buffer", "--tile-buffer", "WIDTH",
+           "Tiles also hold the points of their neighbours within this width, with the attribute buffer = 1 "
+           "(default: 0, none)"},
+          [](auto& options) -> auto& { return options.division.tile_buffer; }),
+      option(
+          {"split", "--split", "ATTRIBUTE",
+           "Write a file into the folder OUT for each value of this attribute, e.g. classification"},
+          [](auto& options) -> auto& { return options.division.split; }),
       words<Nonfinite>(
           {"nonfinite", "--nonfinite", "",
            "Keep, drop or refuse points with NaN or infinite coordinates (default: keep; drop for LAS outputs)", other},

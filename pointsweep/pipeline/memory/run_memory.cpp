@@ -10,6 +10,7 @@
 
 #include "pointsweep/order/waiting_estimate.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
+#include "pointsweep/pipeline/output/divided_writer.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/rows/row_mask.h"
@@ -269,13 +270,14 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
   return fitting;
 }
 
-std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::uint64_t record_bytes,
-                          unsigned threads) {
+std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const RunOptions& options,
+                          std::uint64_t record_bytes, unsigned threads) {
   std::uint64_t decoders = 0;  // a thread reads one input at a time
   for (const auto& reader : cloud.readers())
     if (!reader->info().decode_once)  // those are gone before the memory is needed (decoded_input.h)
       decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));
-  return decoders + encoder_bytes(outputs, record_bytes, threads);
+  const std::uint64_t division = options.division.divides() ? kLeastDivisionBytes : 0;
+  return decoders + encoder_bytes(outputs, record_bytes, threads) + division;
 }
 
 unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget) {

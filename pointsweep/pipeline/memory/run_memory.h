@@ -68,9 +68,9 @@ unsigned threads_asked_for(const EngineOptions& options);
 unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget);
 
 /// Returns the bytes that decoding the inputs and encoding records of `record_bytes` to these outputs take on `threads`
-/// threads.
-std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, std::uint64_t record_bytes,
-                          unsigned threads);
+/// threads, and the least that dividing them among files takes.
+std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const RunOptions& options,
+                          std::uint64_t record_bytes, unsigned threads);
 
 /// The part of it for encoding one output.
 std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, unsigned threads);

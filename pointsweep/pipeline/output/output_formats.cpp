@@ -10,10 +10,12 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
+#include "pointsweep/formats/files/folder_entries.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/language/parse.h"
 #include "pointsweep/pipeline/language/run_options.h"
 #include "pointsweep/points/lower_case.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
 namespace {
@@ -153,6 +155,40 @@ void require_layout_possible(const Outputs& outputs, const EngineOptions& option
     }
 }
 
+bool holds_point_files(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) return false;
+  return std::ranges::any_of(entries_of(folder), [](const std::filesystem::directory_entry& entry) {
+    const Format* const format = is_hidden(entry.path()) ? nullptr : format_of_output(entry.path());
+    return format != nullptr && format->content == Format::Content::points;
+  });
+}
+
+void require_division_possible(const Outputs& outputs, const EngineOptions& options) {
+  const OutputDivision& division = options.division;
+  if (!division.tile && (division.tile_buffer != 0 || division.tile_origin != OutputDivision().tile_origin))
+    fail_usage("--tile-origin and --tile-buffer belong to --tile; give it, or leave them out.");
+  if (!division.divides()) return;
+  if (division.tile && !division.split.empty())
+    fail_usage("--tile and --split each divide the output; make two runs, e.g. split first, then tile.");
+  if (division.tile &&
+      (!(*division.tile > 0) || !(division.tile_buffer >= 0 && division.tile_buffer <= *division.tile)))
+    fail_usage("--tile-buffer: {} is not from 0 to the size of a tile, {}.", division.tile_buffer, *division.tile);
+  if (outputs.points.filename().string().find('*') == std::string::npos)
+    fail_usage("--tile and --split write many files: name a folder for them.");
+  if (!outputs.arrays.empty() || outputs.writer || !outputs.tiles.empty())
+    fail_usage("--tile and --split divide point files, and nothing else can be written with them; make two runs.");
+  if (!options.resume_folder.empty())
+    fail_usage(
+        "--resume: a run that divides its output cannot be resumed; write one file with --resume, then divide that.");
+  const std::filesystem::path folder = folder_of(outputs.points);
+  if (!options.overwrite && holds_point_files(folder))
+    fail(
+        "{}: holds point files already, which could not be told from those of this run; name another folder, or allow "
+        "files to be replaced (--force).",
+        folder.string());
+}
+
 }  // namespace
 
 std::string OutputNames::warning() const {
@@ -205,6 +241,7 @@ void require_outputs(const Outputs& outputs) {
 
 void require_outputs_possible(const Outputs& outputs, const EngineOptions& options) {
   require_layout_possible(outputs, options);
+  require_division_possible(outputs, options);
   if (outputs.tiles.empty()) return;
   if (!outputs.points.empty() || !outputs.arrays.empty() || outputs.writer)
     fail_usage("An output for each input cannot be combined with an output of all points; make two runs.");
@@ -222,6 +259,7 @@ OutputNeeds needs_of(const Outputs& outputs, const EngineOptions& options) {
 
 std::string name_of_output(const Outputs& outputs) {
   if (!outputs.tiles.empty()) return outputs.tiles.front().parent_path().string();
+  if (outputs.points.filename().string().find('*') != std::string::npos) return folder_of(outputs.points).string();
   return outputs.points.empty() ? "the output" : outputs.points.string();
 }
 

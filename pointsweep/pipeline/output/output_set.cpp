@@ -62,7 +62,13 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
                         .provenance = std::move(provenance),
                         .layout = options.layout,
                         .encoder_bytes = place.encoder_bytes};
-  if (!outputs.points.empty()) points_.add(create_writer(plan));
+  if (options.division.divides()) {
+    auto divided = std::make_unique<DividedWriter>(plan, options.division, std::move(place.division));
+    divided_ = divided.get();
+    points_.add(std::move(divided));
+  } else if (!outputs.points.empty()) {
+    points_.add(create_writer(plan));
+  }
   if (outputs.writer) points_.add(outputs.writer(plan));
   for (const Attribute& attribute : made) {
     for (const auto& [name, path] : outputs.arrays) {
@@ -166,6 +172,10 @@ std::uint64_t OutputSet::bytes_written() const {
   std::uint64_t bytes = points_.bytes_written();
   for (const Array& array : arrays_) bytes += array.file.bytes_written();
   return bytes;
+}
+
+std::size_t OutputSet::files_written() const {
+  return divided_ != nullptr ? divided_->files() : points_.writers().size();
 }
 
 }  // namespace pointsweep

@@ -11,6 +11,7 @@
 #include "pointsweep/formats/records/write_behind.h"
 #include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/output/divided_writer.h"
 #include "pointsweep/pipeline/plan/output_layout.h"
 
 namespace pointsweep {
@@ -20,6 +21,7 @@ struct OutputPlace {
   std::optional<Box> bounds;                  ///< OutputPlan::bounds
   std::shared_ptr<const KnownValues> values;  ///< OutputPlan::values
   std::uint64_t encoder_bytes = 0;            ///< OutputPlan::encoder_bytes
+  DivisionRoom division = {};                 ///< for EngineOptions::division
 };
 
 class OutputSet {
@@ -43,6 +45,8 @@ class OutputSet {
   /// Gives the files their names, unless the inputs have changed meanwhile.
   void finish(const InputCloud& cloud);
   std::uint64_t bytes_written() const;
+  /// Returns the number of point files that are complete.
+  std::size_t files_written() const;
 
  private:
   struct Array {
@@ -57,6 +61,7 @@ class OutputSet {
   std::uint32_t input_stride_;
   std::size_t result_bytes_ = 0;
   WriteBehind points_;
+  const DividedWriter* divided_ = nullptr;  ///< one of points_
   std::deque<Array> arrays_;
   std::optional<ParallelRows> input_rows_;  ///< of the cloud, from the first results on
   std::vector<std::byte> inputs_;

@@ -235,7 +235,7 @@ void TileSet::finish_files(Tile& tile) {
 void TileSet::wait_for_first() {
   const Tile& tile = *completing_.front();
   completing_.front()->completing->wait();
-  note(tile.files->warnings(), request_.outputs.tiles[tile.number]);
+  warnings_.add(tile.files->warnings(), request_.outputs.tiles[tile.number]);
   bytes_written_ += tile.files->bytes_written();
   completing_.pop_front();
 }
@@ -299,20 +299,8 @@ std::string TileSet::progress() {
   return fmt::format(" {} of {} outputs are complete and stay.", complete_.load(), request_.outputs.tiles.size());
 }
 
-void TileSet::note(const std::vector<std::string>& warnings, const fs::path& output) {
-  for (const std::string& warning : warnings) {
-    const std::string name = output.string();
-    const std::string what = warning.starts_with(name) ? warning.substr(name.size()) : warning;
-    const auto [known, is_new] = warnings_.try_emplace(what, Warning{warning});
-    if (!is_new) ++known->second.others;
-  }
-}
-
 std::vector<std::string> TileSet::warnings() const {
-  std::vector<std::string> all;
-  for (const auto& [what, warning] : warnings_)
-    all.push_back(warning.others == 0 ? warning.first
-                                      : fmt::format("{} (And so of {} more outputs.)", warning.first, warning.others));
+  std::vector<std::string> all = warnings_.sentences();
   if (empty_.size() == 1) all.push_back(fmt::format("no point passed; {} is empty.", empty_.front()));
   if (empty_.size() > 1)
     all.push_back(

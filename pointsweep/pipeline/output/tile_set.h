@@ -22,6 +22,7 @@
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/output/output_set.h"
+#include "pointsweep/pipeline/output/output_warnings.h"
 #include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
@@ -100,6 +101,7 @@ class TileSet {
   /// Returns an addition to the sentence of an error: how many outputs are complete. Empty if none is complete.
   std::string progress();
   std::uint64_t bytes_written() const { return bytes_written_; }
+  std::size_t files_written() const { return complete_; }
   /// A sentence for each thing that a tile cannot hold, with the number of other tiles that share it; and how many
   /// tiles have no rows.
   std::vector<std::string> warnings() const;
@@ -114,7 +116,6 @@ class TileSet {
   void finish_files(Tile& tile);
   void wait_for_first();
   void require_unchanged_inputs() const;
-  void note(const std::vector<std::string>& warnings, const std::filesystem::path& output);
 
   TileRequest request_;
   ManyOutputs outputs_;
@@ -125,11 +126,7 @@ class TileSet {
   std::atomic<std::size_t> complete_ = 0;  ///< tiles; counted by background tasks, too
   std::unique_ptr<Tile> tile_;             ///< the tile that gets rows now
   std::uint64_t bytes_written_ = 0;
-  struct Warning {
-    std::string first;
-    std::size_t others = 0;
-  };
-  std::map<std::string, Warning> warnings_;       ///< by what follows the name of the tile
+  OutputWarnings warnings_;
   std::vector<std::string> empty_;                ///< names of tiles without rows
   std::deque<std::unique_ptr<Tile>> completing_;  ///< last, so that their tasks end before the members that they use
 };

@@ -48,6 +48,8 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
       set("axis", in_order ? std::string(1, "xyz"[run.axis]) : "");
     else if (option.name == "nonfinite")
       set("nonfinite", run.drops_nonfinite ? "drop" : "");
+    else if (option.name == "tile")
+      set("tiles", option.text(options));  // `tile` says which of the inputs of a run an output is for
     else
       set(option.name.c_str(), option.text(options));
   }
@@ -198,7 +200,7 @@ TileRequest tiles_of(const Context& context, int axis) {
 struct EncoderMemory {
   EncoderMemory(const Context& context, const WorkPlan& work) : threads(work.memory.threads) {
     const std::uint64_t record = work.layout ? work.layout->schema().stride : context.cloud.schema().stride;
-    const std::uint64_t codecs = codec_bytes(context.cloud, context.outputs, record, threads);
+    const std::uint64_t codecs = codec_bytes(context.cloud, context.outputs, context.options, record, threads);
     one_output = encoder_bytes(context.outputs, record, threads);
     spare = work.budget - std::min(work.budget, std::max(work.memory.expected_bytes, kFixedBytes + codecs));
   }
@@ -206,6 +208,15 @@ struct EncoderMemory {
   std::size_t tiles_completing() const {
     constexpr std::uint64_t kChunksOfTile = 16 << 20;  // records on their way to its file
     return std::min<std::uint64_t>(threads - 1, spare / (kChunksOfTile + one_output));
+  }
+
+  /// Returns the bytes in which records wait that are divided among files.
+  std::uint64_t division(const EngineOptions& options) const {
+    return options.division.divides() ? kLeastDivisionBytes + spare / 4 * 3 : 0;
+  }
+  /// Returns the bytes for encoding an output of all points.
+  std::uint64_t encoding(const EngineOptions& options) const {
+    return one_output + (options.division.divides() ? spare / 4 : spare);
   }
 
   unsigned threads;
@@ -244,10 +255,15 @@ bool needs_bounds(const Context& context) {
 void OutputFiles::require_writable(const Context& context, const Box& bounds) {
   const FinishedTiles finished(context.options.resume_folder);
   if (!context.outputs.tiles.empty()) return require_writable_tiles(tiles_of(context, 0), finished, folders_);
+  make_folder(context);
   Box somewhere = bounds;
   if (somewhere.empty()) somewhere.include(Vec3{});
   OutputSet(context.cloud, context.names.made, context.names.kept, context.outputs, context.options,
             {somewhere, nullptr});
+}
+
+void OutputFiles::make_folder(const Context& context) {
+  if (context.options.division.divides()) folders_.make_for(context.outputs.points);
 }
 
 void OutputFiles::open(const Context& context, const WorkPlan& work, const Survey& survey, const Rows& rows) {
@@ -270,6 +286,7 @@ void OutputFiles::open_late(const Context& context, const WorkPlan& work, Survey
 }
 
 void OutputFiles::open_files(const Context& context, const WorkPlan& work, const Survey& survey, const Rows& rows) {
+  make_folder(context);
   const EncoderMemory memory(context, work);
   if (!context.outputs.tiles.empty()) {
     TileRequest request = tiles_of(context, survey.axis);
@@ -280,7 +297,8 @@ void OutputFiles::open_files(const Context& context, const WorkPlan& work, const
   }
   OutputPlace place{bounds_if_known(context, survey, rows.values),
                     values_if_needed(context, format_of_output(context.outputs.points)),
-                    memory.one_output + memory.spare};
+                    memory.encoding(context.options),
+                    {memory.division(context.options), context.places.scratch()}};
   files_.emplace(context.cloud, context.names.made, context.names.kept, context.outputs, context.options,
                  std::move(place), provenance_of(context.cloud, said_of(context, survey.axis)));
 }

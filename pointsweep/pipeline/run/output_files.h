@@ -48,10 +48,14 @@ class OutputFiles {
   /// Returns an addition to the sentence of an error: how many tiles are complete. Empty if none is.
   std::string progress() { return tiles_ ? tiles_->progress() : ""; }
 
+  /// Returns the number of point files that are complete.
+  std::size_t files_written() const { return tiles_ ? tiles_->files_written() : files_->files_written(); }
+
  private:
+  void make_folder(const Context& context);
   void open_files(const Context& context, const WorkPlan& work, const Survey& survey, const Rows& rows);
 
-  MadeFolders folders_;  ///< of tiles
+  MadeFolders folders_;  ///< of many files
   std::optional<OutputSet> files_;
   std::optional<TileSet> tiles_;
 };

@@ -164,6 +164,7 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   out.names = names_in_outputs(cloud, out.planned, outputs, options);
   out.system_warning = kept_system_warning(out.planned, cloud, outputs);
   out.tiles = outputs.tiles.size();
+  out.is_divided = options.division.divides();
   out.points = cloud.count();
   out.decoded_bytes = decoded_input_bytes(cloud);
   out.axis = options.axis;
@@ -174,7 +175,7 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
                             type_of_positions(out.names.made, outputs.points, options));
   out.memory = plan_run_memory(
       out.budget, out.planned, out.points, survey(source, options.axis, false), options, layout.schema().stride,
-      [&](unsigned threads) { return codec_bytes(cloud, outputs, layout.schema().stride, threads); },
+      [&](unsigned threads) { return codec_bytes(cloud, outputs, options, layout.schema().stride, threads); },
       on_demand_order(cloud, out.planned, options));
   if (!out.memory.threads_note.empty()) out.notes.push_back(out.memory.threads_note);
   return out;
@@ -202,6 +203,7 @@ std::string to_text(const Preview& p) {
                         p.memory.reordering.spill_stream ? "spilled" : "in memory");
   if (p.tiles > 0)
     text += fmt::format("outputs       {}, one for each input, with its rows, attributes and header\n", p.tiles);
+  if (p.is_divided) text += "outputs       the points are divided among files when all of them are made\n";
   return text + memory_text(p);
 }
 
@@ -223,7 +225,7 @@ SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output,
   only_sorts.reorders = true;
   RunMemory memory = plan_run_memory(
       out.budget, only_sorts, out.points, seen, options, out.record_bytes,
-      [&](unsigned threads) { return codec_bytes(cloud, {.points = output}, out.output_bytes, threads); });
+      [&](unsigned threads) { return codec_bytes(cloud, {.points = output}, options, out.output_bytes, threads); });
   out.memory = memory.reordering;
   out.note = std::move(memory.threads_note);
   return out;

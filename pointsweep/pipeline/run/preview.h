@@ -24,6 +24,7 @@ struct Preview {
   std::vector<std::string> others;  ///< for each pass, the other cloud that it reads, or nothing
   std::vector<std::string> notes;   ///< about the request, one sentence each
   std::size_t tiles = 0;            ///< outputs, one for each input; 0: one output of all
+  bool is_divided = false;          ///< RunOptions::division
   std::optional<int> axis;          ///< that was asked for
   std::uint64_t budget = 0;
   std::uint64_t decoded_bytes = 0;  ///< decoded_input_bytes()

@@ -198,6 +198,7 @@ void perform(const Context& context, OtherClouds& others) {
     perform_phases(context, *work, std::move(points), others, *open);
     with_progress_of_tiles(context, *open, [&] { finish(context, *open); });
     context.statistics().bytes_written = open->bytes_written();
+    context.statistics().files_written = open->files_written();
   });
 }
 

@@ -53,7 +53,7 @@ WorkPlan plan_work(const Context& context, Surveyed& input) {
   if (!plan.passes.empty())
     work.layout.emplace(cloud.schema(), names.made, names.kept, type_of_positions(names.made, outputs.points, options));
   const std::uint64_t record = work.layout ? work.layout->schema().stride : cloud.schema().stride;
-  const auto codecs = [&](unsigned threads) { return codec_bytes(context.cloud, context.outputs, record, threads); };
+  const auto codecs = [&](unsigned threads) { return codec_bytes(cloud, outputs, options, record, threads); };
   work.memory = plan_run_memory(work.budget, plan, cloud.count(), input.survey, options, record, codecs, on_demand);
   input.boxes = std::move(on_demand.boxes);
   report.statistics.threads = work.memory.threads;

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+/// Tiles and their buffers are found here from the definition in run.h, without the code of the run.
+#include "pointsweep/verify/divided_output.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/math/mix.h"
+#include "pointsweep/pipeline/language/run_options.h"
+#include "pointsweep/points/schema.h"
+#include "pointsweep/verify/rows/cloud_reader.h"
+#include "pointsweep/verify/rows/field_pair.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::size_t kSentences = 10;
+constexpr const char* kBuffer = "buffer";
+
+/// A tile, or the value of an attribute and 0.
+using Part = std::array<double, 2>;
+
+/// Returns the number behind the last separator of `name`, and takes both from it.
+std::optional<double> take_number(std::string_view& name) {
+  const std::size_t at = name.rfind('_');
+  const std::string_view word = name.substr(at == std::string_view::npos ? 0 : at + 1);
+  name = name.substr(0, at == std::string_view::npos ? 0 : at);
+  double number = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  return error == std::errc() && end == word.data() + word.size() ? std::optional(number) : std::nullopt;
+}
+
+/// A word for the points of a buffer, which does not depend on their order.
+std::uint64_t word_of(const Part& part, Vec3 p) {
+  std::uint64_t word = 0;
+  for (const double value : {part[0], part[1], p.x, p.y, p.z}) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    word = mix(word ^ bits);
+  }
+  return word;
+}
+
+class PlacesOfPoints {
+ public:
+  PlacesOfPoints(InputCloud& cloud, const OutputDivision& division)
+      : cloud_(cloud), division_(division), schema_(cloud.schema()), position_(position_fields(schema_, "the output")) {
+    if (!division.tile) attribute_ = named(division.split);
+    if (division.tile_buffer > 0) buffer_ = named(kBuffer);
+  }
+
+  void look(const PhaseProgress& progress) {
+    RowSource rows(cloud_);
+    std::uint64_t row = 0;
+    for (const auto& reader : cloud_.readers()) {
+      const std::uint64_t end = row + reader->info().count;
+      begin(reader->info().path);
+      for (std::uint64_t n = 0; row < end; row += n) {
+        n = std::min<std::uint64_t>(rows.block_rows(), end - row);
+        const std::byte* record = rows.read(row, n).data();
+        for (std::uint64_t i = 0; i < n; ++i, record += schema_.stride) see(row + i, record);
+        if (progress) progress("comparing", row, rows.count());
+      }
+    }
+    if (!buffer_) return;
+    // A point belongs into a buffer only where the tile has points of its own, which all have been seen now.
+    for (const auto& [part, sum] : wanted_)
+      if (file_of_.contains(part) && sum.sum() != found_[part].sum())
+        differ("{}: its buffer does not hold the points around its tile", file_of_.at(part));
+    for (const auto& [part, sum] : found_)
+      if (!wanted_.contains(part) && sum.sum() != 0)
+        differ("{}: its buffer holds points that are not around its tile", file_of_.at(part));
+  }
+
+  /// Bits of the rows that are not of buffers.
+  const std::vector<bool>& own() const { return own_; }
+  std::uint64_t misplaced() const { return misplaced_; }
+  std::vector<std::string> sentences() { return std::move(sentences_); }
+
+ private:
+  Field named(const std::string& word) const {
+    const auto at = field_meant(schema_, word);
+    if (!at)
+      fail_usage("{}: has no attribute '{}', by which the points would be divided.",
+                 cloud_.readers().front()->info().path.string(), word);
+    return schema_.fields[*at];
+  }
+
+  template <class... Args>
+  void differ(fmt::format_string<Args...> format, Args&&... args) {
+    if (++misplaced_ <= kSentences) sentences_.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  double edge(std::size_t axis, double tile) const { return division_.tile_origin[axis] + tile * *division_.tile; }
+
+  /// The part that a point belongs to; nothing for a point without a place.
+  std::optional<Part> part_of(const std::byte* record, Vec3 p) const {
+    if (!division_.tile) return Part{value_of(*attribute_, record), 0};
+    if (!std::isfinite(p.x) || !std::isfinite(p.y)) return std::nullopt;
+    Part part;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const double value = axis == 0 ? p.x : p.y;
+      part[axis] = std::round((value - division_.tile_origin[axis]) / *division_.tile);
+      while (edge(axis, part[axis]) > value) --part[axis];
+      while (edge(axis, part[axis] + 1) <= value) ++part[axis];
+    }
+    return part;
+  }
+
+  void begin(const std::filesystem::path& path) {
+    path_ = path;
+    part_.reset();
+    name_is_known_ = false;
+  }
+
+  void see(std::uint64_t row, const std::byte* record) {
+    const Vec3 p = {value_of(position_.x, record), value_of(position_.y, record), value_of(position_.z, record)};
+    const bool is_own = !buffer_ || value_of(*buffer_, record) == 0;
+    own_.push_back(is_own);
+    const std::optional<Part> part = part_of(record, p);
+    if (!is_own) return see_buffer(p);
+    if (!std::exchange(name_is_known_, true)) take_file(part);
+    if (part != part_) differ("{}: row {} of all files belongs into another file", path_.string(), row);
+    if (buffer_ && part) want_in_buffers(*part, p);
+  }
+
+  /// The first own point of a file tells which part it is; its name must say the same.
+  void take_file(const std::optional<Part>& part) {
+    part_ = part;
+    for (const Vec3& p : std::exchange(waiting_, {})) see_buffer(p);
+    const std::string stem = path_.stem().string();
+    std::string_view rest = stem;
+    if (!part) {
+      if (!stem.ends_with("unplaced")) differ("{}: has points without a place", path_.string());
+      return;
+    }
+    const auto last = take_number(rest), before = take_number(rest);
+    const auto is = [](const std::optional<double>& number, double value) {
+      return number && std::abs(*number - value) <= 1e-9 * std::max(1.0, std::abs(value));
+    };
+    const bool is_named =
+        division_.tile ? is(last, edge(1, (*part)[1])) && is(before, edge(0, (*part)[0])) : is(last, (*part)[0]);
+    if (!is_named) differ("{}: is not named after its points", path_.string());
+    if (!file_of_.try_emplace(*part, path_.string()).second)
+      differ("{}: holds the same part as {}", path_.string(), file_of_.at(*part));
+  }
+
+  void see_buffer(Vec3 p) {
+    if (!name_is_known_) return void(waiting_.push_back(p));
+    if (part_) found_[*part_].add(word_of(*part_, p));
+  }
+
+  void want_in_buffers(const Part& own, Vec3 p) {
+    const double width = division_.tile_buffer;
+    for (double i = own[0] - 1; i <= own[0] + 1; ++i)
+      for (double j = own[1] - 1; j <= own[1] + 1; ++j) {
+        const Part part = {i, j};
+        if (part != own && p.x >= edge(0, i) - width && p.x < edge(0, i + 1) + width && p.y >= edge(1, j) - width &&
+            p.y < edge(1, j + 1) + width)
+          wanted_[part].add(word_of(part, p));
+      }
+  }
+
+  InputCloud& cloud_;
+  const OutputDivision& division_;
+  const Schema& schema_;
+  PositionFields position_;
+  std::optional<Field> attribute_, buffer_;
+  std::filesystem::path path_;  ///< of the present file
+  std::optional<Part> part_;    ///< of the present file; absent for points without a place
+  bool name_is_known_ = false;
+  std::vector<Vec3> waiting_;  ///< points of its buffer before its first own point
+  std::map<Part, std::string> file_of_;
+  std::map<Part, MultisetSum> wanted_, found_;  ///< points of buffers
+  std::vector<bool> own_;
+  std::uint64_t misplaced_ = 0;
+  std::vector<std::string> sentences_;
+};
+
+RowSelection selected(std::vector<bool> own) {
+  const auto rows = std::make_shared<const std::vector<bool>>(std::move(own));
+  return {rows->size(), [rows](std::uint64_t block, std::span<std::byte> bits) {
+            std::ranges::fill(bits, std::byte{0});
+            const std::uint64_t first = block * RowSelection::kBlockRows;
+            const std::uint64_t n = std::min(RowSelection::kBlockRows, rows->size() - first);
+            for (std::uint64_t i = 0; i < n; ++i)
+              if ((*rows)[first + i]) bits[i / 8] |= std::byte{1} << (i % 8);
+          }};
+}
+
+}  // namespace
+
+OutputDivision recorded_division(const ProvenanceRecord& record) {
+  RunOptions options;
+  for (const auto& [setting, option] :
+       {std::pair{"tiles", "tile"}, {"tile_origin", "tile_origin"}, {"tile_buffer", "tile_buffer"}, {"split", "split"}})
+    if (const auto value = record.setting(setting)) run_option(option).set(options, *value, "the record of the output");
+  return options.division;
+}
+
+DividedOutput read_divided(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
+                           const OutputDivision& division, const PhaseProgress& progress) {
+  InputCloud cloud(files, {.ignore_crs = true});
+  PlacesOfPoints places(cloud, division);
+  places.look(progress);
+  DividedOutput output{.own = {}, .misplaced = places.misplaced(), .sentences = places.sentences()};
+  if (division.tile_buffer > 0) cloud.select(selected(places.own()));
+  const std::string left_out = division.tile_buffer > 0 ? kBuffer : "";
+  output.own = std::make_unique<CloudReader>(std::move(cloud), folder, left_out);
+  return output;
+}
+
+}  // namespace pointsweep
