@@ -13,11 +13,12 @@ def examples(tool, other):
     return {operator["name"]: re.sub(r"\b\w+\.las\b", f'"{other}"', operator["example"]) for operator in json.loads(told)}
 
 
-def scaled(tool, files, output):
-    """One file of the points of all files, with that spacing, around the origin; made if it is not there."""
+def scaled(tool, files, output, attributes=()):
+    """One file of the points of all files, with that spacing, around the origin, and with whole numbers as `attributes`; made if it is not there."""
     if not output.exists():
         told = json.loads(subprocess.run([tool, "info", "--json", *files], check=True, capture_output=True, text=True).stdout)
         factor = SPACING / max(file["spacing"] for file in told["files"])
         moved = ", ".join(f"{axis} = {axis} * {factor!r}" for axis in "xyz")
-        subprocess.run([tool, "run", *files, output, "--quiet", "--force", "--pipeline", f"set({moved})", "--keep", "x,y,z"], check=True)
+        numbers = "".join(f", {name} = abs(floor(x))" for name in attributes)
+        subprocess.run([tool, "run", *files, output, "--quiet", "--force", "--pipeline", f"set({moved}{numbers})", "--keep", ",".join(["x,y,z", *attributes])], check=True)
     return output

@@ -20,10 +20,10 @@ FOR_ALL_THREADS = re.compile(r"no room for more; --memory (\d+)M")
 class Law:
     def __init__(self, bench):
         self.bench, self.options, self.numbered = bench, bench.options, 0
-        self.other = self.cloud(LAW[0], self.options.work / "law-other.ply")
+        self.other = scaled(self.bench.tool, self.bench.inputs(LAW[0]), self.options.work / "law-other.ply", ["classification"])
 
-    def cloud(self, cloud, file=None):
-        return scaled(self.bench.tool, self.bench.inputs(cloud), file or self.options.work / f"law-{cloud.name}-{self.bench.points}.ply")
+    def cloud(self, cloud):
+        return scaled(self.bench.tool, self.bench.inputs(cloud), self.options.work / f"law-{cloud.name}-{self.bench.points}.ply")
 
     def command(self, cloud, pipeline, memory, threads):
         return [self.bench.tool, "run", cloud, self.options.work / "law.ply", "--quiet", "--force", "--memory", f"{memory}M", "--threads", threads,

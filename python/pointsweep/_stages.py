@@ -1461,7 +1461,7 @@ def take(
 
     In a text
     ---------
-    take(labelled.las, attributes=[classification, tree_id], k=5)
+    take(labelled.las, attributes=classification, k=5)
     """
     return made_stage("take", [
         ("cloud", "file", cloud, None),

@@ -217,9 +217,8 @@ TEST_F(Help, EveryOptionOfRunsIsAFlagOfRun) {
 
 TEST_F(Help, ExamplesOfOperatorsArePipelinesThatRun) {
   made("generate statue in.ply -n 3000 --noise 0.002", "in.ply");
-  for (const char* other : {"before.las", "after.las"})  // that examples compare with
+  for (const char* other : {"before.las", "after.las", "labelled.las"})  // that examples compare with
     made(std::string("generate statue ") + other + " -n 3000 --noise 0.01");
-  made("run after.las labelled.las --pipeline 'set(tree_id = 7)'");
   const auto operators = nlohmann::json::parse(tool("operators --json").out);
   EXPECT_EQ(operators.size(), all_operators().size() + 1) << "and knn";
   for (const auto& listed : operators) {

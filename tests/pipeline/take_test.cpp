@@ -234,6 +234,16 @@ TEST_F(TakeOf, LaterStagesReadWhatWasTakenAndDropsLetANewTypeIn) {
   expect(fresh.field("label"), {2.5}, "");
 }
 
+TEST_F(TakeOf, LengthsOfTheOtherCloudHaveTheirUnit) {
+  const std::vector<Vec3> places = {{0, 0, 0}, {1, 0, 0}};
+  const Records other = with_columns(places, {{"mean_distance", Type::f64, {1, 2}}, {"share", Type::f64, {3, 4}}});
+  const RunResult got =
+      run_text(with_columns(places, {}), taking(other, "attributes=[mean_distance, share]") + " | transform(scale=10)",
+               tiny(100));
+  expect(got.field("mean_distance"), {10, 20}, "");
+  expect(got.field("share"), {3, 4}, "");
+}
+
 TEST_F(TakeOf, SaysWhatIsWrong) {
   const std::vector<Vec3> places = {{0, 0, 0}, {1, 0, 0}};
   const Records points = with_attributes(places);
@@ -247,6 +257,8 @@ TEST_F(TakeOf, SaysWhatIsWrong) {
   };
   says(other, "attributes=labels", "has no attribute 'labels'; the nearest it has are 'label'");
   says(other, "attributes=[label, Label]", "'label' and 'Label' are the same attribute");
+  says(with_columns(places, {{"gain", Type::u8, {1, 2}}, {"Gain", Type::u8, {1, 2}}}), "attributes=[gain, Gain]",
+       "'gain' and 'Gain' are the same attribute of the points");
   says(other, "attributes=[label, label]", "'label' is named twice");
   says(other, "attributes=[label, z]", "'z' is a coordinate");
   says(other, "attributes=label, k=0", "k is a whole number, 1 to 1000");

@@ -36,7 +36,7 @@ def written_extensions(tool):
 
 def on_inputs(example):
     """The example of an operator on the clouds that inputs.py makes."""
-    chain = re.sub(r"\b(before|after)\.las\b", "other.laz", example)
+    chain = re.sub(r"\b(before|after|labelled)\.las\b", "other.laz", example)
     return chain.replace("crop([0,0,100,100])", "crop([300,300,340,350])")
 
 

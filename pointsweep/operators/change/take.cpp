@@ -10,6 +10,7 @@
 #include "pointsweep/operators/change/take_work.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/rows/transform.h"
 #include "pointsweep/points/nearest_names.h"
 #include "pointsweep/points/schema.h"
 
@@ -91,7 +92,7 @@ OperatorDeclaration take_declaration() {
           "memory "
           "holds what is near the front",
       .makes_named = true,
-      .example = "take(labelled.las, attributes=[classification, tree_id], k=5)"};
+      .example = "take(labelled.las, attributes=classification, k=5)"};
 }
 
 ChainStage operators::take(const TakeOptions& options) { return std::make_shared<Take>(options); }
@@ -182,9 +183,14 @@ void Take::find_target(TakenAttribute& taken, const Schema& input, std::span<con
     if (is_channel(taken.name)) target.made.kind = Kind::color;
     if (is_real(target.made.type)) target.made.fill = std::byte{0xff};  // NaN
   }
+  // A scale of the points is to change lengths of another cloud, too.
+  if (target.made.unit == "1" && is_real(target.made.type)) target.made.unit = unit_of_made(taken.name);
   const auto same = std::ranges::find(targets_, target.made.name, [](const TakeTarget& t) { return t.made.name; });
   taken.target = static_cast<std::size_t>(same - targets_.begin());
   if (same == targets_.end()) targets_.push_back(std::move(target));
+  for (const TakenAttribute& before : std::span(taken_.data(), &taken))
+    if (before.target == taken.target && before.component == taken.component)
+      fail_usage("{}: '{}' and '{}' are the same attribute of the points.", place_, before.name, taken.name);
 }
 
 void Take::require_missing_value(const TakenAttribute& taken) const {

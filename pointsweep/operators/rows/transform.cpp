@@ -103,6 +103,12 @@ OperatorDeclaration transform_declaration() {
       .example = "knn(k=12) | normals | transform([0,-1,0,100,1,0,0,200,0,0,1,0])"};
 }
 
+std::string unit_of_made(const std::string& name) {
+  for (const Attribute& a : known_attributes())
+    if (a.fields.size() == 1 && is_spelling_of(a.fields.front(), name)) return a.unit;
+  return "1";
+}
+
 ChainStage operators::transform(const TransformOptions& options) { return std::make_shared<Transform>(options); }
 
 Transform::Transform(TransformOptions options, std::string place) : place_(std::move(place)) {

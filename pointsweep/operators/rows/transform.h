@@ -19,6 +19,9 @@ struct OperatorDeclaration;
 
 OperatorDeclaration transform_declaration();
 
+/// Returns the unit of the attribute of one value that operators make under this name; "1" if none does.
+std::string unit_of_made(const std::string& name);
+
 /// Moves the points, and makes each attribute again that is a direction or a length: of the earlier stages, and those
 /// of the input that bear the names of attributes that operators of this library make.
 class Transform final : public LocalOperator {
