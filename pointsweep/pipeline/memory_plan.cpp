@@ -17,7 +17,6 @@ namespace {
 constexpr std::uint64_t kMega = 1u << 20;
 /// One byte in so many of the memory for cells is lost between allocations that come and go.
 constexpr std::uint64_t kLostBetweenAllocations = 8;
-constexpr std::uint64_t kLeastSlabPoints = 4096;
 
 // Bytes of structures that grow slowly with the cloud. Each constant is the size of the structure named in its comment
 // on a 64-bit machine. Vectors that grow count with half of their capacity unused.
@@ -44,6 +43,14 @@ constexpr std::uint64_t kLeastStreamBlock = 8192, kLeastResultBlock = 4096, kLar
 constexpr std::uint64_t kMostStreamPieces = 4096;
 /// The lists a thread has in hand, at most and at least.
 constexpr std::uint64_t kMostListBytes = 16 * kMega, kLeastListBytes = kMega / 4;
+
+/// Points of the thinnest slabs. Where later steps look at what earlier ones made, a cell waits for its neighbours and
+/// these for theirs, so that slabs thinner than some cells save no memory: more of them stay in the window.
+std::uint64_t least_slab_points(const SweepPlan& plan) { return plan.step_count() == 1 ? 4096 : 16384; }
+
+/// Points that may be in the window of several steps however thin the slabs are: so many waited where a dense place
+/// lies in a sparse cloud (three steps, k = 64).
+constexpr std::uint64_t kMostWaiting = 256 << 10;
 
 bool is_unlimited(const SweepPlan& plan) { return plan.neighborhood.k == Neighborhood::kUnlimited; }
 
@@ -78,7 +85,8 @@ std::uint32_t most_slabs_per_turn(std::uint64_t slab_points, const MemoryDemand&
 std::uint64_t window_points(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand,
                             std::uint32_t slabs_per_turn = 1) {
   const std::uint64_t slabs = slabs_per_turn + 2 + plan.step_count() + std::max(1u, demand.threads / 2);
-  return std::min(demand.points, slabs * slab_points + demand.slice_points);
+  const std::uint64_t least = plan.step_count() == 1 ? 0 : kMostWaiting;
+  return std::min(demand.points, std::max(least, slabs * slab_points + demand.slice_points));
 }
 
 std::uint64_t cells_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand, bool lists,
@@ -183,7 +191,7 @@ class Division {
     out_.slab_points = demand.slab_points;
     out_.lists_bytes = lists_bytes(budget, demand) / neighbor_bytes(demand) * sizeof(NeighborRef);
     if (!is_unlimited(plan))
-      out_.threads_bytes = std::max(1u, demand.threads) * thread_bytes(plan, kLeastSlabPoints, budget, demand);
+      out_.threads_bytes = std::max(1u, demand.threads) * thread_bytes(plan, least_slab_points(plan), budget, demand);
     // For chunks on their way to their slabs, also where these are in memory.
     out_.stream_buffer_bytes = std::clamp<std::uint64_t>(budget / 8, 8 * kMega, 64 * kMega);
   }
@@ -199,8 +207,8 @@ class Division {
     out_.spill_results = false;
     if (fits()) return out_;
     out_.spill_results = true;
-    while (!fits() && out_.slab_points > kLeastSlabPoints)
-      out_.slab_points = std::max(kLeastSlabPoints, out_.slab_points / 2);
+    const std::uint64_t least = least_slab_points(plan_);
+    while (!fits() && out_.slab_points > least) out_.slab_points = std::max(least, out_.slab_points / 2);
     return out_;
   }
 

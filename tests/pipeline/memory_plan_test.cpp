@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "pointsweep/error.h"
+#include "pointsweep/sweep/window_cell.h"
 #include "tests/pipeline/in_memory.h"
 
 namespace pointsweep {
@@ -130,6 +131,20 @@ TEST(MemoryPlan, CountsTheWindowThatARadiusKeeps) {
   demand.slice_points = 5'000'000;
   const MemoryPlan thick = try_plan_memory(8192 * kMega, normals_plan(Neighborhood::kUnlimited), demand);
   EXPECT_GE(thick.window_bytes, thin.window_bytes + 5'000'000 * 40);
+}
+
+/// A cell of later steps waits for its neighbours and these for theirs, however thin the slabs are.
+TEST(MemoryPlan, CountsThePointsThatWaitForSeveralSteps) {
+  MemoryDemand demand = twenty_million();
+  demand.slab_points = 1024;
+  SweepPlan chain = normals_plan();
+  const std::uint64_t one = plan_memory(4096 * kMega, chain, demand).window_bytes;
+  chain.steps = {0, 0, 0, 0};
+  const std::uint64_t three = plan_memory(4096 * kMega, chain, demand).window_bytes;
+  EXPECT_GE(three, 200'000 * window_point_bytes(chain));
+  EXPECT_LT(one, three / 4);
+  demand.points = 10'000;
+  EXPECT_LT(plan_memory(4096 * kMega, chain, demand).window_bytes, three / 4);
 }
 
 TEST(MemoryPlan, CountsWhatEachThreadHasInHand) {
