@@ -100,6 +100,17 @@ void add_format_option(CLI::App& verb, std::string& format) {
                   "Format of inputs without a signature (all others are recognised by their content)")
       ->type_name(formats_asked_for())
       ->group(kOtherGroup);
+  verb.add_option_function<std::string>(
+          "--columns",
+          [&format](const std::string& names) {
+            if (!format.empty()) fail_usage("--columns: --format says that the inputs are no text; leave one out.");
+            format = "text:" + names;
+            require_format_asked_for(format);
+          },
+          "Names of the columns of text inputs without a header, e.g. x,y,z,intensity,-,red,green,blue; - skips a "
+          "column")
+      ->type_name("A,B,...")
+      ->group(kOtherGroup);
 }
 
 void add_stream_options(CLI::App& verb, CommonOptions& options) {

@@ -25,7 +25,7 @@ struct CommonOptions : EngineOptions {
   std::vector<std::string> keep;  ///< names of attributes to write; empty: all
   bool dry_run = false;           ///< print the plan and write nothing
   bool quiet = false;
-  std::string format;            ///< format of inputs without a signature; empty: there are none
+  std::string format;            ///< of --format or --columns (CloudOptions::format); empty: neither
   std::optional<StatedCrs> crs;  ///< what --crs states; absent: what the inputs state
   bool replace_crs = false;      ///< other systems of inputs do not count
   bool ignore_crs = false;       ///< coordinate reference systems neither forbid nor convert anything
@@ -48,7 +48,7 @@ void add_crs_option(CLI::App& verb, CommonOptions& options);
 void add_stated_crs_option(CLI::App& verb, CommonOptions& options);
 /// --crs EPSG:CODE|FILE|none and --replace-crs
 void add_stated_crs_options(CLI::App& verb, CommonOptions& options);
-/// --format
+/// --format and --columns, which states a format "text:A,B,..."
 void add_format_option(CLI::App& verb, std::string& format);
 /// --memory SIZE, --temp-dir DIR, --resume DIR, --axis, --stats FILE, --report FILE and, hidden, --half-way-states FILE
 /// and --checkpoint-seconds S

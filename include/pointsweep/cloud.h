@@ -29,7 +29,8 @@ struct CloudOptions {
   /// The system that the coordinates of all inputs are in. Throws UsageError where an input states another one, or one
   /// that cannot be compared, unless StatedCrs::replaces. Absent: what the inputs state.
   std::optional<StatedCrs> crs = {};
-  /// Format of the files that have no signature: "kitti" or "float32-xyz" (open_reader).
+  /// Format of the files that have no signature: "kitti" or "float32-xyz"; or "text:x,y,z,-,intensity", the columns of
+  /// text files (open_reader).
   std::string format = "";
 };
 

@@ -126,8 +126,9 @@ class POINTSWEEP_EXPORT Reader {
 };
 
 /// Opens a point file of any known format, told by its content. `format` names one that has no signature ("kitti",
-/// "float32-xyz"); it is that of the file unless the name of the file ends as those of another format. Throws Error in
-/// one sentence when it cannot, UsageError for an unknown `format`.
+/// "float32-xyz"); it is that of the file unless the name of the file ends as those of another format.
+/// "text:x,y,z,-,intensity" names the columns of a text file, "-" for those to skip, and replaces its header. Throws
+/// Error in one sentence when it cannot, UsageError for an unknown `format`.
 POINTSWEEP_EXPORT std::unique_ptr<Reader> open_reader(const std::filesystem::path& path, std::string_view format = "");
 
 /// Points from arrays, which are borrowed and must outlive the reader.

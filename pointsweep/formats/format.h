@@ -53,9 +53,14 @@ struct Format {
   /// signature, which is tried after all other formats and the foreign formats.
   bool (*is)(std::string_view head) = nullptr;
   /// For a format without signature: whether the first lines of a file are of it. A folder may hold other texts.
-  bool (*fits)(const std::filesystem::path& path) = nullptr;
+  /// `columns`: as for open_columns; empty if none are stated.
+  bool (*fits)(const std::filesystem::path& path, std::span<const std::string> columns) = nullptr;
   std::unique_ptr<Reader> (*open)(const std::filesystem::path& path) = nullptr;  ///< null: it is not read
-  std::unique_ptr<Writer> (*create)(const OutputPlan& plan) = nullptr;           ///< null: it is not written
+  /// Opens a file whose columns have these names, "-" for a column that is skipped, whatever its own header says. Null
+  /// for a format whose files say what they hold.
+  std::unique_ptr<Reader> (*open_columns)(const std::filesystem::path& path,
+                                          std::span<const std::string> columns) = nullptr;
+  std::unique_ptr<Writer> (*create)(const OutputPlan& plan) = nullptr;  ///< null: it is not written
 
   Content content = Content::points;
   bool holds_crs = false;         ///< a coordinate reference system

@@ -7,6 +7,7 @@
 #include <array>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/points/schema.h"
 #include "pointsweep/storage/local/input_file.h"
 #include "pointsweep/storage/local/standard_streams.h"
 
@@ -88,6 +89,32 @@ const Format* format_asked_for(std::string_view name) {
   for (const Format* format : kFormats)
     if (!name.empty() && format->asked_for_as == name) return format;
   return nullptr;
+}
+
+/// Begins the word for text whose columns are stated: "text:x,y,z,-,intensity".
+constexpr std::string_view kColumnsStated = "text:";
+
+/// The columns that the word for a format states; empty: it is another word. Throws UsageError unless they name x, y
+/// and z, and nothing twice.
+std::vector<std::string> stated_columns(std::string_view name) {
+  if (!name.starts_with(kColumnsStated)) return {};
+  name.remove_prefix(kColumnsStated.size());
+  std::vector<std::string> columns(1);
+  for (const char c : name) c == ',' ? void(columns.emplace_back()) : columns.back().push_back(c);
+  Schema schema;
+  for (const std::string& column : columns) {
+    if (column.empty() || column.find_first_of(" \t") != column.npos)
+      fail_usage("--columns: '{}' is not a list of names such as x,y,z,intensity,-,red,green,blue (- skips a column).",
+                 name);
+    if (column == "-") continue;
+    if (const auto same = schema.find(column))
+      fail_usage("--columns: '{}' and '{}' name the same attribute; name each once, or skip a column with -.",
+                 schema.fields[*same].name, column);
+    schema.append(column, Type::f64);
+  }
+  for (const char* axis : {"x", "y", "z"})
+    if (!schema.find(axis)) fail_usage("--columns: '{}' does not name {}; a point needs x, y and z.", name, axis);
+  return columns;
 }
 
 /// Returns whether a file has the extension of a format other than `asked`, which has no signature.
@@ -216,7 +243,7 @@ std::string codecs() {
 std::string formats_asked_for() { return names_asked_for("|"); }
 
 void require_format_asked_for(std::string_view name) {
-  if (!name.empty() && format_asked_for(name) == nullptr)
+  if (!name.empty() && stated_columns(name).empty() && format_asked_for(name) == nullptr)
     fail_usage("--format: '{}' is not one of {}; other formats are recognised by the content of a file.", name,
                formats_asked_for());
 }
@@ -229,8 +256,12 @@ std::unique_ptr<Reader> open_reader(const std::filesystem::path& path, std::stri
   for (const Format* format : kFormats)
     if (is_read_as_points(*format) && format->is != nullptr && format->is(head)) return format->open(path);
   refuse_foreign_format(path, head, formats_with_signature(), names_asked_for(" or "));
-  for (const Format* format : kFormats)
-    if (is_read_as_points(*format) && format->is == nullptr && format->asked_for_as.empty()) return format->open(path);
+  const std::vector<std::string> columns = stated_columns(format_name);
+  for (const Format* format : kFormats) {
+    if (!is_read_as_points(*format) || format->is != nullptr || !format->asked_for_as.empty()) continue;
+    if (columns.empty()) return format->open(path);
+    if (format->open_columns != nullptr) return format->open_columns(path, columns);
+  }
   fail("{}: is of no format that pointsweep reads.", path.string());
 }
 
@@ -248,8 +279,9 @@ bool is_point_file(const std::filesystem::path& path, std::string_view format_na
   for (const Format* format : kFormats)
     if (is_read_as_points(*format) && format->is != nullptr && format->is(head)) return true;
   if (is_foreign(path, head)) return false;
-  return std::ranges::any_of(kFormats,
-                             [&](const Format* f) { return is_read_as_points(*f) && f->fits && f->fits(path); });
+  const std::vector<std::string> columns = stated_columns(format_name);
+  return std::ranges::any_of(
+      kFormats, [&](const Format* f) { return is_read_as_points(*f) && f->fits && f->fits(path, columns); });
 }
 
 std::unique_ptr<Writer> create_writer(const OutputPlan& plan) {

@@ -174,6 +174,7 @@ def open(
     *,
     recursive: bool = False,
     format: str = "",
+    columns: Sequence[str] | str | None = None,
     ignore_crs: bool = False,
     crs: Any = None,
     replace_crs: bool = False,
@@ -186,6 +187,8 @@ def open(
         for its point files, a .vpc file for those that it names.
     recursive : folders stand for the point files in their folders, too.
     format : of files without a signature: 'kitti' or 'float32-xyz'.
+    columns : names of the columns of text files, in place of a header: ``["x", "y", "z", "intensity", "-", "red"]``; "-"
+        skips a column.
     ignore_crs : ignore coordinate reference systems: merge files of different systems without a transformation, treat
         degrees as lengths, do not convert default lengths to feet.
     crs : coordinate reference system of the points, as `run` takes it, the path of a file with WKT (.prj, .wkt), or 'none'.
@@ -193,5 +196,12 @@ def open(
     replace_crs : `crs` may replace another system that a file states.
     """
     return opened(
-        Cloud, files, recursive=recursive, format=format, ignore_crs=ignore_crs, crs=crs, replace_crs=replace_crs
+        Cloud,
+        files,
+        recursive=recursive,
+        format=format,
+        columns=columns,
+        ignore_crs=ignore_crs,
+        crs=crs,
+        replace_crs=replace_crs,
     )

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from . import _core
 from ._crs import Crs
 from ._errors import UsageError, warn
-from ._options import path
+from ._options import path, with_columns_of_text
 from ._progress import called
 from ._tables import html_table
 from ._types import Path, ProgressCallback
@@ -105,6 +106,7 @@ def info(
     *,
     spacing: bool = True,
     format: str = "",
+    columns: Sequence[str] | str | None = None,
     progress: ProgressCallback | bool | None = None,
 ) -> FileSummary:
     """What is in a point file, found by reading all of it: bounds, density, spacing, ranges, classes, times, records.
@@ -117,6 +119,7 @@ def info(
     file : a path. For the files of a folder or pattern: ``[ps.info(f) for f in ps.open("tiles/*.laz").files]``.
     spacing : measure the distance between points, which takes a second reading.
     format : of a file without a signature: 'kitti' or 'float32-xyz'.
+    columns : of a text file, as for `open`.
     progress : as for `run`.
     """
     import json
@@ -127,7 +130,7 @@ def info(
     if os.path.isdir(named):
         raise UsageError(f"info: {named} is a folder; look at its files one by one, those of pointsweep.open(...).files.")
     with called(progress) as shown:
-        text, crs = _core.summarize(named, format, bool(spacing), shown)
+        text, crs = _core.summarize(named, with_columns_of_text(format, columns), bool(spacing), shown)
     summary = _summary(json.loads(text), None if crs is None else Crs(crs))
     for sentence in summary.warnings:
         warn(sentence if sentence.startswith(named) else f"{named}: {sentence}")

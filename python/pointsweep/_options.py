@@ -8,7 +8,7 @@ import math
 import operator
 import os
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -91,6 +91,15 @@ def names(option: str, value: Any) -> list[str]:
         if not isinstance(name, str) or not name:
             raise UsageError(f"{option}: {name!r} is not the name of an attribute.")
     return listed
+
+
+def with_columns_of_text(format: str, columns: Sequence[str] | str | None) -> str:
+    """The format that the library opens files in: `format`, or text whose columns have these names."""
+    if columns is None:
+        return format
+    if format:
+        raise UsageError("columns: format says that the files are no text; leave one out.")
+    return "text:" + ",".join(names("columns", columns))
 
 
 def _threads(_: str, threads: Any) -> str:

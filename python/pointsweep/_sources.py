@@ -14,7 +14,7 @@ from ._adapters import arrays_by_name, crs_stated_by, from_dlpack
 from ._blocks import spilled
 from ._crs import Crs, crs_of, given_or_stated
 from ._errors import UsageError, warn
-from ._options import path
+from ._options import path, with_columns_of_text
 from ._types import Files, Path
 
 _AXES = ("x", "y", "z")
@@ -78,6 +78,7 @@ def opened(
     *,
     recursive: bool = False,
     format: str = "",
+    columns: Sequence[str] | str | None = None,
     ignore_crs: bool = False,
     crs: Any = None,
     replace_crs: bool = False,
@@ -89,6 +90,7 @@ def opened(
     for file in named:
         if not isinstance(file, (str, os.PathLike)):
             raise UsageError(f"open: {file!r} is not a path; arrays go to pointsweep.run at once.")
+    format = with_columns_of_text(format, columns)
     listed, notices = _core.list_files([path("open", file) for file in named], recursive, format)
     for notice in notices:
         warn(notice)

@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 from . import _core
 from ._errors import UsageError
-from ._options import names, number, path, run_options, whole, word
+from ._options import names, number, path, run_options, whole, with_columns_of_text, word
 from ._progress import called
 from ._stage_list import stages_of
 from ._types import Path, PipelineLike, ProgressCallback
@@ -66,6 +66,7 @@ def verify(
     memory: int | str | None = "1G",
     recursive: bool = False,
     format: str = "",
+    columns: Sequence[str] | str | None = None,
     ignore_crs: bool = False,
     progress: ProgressCallback | bool | None = None,
 ) -> Verdict:
@@ -85,7 +86,7 @@ def verify(
     sample, seed : number of points that are recomputed, and which.
     rows : rows of further points to recompute.
     memory : for the neighbours of the sample; a larger sample takes several passes.
-    recursive, format, ignore_crs : as for `open`.
+    recursive, format, columns, ignore_crs : as for `open`.
     progress : as for `run`.
     """
     checked = run_options(axis=axis, memory=memory, nonfinite=nonfinite, prefix=prefix, ignore_crs=ignore_crs)
@@ -104,7 +105,7 @@ def verify(
         "rows": [_count("rows", row) for row in rows],
         "order": word("order", order),
         "recursive": bool(recursive),
-        "format": format,
+        "format": with_columns_of_text(format, columns),
     }
     named = [] if inputs is None else [inputs] if isinstance(inputs, (str, os.PathLike)) else list(inputs)
     with called(progress) as shown:

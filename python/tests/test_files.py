@@ -225,3 +225,18 @@ def test_tiles_and_parts_are_those_of_the_tool(run_tool, tmp_path):
         ps.run(xyz, "normals", to=tmp_path / "x", tile=5)
     with pytest.raises(ps.UsageError, match="tile: is for outputs in files"):
         ps.run(xyz, "normals", tile=5)
+
+
+def test_columns_of_a_text_file_are_named(tmp_path):
+    file = tmp_path / "a.xyz"
+    file.write_text("tree 1 2 3 40\nbush 4 5 6 50\n")
+    named = ["-", "x", "y", "z", "intensity"]
+    points = ps.open(file, columns=named).read()
+    assert points["xyz"].tolist() == [[1, 2, 3], [4, 5, 6]] and points["intensity"].tolist() == [40, 50]
+    assert ps.info(file, columns="-,x,y,z,i").points == 2
+    ps.open(file, columns=named).write(tmp_path / "a.csv")
+    assert ps.verify(tmp_path / "a.csv", file, columns=named)
+    with pytest.raises(ps.UsageError, match="columns: 'x,y' does not name z"):
+        ps.open(file, columns=["x", "y"])
+    with pytest.raises(ps.UsageError, match="leave one out"):
+        ps.open(file, format="kitti", columns=named)

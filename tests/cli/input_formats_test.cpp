@@ -137,6 +137,70 @@ TEST_F(InputFormats, PointsThatAreNotFiniteFollowTheRule) {
   }
 }
 
+/// Rows with a word, a value that is skipped, a missing value and colours; `columns` names them.
+class StatedColumns : public Tool {
+ protected:
+  StatedColumns() {
+    for (int i = 0; i < kRows; ++i)
+      rows_ += fmt::format("p{} {} {} {} 7 {} {}\n", i, i * 0.25, i % 50, i % 7,
+                           i == 3 ? "nan" : std::to_string(i % 90), i % 256);
+    write("in.xyz", rows_);
+    std::string plain = "x y z intensity red\n";
+    for (int i = 0; i < kRows; ++i)
+      plain +=
+          fmt::format("{} {} {} {} {}\n", i * 0.25, i % 50, i % 7, i == 3 ? "nan" : std::to_string(i % 90), i % 256);
+    write("plain.txt", plain);
+  }
+
+  static constexpr int kRows = 5000;
+  static constexpr const char* kColumns = " --columns -,x,y,z,-,intensity,red ";
+  std::string rows_;
+};
+
+TEST_F(StatedColumns, GiveTheOutputOfTheSameRowsWithAHeader) {
+  for (const char* chain : {"decimate(1)", "knn(k=6) | normals", "set(z = z + 1) | where(red > 100)"}) {
+    SCOPED_TRACE(chain);
+    for (const char* output : {"out.csv", "out.ply"}) {
+      const std::string rest = fmt::format(" {} --pipeline '{}' --force --no-provenance --quiet", output, chain);
+      const std::string expected = made("run plain.txt" + rest, output);
+      EXPECT_EQ(made("run in.xyz" + rest + kColumns + "--threads 1", output), expected);
+      EXPECT_EQ(made("run in.xyz" + rest + kColumns + "--threads 2 --memory 64M", output), expected);
+      EXPECT_EQ(made("run - " + rest + kColumns + "< in.xyz #", output), expected);
+    }
+  }
+}
+
+TEST_F(StatedColumns, AreInTheRecordSoThatVerifyReadsTheInputAlike) {
+  made(std::string("run in.xyz out.ply --pipeline 'knn(k=6) | normals' --quiet") + kColumns, "out.ply");
+  EXPECT_THAT(contents(folder_ / "out.ply"), HasSubstr("pointsweep format text:-,x,y,z,-,intensity,red\n"));
+  EXPECT_EQ(tool("verify out.ply").status, 0) << tool("verify out.ply").err;
+  made(std::string("convert in.xyz out.laz --nonfinite drop --keep x,y,z,red --quiet") + kColumns, "out.laz");
+  EXPECT_EQ(tool("verify out.laz").status, 0) << tool("verify out.laz").err;
+}
+
+TEST_F(StatedColumns, HoldForTextFilesAloneAndInFoldersOfTiles) {
+  made("convert plain.txt other.ply --quiet", "other.ply");
+  std::filesystem::create_directory(folder_ / "tiles");
+  write("tiles/a.xyz", rows_);
+  write("tiles/notes.txt", "These are notes\nabout the tiles\n");
+  std::filesystem::copy(folder_ / "other.ply", folder_ / "tiles/b.ply");
+  made(std::string("convert tiles out/ --output-format csv --quiet") + kColumns, "out/a.csv");
+  EXPECT_EQ(contents(folder_ / "out/a.csv"), contents(folder_ / "out/b.csv"));
+  EXPECT_FALSE(exists("out/notes.csv"));
+  refused(2, std::string("convert other.ply out.csv") + kColumns, "--columns: no input is text");
+}
+
+TEST_F(StatedColumns, SaysWhatIsWrong) {
+  refused(1, "convert in.xyz out.csv --columns x,y,z",
+          "in.xyz: line 1 has 7 values where 3 are expected (as --columns names)");
+  refused(1, "convert in.xyz out.csv --columns x,-,y,z,-,intensity,red", "line 1: 'p0' in column 'x' is no number");
+  refused(2, "convert in.xyz out.csv --columns x,y,-", "--columns: 'x,y,-' does not name z; a point needs x, y and z");
+  refused(2, "convert in.xyz out.csv --columns x,y,z,i,intensity", "'i' and 'intensity' name the same attribute");
+  refused(2, "convert in.xyz out.csv --columns x,y,,z", "is not a list of names such as");
+  refused(2, "convert in.xyz out.csv --format kitti --columns x,y,z",
+          "--columns: --format says that the inputs are no text");
+}
+
 TEST_F(InputFormats, AnUnknownFormatIsAUsageError) {
   refused(2, "normals a.xyz out.ply --format las", "--format: 'las' is not one of kitti|float32-xyz");
   refused(1, "normals kitti.bin out.ply", "name their format with --format kitti or float32-xyz");

@@ -28,6 +28,34 @@ struct Case {
   std::vector<std::string> names;
 };
 
+TEST(Text, StatedColumnsCountInPlaceOfAHeaderAndOfTheUsualNames) {
+  const std::vector<std::string> columns{"-", "y", "x", "z"};
+  const Case cases[] = {
+      {"no header", "9 1 2 3\n9 4 nan 6\n", {}},
+      {"words in the skipped column", "tree,1,2,3\nbush,4,,6\n", {}},
+      {"foreign header", "Point East North Height\n9 1 2 3\n9 4 nan 6\n", {"Point", "East", "North", "Height"}},
+      {"title", "Survey of May\n9 1 2 3\n9 4 na 6\n", {"Survey", "of", "May"}},
+      {"header", "a x y z\n9 1 2 3\n9 4 nan 6\n", {"a", "x", "y", "z"}},
+      {"header in a comment", "# a x y z\n9 1 2 3\n9 4 nan 6\n", {"a", "x", "y", "z"}},
+      {"number of points", "2\n9 1 2 3\n9 4 nan 6\n", {}},
+  };
+  const TemporaryFolder folder;
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.what);
+    const auto reader = open_text_columns(folder.write("in.txt", c.content), columns);
+    EXPECT_THAT(field_names(reader->info().schema), ElementsAre("y", "x", "z"));
+    EXPECT_EQ(reader->info().asked_for_as, "text:-,y,x,z");
+    ASSERT_EQ(reader->info().count, 2u);
+    double values[6];
+    ASSERT_EQ(reader->read(0, std::as_writable_bytes(std::span(values))), 2u);
+    EXPECT_THAT(std::vector(values, values + 4), ElementsAre(1, 2, 3, 4));
+    EXPECT_TRUE(std::isnan(values[4]));
+    EXPECT_EQ(values[5], 6);
+    EXPECT_EQ(reader->info().warnings.size(), c.names.empty() ? 0 : 1);
+  }
+  EXPECT_EQ(open_text_columns(folder.write("in.txt", ""), columns)->info().count, 0u);
+}
+
 TEST(Text, ReadsTheSameTwoPointsHoweverTheyAreWritten) {
   const std::vector<std::string> xyzi{"x", "y", "z", "intensity"}, upper{"X", "Y", "Z", "I"};
   const Case cases[] = {

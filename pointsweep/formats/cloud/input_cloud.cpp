@@ -25,6 +25,10 @@ std::vector<std::unique_ptr<Reader>> open_all(const std::vector<std::filesystem:
                                               std::string_view format) {
   std::vector<std::unique_ptr<Reader>> readers;
   for (const auto& path : paths) readers.push_back(open_reader(path, format));
+  if (format.starts_with("text:") && !readers.empty() &&
+      std::ranges::none_of(readers, [&](const auto& reader) { return reader->info().asked_for_as == format; }))
+    fail_usage("--columns: no input is text ({} is {}); leave it out.", paths.front().string(),
+               readers.front()->info().format);
   return readers;
 }
 

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <string>
 
 #include "pointsweep/formats/format.h"
 #include "pointsweep/reader.h"
@@ -15,8 +17,11 @@ namespace pointsweep {
 /// rows. A line with too few or too many cells, or a cell that is no number, is an Error with its line when it is read.
 std::unique_ptr<Reader> open_text(const std::filesystem::path& path);
 
-/// Returns whether the first lines of the file are such rows, or a header and rows.
-bool fits_text(const std::filesystem::path& path);
+/// Likewise, with these names of the columns, "-" for those that are skipped, whatever they hold. A header is skipped.
+std::unique_ptr<Reader> open_text_columns(const std::filesystem::path& path, std::span<const std::string> columns);
+
+/// Returns whether the first lines of the file are such rows, or a header and rows. `columns`: stated names; or empty.
+bool fits_text(const std::filesystem::path& path, std::span<const std::string> columns);
 
 /// Every value in the fewest digits that give the same value of its type again. The names of the columns stand in the
 /// first line: plain in a .csv, after `# ` otherwise, so that programs that know no header take it for a comment.

@@ -71,7 +71,8 @@ std::vector<std::string> copies_of(const Cells& cells) { return {cells.begin(), 
 /// Reads the first lines of a file.
 class LayoutFinder {
  public:
-  explicit LayoutFinder(const InputFile& file) : file_(file), lines_(file) {}
+  LayoutFinder(const InputFile& file, std::span<const std::string> stated)
+      : file_(file), lines_(file), stated_(stated) {}
 
   TextLayout run() {
     while (const auto line = next_line()) {
@@ -80,7 +81,7 @@ class LayoutFinder {
         continue;
       }
       split_cells(*line, separator_of(*line), cells_);
-      if (!all_numbers(cells_)) {
+      if (!all_numbers(cells_) && !has_number(cells_, stated_)) {
         take_header();
         break;
       }
@@ -112,10 +113,10 @@ class LayoutFinder {
   }
 
   void take_header() {
-    if (!names_a_point(cells_)) {
+    if (stated_.empty() && !names_a_point(cells_)) {
       fail(
           "{}: line {} is neither numbers nor a header that names x, y and z; this is no text file of points, or its "
-          "columns need a header.",
+          "columns need a header or names (--columns x,y,z,...).",
           file_.path().string(), lines_.line());
     }
     layout_.names = copies_of(cells_);
@@ -142,6 +143,7 @@ class LayoutFinder {
       if (layout_.announced && !is_pts_row(*line)) continue;
       if (rows.empty()) layout_.separator = separator_of(*line);
       split_cells(*line, layout_.separator, cells_);
+      if (!stated_.empty()) break;
       if (rows.empty() && cells_.size() < 3) {
         fail("{}: line {} has {} {}; a point needs x, y and z.", file_.path().string(), lines_.line(), cells_.size(),
              cells_.size() == 1 ? "value" : "values");
@@ -157,6 +159,7 @@ class LayoutFinder {
   }
 
   void use_names(const std::vector<std::vector<double>>& rows) {
+    if (!stated_.empty()) return use_stated_names();
     if (layout_.has_header) return;
     if (!comment_names_.empty() && (rows.empty() || comment_names_.size() == rows[0].size())) {
       layout_.names = comment_names_;
@@ -166,8 +169,15 @@ class LayoutFinder {
     }
   }
 
+  void use_stated_names() {
+    layout_.replaced_names = layout_.has_header ? std::move(layout_.names) : std::move(comment_names_);
+    layout_.names.assign(stated_.begin(), stated_.end());
+    layout_.are_stated = true;
+  }
+
   const InputFile& file_;
   LineReader lines_;
+  std::span<const std::string> stated_;
   TextLayout layout_;
   Cells cells_;
   std::vector<std::string> comment_names_;
@@ -229,6 +239,15 @@ bool parse_cell(std::string_view cell, double& value) {
   return true;
 }
 
-TextLayout find_text_layout(const InputFile& file) { return LayoutFinder(file).run(); }
+bool has_number(std::span<const std::string_view> cells, std::span<const std::string> columns) {
+  double ignored = 0;
+  for (std::size_t i = 0; i < std::min(cells.size(), columns.size()); ++i)
+    if (columns[i] != kSkippedColumn && parse_cell(cells[i], ignored)) return true;
+  return false;
+}
+
+TextLayout find_text_layout(const InputFile& file, std::span<const std::string> stated) {
+  return LayoutFinder(file, stated).run();
+}
 
 }  // namespace pointsweep

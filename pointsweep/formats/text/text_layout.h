@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,9 +33,17 @@ std::string_view comment_of(std::string_view line);
 /// The number in a cell; an empty cell, "na", "n/a" and "null" are NaN. False if it is none.
 bool parse_cell(std::string_view cell, double& value);
 
+/// The name, in --columns, of a column that is skipped.
+inline constexpr std::string_view kSkippedColumn = "-";
+
+/// Returns whether one of the cells that `columns` names is a number.
+bool has_number(std::span<const std::string_view> cells, std::span<const std::string> columns);
+
 struct TextLayout {
-  std::vector<std::string> names;          ///< one for each column
-  Separator separator = Separator::space;  ///< of the rows; that of the header may differ
+  std::vector<std::string> names;           ///< one for each column; kSkippedColumn for those that are skipped
+  bool are_stated = false;                  ///< `names` are those of --columns
+  std::vector<std::string> replaced_names;  ///< of the file's own header, where stated names replace them
+  Separator separator = Separator::space;   ///< of the rows; that of the header may differ
   bool has_header = false;
   std::vector<std::string> provenance;     ///< comments before the rows that say how the file was made
   std::optional<std::uint64_t> announced;  ///< rows, as a first line that is nothing but an integer says (PTS)
@@ -44,7 +53,8 @@ struct TextLayout {
 
 /// Names come from a header: a first line that is not all numbers, or a comment before the rows that names x, y and z
 /// and fits their number. Otherwise from the number of columns and what the first rows hold (default_column_names).
-/// Throws Error when there are no x, y and z.
-TextLayout find_text_layout(const InputFile& file);
+/// Throws Error when there are no x, y and z. `stated`: names that count in place of all these; then a first line
+/// without a number in a named column is a header.
+TextLayout find_text_layout(const InputFile& file, std::span<const std::string> stated = {});
 
 }  // namespace pointsweep

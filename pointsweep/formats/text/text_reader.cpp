@@ -37,15 +37,19 @@ class TextLineParser final : public LineParser {
     if (cells_.size() + 1 == columns && layout_.separator != Separator::space) cells_.emplace_back();
     if (cells_.size() != columns) {
       fail("{}: line {} has {} values where {} are expected ({}); correct the line.", path_.string(), number,
-           cells_.size(), columns, layout_.has_header ? "as in the header" : "as in the first row");
+           cells_.size(), columns,
+           layout_.are_stated   ? "as --columns names"
+           : layout_.has_header ? "as in the header"
+                                : "as in the first row");
     }
     for (std::size_t i = 0; i < columns; ++i) {
+      if (layout_.are_stated && layout_.names[i] == kSkippedColumn) continue;
       double value = 0;
       if (!parse_cell(cells_[i], value)) {
         fail("{}: line {}: '{}' in column '{}' is no number; correct it or write nan.", path_.string(), number,
              cells_[i].substr(0, 40), layout_.names[i]);
       }
-      std::copy_n(reinterpret_cast<const std::byte*>(&value), sizeof value, record + i * sizeof value);
+      record = std::copy_n(reinterpret_cast<const std::byte*>(&value), sizeof value, record);
     }
   }
 
@@ -57,19 +61,26 @@ class TextLineParser final : public LineParser {
 
 class TextReader final : public RowTextReader {
  public:
-  explicit TextReader(const std::filesystem::path& path) {
+  TextReader(const std::filesystem::path& path, std::span<const std::string> columns) {
     file_ = std::make_unique<const InputFile>(path);
-    layout_ = find_text_layout(*file_);
+    layout_ = find_text_layout(*file_, columns);
     LineReader lines(*file_);
     lines.jump(layout_.body_offset, layout_.body_line);
     find_rows(lines);
     info_.path = path;
     info_.format = fmt::format("text, {} separated, {}", word_for(layout_.separator),
-                               layout_.has_header ? "with header" : "without header");
+                               layout_.are_stated   ? "columns as stated"
+                               : layout_.has_header ? "with header"
+                                                    : "without header");
+    if (layout_.are_stated) info_.asked_for_as = fmt::format("text:{}", fmt::join(layout_.names, ","));
     info_.bytes = file_->size();
     info_.count = rows_->count();
     info_.provenance = layout_.provenance;
-    for (const std::string& name : layout_.names) info_.schema.append(name, Type::f64);
+    for (const std::string& name : layout_.names)
+      if (!layout_.are_stated || name != kSkippedColumn) info_.schema.append(name, Type::f64);
+    if (!layout_.replaced_names.empty() && layout_.replaced_names != layout_.names)
+      info_.warnings.push_back(fmt::format("{}: --columns replaces the names of its header ({}).",
+                                           file_->path().string(), fmt::join(layout_.replaced_names, ",")));
     if (layout_.announced && *layout_.announced != info_.count) {
       info_.warnings.push_back(fmt::format("{}: announces {} points but holds {}; all of them are read.",
                                            file_->path().string(), *layout_.announced, info_.count));
@@ -102,20 +113,28 @@ class TextReader final : public RowTextReader {
 
 }  // namespace
 
-bool fits_text(const std::filesystem::path& path) {
+bool fits_text(const std::filesystem::path& path, std::span<const std::string> columns) {
   try {
     const InputFile file(path);
-    const TextLayout layout = find_text_layout(file);
+    const TextLayout layout = find_text_layout(file, columns);
     LineReader lines(file);
     lines.jump(layout.body_offset, layout.body_line);
-    while (const auto line = lines.next())
-      if (is_text_row(*line)) return true;
-    return layout.has_header;
+    while (const auto line = lines.next()) {
+      if (!is_text_row(*line)) continue;
+      std::vector<std::string_view> cells;
+      split_cells(*line, layout.separator, cells);
+      return columns.empty() || has_number(cells, columns);
+    }
+    return layout.has_header && columns.empty();
   } catch (const Error&) {
     return false;
   }
 }
 
-std::unique_ptr<Reader> open_text(const std::filesystem::path& path) { return std::make_unique<TextReader>(path); }
+std::unique_ptr<Reader> open_text(const std::filesystem::path& path) { return open_text_columns(path, {}); }
+
+std::unique_ptr<Reader> open_text_columns(const std::filesystem::path& path, std::span<const std::string> columns) {
+  return std::make_unique<TextReader>(path, columns);
+}
 
 }  // namespace pointsweep
