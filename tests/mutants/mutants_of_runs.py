@@ -42,7 +42,7 @@ MUTANTS = [
            "if (option.effect == none)", "if (option.effect == none || option.name == \"prefix\")",
            ("pipeline:Resume.*:Refused.*",)),
     Mutant("a changed input counts as the same run", "resume", PIPELINE + "checkpoint/run_identity.cpp",
-           "info.count, state.text());", "info.count, \"\");", ("pipeline:Resume.*:Refused.*",)),
+           "info.count, state.text(),", "info.count, \"\",", ("pipeline:Resume.*:Refused.*",)),
 
     # Memory
     Mutant("records are sorted in a vector that grows", "memory", "pointsweep/connect/sorted_records.h",

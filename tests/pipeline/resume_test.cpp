@@ -31,6 +31,7 @@ struct Work {
   std::vector<std::string> inputs = {"a.xyz", "b.xyz"};
   std::vector<std::string> keep = {};
   Nonfinite nonfinite = Nonfinite::by_format;
+  std::string format = {};  ///< CloudOptions::format
 };
 
 class Resume : public testing::Test {
@@ -77,7 +78,7 @@ class Resume : public testing::Test {
   Statistics run_all(const Work& work, const EngineOptions& options) const {
     std::vector<std::filesystem::path> inputs;
     for (const std::string& name : work.inputs) inputs.push_back(folder_ / name);
-    InputCloud cloud(inputs);
+    InputCloud cloud(inputs, {.format = work.format});
     if (work.pipeline.empty()) return sort(cloud, folder_ / work.output, options, work.keep);
     if (work.pipeline != "neighbors")
       return run(cloud, build_chain(parse_pipeline(work.pipeline), cloud, work.keep), {folder_ / work.output, {}, {}},
@@ -389,6 +390,12 @@ TEST_F(Resume, RefusesMovedPositionsOfAnotherType) {
   EXPECT_NE(sentence.find("remove the folder"), std::string::npos) << sentence;
   run_uninterrupted(work);
   expect_as_uninterrupted(work, run_all(work, resuming(work)));
+}
+
+TEST_F(Refused, IfTheColumnsOfTheTextAreOthers) {
+  Work other = work_;
+  other.format = "text:y,x,z";
+  EXPECT_NE(sentence(other).find("read as text:y,x,z"), std::string::npos) << sentence(other);
 }
 
 TEST_F(Resume, RefusesAnInputThatWasWrittenTo) {

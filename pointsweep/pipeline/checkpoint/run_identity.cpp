@@ -26,7 +26,8 @@ std::string inputs_text(const InputCloud& cloud) {
     const FileState& state = cloud.states()[i];
     if (!state.is_known())
       fail("Only files can be gone on with, and '{}' is none: leave out --resume.", info.path.string());
-    text += fmt::format("input '{}' with {} points, {}\n", whole_path(info.path), info.count, state.text());
+    text += fmt::format("input '{}' with {} points, {}{}\n", whole_path(info.path), info.count, state.text(),
+                        info.asked_for_as.empty() ? "" : ", read as " + info.asked_for_as);
   }
   return text;
 }
