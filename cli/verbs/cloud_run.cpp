@@ -62,7 +62,7 @@ constexpr double kPageShare = 0.1, kPageSeconds = 0.5;
 /// Adds the result, read again, to the summary; nothing where the output is no point file or has no point to show.
 void add_result(const ResolvedFiles& files, const InputCloud& input, ProgressDisplay& display, RunSummary& summary) {
   const Statistics& statistics = summary.statistics;
-  if (is_divided(files) || is_array_name(files.output) || is_standard_stream(files.output) ||
+  if (is_divided(files) || is_array_name(files.output) || is_standard_output(files.output) ||
       statistics.points_written == 0 || statistics.nonfinite - statistics.dropped == statistics.points)
     return;
   const auto start = std::chrono::steady_clock::now();
@@ -120,7 +120,7 @@ std::set<std::string> about_degenerate(const Statistics& s, const std::filesyste
 /// "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory"
 std::string conclusion(const ResolvedFiles& files, const Statistics& s) {
   const std::filesystem::path output = is_divided(files) ? files.output.parent_path() / "" : files.output;
-  std::string text = fmt::format("wrote {}: ", is_standard_stream(output) ? "standard output" : output.string());
+  std::string text = fmt::format("wrote {}: ", is_standard_output(output) ? "standard output" : output.string());
   if (!files.tiles.empty() || is_divided(files))
     text += s.files_written == 1 ? "1 file, " : fmt::format("{} files, ", s.files_written);
   text += fmt::format("{} points", s.points_written);

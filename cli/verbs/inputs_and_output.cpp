@@ -126,11 +126,10 @@ std::vector<fs::path> tiles_in(const InputsAndOutput& named, const std::vector<L
 }
 
 void require_folder_for_format(const InputsAndOutput& named, bool is_folder) {
-  if (is_folder || named.output_format.empty()) return;
-  if (is_standard_stream(named.output()))
-    fail_usage("--output-format: standard output is PLY; for another format name an output file.");
-  fail_usage("--output-format: {} is a file, and its name says its format; leave the option out, or name a folder.",
-             named.output().string());
+  if (is_folder || named.output_format.empty() || is_standard_stream(named.output())) return;
+  fail_usage(
+      "--output-format: {} is a file, and its name says its format; leave the option out, or name a folder or -.",
+      named.output().string());
 }
 
 /// ".laz" for "laz" and ".LAZ".
@@ -161,7 +160,8 @@ void add_recursive_option(CLI::App& verb, bool& recursive) {
 void add_output_format_option(CLI::App& verb, std::string& format) {
   verb.add_option_function<std::string>(
           "--output-format", [&format](const std::string& text) { format = parse_output_format(text); },
-          "Format of all files in a folder of outputs, e.g. laz or ply (default: that of each input)")
+          "Format of standard output, e.g. csv (default: ply), or of all files in a folder of outputs, e.g. laz "
+          "(default: that of each input)")
       ->type_name("EXT")
       ->group(kOutputGroup);
 }
@@ -182,6 +182,8 @@ ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format) {
     files.output = divided_output(named, list.files);
   else if (is_folder)
     files.tiles = tiles_in(named, list.files);
+  else if (is_standard_stream(named.output()))
+    files.output += named.output_format;
   for (ListedFile& file : list.files) files.inputs.push_back(std::move(file.path));
   std::vector<fs::path> read = files.inputs, written = files.tiles;
   if (!is_folder) written.push_back(files.output);

@@ -65,6 +65,7 @@ struct Format {
   Content content = Content::points;
   bool holds_crs = false;         ///< a coordinate reference system
   bool holds_provenance = false;  ///< lines that say how the file was made
+  bool is_sequential = false;     ///< its writer puts all bytes one after the other, as standard output takes them
   /// Coordinates are any float64, NaN and infinity included. False: integers on a grid of finite steps.
   bool real_coordinates = true;
   /// Box of all points is in the header (FileInfo::bounds), so that it is known without reading the points.

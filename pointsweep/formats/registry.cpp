@@ -211,6 +211,11 @@ const Format* format_of_output(const std::filesystem::path& path) {
 void require_output_name(const std::filesystem::path& output) {
   const Format* const format = format_of_output(output);
   const std::string name = output.string();
+  if (format != nullptr && is_standard_output(output) && !format->is_sequential)
+    fail_usage(
+        "-: {} cannot be written to standard output, since its header is completed last; name a file, or choose "
+        "another format, e.g. --output-format ply or csv.",
+        format->name);
   if (format == nullptr || format->refused_ending.empty() || !in_lower_case(name).ends_with(format->refused_ending))
     return;
   const std::string plain = name.substr(0, name.size() - format->refused_ending.size()) + output.extension().string();

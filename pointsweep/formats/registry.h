@@ -18,12 +18,13 @@ inline std::string extension_of(const std::filesystem::path& path) { return in_l
 /// All formats. A file is of the first whose signature it has.
 std::span<const Format* const> formats();
 
-/// The format of an output of this name; null if its extension is that of none that is written. Standard output, "-",
-/// is PLY.
+/// The format of an output of this name; null if its extension is that of none that is written. Standard output is PLY
+/// as
+/// "-" and text as "-.csv".
 const Format* format_of_output(const std::filesystem::path& path);
 
 /// Throws UsageError for the name of an output by which programs expect a format that is not written
-/// (Format::refused_ending).
+/// (Format::refused_ending), and for standard output in a format that is not sequential.
 void require_output_name(const std::filesystem::path& output);
 
 /// Returns whether a file in a folder is meant to be read: by the beginning of its content, or because it has the

@@ -99,10 +99,60 @@ TEST_F(StandardStreams, ErrorsLeaveStandardOutputEmpty) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "temp"));
 }
 
-TEST_F(StandardStreams, AReaderThatEndsIsAnErrorInOneSentence) {
+/// "-" is PLY, and --output-format names another format whose bytes come in sequence.
+TEST_F(StandardStreams, OutputFormatIsThatOfStandardOutput) {
+  made("sort in.ply in.las --axis x");
+  const char* const kRuns[] = {"convert {} {}", "run {} {} --pipeline 'knn(k=8) | normals | where(nz > 0)'",
+                               "run {} {} --order sweep --memory 40M --temp-dir temp --pipeline normals",
+                               "convert {} -o {} --keep x,y,z --threads 1"};
+  for (const char* input : {"in.ply", "in.las"})
+    for (const char* run : kRuns)
+      for (const char* format : {"csv", "xyz", "pts", "PCD", "ply"}) {
+        const std::string name = std::string("file.") + format;
+        const std::string to_file = fmt::format(fmt::runtime(run), input, name) + " --no-provenance";
+        SCOPED_TRACE(to_file);
+        made(to_file + " -f");
+        const std::string to_pipe = fmt::format(fmt::runtime(run), input, "-") + " --no-provenance";
+        const Result piped = script("$T " + to_pipe + " --output-format " + format + " | cat");
+        EXPECT_EQ(piped.status, 0) << piped.err;
+        EXPECT_THAT(piped.err, HasSubstr("wrote standard output: "));
+        EXPECT_TRUE(piped.out == contents(folder_ / name));
+        EXPECT_FALSE(piped.out.empty());
+      }
+  EXPECT_FALSE(exists("-"));
+  EXPECT_FALSE(exists("-.csv"));
+  EXPECT_EQ(script("$T convert in.las - --output-format xyz > v.xyz && $T verify in.las v.xyz").status, 0)
+      << contents(folder_ / ".err");
+  EXPECT_EQ(script("$T run in.ply - --output-format csv --pipeline 'where(x > 1e9)'").out, "x,y,z,nx,ny,nz\n")
+      << contents(folder_ / ".err");
+}
+
+TEST_F(StandardStreams, RefusesFormatsWhoseHeaderIsCompletedLast) {
+  for (const char* format : {"las", "laz", "e57"}) {
+    SCOPED_TRACE(format);
+    const Result result = script(fmt::format("$T run in.ply - --output-format {} --pipeline normals", format));
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(result.out, "");
+    EXPECT_THAT(result.err, HasSubstr("cannot be written to standard output, since its header is completed last"));
+  }
+  EXPECT_THAT(script("$T convert in.ply - --output-format off").err, HasSubstr("'off' is not one of"));
+  EXPECT_THAT(script("$T convert in.ply - --output-format csv --scale 0.1").err, HasSubstr("--scale: is for LAS"));
+  EXPECT_THAT(script("$T tile in.ply - --size 1 --output-format csv").err, HasSubstr("many files are written"));
+}
+
+/// A reader that has enough ends a run, as it ends other tools; a run that has not completed its other outputs says so.
+TEST_F(StandardStreams, AReaderThatEndsEndsTheRunInSilence) {
   made("generate statue large.ply -n 200000");
-  const Result closed = script("$T normals large.ply - --quiet | head -c 1000 | wc -c");
+  for (const char* options : {"", "--output-format csv", "--output-format csv --order sweep --threads 1"}) {
+    SCOPED_TRACE(options);
+    const Result enough = script(fmt::format("$T normals large.ply - --quiet {} | head -c 1000 | wc -c", options));
+    EXPECT_EQ(enough.status, 0);
+    EXPECT_EQ(enough.out, "1000\n");
+    EXPECT_EQ(enough.err, "");
+  }
+  const Result closed = script("$T normals large.ply - --quiet --stats s.json | head -c 1000 | wc -c");
   EXPECT_EQ(closed.status, 1);
+  EXPECT_FALSE(exists("s.json"));
   EXPECT_THAT(closed.err, HasSubstr("the program that reads standard output ended"));
   EXPECT_EQ(std::count(closed.err.begin(), closed.err.end(), '\n'), 1) << closed.err;
 }

@@ -153,6 +153,12 @@ MUTANTS = [
 
     Mutant("a reader that has gone is an error of standard output", "cli", "cli/console/console.cpp",
            "error == EPIPE || error == EBADF", "error == EBADF", ("cli:Console.*",)),
+    Mutant("a run whose reader has ended says nothing of its other outputs", "cli",
+           "pointsweep/storage/local/output_file.cpp", "reader_ended = incomplete_files == 0;", "reader_ended = true;",
+           ("cli:StandardStreams.*",)),
+    Mutant("LAS goes to standard output, where its header comes last", "cli", "pointsweep/formats/registry.cpp",
+           "is_standard_output(output) && !format->is_sequential", "is_standard_output(output) && false",
+           ("cli:StandardStreams.*",)),
     Mutant("an output takes the place of a closed standard error", "cli", "cli/console/console.cpp",
            "for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})",
            "for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO})", ("cli:Console.*",)),

@@ -20,6 +20,7 @@ const Format kPcdFormat = {.name = "PCD",
                            .open = open_pcd,
                            .create = create_pcd_writer,
                            .holds_provenance = true,
+                           .is_sequential = true,
                            .stored_name = pcd_field_name};
 
 }  // namespace pointsweep

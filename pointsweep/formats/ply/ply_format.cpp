@@ -24,6 +24,7 @@ const Format kPlyFormat = {.name = "PLY",
                            .open = open_ply,
                            .create = create_ply_writer,
                            .holds_crs = true,
-                           .holds_provenance = true};
+                           .holds_provenance = true,
+                           .is_sequential = true};
 
 }  // namespace pointsweep

@@ -25,6 +25,7 @@ const Format kTextFormat = {.name = "text",
                             .open_columns = open_text_columns,
                             .create = create_text_writer,
                             .holds_provenance = true,
+                            .is_sequential = true,
                             .layout = kLayout,
                             .stored_coordinate = text_stored_coordinate};
 
@@ -36,6 +37,7 @@ const Format kPtsFormat = {.name = "text",
                            .extensions = kPtsExtensions,
                            .create = create_text_writer,
                            .holds_provenance = true,
+                           .is_sequential = true,
                            .layout = kLayout,
                            .stored_coordinate = text_stored_coordinate};
 
@@ -46,6 +48,7 @@ const Format kCsvFormat = {.name = "text",
                            .writes = "columns separated by commas",
                            .extensions = kCsvExtensions,
                            .create = create_text_writer,
+                           .is_sequential = true,
                            .layout = kLayout,
                            .stored_coordinate = text_stored_coordinate};
 

@@ -15,6 +15,7 @@
 #include "pointsweep/pipeline/language/parse.h"
 #include "pointsweep/pipeline/language/run_options.h"
 #include "pointsweep/points/lower_case.h"
+#include "pointsweep/storage/local/standard_streams.h"
 #include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
@@ -260,6 +261,7 @@ OutputNeeds needs_of(const Outputs& outputs, const EngineOptions& options) {
 std::string name_of_output(const Outputs& outputs) {
   if (!outputs.tiles.empty()) return outputs.tiles.front().parent_path().string();
   if (outputs.points.filename().string().find('*') != std::string::npos) return folder_of(outputs.points).string();
+  if (is_standard_output(outputs.points)) return "standard output";
   return outputs.points.empty() ? "the output" : outputs.points.string();
 }
 

@@ -21,7 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::atomic<bool> any_complete = false, any_streamed = false;
+std::atomic<bool> any_complete = false, any_streamed = false, reader_ended = false;
+std::atomic<int> incomplete_files = 0;  ///< standard output is not counted
 
 [[noreturn]] void fail_to_write(const fs::path& destination, int error) {
   const std::string name = destination.string();
@@ -36,6 +37,7 @@ std::atomic<bool> any_complete = false, any_streamed = false;
     case EROFS:
       fail("{}: {} is read-only; choose another folder.", name, folder_of(destination).string());
     case EPIPE:
+      reader_ended = incomplete_files == 0;
       fail("{}: the program that reads standard output ended before the last point; see what it says.", name);
     case EFBIG:
       fail("{}: has become larger than its file system or a limit (ulimit -f) allows.", name);
@@ -93,8 +95,9 @@ void OutputFile::require_possible(const fs::path& destination, bool overwrite) {
 fs::path OutputFile::unfinished_path(const fs::path& destination) { return part_of(target_of(destination)); }
 
 OutputFile::OutputFile(const fs::path& destination, bool overwrite)
-    : destination_(destination), overwrite_(overwrite), is_stream_(is_standard_stream(destination)) {
+    : destination_(destination), overwrite_(overwrite), is_stream_(is_standard_output(destination)) {
   if (is_stream_) {
+    destination_ = "-";
     if (::isatty(STDOUT_FILENO) != 0)
       fail("-: standard output is a terminal; redirect it to a file or to a program, or name a file.");
     file_ = FileDescriptor(::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0));
@@ -109,11 +112,14 @@ OutputFile::OutputFile(const fs::path& destination, bool overwrite)
   file_ = FileDescriptor(::open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (!file_ && errno == EEXIST) fail("{}: is being written already.", destination_.string());
   if (!file_) fail_to_write(destination_, errno);
+  ++incomplete_files;
   lock(file_);
 }
 
 OutputFile::~OutputFile() {
-  if (!part_.empty()) ::unlink(part_.c_str());
+  if (part_.empty()) return;
+  ::unlink(part_.c_str());
+  --incomplete_files;
 }
 
 void OutputFile::append(std::span<const std::byte> bytes) {
@@ -158,11 +164,13 @@ void OutputFile::seal() {
     fail_to_write(destination_, error);
   }
   part_.clear();
+  --incomplete_files;
   leftover_.reset();
   any_complete = true;
 }
 
 bool OutputFile::any_is_complete() { return any_complete; }
 bool OutputFile::any_is_streamed() { return any_streamed; }
+bool OutputFile::reader_has_ended() { return reader_ended; }
 
 }  // namespace pointsweep

@@ -17,8 +17,8 @@ namespace pointsweep {
 /// Written as `.<name>.<pid>.part` beside its destination and renamed by seal(); removed by the destructor otherwise.
 /// Every failure is an Error that names the destination and says what to do (no space left, folder missing, read-only).
 ///
-/// The destination "-" is standard output. Bytes go there at once and in sequence, and what was written before an error
-/// stays written.
+/// A destination for which is_standard_output() is true is standard output. Bytes go there at once and in sequence, and
+/// what was written before an error stays written.
 class OutputFile final : public Unsealed {
  public:
   /// Throws before anything is written when the destination exists and `overwrite` is false, is a folder, or its folder
@@ -44,6 +44,9 @@ class OutputFile final : public Unsealed {
   bool is_seekable() const { return !is_stream_; }
   /// Returns whether this process has written bytes to standard output.
   static bool any_is_streamed();
+  /// Returns whether the program that reads standard output has ended before the last byte, as `head` does, while no
+  /// file of this process was incomplete.
+  static bool reader_has_ended();
   /// Returns whether this process has completed any output.
   static bool any_is_complete();
 

@@ -60,7 +60,7 @@ void require_separate_files(const std::vector<fs::path>& read, const std::vector
   bool to_stream = false;
   for (const fs::path& output : written) {
     if (output.empty()) continue;
-    if (is_standard_stream(output)) {
+    if (is_standard_output(output)) {
       if (std::exchange(to_stream, true)) fail_usage("-: is named for two outputs; give each its own file.");
       continue;
     }

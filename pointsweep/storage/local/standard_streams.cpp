@@ -85,6 +85,8 @@ bool is_whole_file() { return is_regular(STDIN_FILENO) && ::lseek(STDIN_FILENO, 
 
 bool is_standard_stream(const fs::path& path) { return path == "-"; }
 
+bool is_standard_output(const fs::path& path) { return !path.has_parent_path() && path.stem() == "-"; }
+
 int standard_input_descriptor() { return standard_input; }
 
 void take_standard_input(const fs::path& folder) {

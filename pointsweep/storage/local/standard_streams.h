@@ -14,6 +14,10 @@ namespace pointsweep {
 /// name is "./-".
 bool is_standard_stream(const std::filesystem::path& path);
 
+/// Returns whether the path of an output stands for standard output: "-", or "-" and the extension of a format,
+/// "-.csv".
+bool is_standard_output(const std::filesystem::path& path);
+
 /// Makes standard input readable at any place, as InputFile("-"): where it is a pipe, copies it to a file without a
 /// name in `folder` (empty: the system's temporary folder), in 1 MB of memory. To be called once, before the file is
 /// opened; later calls do nothing. Throws Error if standard input is a terminal, or the folder has no space for it.
