@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/cli/tool.h"
 #include "tests/formats/las_decode.h"
 
@@ -47,6 +49,29 @@ TEST_F(SetStage, VerifyEvaluatesAssignmentsByItsOwnCode) {
 TEST_F(SetStage, ReadsWhatAnEarlierPassMadeOfTheRowsThatASelectHasLeft) {
   for (const char* out : {"out.las", "out.ply"})
     expect_verified("all.txt", out, "knn(k=9) | normals | where(nz > 0) | set(w = nz * 2, as=float32)");
+}
+
+TEST_F(SetStage, TheIntensityOfAScannerBecomesThatOfLas) {
+  std::string text = "x,y,z,intensity\n", right = "x,y,z,intensity\n";
+  for (int i = 0; i <= 500; ++i) {
+    text += fmt::format("{},{},{},{}\n", i % 20, i / 20, i % 7, i * 0.002);
+    right += fmt::format("{},{},{},{}\n", i % 20, i / 20, i % 7, std::nearbyint(i * 0.002 * 65535));
+  }
+  write("scan.csv", text);
+  const std::string pipeline = "set(intensity = intensity * 65535, as=uint16)";
+  for (const char* out : {"out.las", "out.laz", "out.ply", "out.txt"}) {
+    expect_verified("scan.csv", out, pipeline);
+    EXPECT_EQ(tool(std::string("info ") + out).out.find("intensity_float64"), std::string::npos) << out;
+    made(std::string("convert ") + out + " rows.csv -q -f --keep x,y,z,intensity");
+    EXPECT_EQ(contents(folder_ / "rows.csv"), right) << out;
+  }
+  const std::string las = contents(folder_ / "out.las");
+  for (const char* options : {"--threads 1", "--threads 7 --memory 40M", "--resume kept"}) {
+    made(fmt::format("run scan.csv out.las -f -q {} --pipeline '{}'", options, pipeline));
+    EXPECT_TRUE(contents(folder_ / "out.las") == las) << options;
+  }
+  refused(1, "run scan.csv o.las --pipeline 'set(intensity = intensity * 65600, as=uint16)'",
+          "row 500: intensity would");
 }
 
 TEST_F(SetStage, VerifyFindsAWrongAssignment) {

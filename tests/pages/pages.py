@@ -49,7 +49,8 @@ class Workshop:
                  "pointsweep run scan.laz tiles/west.laz --pipeline 'where(x < 500)'; pointsweep run scan.laz tiles/east.laz --pipeline 'where(x >= 500)'\n"
                  "pointsweep generate terrain after.laz -n 20000 --noise 0.05 --seed 2\n"
                  "pointsweep run scan.laz labelled.laz --pipeline 'voxel(20) | set(tree_id = floor(x), as=uint32)'\n"
-                 "pointsweep run after.laz photo.laz --pipeline 'color(z)'")
+                 "pointsweep run after.laz photo.laz --pipeline 'color(z, bits=16) | set(red = floor(red / 257), green = floor(green / 257), blue = floor(blue / 257))'\n"
+                 "pointsweep run before.laz station.e57 --pipeline 'drop(intensity) | set(intensity = x / 1000 - floor(x / 1000), as=float32)'")
         polygon = '{"type": "Polygon", "coordinates": [[[100, 100], [700, 100], [400, 800], [100, 100]]]}'
         (self.path / "site.geojson").write_text(polygon)
         (self.path / "registration.txt").write_text("0 -1 0 500\n1 0 0 200\n0 0 1 0\n0 0 0 1\n")

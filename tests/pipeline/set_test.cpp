@@ -127,6 +127,34 @@ TEST(Set, NewAttributesHaveTheTypeOfLasOrTheOneAskedForOrFloat64) {
   EXPECT_EQ(last, (std::uint64_t{1} << 63) + 1) << "64-bit integers are not rounded";
 }
 
+TEST(Set, RealAttributesOfTheInputGetTheTypeAskedFor) {
+  const Records input = with_attributes({{0.25, 2, 3}, {1, 5, 6.25}, {0.5, 1, 2}});
+  const RunResult real = run_text(input, "set(a = x) | where(1 < 2)", tiny(100));  // float64, as of a scanner
+  const Records scanned{real.schema, real.records};
+  const auto result = [&](const std::string& pipeline) {
+    const RunResult r = run_text(scanned, pipeline, tiny(100));
+    return std::pair(std::string(name_of(r.schema.fields[index_of(r.schema, "a")].type)), r.field("a"));
+  };
+  using Result = std::pair<std::string, std::vector<double>>;
+  EXPECT_EQ(result("set(a = a * 65535, as=uint16)"), Result("uint16", {16384, 65535, 32768}));
+  EXPECT_EQ(result("set(a = a * 65535, a = a / 2, as=uint16)"), Result("uint16", {8192, 32768, 16384}));
+  EXPECT_EQ(result("set(a = a * 100, as=float32)"), Result("float32", {25, 100, 50}));
+  EXPECT_EQ(result("set(a = 7 where x > 0.5, as=uint16)"), Result("float64", {0.25, 7, 0.5}));
+  EXPECT_EQ(result("set(a = a * 2)"), Result("float64", {0.5, 2, 1}));
+  EXPECT_EQ(result("set(a = a * 65535, as=uint16) | set(a = a + 0.4, as=float32)"),
+            Result("uint16", {16384, 65535, 32768}));
+  try {
+    result("set(a = a * 65536, as=uint16)");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("row 1: a would be 65536, which is not uint16"), std::string::npos)
+        << error.what();
+  }
+  const RunResult whole = run_text(input, "set(classification = 7, as=float32)", tiny(100));
+  EXPECT_EQ(whole.schema.fields[index_of(whole.schema, "classification")].type,
+            input.schema.fields[*input.schema.find("classification")].type);
+}
+
 TEST(Set, AssignmentsComeOneAfterAnotherAndLaterStagesReadThem) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[1].second, 400, 6));
   const RunResult got = run_text(

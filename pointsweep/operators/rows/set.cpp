@@ -94,7 +94,8 @@ const OptionTable<SetOptions>& set_options() {
               .positional = true,
               .sample = "classification = 7 where z > 100"}),
       option("as", &SetOptions::as,
-             "type of new attributes; without this option float64, or the type that LAS has for the name, such as "
+             "type of new attributes, and of those of the input that are float32 or float64 and are assigned without "
+             "a condition; without this option new ones are float64, or of the type that LAS has for the name, such as "
              "uint8 for classification",
              {.choices = names_of_types(), .sample = "float32"})};
   return table;
@@ -117,9 +118,9 @@ OperatorDeclaration set_declaration() {
           "Numbers are evaluated in float64, as by where, and those of whole numbers of 64 bits exactly. A "
           "whole-number "
           "type gets the nearest one, halves to even.\n"
-          "An attribute that exists keeps its type, and its value where the condition does not hold; a new attribute "
-          "is "
-          "0 there. Assigning to x, y or z moves the points.",
+          "An attribute that exists keeps its type (a real one of the input gets the type of 'as' if no condition is "
+          "given), and its value where the condition does not hold; a new attribute is 0 there. Assigning to x, y or z "
+          "moves the points.",
       .undefined =
           "A value that the type cannot hold ends the run with an error that names the row, and so does a NaN or "
           "infinite "
@@ -203,7 +204,13 @@ void SetAttribute::find_target(const Schema& input, std::span<const Attribute> m
   }
   if (std::optional<AssignedTarget> known = target_of(name, input, made, place_)) {
     target_ = std::move(known->made), component_ = known->component, range_ = known->range;
-    old_ = std::move(known->old);
+    const bool is_of_input = std::ranges::find(made, target_.name, &Attribute::name) == made.end();
+    if (type_ && is_of_input && !range_.is_whole && !assignment_.condition) {
+      range_ = range_of(*type_);
+      target_ = scalar(target_.name, *type_, "1", "assigned");
+    } else {
+      old_ = std::move(known->old);
+    }
     return;
   }
   // A new "b" is a number of the user's, not the blue of a colour that is not there.
