@@ -82,16 +82,6 @@ ListedOperator listed_neighborhood() {
           .contract = {.default_k = 0}};
 }
 
-/// Returns whether the operator needs a radius, so that no number of neighbours is enough.
-bool needs_radius(const OperatorDeclaration& declaration) {
-  try {
-    declaration.make(sample_values(declaration), {.neighborhood = Neighborhood{.k = Neighborhood::kOfOperators}});
-    return false;
-  } catch (const UsageError&) {
-    return true;
-  }
-}
-
 ListedOperator listed(const OperatorDeclaration& declaration) {
   return {.declaration = declaration, .contract = contract_of(declaration)};
 }
@@ -169,8 +159,10 @@ Contract contract_of(const OperatorDeclaration& declaration) {
 }
 
 std::string default_k_text(const ListedOperator& listed) {
-  const std::size_t k = listed.contract.default_k;
-  return k == 0 || needs_radius(listed.declaration) ? "" : fmt::format("{} where neither k nor a radius is given", k);
+  if (listed.contract.default_k == 0) return "";
+  return fmt::format("{} where neither k nor a radius is given",
+                     listed.contract.all_within > 0 ? "all within the distance that it needs"
+                                                    : fmt::to_string(listed.contract.default_k));
 }
 
 std::vector<ListedOperator> listed_operators(const std::vector<std::string>& names) {

@@ -47,8 +47,6 @@ struct PipelineRun {
   CommonOptions common;
   InputsAndOutput paths;
   std::vector<OptionText> orientation;  ///< options of all stages `normals`; empty: not given
-  /// Attributes that the verb makes for itself and does not write. An input that has one is refused.
-  std::vector<std::string> helpers;
 };
 
 /// Adds the options of the operator `normals`, --keep, --dry-run, --order, --engine and all common options. `run`

@@ -64,8 +64,7 @@ constexpr ShortForm kShortForms[] = {
      "Example:\n"
      "  pointsweep fair scan.ply smooth.ply -k 96 --f 0.3"},
     {"denoise", "Leave out points that are far from their neighbours: statistical outliers", " of the points that stay",
-     "sor | where(outlier == 0) | drop(mean_distance, outlier)", "sor",
-     "'pointsweep operators sor' says which points are outliers.",
+     "denoise", "denoise", "'pointsweep operators sor' says which points are outliers.",
      "Example: a folder of tiles, into another one, with the rule of PCL:\n"
      "  pointsweep denoise tiles/ clean/ -k 50 --multiplier 1 --definition pcl"},
 };
@@ -89,17 +88,9 @@ std::string default_k_of(const ShortForm& form) {
   return fmt::format("{}", chain.neighborhood.k);
 }
 
-/// The attributes that the stages of the verb make and drop again.
-std::vector<std::string> helpers_of(const ShortForm& form) {
-  for (const ChainStage& stage : build_chain(parse_pipeline(form.stages, form.verb), Facts{}).stages)
-    if (const Drop* const drop = std::get_if<Drop>(&stage)) return drop->attributes;
-  return {};
-}
-
 void add_short_form(CLI::App& app, const ShortForm& form) {
   CLI::App& verb = *app.add_subcommand(form.verb, form.meaning);
   auto command = std::make_shared<ShortFormCommand>();
-  command->run.helpers = helpers_of(form);
   const std::string k = default_k_of(form);
   const std::string output =
       fmt::format("with the attributes of the input{} (in a folder, one for each input)", form.output);

@@ -92,17 +92,6 @@ Outputs outputs_of(const ResolvedFiles& files) {
   return {.points = files.output};
 }
 
-/// Throws UsageError if the input has an attribute that the verb would drop with its own of that name.
-void refuse_helpers_in(const InputCloud& cloud, const PipelineRun& command) {
-  for (const std::string& name : command.helpers)
-    if (cloud.schema().find(name))
-      fail_usage(
-          "the input has an attribute '{0}', which the verb makes for itself and leaves out; drop or rename that of "
-          "the "
-          "input first, e.g. with 'pointsweep run IN OUT --pipeline drop({0})'.",
-          name);
-}
-
 }  // namespace
 
 void add_stage_options(CLI::App& verb, const std::vector<OptionDeclaration>& options, std::vector<OptionText>& into) {
@@ -166,7 +155,6 @@ void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
   if (command.common.dry_run) {
     look_at_cloud(command.paths, command.common,
                   [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
-                    refuse_helpers_in(cloud, command);
                     const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
                     print(to_text(preview(cloud, chain, options, outputs_of(files))));
                   });
@@ -174,7 +162,6 @@ void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
   }
   run_over_cloud(command.paths, command.common,
                  [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
-                   refuse_helpers_in(cloud, command);
                    const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
                    return run(cloud, chain, outputs_of(files), options);
                  });

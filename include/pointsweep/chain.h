@@ -78,8 +78,8 @@ struct Chain {
 /// The chain that a pipeline describes, as text, `knn(k=16) | normals(orient=up) | where(nz > 0.5)`, or as JSON,
 /// `[{"type": "knn", "k": 16}, {"type": "normals", "orient": "up"}]`. docs/pipelines.md has the language and
 /// docs/operators.md the operators with their options. Where it names neither k nor a radius, each point has as many
-/// neighbours as the largest Contract::default_k of its operators says. Throws UsageError, naming the
-/// place in the text, for an unknown name and a value out of range.
+/// neighbours as the largest Contract::default_k of its operators says, or all within their largest
+/// Contract::all_within. Throws UsageError, naming the place in the text, for an unknown name and a value out of range.
 POINTSWEEP_EXPORT Chain parse_chain(std::string_view pipeline, const Cloud& cloud);
 
 /// Appends the stages of a pipeline, which has no `knn`, to a chain for the same cloud.

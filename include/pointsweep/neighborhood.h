@@ -47,8 +47,8 @@ class POINTSWEEP_EXPORT SharedRule {
 /// evaluated in double at the positions of the search; equal ones go by x, y, z, then input row.
 struct Neighborhood {
   static constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
-  /// Stands for the number of neighbours that the operators of a chain use by default: the largest Contract::default_k
-  /// of them.
+  /// Stands for the neighbours that the operators of a chain use by default: so many as the largest Contract::default_k
+  /// of them says, or all within their largest Contract::all_within.
   static constexpr std::size_t kOfOperators = kUnlimited - 1;
   std::size_t k = 8;                                        ///< 1 or more; kUnlimited: as many as the radius holds
   double radius = std::numeric_limits<double>::infinity();  ///< > 0, in length units of the cloud

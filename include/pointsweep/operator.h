@@ -88,6 +88,10 @@ struct Contract {
   /// gets the points without a finite place, too. Other operators do not get these: such a point keeps its position and
   /// what the operator reads of it and makes again, and has Attribute::fill of all else.
   std::size_t default_k = 8;
+  /// The distance within which it looks at all neighbours, in the unit of the coordinates; 0: at as many as there are.
+  /// A chain that names no neighbourhood, and in which no other operator looks at neighbours, has all points within the
+  /// largest of these.
+  double all_within = 0;
 };
 
 /// The attribute that a stage makes to drop rows: 1 keeps the row, 0 drops it. It is never written.

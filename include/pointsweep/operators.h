@@ -274,6 +274,8 @@ POINTSWEEP_EXPORT ChainStage fair_in_percent(const FairPercent& percent = {});
 /// Makes "mean_distance" and "outlier": whether the mean distance to the neighbours exceeds its mean over the cloud by
 /// more than `multiplier` standard deviations, by one of five definitions.
 POINTSWEEP_EXPORT ChainStage sor(const SorOptions& options = {});
+/// Leaves out the outliers of sor() and makes nothing.
+POINTSWEEP_EXPORT ChainStage denoise(const SorOptions& options = {});
 /// Makes "outlier": 1 where fewer than `min_neighbors` neighbours lie within `radius`, which the neighbourhoods have to
 /// hold (k of at least min_neighbors, no smaller radius).
 POINTSWEEP_EXPORT ChainStage ror(const RorOptions& options);

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 __all__ = [
-    "assign", "color", "components", "crop", "curvature", "dbscan", "decimate", "density", "distance_to", "drop",
-    "fair", "features", "ground", "height", "knn", "lof", "m3c2", "neighborhood_size", "orient", "parts", "poisson",
-    "reneighbor", "resort", "ror", "sample", "segments", "simplify", "sor", "splats", "statistics", "take",
-    "transform", "unique", "voxel", "where",
+    "assign", "color", "components", "crop", "curvature", "dbscan", "decimate", "denoise", "density", "distance_to",
+    "drop", "fair", "features", "ground", "height", "knn", "lof", "m3c2", "neighborhood_size", "orient", "parts",
+    "poisson", "reneighbor", "resort", "ror", "sample", "segments", "simplify", "sor", "splats", "statistics",
+    "take", "transform", "unique", "voxel", "where",
 ]  # fmt: skip
 
 
@@ -684,6 +684,54 @@ def sor(
 
 
 @makes_stage
+def denoise(
+    multiplier: float = 2,
+    *,
+    definition: Literal["pointsweep", "pdal", "pcl", "open3d", "cloudcompare"] = "pointsweep",
+    k: int | None = None,
+    radius: float | None = None,
+) -> Stage:
+    """Leaves out statistical outliers: sor, without the attributes that it makes.
+
+    Parameters
+    ----------
+    multiplier : a mean distance this many standard deviations above that of the cloud makes an outlier; 0 or more.
+    definition : use the rule of this program; the formula shows the differences.
+    k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 8 neighbours where
+        neither is given.
+
+    Neighbours
+    ----------
+    8 where neither k nor a radius is given.
+
+    Formula
+    -------
+    sor | where(outlier == 0) | drop(mean_distance, outlier)
+
+    Undefined
+    ---------
+    Without neighbours, or if one has no finite place, a point is left out. Attributes mean_distance and outlier of
+    the input are refused.
+
+    Source
+    ------
+    That of sor.
+
+    Cost
+    ----
+    That of sor.
+
+    In a text
+    ---------
+    knn(k=8) | denoise(multiplier=2)
+    """
+    return made_stage("denoise", [
+        ("multiplier", "number", multiplier, 2),
+        ("definition", "choice", definition, "pointsweep"),
+    ], k, radius)
+
+
+@makes_stage
 def ror(radius: float, *, min_neighbors: int = 2, k: int | None = None) -> Stage:
     """Radius outliers: points with fewer than min_neighbors neighbours within a radius.
 
@@ -798,7 +846,8 @@ def density(radius: float | None = None, *, k: int | None = None) -> Stage:
     -------
     surface_density = m / (π R²), volume_density = m / (4/3 π R³)
     Without radius: R = max_j |p_j - p_i|, m = |N_i| without p_i.
-    With radius R: m = 1 + |{j : |p_j - p_i| <= R}|, as CloudCompare counts; needs knn(radius=R).
+    With radius R: m = 1 + |{j : |p_j - p_i| <= R}|, as CloudCompare counts; a knn before it has to hold all of
+      these.
     A plane through p_i cuts a disc of area π R² out of the ball.
 
     Undefined
@@ -1481,8 +1530,8 @@ def components(distance: float | None = None, *, k: int | None = None, radius: f
 
     Parameters
     ----------
-    distance : points farther from each other are not joined; needs knn(radius=...) of at least it; 0 or more; unit:
-        length.
+    distance : points farther from each other are not joined; a knn before it has to hold all points within it; 0 or
+        more; unit: length.
     k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 8 neighbours where
         neither is given.
 
@@ -1527,8 +1576,8 @@ def dbscan(eps: float, *, min_points: int = 5, k: int | None = None, radius: flo
 
     Parameters
     ----------
-    eps : the distance within which points are neighbours, inclusive; needs knn(radius=...) of at least it; above 0;
-        unit: length.
+    eps : the distance within which points are neighbours, inclusive; a knn before it has to hold all of them; above
+        0; unit: length.
     min_points : number of points within eps that make a core point, itself included; 1 or more.
     k, radius : k and radius of a knn before the stage, which begins the pipeline; default: 8 neighbours where
         neither is given.

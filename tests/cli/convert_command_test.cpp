@@ -98,7 +98,7 @@ TEST_F(ConvertVerb, DenoiseIsSorWithoutItsAttributes) {
   EXPECT_LT(clean.size(), all.size());
   EXPECT_EQ(clean.substr(0, clean.find('\n')), all.substr(0, all.find('\n')));
   made("run in.las marked.las -q --pipeline 'set(outlier = 3)'");
-  refused(2, "denoise marked.las b.las", "the input has an attribute 'outlier'");
+  refused(2, "denoise marked.las b.las", "denoise: there is an attribute 'outlier', which the stage makes for itself");
   made("denoise in.las a.laz -q");
   EXPECT_EQ(tool("verify a.laz").status, 0);
 }

@@ -45,6 +45,7 @@ std::map<std::string, std::string> expected(const std::string& axis, const std::
       {"drop", kRows},
       {"transform", kRows},
       {"sor", kSearch + " / " + kRows},
+      {"denoise", kSearch + " / " + kRows},
       {"ror", kSearch},
       {"lof", kSearch},
       {"density", kSearch},

@@ -193,8 +193,10 @@ MUTANTS = [
 
     # What nobody names
     Mutant("a chain has the neighbours that its first operator wants", "defaults", PIPELINE + "plan/default_neighborhood.cpp",
-           "k = std::max(k, op->contract().default_k);", "k = k != 0 ? k : op->contract().default_k;",
+           "k = std::max(k, contract.default_k),", "k = k != 0 ? k : contract.default_k,",
            ("pipeline:DefaultNeighborhood.*",)),
+    Mutant("a chain has the radius that its first operator wants", "defaults", PIPELINE + "plan/default_neighborhood.cpp",
+           "if (contract.all_within > radius)", "if (contract.all_within > 0 && radius == 0)", ("pipeline:DefaultNeighborhood.*",)),
     Mutant("degrees are taken for lengths", "defaults", PIPELINE + "language/length_units.cpp",
            "cloud.crs()->kind != CrsKind::geographic", "cloud.crs()->kind != CrsKind::geocentric", ("cli:Units.*",)),
     Mutant("defaults in metres are multiplied by the unit", "defaults", PIPELINE + "language/length_units.cpp",

@@ -188,6 +188,22 @@ TEST(Outliers, OfRealCloudsAreThoseOfThePlainFormula) {
   }
 }
 
+TEST(Outliers, DenoiseKeepsThePointsThatAreNone) {
+  std::vector<Vec3> points = make_cloud(hostile_shapes().front().second, 700, 21);
+  points[3].x = std::numeric_limits<double>::quiet_NaN();
+  for (const OutlierDefinition definition : kAllDefinitions) {
+    const std::vector<double> outlier =
+        run_in_memory(points, sor_chain({.k = 6}, 0.5, definition), tiny(90)).field("outlier");
+    const Chain chain{{.k = 6}, {operators::denoise({0.5, definition})}};
+    const RunResult kept = run_in_memory(points, chain, tiny(90, true));
+    std::vector<double> expected;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (outlier[i] == 0) expected.push_back(points[i].x);
+    EXPECT_EQ(kept.field("x"), expected);
+    EXPECT_EQ(kept.schema.fields.size(), 3u);
+  }
+}
+
 TEST(Outliers, EqualDistancesHaveNoOutliers) {
   const RunResult got = run_in_memory(std::vector<Vec3>(50, {1, 2, 3}), sor_chain({.k = 4}, 0), tiny(100));
   for (const double outlier : got.field("outlier")) EXPECT_EQ(outlier, 0);

@@ -49,7 +49,11 @@ TEST(DefaultNeighborhood, IsTheOneThatEachOperatorOfTheRegistryDeclares) {
     const Contract contract = contract_of(chain.stages.front());
     if (operator_of(chain.stages.front()) == nullptr || contract.default_k == 0) continue;
     EXPECT_GE(contract.default_k, 1u) << declaration.name;
-    EXPECT_EQ(with_named_neighborhoods(chain).neighborhood.k, contract.default_k) << declaration.name;
+    const Neighborhood named = with_named_neighborhoods(chain).neighborhood;
+    EXPECT_EQ(named.k, contract.all_within > 0 ? Neighborhood::kUnlimited : contract.default_k) << declaration.name;
+    if (contract.all_within > 0) {
+      EXPECT_EQ(named.radius, contract.all_within) << declaration.name;
+    }
   }
 }
 
@@ -85,9 +89,33 @@ TEST(DefaultNeighborhood, NeverReplacesOneThatIsNamed) {
   EXPECT_EQ(named("knn(radius=2) | normals | curvature").neighborhood.k, Neighborhood::kUnlimited);
 }
 
-TEST(DefaultNeighborhood, IsNotEnoughWhereAllNeighborsWithinARadiusCount) {
-  EXPECT_NE(refusal([] { named("density(radius=2)"); }).find("needs all neighbours within 2; write knn(radius=2)"),
+TEST(DefaultNeighborhood, IsAllWithinTheLargestDistanceThatOperatorsNeed) {
+  for (const char* text : {"dbscan(2)", "density(radius=2)", "components(2)", "dbscan(1) | components(distance=2)",
+                           "components(2) | density(1)", "where(z > 0) | dbscan(2) | where(cluster >= 0)",
+                           "knn(k=5) | normals | reneighbor(radius=2) | dbscan(2)"}) {
+    const std::vector<std::string> stages = canonical_stages(build_chain(parse_pipeline(text), Facts{}), {});
+    const bool is_knn = std::string_view(text).find("knn") == std::string_view::npos;
+    EXPECT_EQ(stages[is_knn ? 0 : 2], is_knn ? "knn(radius=2)" : "reneighbor(radius=2)") << text;
+  }
+}
+
+TEST(DefaultNeighborhood, IsNoneForOperatorsThatWantDifferentOnes) {
+  EXPECT_NE(refusal([] { named("normals | density(radius=2)"); })
+                .find("'density' needs all neighbours within 2, and 'normals' looks at as many as the pipeline says; "
+                      "write knn(radius=2) before them."),
             std::string::npos);
+  EXPECT_NE(refusal([] { named("dbscan(2) | sor"); }).find("'dbscan' needs all neighbours within 2, and 'sor'"),
+            std::string::npos);
+}
+
+TEST(DefaultNeighborhood, OfADistanceGivesTheBytesOfTheRadiusThatIsNamed) {
+  const std::vector<Vec3> points = unit_sphere(500);
+  const auto bytes = [&](const std::string& text) {
+    return run_in_memory(points, build_chain(parse_pipeline(text), Facts{}), {}).records;
+  };
+  EXPECT_EQ(bytes("dbscan(0.2)"), bytes("knn(radius=0.2) | dbscan(0.2)"));
+  EXPECT_EQ(bytes("dbscan(0.2)"), bytes("knn(radius=0.5) | dbscan(0.2)"));
+  EXPECT_EQ(bytes("density(0.2)"), bytes("knn(radius=0.2) | density(0.2)"));
 }
 
 TEST(DefaultNeighborhood, GivesTheBytesOfTheNumberThatIsNamed) {

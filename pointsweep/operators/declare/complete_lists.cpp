@@ -18,8 +18,7 @@ void require_complete_lists(const Facts& facts, std::size_t k, double radius, co
   if (!(has.radius >= radius))
     fail_usage("{}: counts the neighbours within {}, but those within {} are known; {}.", where, radius, has.radius,
                remedy);
-  if (has.k < k && has.k == Neighborhood::kOfOperators)
-    fail_usage("{}: needs all neighbours within {}; {}.", where, radius, remedy);
+  if (has.k == Neighborhood::kOfOperators) return;
   if (has.k < k) fail_usage("{}: needs more neighbours than the {} nearest; {}.", where, has.k, remedy);
 }
 

@@ -13,7 +13,7 @@ namespace {
 const OptionTable<ComponentsOptions>& components_options() {
   static const OptionTable<ComponentsOptions> table = {
       option("distance", &ComponentsOptions::distance,
-             "points farther from each other are not joined; needs knn(radius=...) of at least it",
+             "points farther from each other are not joined; a knn before it has to hold all points within it",
              {.unit = "length", .sample = 0.5, .is_radius = true})};
   return table;
 }
@@ -74,10 +74,9 @@ void put_component(const ComponentLabel& label, bool is_short, std::byte* values
 }
 
 Contract ConnectedComponents::contract() const {
-  return {{},
-          {},
-          {component_number("component", "number of the connected component; -1 without a place", points_),
-           component_size("component_size", "points of the connected component", points_)}};
+  return {.makes = {component_number("component", "number of the connected component; -1 without a place", points_),
+                    component_size("component_size", "points of the connected component", points_)},
+          .all_within = distance_.value_or(0)};
 }
 
 ConnectedComponents::ConnectedComponents(const ComponentsOptions& options, std::uint64_t points)

@@ -27,7 +27,7 @@ class AnyCore final : public VoteRule {
 const OptionTable<DbscanOptions>& dbscan_options() {
   static const OptionTable<DbscanOptions> table = {
       option("eps", &DbscanOptions::eps,
-             "the distance within which points are neighbours, inclusive; needs knn(radius=...) of at least it",
+             "the distance within which points are neighbours, inclusive; a knn before it has to hold all of them",
              {.least = kAboveZero, .unit = "length", .required = true, .sample = 0.5, .is_radius = true}),
       option("min_points", &DbscanOptions::min_points,
              "number of points within eps that make a core point, itself included", {.least = 1})};
@@ -148,7 +148,7 @@ DensityClusters::DensityClusters(const DbscanOptions& options, std::uint64_t poi
 Contract DensityClusters::contract() const {
   Contract contract = ClustersOfCores(options_, points_).contract();
   contract.makes.insert(contract.makes.begin(), core_attribute());
-  return {{}, {}, contract.makes};
+  return {.makes = contract.makes, .all_within = options_.eps};
 }
 
 std::vector<ChainStage> DensityClusters::parts() const {

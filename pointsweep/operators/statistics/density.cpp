@@ -45,26 +45,28 @@ Ball ball_of(const Neighborhoods& in, std::size_t i, std::optional<double> radiu
 }  // namespace
 
 OperatorDeclaration density_declaration() {
-  return {.name = "density",
-          .meaning = "points for each unit of area and of volume around a point",
-          .options = density_options().declarations(),
-          .make = make_density,
-          .formula =
-              "surface_density = m / (π R²), volume_density = m / (4/3 π R³)\n"
-              "Without radius: R = max_j |p_j - p_i|, m = |N_i| without p_i.\n"
-              "With radius R: m = 1 + |{j : |p_j - p_i| <= R}|, as CloudCompare counts; needs knn(radius=R).\n"
-              "A plane through p_i cuts a disc of area π R² out of the ball.",
-          .source =
-              "CloudCompare, Compute geometric features: surface and volume density; PDAL filters.radialdensity "
-              "makes the volume density with radius",
-          .undefined =
-              "0 without neighbours, where all lie on the point, and where one has no finite place; with radius only "
-              "for a point that has no finite place itself.",
-          .degenerate = "have no neighbours, or only neighbours in the same place; their densities are 0",
-          .neighbor_ns = 2,
-          .attributes = {{.name = "surface_density", .meaning = "points for each unit of area; undefined: 0"},
-                         {.name = "volume_density", .meaning = "points for each unit of volume; undefined: 0"}},
-          .example = "knn(k=16) | density"};
+  return {
+      .name = "density",
+      .meaning = "points for each unit of area and of volume around a point",
+      .options = density_options().declarations(),
+      .make = make_density,
+      .formula =
+          "surface_density = m / (π R²), volume_density = m / (4/3 π R³)\n"
+          "Without radius: R = max_j |p_j - p_i|, m = |N_i| without p_i.\n"
+          "With radius R: m = 1 + |{j : |p_j - p_i| <= R}|, as CloudCompare counts; a knn before it has to hold all of "
+          "these.\n"
+          "A plane through p_i cuts a disc of area π R² out of the ball.",
+      .source =
+          "CloudCompare, Compute geometric features: surface and volume density; PDAL filters.radialdensity "
+          "makes the volume density with radius",
+      .undefined =
+          "0 without neighbours, where all lie on the point, and where one has no finite place; with radius only "
+          "for a point that has no finite place itself.",
+      .degenerate = "have no neighbours, or only neighbours in the same place; their densities are 0",
+      .neighbor_ns = 2,
+      .attributes = {{.name = "surface_density", .meaning = "points for each unit of area; undefined: 0"},
+                     {.name = "volume_density", .meaning = "points for each unit of volume; undefined: 0"}},
+      .example = "knn(k=16) | density"};
 }
 
 ChainStage operators::density(const DensityOptions& options) { return std::make_shared<Density>(options); }
@@ -74,7 +76,8 @@ Density::Density(const DensityOptions& options) : options_(options) { density_op
 Contract Density::contract() const {
   return {.makes = {scalar("surface_density", Type::f32, "1/length^2", "points for each unit of area"),
                     scalar("volume_density", Type::f32, "1/length^3", "points for each unit of volume")},
-          .default_k = 32};
+          .default_k = 32,
+          .all_within = options_.radius.value_or(0)};
 }
 
 void Density::apply(const Neighborhoods& in, Columns& out) const {

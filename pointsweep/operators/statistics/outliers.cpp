@@ -15,15 +15,6 @@
 namespace pointsweep {
 namespace {
 
-const OptionTable<SorOptions>& sor_options() {
-  static const OptionTable<SorOptions> table = {
-      option("multiplier", &SorOptions::multiplier,
-             "a mean distance this many standard deviations above that of the cloud makes an outlier"),
-      option("definition", &SorOptions::definition, "use the rule of this program; the formula shows the differences",
-             {.choices = {"pointsweep", "pdal", "pcl", "open3d", "cloudcompare"}})};
-  return table;
-}
-
 /// Σ d, Σ d² and n of finite values, and how many are not 0.
 class DistanceMoments final : public Accumulator {
  public:
@@ -106,6 +97,15 @@ class DistanceMoments final : public Accumulator {
 };
 
 }  // namespace
+
+const OptionTable<SorOptions>& sor_options() {
+  static const OptionTable<SorOptions> table = {
+      option("multiplier", &SorOptions::multiplier,
+             "a mean distance this many standard deviations above that of the cloud makes an outlier"),
+      option("definition", &SorOptions::definition, "use the rule of this program; the formula shows the differences",
+             {.choices = {"pointsweep", "pdal", "pcl", "open3d", "cloudcompare"}})};
+  return table;
+}
 
 OutlierRule rule_of(OutlierDefinition definition) {
   switch (definition) {

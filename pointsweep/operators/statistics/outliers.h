@@ -25,6 +25,11 @@ struct OutlierRule {
 OutlierRule rule_of(OutlierDefinition definition);
 
 struct OperatorDeclaration;
+template <class T>
+class OptionTable;
+
+/// The options of sor and denoise.
+const OptionTable<SorOptions>& sor_options();
 
 OperatorDeclaration sor_declaration();
 

@@ -23,6 +23,7 @@
 #include "pointsweep/operators/rows/transform.h"
 #include "pointsweep/operators/rows/unique.h"
 #include "pointsweep/operators/rows/where.h"
+#include "pointsweep/operators/statistics/denoise.h"
 #include "pointsweep/operators/statistics/density.h"
 #include "pointsweep/operators/statistics/local_outlier_factor.h"
 #include "pointsweep/operators/statistics/neighborhood_size.h"
@@ -60,18 +61,18 @@ constexpr OtherWord kOtherWords[] = {{"reproject", kReproject}, {"reprojection",
 
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = {
-      normals_declaration(),    curvature_declaration(), splats_declaration(),
-      fair_declaration(),       features_declaration(),  neighborhood_size_declaration(),
-      where_declaration(),      crop_declaration(),      set_declaration(),
-      drop_declaration(),       transform_declaration(), sor_declaration(),
-      ror_declaration(),        lof_declaration(),       density_declaration(),
-      statistics_declaration(), unique_declaration(),    decimate_declaration(),
-      sample_declaration(),     parts_declaration(),     voxel_declaration(),
-      poisson_declaration(),    simplify_declaration(),  ground_declaration(),
-      height_declaration(),     color_declaration(),     distance_to_declaration(),
-      m3c2_declaration(),       take_declaration(),      components_declaration(),
-      dbscan_declaration(),     segments_declaration(),  orient_declaration(),
-      reneighbor_declaration(), resort_declaration(),
+      normals_declaration(),     curvature_declaration(),  splats_declaration(),
+      fair_declaration(),        features_declaration(),   neighborhood_size_declaration(),
+      where_declaration(),       crop_declaration(),       set_declaration(),
+      drop_declaration(),        transform_declaration(),  sor_declaration(),
+      denoise_declaration(),     ror_declaration(),        lof_declaration(),
+      density_declaration(),     statistics_declaration(), unique_declaration(),
+      decimate_declaration(),    sample_declaration(),     parts_declaration(),
+      voxel_declaration(),       poisson_declaration(),    simplify_declaration(),
+      ground_declaration(),      height_declaration(),     color_declaration(),
+      distance_to_declaration(), m3c2_declaration(),       take_declaration(),
+      components_declaration(),  dbscan_declaration(),     segments_declaration(),
+      orient_declaration(),      reneighbor_declaration(), resort_declaration(),
   };
   return operators;
 }

@@ -51,7 +51,10 @@ class GraphBuilder {
   void operator()(const Drop& drop) { this->drop(drop.attributes); }
   void operator()(const std::shared_ptr<const CompositeOperator>& op) {
     const std::string name = is_part_of_.empty() ? op->name() : is_part_of_;
-    for (const ChainStage& part : op->parts()) {
+    const std::vector<ChainStage> parts = op->parts();
+    for (const ChainStage& part : parts)
+      if (const auto* helpers = std::get_if<Drop>(&part)) refuse_any(helpers->attributes, name);
+    for (const ChainStage& part : parts) {
       is_part_of_ = name;
       std::visit(*this, part);
     }
@@ -104,6 +107,16 @@ class GraphBuilder {
   }
 
   /// Takes away what the names stand for: of the input and of what is made, whichever has it.
+  /// Throws UsageError if there is an attribute that the stage would drop with its own of that name.
+  void refuse_any(const std::vector<std::string>& helpers, const std::string& stage) const {
+    for (const std::string& name : helpers)
+      if (visible_.find(name) || std::ranges::find(made_, name, &Attribute::name) != made_.end())
+        fail_usage(
+            "{0}: there is an attribute '{1}', which the stage makes for itself and leaves out; drop({1}) or a set "
+            "under another name before it lets it run.",
+            stage, name);
+  }
+
   void drop(const std::vector<std::string>& names) {
     graph_.drops = true;
     NamedFields named = named_fields(names, made_, visible_, "dropped");

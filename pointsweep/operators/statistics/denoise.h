@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+/// `denoise`: statistical outliers are left out.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pointsweep/chain.h"
+#include "pointsweep/operators.h"
+
+namespace pointsweep {
+
+struct OperatorDeclaration;
+
+OperatorDeclaration denoise_declaration();
+
+/// Short for sor, for a condition that keeps what is no outlier, and for dropping what sor has made.
+class Denoise final : public CompositeOperator {
+ public:
+  explicit Denoise(const SorOptions& options);
+  std::string name() const override { return "denoise"; }
+  Contract contract() const override { return {.makes = {selection_attribute()}}; }
+  std::vector<ChainStage> parts() const override;
+
+ private:
+  SorOptions options_;
+};
+
+}  // namespace pointsweep
