@@ -46,6 +46,20 @@ def test_the_block_of_the_first_page_runs(tmp_path, monkeypatch):
     assert "roughness" in ps.open(tmp_path / "out/0.laz").attributes
 
 
+def test_the_tasks_in_python_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    try:
+        ps.generate("terrain", 20_000, tmp_path / "scan.laz")
+    except ps.Error as error:
+        pytest.skip(str(error))
+    table = (ROOT / "docs/tasks.md").read_text().split("## In Python")[1]
+    codes = re.findall(r"`([^`]+)`", table)
+    assert len(codes) >= 4
+    for code in codes:
+        exec(compile(code, "docs/tasks.md", "exec"), {"ps": ps, "np": np})
+    assert "label" in ps.open(tmp_path / "labels.laz").attributes
+
+
 def test_the_example_on_arrays_runs(capsys):
     runpy.run_path(str(ROOT / "python/examples/arrays.py"))
     assert "no outliers" in capsys.readouterr().out

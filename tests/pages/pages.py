@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Checks README.md and the pages of docs/.
 
-    pages.py commands TOOL [--write]   runs the commands of the pages below, and the table of tasks of README.md, and compares what they print with
-                                       the page; --write puts it there
+    pages.py commands TOOL [--write]   runs the commands of the pages below, and the tables of tasks of README.md and docs/tasks.md, and compares what
+                                       they print with the page; --write puts it there
     pages.py paths                     every path in backticks exists, every fenced block has a kind that is run or is text, README.md is short
 
 Commands are the blocks ```sh. A block ```text right after one is what its commands print. Seconds, rates and amounts of memory differ from
 run to run and are not compared."""
+import json
 import pathlib
 import re
 import subprocess
@@ -50,7 +51,8 @@ class Workshop:
                  "pointsweep generate terrain after.laz -n 20000 --noise 0.05 --seed 2\n"
                  "pointsweep run scan.laz labelled.laz --pipeline 'voxel(20) | set(tree_id = floor(x), as=uint32)'\n"
                  "pointsweep run after.laz photo.laz --pipeline 'color(z, bits=16) | set(red = floor(red / 257), green = floor(green / 257), blue = floor(blue / 257))'\n"
-                 "pointsweep run before.laz station.e57 --pipeline 'drop(intensity) | set(intensity = x / 1000 - floor(x / 1000), as=float32)'")
+                 "pointsweep run before.laz station.e57 --pipeline 'drop(intensity) | set(intensity = x / 1000 - floor(x / 1000), as=float32)'\n"
+                 "pointsweep run scan.laz stations.e57 --pipeline 'set(scan = 3, as=uint16)'")
         polygon = '{"type": "Polygon", "coordinates": [[[100, 100], [700, 100], [400, 800], [100, 100]]]}'
         (self.path / "site.geojson").write_text(polygon)
         (self.path / "registration.txt").write_text("0 -1 0 500\n1 0 0 200\n0 0 1 0\n0 0 0 1\n")
@@ -61,14 +63,26 @@ def commands_of(block):
     return "".join(line + "\n" for line in block.splitlines() if not SETS_UP.match(line))
 
 
-def run_tasks(workshop, text):
-    """Runs the commands and pipelines of the table of tasks."""
-    codes = [code.replace("\\|", "|") for code in re.findall(r"`([^`]+)`", TASKS.search(text)[1]) if not code.startswith("--")]
-    if len(codes) < 12:
-        sys.exit(f"README.md: only {len(codes)} commands and pipelines are found in the table of tasks")
+def run_tasks(workshop, page, table, least):
+    """Runs the commands and the pipelines of a table of tasks; other code in it is of other programs, or of Python."""
+    operators = {operator["name"] for operator in json.loads(workshop.run("pointsweep operators --json"))}
+    codes = [code.replace("\\|", "|") for code in re.findall(r"`([^`]+)`", table)]
+    codes = [code for code in codes if re.match(r"\w*", code)[0] in operators | {"pointsweep"}]
+    if len(codes) < least:
+        sys.exit(f"{page}: only {len(codes)} commands and pipelines are found in the table of tasks")
     for code in codes:
         (workshop.path / "out.laz").unlink(missing_ok=True)
         workshop.run(code if code.startswith("pointsweep ") else f"pointsweep run scan.laz out.laz --pipeline '{code}'")
+
+
+def run_all_tasks(tool):
+    workshop = Workshop(tool)
+    workshop.make_inputs()
+    text = (ROOT / "docs/tasks.md").read_text()
+    numbers = [int(number) for number in re.findall(r"^\| (\d+)\. ", text, re.MULTILINE)]
+    if numbers != list(range(1, 61)):
+        sys.exit("docs/tasks.md: the tasks are not numbered from 1 to 60")
+    run_tasks(workshop, "docs/tasks.md", "\n".join(line for line in text.splitlines() if line.startswith("|")), 50)
 
 
 def check_commands(tool, write):
@@ -100,11 +114,12 @@ def check_commands(tool, write):
 
         made = BLOCK.sub(printed, text)
         if page == "README.md":
-            run_tasks(workshop, text)
+            run_tasks(workshop, page, TASKS.search(text)[1], 12)
         if count < 5:
             sys.exit(f"{page}: only {count} commands are found")
         if write:
             (ROOT / page).write_text(made)
+    run_all_tasks(tool)
 
 
 def check_paths():
