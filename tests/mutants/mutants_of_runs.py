@@ -197,6 +197,8 @@ MUTANTS = [
            ("pipeline:DefaultNeighborhood.*",)),
     Mutant("a chain has the radius that its first operator wants", "defaults", PIPELINE + "plan/default_neighborhood.cpp",
            "if (contract.all_within > radius)", "if (contract.all_within > 0 && radius == 0)", ("pipeline:DefaultNeighborhood.*",)),
+    Mutant("ranges of several dimensions are joined by or", "pipelines of PDAL", PIPELINE + "language/pdal_stages.cpp",
+           'all.empty() ? "(" : " && ("', 'all.empty() ? "(" : " || ("', ("pipeline:PdalStages.*",)),
     Mutant("degrees are taken for lengths", "defaults", PIPELINE + "language/length_units.cpp",
            "cloud.crs()->kind != CrsKind::geographic", "cloud.crs()->kind != CrsKind::geocentric", ("cli:Units.*",)),
     Mutant("defaults in metres are multiplied by the unit", "defaults", PIPELINE + "language/length_units.cpp",

@@ -55,6 +55,9 @@ class Workshop:
                  "pointsweep run scan.laz stations.e57 --pipeline 'set(scan = 3, as=uint16)'")
         polygon = '{"type": "Polygon", "coordinates": [[[100, 100], [700, 100], [400, 800], [100, 100]]]}'
         (self.path / "site.geojson").write_text(polygon)
+        (self.path / "pdal.json").write_text('["scan.las", {"type": "filters.outlier", "mean_k": 12, "multiplier": 2.2},'
+                                             '{"type": "filters.range", "limits": "Classification![7:7]"}, {"type": "filters.normal", "knn": 8},'
+                                             '{"type": "filters.voxelcenternearestneighbor", "cell": 0.5}, "out.las"]')
         (self.path / "registration.txt").write_text("0 -1 0 500\n1 0 0 200\n0 0 1 0\n0 0 0 1\n")
         (self.path / "flight.csv").write_text("".join(f"{time},{x},500,800\n" for time, x in ((-1, 0), (1, 1000))))
 

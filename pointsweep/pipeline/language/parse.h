@@ -33,7 +33,7 @@ struct StageText {
 /// place; `source` is what the text is called there.
 std::vector<StageText> parse_pipeline(std::string_view text, std::string_view source = "pipeline");
 
-/// JSON only.
+/// JSON only; also that of PDAL, of stages that we have.
 std::vector<StageText> parse_json_pipeline(std::string_view text, std::string_view source);
 
 /// The content of a file if the name ends with .json, otherwise the text itself.

@@ -6,6 +6,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/language/parse.h"
+#include "pointsweep/pipeline/language/pdal_stages.h"
 
 namespace pointsweep {
 namespace {
@@ -72,6 +73,16 @@ StageText stage_of(const Json& json, const std::string& place) {
   return stage;
 }
 
+bool is_of_pdal(const Json& stage) {
+  return stage.is_object() && stage.contains("type") && stage["type"].is_string() &&
+         is_pdal_stage(stage["type"].get<std::string>());
+}
+
+/// In a pipeline of PDAL, a reader or writer by its file alone.
+bool names_file(const Json& stage) {
+  return stage.is_string() || (stage.is_object() && !stage.contains("type") && stage.contains("filename"));
+}
+
 }  // namespace
 
 std::vector<StageText> parse_json_pipeline(std::string_view text, std::string_view source) {
@@ -83,10 +94,15 @@ std::vector<StageText> parse_json_pipeline(std::string_view text, std::string_vi
   }
   if (!json.is_array() || json.empty())
     fail_usage("{}: is not an array of stages such as [{{\"type\": \"normals\"}}].", source);
+  const bool is_pdal = std::ranges::any_of(json, is_of_pdal);
   std::vector<StageText> stages;
-  for (const Json& stage : json)
-    stages.push_back(stage_of(stage, fmt::format("{}, stage {}", source, stages.size() + 1)));
-  return stages;
+  std::size_t number = 0;
+  for (const Json& stage : json) {
+    ++number;
+    if (is_pdal && names_file(stage)) continue;
+    stages.push_back(stage_of(stage, fmt::format("{}, stage {}", source, number)));
+  }
+  return is_pdal ? stages_of_pdal(stages) : stages;
 }
 
 }  // namespace pointsweep
