@@ -39,17 +39,6 @@ void parse_picture_size(const std::string& text, RenderOptions& options) {
   }
 }
 
-Rgb parse_color(const std::string& text) {
-  if (text == "white") return {255, 255, 255};
-  if (text == "black") return {0, 0, 0};
-  unsigned value = 0;
-  if (text.size() != 6 || !parse_whole(text, 16, value)) {
-    fail_usage("--background: '{}' is not white, black or RRGGBB in hexadecimal, e.g. 20242c.", text);
-  }
-  const auto byte = [value](int shift) { return static_cast<std::uint8_t>(value >> shift & 255); };
-  return {byte(16), byte(8), byte(0)};
-}
-
 /// "wrote a.png: 5 points from azimuth 30, elevation 25 with z up, coloured by height, violet 0 to yellow 3"
 std::string conclusion(const std::filesystem::path& output, std::uint64_t points, const Rendering& r) {
   std::string sentence = fmt::format(

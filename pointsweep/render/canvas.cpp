@@ -4,6 +4,7 @@
 #include <png.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -122,6 +123,17 @@ std::vector<std::byte> to_png(const Picture& picture) {
   write(bytes.data(), size);
   bytes.resize(size);
   return bytes;
+}
+
+Rgb parse_color(std::string_view text) {
+  if (text == "white") return {255, 255, 255};
+  if (text == "black") return {0, 0, 0};
+  unsigned value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
+  if (text.size() != 6 || error != std::errc() || end != text.data() + text.size())
+    fail_usage("--background: '{}' is not white, black or RRGGBB in hexadecimal, e.g. 20242c.", text);
+  const auto byte = [value](int shift) { return static_cast<std::uint8_t>(value >> shift & 255); };
+  return {byte(16), byte(8), byte(0)};
 }
 
 }  // namespace pointsweep

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "pointsweep/colors/color_map.h"
@@ -58,5 +59,8 @@ class Canvas {
 
 /// A whole PNG file, 8 bits per channel, sRGB. Throws Error if the machine has no memory for it.
 std::vector<std::byte> to_png(const Picture& picture);
+
+/// Parses "white", "black" or RRGGBB in hexadecimal. Throws UsageError.
+Rgb parse_color(std::string_view text);
 
 }  // namespace pointsweep

@@ -8,6 +8,7 @@
 #include "python/binding/errors.h"
 #include "python/binding/files.h"
 #include "python/binding/generated.h"
+#include "python/binding/pictures.h"
 #include "python/binding/point_batch.h"
 #include "python/binding/runs.h"
 
@@ -21,4 +22,5 @@ NB_MODULE(_core, module) {
   pointsweep::bind_generate(module);
   pointsweep::bind_crs(module);
   pointsweep::bind_checks(module);
+  pointsweep::bind_pictures(module);
 }

@@ -28,6 +28,7 @@ from ._operator import Operator, PointNeighbors, Points, Select, operator, selec
 from ._pipeline import Pipeline
 from ._plan import Plan, plan
 from ._reduce import Reduction, reduce
+from ._render import Picture, render
 from ._results import Arrays, Neighbors, RadiusNeighbors, Report
 from ._renamed import set as set
 from ._runs import run
@@ -40,8 +41,8 @@ __version__: str = _core.version
 # Without `open` and `set`, so that `from pointsweep import *` leaves the builtins of these names.
 __all__ = [
     "Arrays", "Check", "Chunks", "Cloud", "CloudWithColumns", "Crs", "Error", "FileSummary", "Neighbors", "Operator", "Pipeline", "Plan",
-    "PointNeighbors", "Points", "PointsweepWarning", "RadiusNeighbors", "Reduction", "Report", "Select", "Stage",
+    "Picture", "PointNeighbors", "Points", "PointsweepWarning", "RadiusNeighbors", "Reduction", "Report", "Select", "Stage",
     "UsageError", "Verdict", "check", "chunks", "generate", "info", "neighbors", "normals", "operator", "plan", "read",
-    "reduce", "run", "select", "verify", "write",
+    "reduce", "render", "run", "select", "verify", "write",
 ]  # fmt: skip
 __all__ += _stages.__all__

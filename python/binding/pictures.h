@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+/// Pictures of clouds, as functions of the module.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace pointsweep {
+
+/// render.
+void bind_pictures(nanobind::module_& module);
+
+}  // namespace pointsweep

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: MIT
+"""Pictures of clouds."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from . import _core
+from ._errors import UsageError, warn
+from ._options import number, path, run_options, whole
+from ._progress import called
+from ._sources import source_of
+from ._types import Path, ProgressCallback
+
+
+class Picture:
+    """A picture in the format PNG, which notebooks show."""
+
+    def __init__(self, png: bytes, color: str, range: tuple[float, float] | None, outside: int) -> None:
+        self.png = png  #: the bytes of a PNG file
+        self.color = color  #: what gave the colours: 'rgb', 'height', 'classification', ...
+        self.range = range  #: the numbers that are violet and yellow; None: the colours are not those of numbers
+        self.outside = outside  #: points that lie so far from all others that the picture does not show them
+
+    def save(self, file: Path, *, overwrite: bool = False) -> None:
+        """Writes the picture to a file. Raises `UsageError` unless its name ends with .png, and FileExistsError."""
+        name = os.fspath(path("file", file))
+        if not name.lower().endswith(".png"):
+            raise UsageError(f"file: {name}: pictures are PNG; give a name that ends with .png.")
+        with open(name, "wb" if overwrite else "xb") as out:
+            out.write(self.png)
+
+    def _repr_png_(self) -> bytes:
+        return self.png
+
+    def __repr__(self) -> str:
+        return f"<Picture coloured by {self.color}, {len(self.png):,} bytes>"
+
+
+def render(
+    points: Any,
+    *,
+    color: str | None = None,
+    view: str = "auto",
+    up: str = "auto",
+    size: tuple[int, int] = (1200, 900),
+    point_size: float | None = None,
+    background: str = "white",
+    legend: bool = True,
+    attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
+    ignore_crs: bool = False,
+    progress: ProgressCallback | bool | None = None,
+) -> Picture:
+    """A picture of points, as ``pointsweep render`` draws it; the last line of a cell of a notebook shows it.
+
+    Parameters
+    ----------
+    points, attributes, crs, ignore_crs, progress : as for `run`.
+    color : 'rgb', 'normal', 'height', 'curvature', 'classification', 'plain' or an attribute; None: 'rgb' if it varies,
+        else 'plain' with normals, else 'height'. Numbers are coloured from their 5 % to their 95 % quantile.
+    view : 'front', 'top', 'iso' or 'AZIMUTH,ELEVATION' in degrees; 'auto': top for flat clouds, else 30,25.
+    up : the axis that points up: 'x', 'y', 'z', '-x', '-y', '-z'; 'auto': z for LAS, else found from the shape.
+    size : width and height in pixels, 16 to 16,384 each.
+    point_size : diameter of every point in pixels; None: splats or radii of the points, else as they lie apart.
+    background : 'white', 'black' or RRGGBB in hexadecimal.
+    legend : whether the picture says what its colours mean.
+
+    Points are read twice, those of files in blocks. Memory: 11 to 75 bytes for each pixel, and 65,536 points.
+
+    Returns
+    -------
+    `Picture`
+
+    Raises
+    ------
+    UsageError : for an option out of range or an unknown attribute.
+    Error : for points of which none has a finite place, and for files that cannot be read.
+
+    Examples
+    --------
+    >>> ps.render(ps.open("scan.laz"), color="classification").save("scan.png")
+    """
+    try:
+        width, height = size
+    except (TypeError, ValueError):
+        raise UsageError(f"size: {size!r} is not a pair of width and height in pixels, e.g. (1200, 900).") from None
+    checked = run_options(ignore_crs=ignore_crs)
+    source = source_of(points, attributes, crs, checked)
+    given = {
+        **checked,
+        **source.options,
+        "color": "" if color is None else color,
+        "view": view,
+        "up": up,
+        "width": whole("size", width),
+        "height": whole("size", height),
+        "point_size": 0.0 if point_size is None else number("point_size", point_size),
+        "background": background,
+        "legend": bool(legend),
+    }
+    with called(progress) as shown:
+        return Picture(*_core.render(source.inputs, given, shown, warn))
