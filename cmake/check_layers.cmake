@@ -73,7 +73,7 @@ foreach(layer verify/rows verify/search verify/values verify)
 endforeach()
 set(may_include_cli points math ${all_of_storage} order ${all_of_operators} ${all_of_formats} shapes render info ${all_of_verify} reference ${all_of_pipeline} report)
 inside(cli console text verbs .)
-set(may_include_python/binding points math ${all_of_storage} order ${all_of_operators} ${all_of_formats} shapes ${all_of_pipeline} info ${all_of_verify})
+set(may_include_python/binding points math ${all_of_storage} order ${all_of_operators} ${all_of_formats} shapes ${all_of_pipeline} info render ${all_of_verify})
 
 if(NOT DEFINED INNER_INCLUDES_OF_CLI)
   set(INNER_INCLUDES_OF_CLI 72)
