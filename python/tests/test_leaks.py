@@ -60,13 +60,16 @@ def fails(error, *arguments):
 def test_many_runs_leave_nothing_behind(call):
     for _ in range(100):  # caches of Python grow for some time
         call()
-    before = held()
-    for _ in range(100):
-        call()
-    grown = {name: after - before[name] for name, after in held().items()}
+    rounds = []
+    for _ in range(3):  # a leak grows in each round, a cache of the interpreter that has been enlarged in one
+        before = held()
+        for _ in range(100):
+            call()
+        rounds.append({name: after - before[name] for name, after in held().items()})
+    grown = {name: min(round[name] for round in rounds) for name in rounds[0]}
     # A kilobyte for each run would be a leak: of malloc, or two blocks of Python's, which have 512 bytes at most.
-    assert grown["bytes"] < 100 * 1024 and grown["blocks"] < 200, grown
-    assert grown["objects"] < 50 and grown["files"] <= 0, grown
+    assert grown["bytes"] < 100 * 1024 and grown["blocks"] < 200, rounds
+    assert grown["objects"] < 50 and grown["files"] <= 0, rounds
 
 
 class Mallinfo2(ctypes.Structure):
