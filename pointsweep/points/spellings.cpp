@@ -34,9 +34,10 @@ constexpr Row kRows[] = {
     {"surface_variation", "curvature", "scalar_surface_variation", "scalar_curvature"},
 };
 
-/// Words of PDAL, laspy and lasR for fields of LAS, after the library's own name. Users may write them in conditions and
-/// options. Readers do not rename a column of a file that has such a name.
+/// Words of PDAL, laspy and lasR for fields of LAS, after the library's own name. Users may write them in conditions
+/// and options. Readers do not rename a column of a file that has such a name.
 constexpr Row kWordsOfUsers[] = {
+    {"classification", "raw_classification"},
     {"return_number", "return_num"},
     {"scan_direction_flag", "scandirectionflag"},
     {"edge_of_flight_line", "edgeofflightline"},

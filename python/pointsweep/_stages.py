@@ -915,7 +915,7 @@ def statistics(
 
     In a text
     ---------
-    knn(k=16) | normals | statistics(z_range, nz_median, count, where="nz > 0")
+    knn(k=16) | normals | statistics(z_range, nz_median, count, where=nz > 0)
     """
     return made_stage("statistics", [
         ("of", "attributes", of, None),

@@ -82,6 +82,8 @@ TEST(Expression, BetweenTakesBothBounds) {
   EXPECT_EQ(kept("a between 2 and 5 and b == 10", {1, 2}), (Bits{0, 1}));
   EXPECT_EQ(kept("a between 1 + 1 and b / 2 && a != 3", {1, 2, 3, 5}), (Bits{0, 1, 0, 1}));
   EXPECT_EQ(kept("a between 5 and 2", {2, 3, 5}), (Bits{0, 0, 0}));
+  EXPECT_EQ(kept("a BETWEEN 2 AND 5 AND NOT a == 3 OR a In (9)", {1, 2, 3, 9}), (Bits{0, 1, 0, 1}));
+  EXPECT_EQ(Expression("a NOT IN (1) OR NOT b < 2 AND a > 1").canonical(), "a not in (1) || !b < 2 && a > 1");
 }
 
 TEST(Expression, FunctionsAreThoseOfTheirNames) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/language/parse.h"
 
+#include <fmt/format.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
@@ -46,6 +48,11 @@ TEST(Parse, ConditionsEndWhereTheirParenthesesClose) {
     const StageTexts stages = parse_pipeline("where(" + std::string(condition) + ", x=1) | b");
     ASSERT_EQ(stages.size(), 2u) << condition;
     EXPECT_EQ(stages[0].options, (std::vector<OptionText>{{"", condition, ""}, {"x", "1", ""}}));
+  }
+  for (const char* condition : {"z > 1", "a in (2, 9)", "a BETWEEN 2 AND 5", "class == 2 && min(a, b) != 3"}) {
+    const std::string text = fmt::format("statistics(count, where={}, most = 3)", condition);
+    EXPECT_EQ(parse_pipeline(text)[0].options,
+              (std::vector<OptionText>{{"", "count", ""}, {"where", condition, ""}, {"most", "3", ""}}));
   }
   for (const char* text : {"where(in=2)", "where(between=in)", "where(a = in, between)"})
     EXPECT_EQ(parse_pipeline(text)[0].options.back().value.find('='), std::string::npos) << text;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/expressions/expression_text.h"
 
+#include <algorithm>
+
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
@@ -15,7 +17,11 @@ bool ExpressionText::take(std::string_view sign) {
 bool ExpressionText::take_word(std::string_view word) {
   skip_blanks();
   const std::string_view rest = text_.substr(at_);
-  if (!rest.starts_with(word) || (rest.size() > word.size() && continues_name(rest[word.size()]))) return false;
+  const auto is_letter = [](char letter, char c) {
+    return c == letter || (c >= 'A' && c <= 'Z' && c - 'A' + 'a' == letter);
+  };
+  if (rest.size() < word.size() || !std::equal(word.begin(), word.end(), rest.begin(), is_letter)) return false;
+  if (rest.size() > word.size() && continues_name(rest[word.size()])) return false;
   at_ += word.size();
   return true;
 }

@@ -20,7 +20,7 @@ class ExpressionText {
 
   /// Skips blanks, then the sign, if the text goes on with it. Returns whether it does.
   bool take(std::string_view sign);
-  /// Like take(), for a word that no letter follows.
+  /// Like take(), for a word in small letters, which the text has in any case and which no letter follows.
   bool take_word(std::string_view word);
   /// Takes the word `not`, unless it is the name of an attribute.
   bool take_not();

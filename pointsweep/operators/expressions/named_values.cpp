@@ -51,6 +51,8 @@ NamedValues::NamedValues(const Expression& expression, const std::string& place,
     for (const Attribute& a : made)
       if (a.name == name.text)
         refuse(name, fmt::format("'{}' has the components {}; name one of these", a.name, fmt::join(a.fields, ", ")));
+    if (meant.field == nullptr && library_name_of(name.text) == "classflags")
+      refuse(name, "ClassFlags are four attributes here: synthetic, key_point, withheld and overlap");
     if (meant.field == nullptr)
       refuse(name, fmt::format("there is no attribute '{}'; there are {}", name.text, names_of(input, made)));
     const Field& field = *meant.field;

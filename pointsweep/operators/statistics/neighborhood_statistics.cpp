@@ -81,7 +81,7 @@ OperatorDeclaration statistics_declaration() {
           "ns",
       .neighbor_ns = 20,
       .makes_named = true,
-      .example = "knn(k=16) | normals | statistics(z_range, nz_median, count, where=\"nz > 0\")"};
+      .example = "knn(k=16) | normals | statistics(z_range, nz_median, count, where=nz > 0)"};
 }
 
 ChainStage operators::statistics(const StatisticsOptions& options) {

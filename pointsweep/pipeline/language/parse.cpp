@@ -28,7 +28,8 @@ std::size_t place_of_word(std::string_view option) {
     end = at + 1;
     if (!is_name_character(option[at])) continue;
     while (end < option.size() && is_name_character(option[end])) ++end;
-    const std::string_view word = option.substr(at, end - at);
+    std::string word(option.substr(at, end - at));
+    for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     const std::size_t before = at == 0 ? option.npos : option.find_last_not_of(kSpace, at - 1);
     const bool has_operand = before != option.npos && (option[before] == ')' || is_name_character(option[before]));
     if (has_operand && (word == "in" || word == "between")) return at;
@@ -71,12 +72,19 @@ class Parser {
   OptionText option() {
     skip_space();
     OptionText option{{}, {}, place()};
-    if (is_condition()) option.value = condition();
-    if (!option.value.empty()) return option;
-    option.value = value("the name of an option");
-    if (!is_name(option.value) || !take('=')) return option;
-    option.name = std::exchange(option.value, value("a value"));
+    option.name = name_before_equal_sign();
+    option.value = value(option.name.empty() ? "the name of an option" : "a value");
     return option;
+  }
+
+  /// Takes NAME = where an option begins so. Returns the name; none where it does not.
+  std::string name_before_equal_sign() {
+    std::size_t end = at_;
+    while (end < text_.size() && is_name_character(text_[end])) ++end;
+    const std::size_t sign = std::min(text_.find_first_not_of(kSpace, end), text_.size());
+    if (end == at_ || !text_.substr(sign).starts_with('=') || text_.substr(sign).starts_with("==")) return {};
+    const std::size_t first = std::exchange(at_, sign + 1);
+    return std::string(text_.substr(first, end - first));
   }
 
   /// NAME = NUMBER [where CONDITION], or one of the options of set by its name.

@@ -54,8 +54,31 @@ constexpr std::string_view kReproject =
     "pointsweep does not reproject coordinates, but 'pdal translate IN OUT reprojection "
     "--filters.reprojection.out_srs=EPSG:CODE' does";
 constexpr std::string_view kCopy = "leave the stage out: a run without stages copies the points of all inputs";
-constexpr OtherWord kOtherWords[] = {{"reproject", kReproject}, {"reprojection", kReproject}, {"merge", kCopy},
-                                     {"copy", kCopy},           {"convert", kCopy},           {"translate", kCopy}};
+constexpr std::string_view kDenoise = "'denoise' removes outliers, and sor, ror and lof mark them";
+constexpr std::string_view kGround = "'ground' finds the ground by the method SMRF";
+constexpr std::string_view kHeight = "'height' measures heights above the ground";
+constexpr std::string_view kWhere = "'where' keeps the points for which a condition holds, as in where(z > 2)";
+constexpr std::string_view kSet = "'set' assigns values, as in set(classification = 7)";
+constexpr std::string_view kClusters = "'components' joins points that are near each other, and dbscan dense ones";
+constexpr std::string_view kThin = "'voxel', 'poisson', 'decimate' and 'sample' thin a cloud";
+constexpr std::string_view kRaster =
+    "pointsweep makes no rasters, but 'pdal translate IN OUT.tif --writers.gdal.resolution=1' does";
+constexpr OtherWord kOtherWords[] = {
+    {"reproject", kReproject}, {"reprojection", kReproject},
+    {"merge", kCopy},          {"copy", kCopy},
+    {"convert", kCopy},        {"translate", kCopy},
+    {"outlier", kDenoise},     {"outliers", kDenoise},
+    {"noise", kDenoise},       {"smrf", kGround},
+    {"csf", kGround},          {"pmf", kGround},
+    {"hag", kHeight},          {"hag_nn", kHeight},
+    {"hag_delaunay", kHeight}, {"range", kWhere},
+    {"expression", kWhere},    {"filter", kWhere},
+    {"assign", kSet},          {"ferry", kSet},
+    {"cluster", kClusters},    {"subsample", kThin},
+    {"thin", kThin},           {"downsample", kThin},
+    {"raster", kRaster},       {"dtm", kRaster},
+    {"dsm", kRaster},          {"clip", "'crop' keeps the points inside a box or polygons"},
+};
 
 }  // namespace
 
