@@ -240,7 +240,8 @@ TEST_F(Help, AnUnknownOperatorIsNamedBeforeItsOptions) {
   made("generate statue in.ply -n 1000", "in.ply");
   refused(2, "run in.ply c.ply --pipeline 'normals | spalts(0.1)'", "column 11: no operator is called 'spalts'");
   refused(2, "run in.ply c.ply --pipeline 'normals | spalts(0.1)'", "the nearest is 'splats'");
-  refused(2, "run in.ply c.ply --pipeline 'thin(0.1)'", "no operator is called 'thin'; 'pointsweep operators'");
+  refused(2, "run in.ply c.ply --pipeline 'soften(0.1)'", "no operator is called 'soften'; 'pointsweep operators'");
+  refused(2, "run in.ply c.ply --pipeline 'thin(0.1)'", "no operator is called 'thin'; 'voxel', 'poisson'");
   refused(2, "run in.ply c.ply --pipeline 'knn(8) | thin([1,2])'", "no operator is called 'thin'");
   refused(2, "run in.ply c.ply --pipeline 'knn(8, 3) | normals'",
           "column 8: knn: '3' has no name; write options as NAME=VALUE, e.g. k=3");
