@@ -176,4 +176,13 @@ std::array<double, 3> ExactSum::expansion() const {
   return parts;
 }
 
+double n_squared_variance(const ExactSum& sum, const ExactSum& squares, double n) {
+  ExactSum difference;
+  for (const double part : squares.expansion()) difference.add_product(n, part);
+  const std::array<double, 3> parts = sum.expansion();
+  for (const double a : parts)
+    for (const double b : parts) difference.add_product(-a, b);
+  return std::max(0.0, difference.rounded());
+}
+
 }  // namespace pointsweep

@@ -57,6 +57,11 @@ class ExactSum {
   bool nan_ = false, positive_infinity_ = false, negative_infinity_ = false;
 };
 
+/// Returns n Σ v² - (Σ v)², which is n² times the mean square distance of n values v from their mean, from the sum of
+/// the values and that of their squares; at least 0. It uses 159 bits of each: close values far from 0 leave a small
+/// difference of large numbers.
+double n_squared_variance(const ExactSum& sum, const ExactSum& squares, double n);
+
 __extension__ typedef __int128 Int128;
 __extension__ typedef unsigned __int128 UInt128;
 

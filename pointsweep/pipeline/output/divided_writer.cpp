@@ -16,7 +16,7 @@
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/math/mix.h"
 #include "pointsweep/order/parallel_rows.h"
-#include "pointsweep/points/with_type.h"
+#include "pointsweep/points/whole_numbers.h"
 #include "pointsweep/storage/local/output_file.h"
 #include "pointsweep/storage/local/unfinished_output.h"
 #include "pointsweep/threads.h"
@@ -87,9 +87,7 @@ void DividedWriter::choose_attribute(const std::string& word) {
     fail_usage("--split: the output has no attribute '{}'; it has {}.", word,
                fmt::join(column_names(plan_.schema), ", "));
   attribute_ = plan_.schema.fields[*at];
-  const bool is_whole = attribute_.type != Type::f32 && attribute_.type != Type::f64 && attribute_.scale == 1 &&
-                        attribute_.bias == 0 && attribute_.count == 1;
-  if (!is_whole)
+  if (!has_whole_numbers(attribute_) || attribute_.count != 1)
     fail_usage(
         "--split: '{0}' has no whole numbers, so that nearly each point might get a file; make whole numbers of it, "
         "e.g. with --pipeline 'set(part:i32 = floor({0}))', and split by these.",
@@ -97,17 +95,8 @@ void DividedWriter::choose_attribute(const std::string& word) {
   attribute_name_ = as_file_name(library_name_of(attribute_.name));
 }
 
-std::int64_t DividedWriter::value_at(const std::byte* record) const {
-  if (!attribute_.is_plain()) return static_cast<std::int64_t>(value_of(attribute_, record));
-  return with_type(attribute_.type, [&]<class T>() {
-    T value;
-    std::memcpy(&value, record + attribute_.offset, sizeof value);
-    return static_cast<std::int64_t>(value);  // a u64 beyond 2^63 wraps, and wraps back in its name
-  });
-}
-
 DividedWriter::Key DividedWriter::key_of(const std::byte* record) const {
-  if (!grid_) return {value_at(record), 0};
+  if (!grid_) return {whole_number_of(attribute_, record), 0};  // a u64 beyond 2^63 wraps back in its name
   std::array<std::int64_t, 2> tile{};
   for (std::size_t axis = 0; axis < 2; ++axis) {
     double coordinate = value_of(xy_[axis], record);

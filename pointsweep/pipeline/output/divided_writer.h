@@ -75,7 +75,6 @@ class DividedWriter final : public Writer {
   void choose_attribute(const std::string& word);
   void find_keys(std::span<const std::byte> records);
   Key key_of(const std::byte* record) const;
-  std::int64_t value_at(const std::byte* record) const;
   void put(Key key, const std::byte* record, bool is_own);
   void put_into_buffers(const std::byte* record, const Key& own);
   std::string name_of(const Key& key) const;
