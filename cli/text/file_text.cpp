@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "cli/text/text_table.h"
 #include "pointsweep/formats/las_classes.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/points/schema.h"
@@ -67,8 +68,8 @@ std::string counts_text(const FileSummary& s) {
   std::string classes, returns;
   for (std::size_t code = 0; code < s.classes.size(); ++code) {
     if (s.classes[code] == 0) continue;
-    classes += fmt::format("{}{} {}: {}", classes.empty() ? "" : ", ", code,
-                           name_of_las_class(static_cast<std::uint8_t>(code)), s.classes[code]);
+    classes += fmt::format("{}{}: {}", classes.empty() ? "" : ", ", text_of_class(static_cast<std::uint8_t>(code)),
+                           s.classes[code]);
   }
   for (std::size_t number = 0; number < s.returns.size(); ++number)
     if (s.returns[number] > 0)
@@ -110,9 +111,6 @@ std::string ranges_text(const Schema& schema, const FileSummary& s) {
   return text.empty() ? text : "  ranges\n" + text;
 }
 
-constexpr std::array kHeadings = {"file", "points", "x", "y", "z", "density", "crs", "attributes"};
-using TableLine = std::array<std::string, kHeadings.size()>;
-
 /// "EPSG:25832", with the code of the heights if there is one; the name of a system without a code.
 std::string cell_of(const std::optional<Crs>& crs) {
   if (!crs) return "-";
@@ -138,7 +136,7 @@ std::size_t number_of(std::vector<std::string>& lists, const std::string& list) 
   return number;
 }
 
-TableLine line_of(const FileSummary& file, std::vector<std::string>& lists) {
+std::vector<std::string> line_of(const FileSummary& file, std::vector<std::string>& lists) {
   const std::optional<double> density = file.density();
   return {file.info.path.string(),      std::to_string(file.info.count),
           cell_of_axis(file.bounds, 0), cell_of_axis(file.bounds, 1),
@@ -146,25 +144,9 @@ TableLine line_of(const FileSummary& file, std::vector<std::string>& lists) {
           cell_of(file.info.crs),       fmt::format("({})", number_of(lists, attribute_text(file.info.schema)))};
 }
 
-/// Columns as wide as their longest cell, numbers to the right.
-std::string text_of_lines(const std::vector<TableLine>& lines) {
-  std::array<std::size_t, kHeadings.size()> widths{};
-  for (const TableLine& line : lines)
-    for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], line[c].size());
-  std::string text;
-  for (const TableLine& line : lines) {
-    std::string row;
-    for (std::size_t c = 0; c < line.size(); ++c) {
-      const bool is_number = c == 1 || c == 5;
-      row += (c == 0 ? "" : "  ") +
-             (is_number ? fmt::format("{:>{}}", line[c], widths[c]) : fmt::format("{:<{}}", line[c], widths[c]));
-    }
-    text += row.substr(0, row.find_last_not_of(' ') + 1) + "\n";
-  }
-  return text;
-}
-
 }  // namespace
+
+std::string text_of_class(std::uint8_t code) { return fmt::format("{} {}", code, name_of_las_class(code)); }
 
 /// Runs of one type are named together.
 std::string attribute_text(const Schema& schema) {
@@ -203,13 +185,11 @@ std::string to_text(const FileSummary& summary) {
 }
 
 std::string table_of(const ListedSummaries& files) {
-  std::vector<TableLine> lines(1);
-  std::ranges::copy(kHeadings, lines.front().begin());
+  TextTable table({"file", "points", "x", "y", "z", "density", "crs", "attributes"}, {0, 2, 3, 4, 6, 7}, "");
   std::vector<std::string> lists;
-  for (const FileSummary& file : files.readable) lines.push_back(line_of(file, lists));
-  for (const auto& [number, name] : files.unreadable)
-    lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(1 + number), {name.string(), "cannot be read"});
-  std::string text = text_of_lines(lines);
+  for (const FileSummary& file : files.readable) table.add(line_of(file, lists));
+  for (const auto& [number, name] : files.unreadable) table.insert(number, {name.string(), "cannot be read"});
+  std::string text = table.text();
   for (std::size_t i = 0; i < lists.size(); ++i) text += fmt::format("attributes ({})  {}\n", i + 1, lists[i]);
   return text;
 }

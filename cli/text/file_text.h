@@ -18,6 +18,8 @@ namespace pointsweep {
 std::string to_text(const FileSummary& summary);
 /// "x y z float32, intensity uint16".
 std::string attribute_text(const Schema& schema);
+/// "2 Ground": a class of LAS.
+std::string text_of_class(std::uint8_t code);
 /// The lines on points and bounds alone.
 std::string to_text(std::uint64_t points, const Box& bounds);
 
