@@ -61,7 +61,7 @@ set(may_include_render points math ${all_of_storage} order ${all_of_formats} col
 set(may_include_pipeline points math ${all_of_storage} order search connect ${all_of_operators} ${all_of_formats} sweep)
 inside(pipeline plan . language rows checkpoint output memory run)
 set(may_include_reference points math ${all_of_storage} order ${all_of_operators} sweep ${all_of_pipeline})
-set(may_include_info points math ${all_of_storage} ${all_of_formats})
+set(may_include_info points math ${all_of_storage} order ${all_of_formats} pipeline/rows)
 set(may_include_report points math ${all_of_storage} ${all_of_formats} render ${all_of_pipeline})
 # Not search, not sweep: verify checks them.
 set(may_include_verify points math ${all_of_storage} polygons ${all_of_operators} ${all_of_formats} pipeline pipeline/plan pipeline/language pipeline/rows)

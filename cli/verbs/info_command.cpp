@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// `pointsweep info FILE...`: what is in a point file, found by reading all of it.
+/// `pointsweep info FILE...`: what is in point files, found by reading all of them.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "cli/console/console.h"
 #include "cli/text/file_text.h"
+#include "cli/text/statistics_text.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/common_options.h"
@@ -27,6 +28,9 @@ struct InfoCommand {
   bool spacing = true;
   bool quick = false;  ///< headers alone
   bool check = false;  ///< warnings are failures
+  PointStatisticsOptions statistics;
+
+  bool has_statistics() const { return !statistics.by.empty() || statistics.values || !statistics.histograms.empty(); }
 };
 
 enum class InfoStyle : std::uint8_t { details, table, json };
@@ -48,11 +52,13 @@ class InfoReport {
     files_.unreadable.emplace_back(files_.size(), label);
     if (style_ == InfoStyle::json) json_.push_back({{"path", file.string()}, {"error", sentence}});
   }
-  void finish() const {
+  /// `statistics`: of the points of all files that could be read; absent: none were asked for.
+  void finish(const std::optional<PointStatistics>& statistics) const {
     if (style_ == InfoStyle::json)
-      print(all_as_json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+      print(all_as_json(statistics).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
     if (style_ == InfoStyle::table) print(table_of(files_));
     if (style_ != InfoStyle::json && files_.size() > 1) print(summary_of(files_));
+    if (style_ != InfoStyle::json && statistics) print(to_text(*statistics));
   }
   std::size_t files() const { return files_.size(); }
   std::size_t failures() const { return files_.unreadable.size(); }
@@ -60,7 +66,7 @@ class InfoReport {
   std::size_t faulty() const { return faulty_; }
 
  private:
-  nlohmann::ordered_json all_as_json() const {
+  nlohmann::ordered_json all_as_json(const std::optional<PointStatistics>& statistics) const {
     std::uint64_t points = 0;
     Box bounds;
     for (const FileSummary& file : files_.readable) {
@@ -74,7 +80,8 @@ class InfoReport {
                                         {"bounds", json_of(bounds)},
                                         {"density", density ? nlohmann::ordered_json(*density) : nullptr},
                                         {"inconsistent", inconsistencies_of(files_.readable)}};
-    return {{"files", json_}, {"all", all}};
+    return {
+        {"files", json_}, {"all", all}, {"statistics", statistics ? json_of(*statistics) : nlohmann::ordered_json()}};
   }
 
   InfoStyle style_;
@@ -87,6 +94,11 @@ class InfoReport {
 struct LabelledFile {
   std::filesystem::path path, label;
 };
+
+/// Opens files as one cloud, whose coordinate reference systems may differ.
+Cloud open_as_one(const std::vector<std::filesystem::path>& files, const InfoCommand& options) {
+  return Cloud(files, {.ignore_crs = true, .format = options.common.format});
+}
 
 void look_at_file(const LabelledFile& file, const InfoCommand& options, bool spacing, InfoReport& report,
                   ProgressDisplay& progress) {
@@ -127,6 +139,34 @@ InfoStyle style_of(const InfoCommand& options) {
   return options.table || many ? InfoStyle::table : InfoStyle::details;
 }
 
+/// The statistics of the points of files that can be read.
+PointStatistics statistics_of(const std::vector<std::filesystem::path>& files, const InfoCommand& options,
+                              ProgressDisplay& progress) {
+  Cloud cloud = open_as_one(files, options);
+  for (const std::string& warning : cloud.warnings()) progress.say(Severity::warning, warning);
+  PointStatisticsOptions asked = options.statistics;
+  asked.progress = [&](unsigned reading, std::uint64_t done, std::uint64_t total) {
+    stop_if_cancelled();
+    progress.report(fmt::format("statistics, reading {}", reading), done, total);
+  };
+  return point_statistics(cloud, asked);
+}
+
+/// The statistics of the points of all files; none if none are asked for, or if a file cannot be read.
+std::optional<PointStatistics> statistics_if_readable(const std::vector<std::filesystem::path>& files,
+                                                      const InfoCommand& options, ProgressDisplay& progress) {
+  if (!options.has_statistics() || files.empty()) return std::nullopt;
+  try {
+    return statistics_of(files, options, progress);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const UsageError&) {
+    throw;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
 void info(const InfoCommand& options) {
   const InfoStyle style = style_of(options);
   const bool spacing = style != InfoStyle::table && options.spacing;
@@ -138,9 +178,14 @@ void info(const InfoCommand& options) {
     const auto some = files_of(named, options, report, progress);
     files.insert(files.end(), some.begin(), some.end());
   }
+  std::vector<std::filesystem::path> paths, readable;
+  for (const LabelledFile& file : files) paths.push_back(file.path);
+  // First, so that a wrong name of an attribute is refused at once.
+  std::optional<PointStatistics> statistics = statistics_if_readable(paths, options, progress);
   for (const LabelledFile& file : files) {
     try {
       look_at_file(file, options, spacing, report, progress);
+      readable.push_back(file.path);
     } catch (const Cancelled&) {
       throw;
     } catch (const Error& error) {
@@ -148,10 +193,38 @@ void info(const InfoCommand& options) {
       report.add_failure(file.path, error.what(), file.label);
     }
   }
-  report.finish();
+  if (options.has_statistics() && !statistics && !readable.empty())
+    statistics = statistics_of(readable, options, progress);
+  report.finish(statistics);
   if (report.failures() > 0) fail("{} of {} files could not be read.", report.failures(), report.files());
   if (options.check && report.faulty() > 0)
     fail("{} of {} files have the faults that the warnings name.", report.faulty(), report.files());
+}
+
+/// --by, --stats, --keep, --histogram and --bins
+void add_statistics_options(CLI::App& verb, PointStatisticsOptions& asked, CLI::Option* quick) {
+  verb.add_option("--by", asked.by, "Count the points of each value of this attribute, e.g. classification")
+      ->type_name("ATTRIBUTE")
+      ->excludes(quick);
+  CLI::Option* const stats =
+      verb.add_flag("--stats", asked.values,
+                    "Show count, range, mean, standard deviation and quantiles of each attribute, with --by those of "
+                    "each value")
+          ->excludes(quick);
+  verb.add_option("--keep", asked.keep, "Show the statistics of these attributes alone, e.g. z,intensity")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("A,B,...")
+      ->needs(stats);
+  CLI::Option* const histogram =
+      verb.add_option("--histogram", asked.histograms, "Count the values of these attributes in bins, e.g. z")
+          ->delimiter(',')
+          ->allow_extra_args(false)
+          ->type_name("A,B,...")
+          ->excludes(quick);
+  verb.add_option("--bins", asked.bins, "Divide a histogram into this many bins at most (default: 20)")
+      ->type_name("NUMBER")
+      ->needs(histogram);
 }
 
 }  // namespace
@@ -168,8 +241,10 @@ void add_info_command(CLI::App& app) {
   CLI::Option* no_spacing = verb.add_flag_callback(
       "--no-spacing", [options] { options->spacing = false; },
       "Read files once instead of twice, without the distances between points");
-  verb.add_flag("--quick", options->quick, "Read headers only: counts, bounds and attributes as these state them")
-      ->excludes(no_spacing);
+  CLI::Option* quick =
+      verb.add_flag("--quick", options->quick, "Read headers only: counts, bounds and attributes as these state them")
+          ->excludes(no_spacing);
+  add_statistics_options(verb, options->statistics, quick);
   verb.add_flag(
       "--check", options->check,
       "End with status 1 where a warning names a fault of a file, such as bounds that are not those of the points");
@@ -180,11 +255,14 @@ void add_info_command(CLI::App& app) {
       "header.\n"
       "A file that cannot be read is reported; the others are still read, and the exit status is 1.\n"
       "Several files are compared: formats, coordinate reference systems, attributes and their types.\n"
+      "Statistics are those of the points of all files together.\n"
       "\nExamples:\n"
       "  pointsweep info scan.ply\n"
       "  pointsweep info tiles/\n"
       "  pointsweep info --quick --recursive survey/\n"
       "  pointsweep info --check delivery/\n"
+      "  pointsweep info --by classification --stats --keep z,intensity scan.laz\n"
+      "  pointsweep info --histogram z tiles/\n"
       "  pointsweep info --table tile_*.las");
   verb.callback([options] { info(*options); });
 }

@@ -10,8 +10,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "pointsweep/cloud.h"
 #include "pointsweep/export.h"
 #include "pointsweep/geometry.h"
 #include "pointsweep/reader.h"
@@ -68,7 +70,8 @@ struct SummaryOptions {
 /// Reads all points of a file in sequence. Memory: about 10 MB. Throws Error where the file cannot be read to its end.
 POINTSWEEP_EXPORT FileSummary summarize(Reader& reader, const SummaryOptions& options = {});
 
-/// Returns what the header says, without a look at the points. Formats without a header were read when they were opened.
+/// Returns what the header says, without a look at the points. Formats without a header were read when they were
+/// opened.
 POINTSWEEP_EXPORT FileSummary summarize_header(const Reader& reader);
 
 /// Returns the range of the field `gps_time`, with the clock of the LAS header; none without the field or if all are 0.
@@ -82,6 +85,71 @@ POINTSWEEP_EXPORT std::string gps_date(double adjusted_standard_seconds);
 /// systems, clocks of GPS times, attributes that some files lack, and their types; then files without points, with
 /// coordinates that are not finite, and with the same bounds and number of points. Empty for fewer than two files.
 POINTSWEEP_EXPORT std::vector<std::string> inconsistencies_of(std::span<const FileSummary> files);
+
+/// A value of an attribute: a whole number where the attribute has whole numbers, unsigned if it is a uint64.
+using AttributeValue = std::variant<double, std::int64_t, std::uint64_t>;
+
+/// The values of one attribute, all components together. Integers with a decimal scale count as the decimal fractions
+/// that they mean. Where no value is finite, min, max and mean are absent and there are no quantiles.
+struct AttributeStatistics {
+  std::string name;
+  Type type = Type::f64;        ///< that the records of the cloud have
+  std::uint64_t count = 0;      ///< finite values
+  std::uint64_t nonfinite = 0;  ///< NaN and infinite values
+  std::optional<AttributeValue> min, max;
+  std::optional<double> mean;             ///< the exact sum, rounded, divided by the count; absent if beyond float64
+  std::optional<double> deviation;        ///< standard deviation, of count - 1; absent for fewer than two values, and
+                                          ///< if the sum of their squares is beyond float64
+  std::vector<AttributeValue> quantiles;  ///< one for each of PointStatistics::kPercent
+};
+
+/// Counts of the finite values of one attribute: counts[i] of those from edges[i] on and below edges[i + 1]. Edges are
+/// multiples of their distance, which is 1, 2 or 5 times a power of ten, and 1 or more for whole numbers.
+struct AttributeHistogram {
+  std::string name;
+  std::vector<double> edges;          ///< ascending, one more than counts; empty without finite values
+  std::vector<std::uint64_t> counts;  ///< the first and the last are not 0 where all points are one group
+};
+
+/// The points that have one value of an attribute, or all points.
+struct PointGroup {
+  std::optional<AttributeValue>
+      value;  ///< of PointStatistics::by, a whole number; absent where all points are one group
+  std::uint64_t points = 0;
+  std::vector<AttributeStatistics> attributes;
+  std::vector<AttributeHistogram> histograms;  ///< with the same edges in each group
+};
+
+struct PointStatistics {
+  /// The quantile of p percent of n ascending values v[0] ... v[n - 1] is v[floor(p / 100 (n - 1))].
+  static constexpr std::array<unsigned, 7> kPercent{1, 5, 25, 50, 75, 95, 99};
+  static constexpr std::size_t kMostGroups = 10'000;
+
+  std::uint64_t points = 0;
+  std::string by;                  ///< name of the attribute that groups points; empty: they are one group
+  std::vector<PointGroup> groups;  ///< ascending by value
+};
+
+struct PointStatisticsOptions {
+  std::string by;       ///< groups points by the values of this attribute, all whole numbers; empty: one group
+  bool values = false;  ///< make PointGroup::attributes
+  std::vector<std::string> keep;        ///< of these attributes alone; empty: of all, coordinates included
+  std::vector<std::string> histograms;  ///< attributes that get one
+  std::uint64_t bins = 20;              ///< of a histogram, at most; 2 to 1,000
+  /// Called after each piece of work of a reading of all points, the first of which is 1; may throw to end it.
+  std::function<void(unsigned reading, std::uint64_t done, std::uint64_t total)> progress = {};
+};
+
+/// Reads all points of a cloud once, and again for histograms and for quantiles: two or three times for clouds of up to
+/// a million points, about three to five times for others, more for many groups. Every number is exact or rounded as
+/// stated, and the same for any number of threads and order of the points. Memory: at most 256 MB, and less than 100 MB
+/// without `by`. Throws UsageError for an attribute that is not there, and for `by` one that has a value that is no
+/// whole number, more than kMostGroups values, or so many that the statistics do not fit in that memory; Error for a
+/// file that cannot be read.
+POINTSWEEP_EXPORT PointStatistics point_statistics(Cloud& cloud, const PointStatisticsOptions& options);
+
+/// Returns the value of `statistics` in the JSON object of `info`; docs/info.md lists its keys.
+POINTSWEEP_EXPORT std::string to_json(const PointStatistics& statistics);
 
 /// Returns the JSON object of one file; docs/info.md lists its keys.
 POINTSWEEP_EXPORT std::string to_json(const FileSummary& summary);

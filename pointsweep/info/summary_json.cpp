@@ -95,7 +95,49 @@ Json provenance(const FileInfo& info) {
   return records;
 }
 
+Json value_or_null(const std::optional<AttributeValue>& value) {
+  return value ? std::visit([](auto v) { return Json(v); }, *value) : Json();
+}
+
+Json json_of(const AttributeStatistics& a) {
+  Json quantiles = Json::array();
+  for (const AttributeValue& value : a.quantiles) quantiles.push_back(value_or_null(value));
+  return {{"name", a.name},
+          {"type", name_of(a.type)},
+          {"count", a.count},
+          {"nonfinite", a.nonfinite},
+          {"min", value_or_null(a.min)},
+          {"max", value_or_null(a.max)},
+          {"mean", number_or_null(a.mean)},
+          {"deviation", number_or_null(a.deviation)},
+          {"quantiles", a.quantiles.empty() ? Json() : quantiles}};
+}
+
+Json json_of(const PointGroup& group) {
+  Json attributes = Json::array(), histograms = Json::array();
+  for (const AttributeStatistics& a : group.attributes) attributes.push_back(json_of(a));
+  for (const AttributeHistogram& h : group.histograms)
+    histograms.push_back({{"name", h.name}, {"edges", h.edges}, {"counts", h.counts}});
+  return {{"value", value_or_null(group.value)},
+          {"points", group.points},
+          {"attributes", attributes},
+          {"histograms", histograms}};
+}
+
 }  // namespace
+
+Json json_of(const PointStatistics& statistics) {
+  Json groups = Json::array();
+  for (const PointGroup& group : statistics.groups) groups.push_back(json_of(group));
+  return {{"points", statistics.points},
+          {"by", statistics.by.empty() ? Json() : Json(statistics.by)},
+          {"percent", PointStatistics::kPercent},
+          {"groups", groups}};
+}
+
+std::string to_json(const PointStatistics& statistics) {
+  return json_of(statistics).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 Json json_of(const Box& bounds) {
   if (bounds.empty()) return {};

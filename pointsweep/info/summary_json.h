@@ -12,5 +12,6 @@ namespace pointsweep {
 /// Returns the object of one file; docs/info.md lists its keys.
 nlohmann::ordered_json json_of(const FileSummary& summary);
 nlohmann::ordered_json json_of(const Box& bounds);
+nlohmann::ordered_json json_of(const PointStatistics& statistics);
 
 }  // namespace pointsweep

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+/// Bins of a histogram between round numbers.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pointsweep/info/value_keys.h"
+#include "pointsweep/math/exact_sum.h"
+
+namespace pointsweep {
+
+/// Bins of equal width that hold all values from a least to a greatest one. A bin has the values from its lower edge up
+/// to its upper edge, and not the upper edge. Edges are multiples of the width: the least of 1, 2 and 5 times a power
+/// of ten, not below 1 for whole numbers, with which there are no more bins than wanted.
+class HistogramBins {
+ public:
+  /// `least` and `most`: keys. `wanted`: 2 or more, since 0 is an edge.
+  HistogramBins(const ValueKeys& keys, std::uint64_t least, std::uint64_t most, std::uint64_t wanted);
+
+  std::size_t size() const { return static_cast<std::size_t>(last_ - first_) + 1; }
+  /// size() + 1 edges, ascending; the greatest float64 in place of a multiple beyond it.
+  std::vector<double> edges() const;
+  /// The bin, below size(), of a value.
+  std::size_t bin_of(const ValueKeys& keys, std::uint64_t key) const;
+
+ private:
+  void set_width(int digit, int exponent);
+  /// The greatest multiple of the width that is not above the value.
+  std::int64_t multiple_below(const ValueKeys& keys, std::uint64_t key) const;
+  double edge(std::int64_t multiple) const;
+
+  int digit_ = 1, exponent_ = 0;       ///< the width is digit_ * 10^exponent_
+  double power_ = 1;                   ///< 10^|exponent_|
+  Int128 whole_width_ = 1;             ///< of whole numbers
+  std::int64_t first_ = 0, last_ = 0;  ///< the lower edges of the bins are these multiples of the width
+};
+
+}  // namespace pointsweep

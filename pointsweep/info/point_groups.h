@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// Points by the value that they have in one attribute.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "pointsweep/info/value_keys.h"
+
+namespace pointsweep {
+
+/// Numbers the values of an attribute, which are whole numbers, from 0 in the order in which they come. Without an
+/// attribute all points are group 0.
+class PointGroups {
+ public:
+  PointGroups() : keys_({0}) {}
+  /// Throws UsageError for an attribute that is not there or has several components.
+  PointGroups(const Schema& schema, const std::string& by);
+
+  /// Writes the number of the group of each record, `stride` bytes apart. Throws UsageError for a value that is no
+  /// whole number, and for more than `most` groups, or PointStatistics::kMostGroups; if `most` is 0, Error for a value
+  /// that has not come before.
+  void find(std::span<const std::byte> records, std::size_t stride, std::size_t most,
+            std::vector<std::uint32_t>& groups);
+
+  std::size_t size() const { return keys_.size(); }
+  /// The numbers of the groups, ascending by value.
+  std::vector<std::uint32_t> ascending() const;
+  /// A whole number.
+  AttributeValue value(std::uint32_t group) const;
+  const std::string& name() const { return name_; }
+
+ private:
+  std::uint32_t number_of(std::uint64_t key, std::size_t most);
+  void require_whole(std::uint64_t key) const;
+
+  std::string name_;  ///< empty: there is no attribute
+  std::optional<ValueKeys> values_;
+  std::vector<std::uint64_t> keys_;  ///< of the groups
+  std::unordered_map<std::uint64_t, std::uint32_t> numbers_;
+  std::vector<std::uint64_t> of_records_;  ///< keys of the records that came last
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+/// Quantiles of values that are read again and again, exact and in bounded memory.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pointsweep/info.h"
+
+namespace pointsweep {
+
+/// Finds the keys at the ranks floor(p (n - 1)) of n keys, in ascending order from 0, for each p of
+/// PointStatistics::kPercent. It holds intervals of keys, each with some of the ranks. A reading counts the keys in
+/// equal parts of each interval; then each interval shrinks to the parts in which the ranks are. An interval with few
+/// keys gets these themselves instead.
+class RankSearch {
+ public:
+  static constexpr std::size_t kRanks = PointStatistics::kPercent.size();
+
+  /// Of `count` keys from `least` to `most`; none without keys.
+  RankSearch(std::uint64_t count, std::uint64_t least, std::uint64_t most);
+
+  /// Intervals that the next reading divides.
+  std::size_t open() const { return intervals_.size(); }
+  /// Begins a reading, in which each interval may use `share` >= 2 numbers from `next` on; `next` moves on. At most
+  /// 2^63 numbers.
+  void begin(std::uint64_t share, std::uint64_t& next);
+  /// Takes one of the keys. `room`: the numbers, 0 at first.
+  void add(std::uint64_t key, std::span<std::uint64_t> room);
+  /// Ends a reading. Throws Error if it gave other keys than those before.
+  void end(std::span<std::uint64_t> room);
+
+  /// The keys; without open intervals.
+  const std::array<std::uint64_t, kRanks>& keys() const { return found_; }
+
+ private:
+  /// The keys from `least` to `most`, `count` of them, and the ranks [first, last) in their order.
+  struct Interval {
+    std::uint64_t least, most, count;
+    std::uint8_t first, last;
+    std::uint8_t shift = 0;   ///< a part has 2^shift keys
+    bool takes_keys = false;  ///< the room is for the keys themselves
+    std::uint64_t at = 0;     ///< its first number of the room
+    std::uint64_t taken = 0;
+  };
+  void divide(const Interval& interval, std::span<std::uint64_t> room, std::vector<Interval>& parts);
+
+  std::vector<Interval> intervals_;            ///< ascending
+  std::array<std::uint64_t, kRanks> ranks_{};  ///< in the interval of each
+  std::array<std::uint64_t, kRanks> found_{};
+};
+
+}  // namespace pointsweep

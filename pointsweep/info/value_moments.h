@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// Number, range, mean and standard deviation of values, the same for any order of them.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "pointsweep/info/value_keys.h"
+#include "pointsweep/math/exact_sum.h"
+
+namespace pointsweep {
+
+/// Sums of values and of their squares, without rounding: integers of 128 bits for whole numbers of up to 32 bits, else
+/// two sums of 1.1 kB each.
+class ValueMoments {
+ public:
+  /// `sums`: they are wanted; else only number and range.
+  ValueMoments(const ValueKeys& keys, bool sums);
+  void add(const ValueKeys& keys, std::uint64_t key);
+
+  std::uint64_t count() const { return count_; }          ///< of finite values
+  std::uint64_t nonfinite() const { return nonfinite_; }  ///< NaN and infinite values
+  std::uint64_t least() const { return least_; }          ///< key of the least value; count() > 0
+  std::uint64_t most() const { return most_; }
+  /// The sum, rounded, divided by the number; none without values, or if the sum is beyond float64.
+  std::optional<double> mean() const;
+  /// The square root of the sum of squared distances from the mean, divided by the number less 1; none for fewer than
+  /// two values, or if the sum of their squares is beyond float64.
+  std::optional<double> deviation() const;
+
+  /// Bytes of memory.
+  static std::uint64_t bytes(const ValueKeys& keys, bool sums);
+
+ private:
+  struct Sums {
+    ExactSum values, squares;
+  };
+  /// The sums of either kind.
+  Sums sums() const;
+
+  std::uint64_t count_ = 0, nonfinite_ = 0;
+  std::uint64_t least_ = std::numeric_limits<std::uint64_t>::max(), most_ = 0;
+  Int128 sum_ = 0, squares_ = 0;  ///< of whole numbers of up to 32 bits
+  std::unique_ptr<Sums> exact_;   ///< of all others; null where they are not wanted
+};
+
+}  // namespace pointsweep
