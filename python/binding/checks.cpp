@@ -39,6 +39,29 @@ nb::tuple summarize_file(const std::filesystem::path& path, const std::string& f
   return nb::make_tuple(to_json(summary), crs_value(summary.info.crs));
 }
 
+/// Returns the JSON object of the statistics. `given` has every key that pointsweep._summary.summary() gives.
+std::string statistics_of_points(const nb::list& source, const nb::dict& given, const nb::object& progress,
+                                 const nb::object& warn) {
+  Cloud cloud = open_cloud(source, false, given);
+  PointStatisticsOptions options;
+  options.by = nb::cast<std::string>(given["by"]);
+  options.values = nb::cast<bool>(given["values"]);
+  options.keep = nb::cast<std::vector<std::string>>(given["keep"]);
+  options.histograms = nb::cast<std::vector<std::string>>(given["histograms"]);
+  options.bins = nb::cast<std::uint64_t>(given["bins"]);
+  PointStatistics statistics;
+  watch({progress, warn}, [&](Observer& observer) {
+    const CancellationScope scope(&observer.token());
+    for (const std::string& warning : cloud.warnings()) observer.on_warning(warning);
+    options.progress = [&](unsigned, std::uint64_t done, std::uint64_t total) {
+      stop_if_cancelled();
+      observer.on_progress({"reading", done, total, 0});
+    };
+    statistics = point_statistics(cloud, options);
+  });
+  return to_json(statistics);
+}
+
 /// Converts pairs of Python, (name, value) with an int or a float as value, to options.
 Options options_of(const nb::list& pairs) {
   Options options;
@@ -115,6 +138,7 @@ nb::dict verify_files(const std::vector<std::filesystem::path>& inputs, const st
 
 void bind_checks(nb::module_& module) {
   module.def("summarize", &summarize_file, "path"_a, "format"_a, "spacing"_a, "progress"_a.none());
+  module.def("statistics", &statistics_of_points, "source"_a, "options"_a, "progress"_a.none(), "warn"_a.none());
   module.def("verify", &verify_files, "inputs"_a, "output"_a, "options"_a, "progress"_a.none());
 }
 

@@ -9,7 +9,7 @@
 
 `run` is the heart: points in arrays or files, through a pipeline, to arrays or files; `chunks` gives its results block by
 block. `read` and `write` copy points from files to arrays and back. `normals` and `neighbors` are short for the two most wanted runs. `knn`, `where`, `sor` and the other built-in
-operators are stages of pipelines, and `operator` and `select` make such of functions. `info` says what is in a file,
+operators are stages of pipelines, and `operator` and `select` make such of functions. `info` says what is in a file, `summary` gives statistics of points,
 `verify` checks what a run has written. `generate` makes points to try things with.
 """
 
@@ -35,14 +35,15 @@ from ._runs import run
 from ._short_forms import neighbors, normals
 from ._stage import Stage
 from ._stages import *  # noqa: F403
+from ._summary import AttributeSummary, GroupedSummary, Histogram, PointSummary, summary
 from ._verify import Verdict, verify
 
 __version__: str = _core.version
 # Without `open` and `set`, so that `from pointsweep import *` leaves the builtins of these names.
 __all__ = [
-    "Arrays", "Check", "Chunks", "Cloud", "CloudWithColumns", "Crs", "Error", "FileSummary", "Neighbors", "Operator", "Pipeline", "Plan",
-    "Picture", "PointNeighbors", "Points", "PointsweepWarning", "RadiusNeighbors", "Reduction", "Report", "Select", "Stage",
+    "Arrays", "AttributeSummary", "Check", "Chunks", "Cloud", "CloudWithColumns", "Crs", "Error", "FileSummary", "GroupedSummary", "Histogram", "Neighbors", "Operator", "Pipeline", "Plan",
+    "Picture", "PointNeighbors", "PointSummary", "Points", "PointsweepWarning", "RadiusNeighbors", "Reduction", "Report", "Select", "Stage",
     "UsageError", "Verdict", "check", "chunks", "generate", "info", "neighbors", "normals", "operator", "plan", "read",
-    "reduce", "render", "run", "select", "verify", "write",
+    "reduce", "render", "run", "select", "summary", "verify", "write",
 ]  # fmt: skip
 __all__ += _stages.__all__

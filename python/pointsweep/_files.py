@@ -15,6 +15,7 @@ from ._options import with_run_options
 from ._results import Arrays, Report
 from ._runs import COPY, performed
 from ._sources import opened
+from ._summary import GroupedSummary, PointSummary, summary
 from ._tables import html_table
 from ._types import Files, Path, PipelineLike, ProgressCallback, RunOptions
 
@@ -138,6 +139,40 @@ class Cloud(Files):
     ) -> Chunks:
         """`pointsweep.chunks` of these files: the results of a run, block by block."""
         return chunks(self, rows, pipeline, keep=keep, progress=progress, **options)
+
+    @overload
+    def summary(
+        self,
+        *,
+        by: None = None,
+        histogram: Sequence[str] | str | None = None,
+        bins: int = 20,
+        keep: Sequence[str] | str | None = None,
+        progress: ProgressCallback | bool | None = None,
+    ) -> PointSummary: ...
+
+    @overload
+    def summary(
+        self,
+        *,
+        by: str,
+        histogram: Sequence[str] | str | None = None,
+        bins: int = 20,
+        keep: Sequence[str] | str | None = None,
+        progress: ProgressCallback | bool | None = None,
+    ) -> GroupedSummary: ...
+
+    def summary(
+        self,
+        *,
+        by: str | None = None,
+        histogram: Sequence[str] | str | None = None,
+        bins: int = 20,
+        keep: Sequence[str] | str | None = None,
+        progress: ProgressCallback | bool | None = None,
+    ) -> PointSummary | GroupedSummary:
+        """`pointsweep.summary` of these files: exact statistics of all points, or with `by` of those of each value."""
+        return summary(self, by=by, histogram=histogram, bins=bins, keep=keep, progress=progress)
 
     def with_columns(self, **columns: Any) -> CloudWithColumns:
         """These files with arrays of yours as attributes: ``ps.open(f).with_columns(label=labels).write(g)``.

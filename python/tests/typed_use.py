@@ -45,6 +45,8 @@ def files(folder: Path) -> None:
     for part in cloud.chunks(1000):
         assert_type(part, ps.Arrays)
     ps.distance_to(cloud)(cloud)
+    assert_type(cloud.summary(), ps.PointSummary)
+    assert_type(cloud.summary(by="classification", keep=["z"]), ps.GroupedSummary)
 
 
 @ps.operator(reads=["normal"], makes={"roughness": "f4"})
