@@ -142,7 +142,7 @@ MUTANTS = [
     Mutant("a quantile is that of n values instead of n - 1 steps", "cli", "pointsweep/info/rank_search.cpp",
            "UInt128{count - 1} *", "UInt128{count} *", ("cli:RankSearch.*",)),
     Mutant("statistics have the deviation of the whole population", "cli", "pointsweep/info/value_moments.cpp",
-           "/ n / (n - 1));", "/ n / n);", ("cli:PointStatisticsTool.*",)),
+           "/ n / (n - 1)));", "/ n / n));", ("cli:PointStatisticsTool.*",)),
     Mutant("NaN is the greatest value", "cli", "pointsweep/info/value_keys.h",
            "(key > kNegativeInfinity && key < kInfinity)", "key > kNegativeInfinity", ("cli:PointStatisticsTool.*",)),
     Mutant("an output may be called as COPC files are", "cli", "pointsweep/pipeline/output/output_formats.cpp",
