@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/first_failure.h"
 #include "pointsweep/order/piece_finder.h"
 #include "pointsweep/threads.h"
 
@@ -61,9 +62,15 @@ class Distribution {
 
   void run() {
     parallel_for(chunks_.size(), [this](std::size_t i, unsigned) {
-      const ReadRecords own = input_.for_thread ? input_.for_thread() : ReadRecords();
-      while (own ? read(chunks_[i], own) : read_in_turn(chunks_[i])) partition(chunks_[i]);
+      Chunk& chunk = chunks_[i];
+      try {
+        const ReadRecords own = input_.for_thread ? input_.for_thread() : ReadRecords();
+        while (own ? read(chunk, own) : read_in_turn(chunk)) partition(chunk);
+      } catch (...) {
+        failure_.note(chunk.first);
+      }
     });
+    failure_.rethrow();
   }
 
   std::vector<Box> boxes() const {
@@ -109,6 +116,7 @@ class Distribution {
       chunk.end = next_ = std::min(end > next_ ? end : next_ + capacity_, input_.count);
     }
     chunk.first = chunk.next;
+    if (failure_.makes_needless(chunk.first)) return false;
     chunk.count = std::min<std::uint64_t>(capacity_, chunk.end - chunk.next);
     chunk.next += chunk.count;
     return true;
@@ -186,6 +194,7 @@ class Distribution {
   std::size_t capacity_ = 0;  ///< most records of a chunk
   std::uint64_t next_ = 0;    ///< number of the first record that no thread has taken
   std::uint64_t read_ = 0;    ///< records read
+  FirstFailure failure_;      ///< by row
   std::mutex reading_;
   std::vector<Chunk> chunks_;  ///< one for each thread
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/order/parallel_rows.h"
 
+#include "pointsweep/first_failure.h"
+
 namespace pointsweep {
 namespace {
 
@@ -34,12 +36,19 @@ void ParallelRows::read(std::uint64_t row, std::span<std::byte> records) {
   if (!is_parallel()) return read_fully(source_, row, records);
   const std::size_t stride = source_.schema.stride;
   const std::vector<Piece> pieces = pieces_of(row, row + records.size() / stride);
+  FirstFailure failure;
   parallel_for(readers_.size(), [&](std::size_t r, unsigned) {
-    for (const Piece& piece : pieces)
-      if (piece.reader == r)
+    for (const Piece& piece : pieces) {
+      if (piece.reader != r || failure.makes_needless(piece.row)) continue;
+      try {
         read_fully(source_, readers_[r], piece.row,
                    records.subspan((piece.row - row) * stride, (piece.end - piece.row) * stride));
+      } catch (...) {
+        failure.note(piece.row);
+      }
+    }
   });
+  failure.rethrow();
 }
 
 std::size_t rows_at_once(std::size_t bytes) {

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/first_failure.h"
 #include "pointsweep/order/block_reader.h"
 #include "pointsweep/threads.h"
 
@@ -63,19 +64,23 @@ PieceCounts count_pieces(const PointSource& source, const PieceFinder& finder, i
   std::mutex mutex;
   std::size_t next = 0;
   std::uint64_t done = 0;
+  FirstFailure failure;
+  const auto next_block = [&]() -> RowBlock* {
+    const std::lock_guard lock(mutex);
+    if (next == all.blocks.size() || failure.makes_needless(next)) return nullptr;
+    return &all.blocks[next++];
+  };
   parallel_for(thread_count(), [&](std::size_t, unsigned) {
     Counted counted(finder.pieces());
     BlockReader rows(source, position_columns(source.schema));
-    for (;;) {
-      stop_if_cancelled();
-      RowBlock* block = nullptr;
-      {
-        const std::lock_guard lock(mutex);
-        if (next == all.blocks.size()) break;
-        block = &all.blocks[next++];
+    while (RowBlock* const block = next_block()) {
+      try {
+        stop_if_cancelled();
+        rows.read(block->first_row, static_cast<std::size_t>(block->rows));
+        count_block(rows, finder, axis, *block, counted);
+      } catch (...) {
+        failure.note(static_cast<std::size_t>(block - all.blocks.data()));
       }
-      rows.read(block->first_row, static_cast<std::size_t>(block->rows));
-      count_block(rows, finder, axis, *block, counted);
       const std::lock_guard lock(mutex);
       done += block->rows;
       if (progress) progress(done);
@@ -83,6 +88,7 @@ PieceCounts count_pieces(const PointSource& source, const PieceFinder& finder, i
     const std::lock_guard lock(mutex);
     add(all, counted);
   });
+  failure.rethrow();
   // Adding 0 turns -0 into 0, so that the result does not depend on which of them came first.
   for (Box& box : all.boxes) box = {box.lo + Vec3{}, box.hi + Vec3{}};
   return all;
