@@ -23,6 +23,7 @@
 #include "pointsweep/pipeline/language/option_text.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
+#include "pointsweep/points/input_row.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/verify/checked_stages.h"
 #include "pointsweep/verify/divided_output.h"
@@ -148,15 +149,28 @@ OutputCheck completed(OutputCheck check) {
   return check;
 }
 
-/// Opens the inputs without the points that the run has left out.
-std::shared_ptr<InputCloud> opened_input(const OutputCheck& check, std::uint64_t* dropped = nullptr) {
-  auto cloud = std::make_shared<InputCloud>(check.inputs, check.options.cloud);
+/// Leaves out the points without finite places that the run has left out. Returns how many.
+std::uint64_t leave_out_nonfinite(const OutputCheck& check, InputCloud& cloud) {
   Outputs outputs{.tiles = check.tiles};
   if (check.tiles.empty()) outputs.points = check.output;
-  if (nonfinite_rule(*cloud, outputs, check.options.nonfinite) != Nonfinite::drop) return cloud;
-  const NonfiniteRows rows = cloud->drop_nonfinite();
-  if (dropped != nullptr) *dropped = rows.count;
+  if (nonfinite_rule(cloud, outputs, check.options.nonfinite) != Nonfinite::drop) return 0;
+  return cloud.drop_nonfinite().count;
+}
+
+/// Opens the inputs without the points that the run has left out.
+std::shared_ptr<InputCloud> opened_input(const OutputCheck& check, const ChainGraph& graph) {
+  auto cloud = std::make_shared<InputCloud>(check.inputs, check.options.cloud);
+  if (graph.reads_input_rows()) cloud->number_rows();
+  leave_out_nonfinite(check, *cloud);
   return cloud;
+}
+
+/// Numbers the rows of the inputs if the run has read their numbers.
+void number_rows_read(const OutputCheck& check, const ChainGraph& graph, InputCloud& cloud) {
+  if (!graph.reads_input_rows()) return;
+  cloud.keep_all();
+  cloud.number_rows();
+  leave_out_nonfinite(check, cloud);
 }
 
 void refuse_resorted(const OutputCheck& check, const ChainGraph& graph) {
@@ -235,11 +249,13 @@ MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out
   refuse_resorted(check, plan.graph);
   const bool all_are_dropped = plan.graph.drops && plan.made.empty();
   if (!options.keep.empty() || plan.graph.drops) plan.chain.keep = plan.kept.attributes;
-  const auto before_means = select_rows(options, cloud, plan.graph, [&] { return opened_input(check); });
+  number_rows_read(check, plan.graph, cloud);
+  const auto before_means = select_rows(options, cloud, plan.graph, [&] { return opened_input(check, plan.graph); });
   MadeBy made = made_by(plan);
   made.before_means = before_means;
   if (all_are_dropped) leave_selects(made);
-  leave_out(plan.kept, options.prefix, cloud.schema(), made);
+  leave_out(plan.kept, options.prefix, without_input_row(cloud.schema()), made);
+  made.left_out_input.insert(kInputRow);
   // Outliers are compared with the mean distances in the output, which are compared with the input.
   made.in_any_order = check.is_divided();
   if (made.leaves_out && (options.order == Order::sweep || made.in_any_order))
@@ -298,9 +314,9 @@ Verdict checked(const OutputCheck& check, InputCloud& cloud) {
 Verdict verify_output(const std::vector<fs::path>& inputs, const fs::path& output, const VerifyOptions& options,
                       const std::vector<OptionText>& neighborhood) {
   const OutputCheck check = completed({inputs, output, options, neighborhood, {}, false});
-  std::uint64_t dropped = 0;
-  const std::shared_ptr<InputCloud> cloud = opened_input(check, &dropped);
-  Verdict verdict = checked(check, *cloud);
+  InputCloud cloud(check.inputs, check.options.cloud);
+  const std::uint64_t dropped = leave_out_nonfinite(check, cloud);
+  Verdict verdict = checked(check, cloud);
   verdict.dropped = dropped;
   return verdict;
 }

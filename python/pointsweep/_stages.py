@@ -432,8 +432,9 @@ def where(condition: str) -> Stage:
 
     Parameters
     ----------
-    condition : attributes of the input or made before, numbers, functions such as abs, + - * /, == != < <= > >=, in
-        (2, 9), between 2 and 5, && || ! or the words and, or, not, and parentheses; 'condition=' may be left out.
+    condition : attributes of the input or made before, row (the number of the point in the inputs, from 0),
+        numbers, functions such as abs, + - * /, == != < <= > >=, in (2, 9), between 2 and 5, && || ! or the words
+        and, or, not, and parentheses; 'condition=' may be left out.
 
     Undefined
     ---------

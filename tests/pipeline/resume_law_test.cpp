@@ -76,20 +76,27 @@ class ResumeLaw : public testing::Test {
     }
   }
 
+  void expect_same_when_killed(const Example& example) {
+    SCOPED_TRACE(example.pipeline);
+    const std::uint64_t memory = least_memory(example);
+    run_example(example, "whole.ply", options("whole.ply", memory));
+    std::size_t processes = 0;
+    ASSERT_NO_THROW(processes = run_killed_in_every_phase(example, "killed.ply", options("killed.ply", memory)));
+    EXPECT_GT(processes, 1u);
+    EXPECT_TRUE(content_of(folder_ / "killed.ply") == content_of(folder_ / "whole.ply"));
+  }
+
   TemporaryFolder folder_;
 };
 
 class ResumeLawOf : public ResumeLaw, public testing::WithParamInterface<std::string> {};
 
 TEST_P(ResumeLawOf, KilledInEveryPhaseItGivesTheSameBytesInTheSameMemory) {
-  const Example example = example_of(GetParam(), (folder_ / "other.ply").string());
-  SCOPED_TRACE(example.pipeline);
-  const std::uint64_t memory = least_memory(example);
-  run_example(example, "whole.ply", options("whole.ply", memory));
-  std::size_t processes = 0;
-  ASSERT_NO_THROW(processes = run_killed_in_every_phase(example, "killed.ply", options("killed.ply", memory)));
-  EXPECT_GT(processes, 1u);
-  EXPECT_TRUE(content_of(folder_ / "killed.ply") == content_of(folder_ / "whole.ply"));
+  expect_same_when_killed(example_of(GetParam(), (folder_ / "other.ply").string()));
+}
+
+TEST_F(ResumeLaw, HoldsForTheRowsOfTheInput) {
+  expect_same_when_killed({"row", "knn(k=5) | where(row >= 500) | normals | where(nz > 0) | set(id = row, as=uint64)"});
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryOperator, ResumeLawOf, testing::ValuesIn(names_of_all_operators()),

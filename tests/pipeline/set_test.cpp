@@ -292,7 +292,7 @@ TEST(Drop, LaterStagesDoNotSeeWhatIsDropped) {
     EXPECT_NE(refused(text).find(words), std::string::npos) << text << "\n" << refused(text);
   };
   expect("drop(intensity) | where(intensity > 3)",
-         "there is no attribute 'intensity'; there are x, y, z, classification, gain, id. Dropped before: intensity.");
+         "there is no attribute 'intensity'; there are x, y, z, classification, gain, id, row. Dropped before: intensity.");
   expect("drop(gain) | set(a = gain)", "Dropped before: gain.");
   expect("normals | drop(normal) | curvature",
          "curvature: needs 'normal', which was dropped before; put drop after 'curvature'");

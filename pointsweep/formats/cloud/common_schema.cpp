@@ -6,6 +6,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/points/color_depth.h"
+#include "pointsweep/points/input_row.h"
 
 namespace pointsweep {
 namespace {
@@ -228,10 +229,16 @@ CommonSchema common_schema(const Readers& readers) {
     return common;
   }
 
+  const bool numbered = has_input_row(common.schema);
   Union all;
-  for (Schema& schema : schemas) schema = all.add(std::move(schema));
+  for (Schema& schema : schemas) schema = all.add(without_input_row(std::move(schema)));
   common.schema = all.schema();
   common.ranges = all.ranges();
+  if (numbered) {
+    for (Schema& schema : schemas) schema = with_input_row(std::move(schema));
+    common.schema = with_input_row(std::move(common.schema));
+    common.ranges.push_back(range_of_type(common.schema.fields.back()));
+  }
   common.warnings = missing_fields(readers, schemas, common.schema);
   std::vector<std::string> brightened;
   for (std::size_t i = 0; i < readers.size(); ++i) {

@@ -5,7 +5,9 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/files.h"
+#include "pointsweep/formats/cloud/numbered_rows.h"
 #include "pointsweep/formats/las_scale.h"
+#include "pointsweep/points/input_row.h"
 
 namespace pointsweep {
 namespace {
@@ -63,20 +65,37 @@ void InputCloud::begin(CloudOptions options) {
   crs_ = std::move(crs.crs);
   warnings_ = std::move(crs.warnings);
   std::optional<LasOrigin> las = common_las_origin(readers_, warnings_);
-  CommonSchema common = common_schema(readers_);
-  schema_ = std::move(common.schema);
-  mappings_ = std::move(common.mappings);
-  ranges_ = std::move(common.ranges);
-  missing_attributes_ = std::move(common.warnings);
+  take_common_schema();
   warnings_.insert(warnings_.end(), missing_attributes_.begin(), missing_attributes_.end());
   const PositionFields p = position_fields(schema_, readers_.front()->info().path.string());
   if (las && p.x.type == Type::i32)  // all on one grid, which may have another offset
     las->grid = {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
   if (las) las_ = std::make_shared<const LasOrigin>(*las);
-  number_rows();
+  count_rows();
+}
+
+void InputCloud::take_common_schema() {
+  CommonSchema common = common_schema(readers_);
+  schema_ = std::move(common.schema);
+  mappings_ = std::move(common.mappings);
+  ranges_ = std::move(common.ranges);
+  missing_attributes_ = std::move(common.warnings);
 }
 
 void InputCloud::number_rows() {
+  if (has_input_row(schema_)) return;
+  for (std::size_t i = 0; i < readers_.size(); ++i)
+    readers_[i] = std::make_unique<NumberedRows>(std::move(readers_[i]), first_row_[i]);
+  take_common_schema();
+}
+
+void InputCloud::leave_unnumbered() {
+  if (!has_input_row(schema_)) return;
+  for (auto& reader : readers_) reader = static_cast<NumberedRows&>(*reader).release();
+  take_common_schema();
+}
+
+void InputCloud::count_rows() {
   count_ = 0;
   first_row_.clear();
   for (const auto& reader : readers_) {
@@ -104,7 +123,7 @@ NonfiniteRows InputCloud::drop_nonfinite(const std::function<void(std::uint64_t)
     readers_[i] = std::move(finite);
   }
   if (!all_bounded) found.bounds = {};
-  number_rows();
+  count_rows();
   return found;
 }
 
@@ -119,7 +138,7 @@ void InputCloud::keep_all() {
   for (std::size_t i = 0; i < readers_.size(); ++i)
     if (FiniteRows* finite = finite_rows(i)) readers_[i] = finite->release();
   finite_.assign(readers_.size(), nullptr);
-  number_rows();
+  count_rows();
 }
 
 FiniteRows* InputCloud::finite_rows(std::size_t input) const {

@@ -94,6 +94,11 @@ class InputCloud {
   /// Null if no rows are selected.
   const RowSelection* selection() const { return selection_.get(); }
 
+  /// Gives each record the number of its row in the inputs, in their order and with the rows that are left out later,
+  /// as its last field (input_row.h), until leave_unnumbered() is called. Not while rows are left out or selected.
+  void number_rows();
+  void leave_unnumbered();
+
   /// The state of each input before it was opened.
   const std::vector<FileState>& states() const { return states_; }
   /// Throws Error if an input was written to since it was opened: what was read may be a mixture of old and new.
@@ -103,7 +108,8 @@ class InputCloud {
 
  private:
   void begin(CloudOptions options);
-  void number_rows();
+  void take_common_schema();
+  void count_rows();
   FiniteRows* finite_rows(std::size_t input) const;
   std::size_t input_of(std::uint64_t row) const;
   class Decoder;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "pointsweep/points/input_row.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -31,6 +32,12 @@ MeantValue meant_value(const std::string& word, const Schema& input, std::span<c
   const auto is_spelled = [&](const std::string& field) { return is_spelling_of(field, word); };
   if (const MeantValue own = made_value(made, is_spelled); own.made != nullptr) return own;
   return {.field = at ? &input.fields[*at] : nullptr};
+}
+
+MeantValue value_in_expression(const std::string& word, const Schema& input, std::span<const Attribute> made) {
+  const MeantValue own = meant_value(word, input, made);
+  if (own.made != nullptr || own.field != nullptr || word != kRowWord) return own;
+  return meant_value(kInputRow, input, made);
 }
 
 Type type_of_values(const Field& field) {

@@ -23,6 +23,10 @@ struct MeantValue {
 /// Positions are never returned.
 MeantValue meant_value(const std::string& word, const Schema& input, std::span<const Attribute> made);
 
+/// Returns the value that `word` names in an expression: meant_value(), or where nothing has that name and `word` is
+/// "row", the number of the row in the inputs (input_row.h).
+MeantValue value_in_expression(const std::string& word, const Schema& input, std::span<const Attribute> made);
+
 /// Returns the type of a field of the input; of packed bits the smallest type that holds them, of scaled numbers
 /// float64.
 Type type_of_values(const Field& field);

@@ -8,6 +8,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/points/input_row.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/points/with_type.h"
 
@@ -31,7 +32,7 @@ std::string names_of(const Schema& input, std::span<const Attribute> made) {
     if (std::ranges::find(names, name) == names.end()) names.push_back(name);
   };
   for (const Field& field : input.fields)
-    if (field.count == 1) add(field.name);
+    if (field.count == 1) add(field.name == kInputRow ? kRowWord : field.name);
   for (const Attribute& a : made)
     for (const std::string& field : a.fields) add(field);
   return fmt::format("{}", fmt::join(names, ", "));
@@ -45,7 +46,7 @@ NamedValues::NamedValues(const Expression& expression, const std::string& place,
     fail_usage("{}: '{}', column {}: {}.", place, expression.text(), name.column, what);
   };
   const auto source_of = [&](const Expression::Name& name) -> Source {
-    const MeantValue meant = meant_value(name.text, input, made);
+    const MeantValue meant = value_in_expression(name.text, input, made);
     if (meant.made != nullptr) return read(*meant.made, meant.component);
     if (const auto axis = axis_of(library_name_of(name.text))) return {-1, *axis};
     for (const Attribute& a : made)

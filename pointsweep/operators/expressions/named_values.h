@@ -14,7 +14,8 @@
 namespace pointsweep {
 
 /// A name is a component of an attribute made before ("nz", "outlier"), else x, y or z, the position of now, else a
-/// field of the input, in any spelling that files use (meant_value.h); of arrays none.
+/// field of the input, in any spelling that files use (meant_value.h); of arrays none. Else `row` is the number of the
+/// row in the inputs.
 class NamedValues {
  public:
   NamedValues() = default;

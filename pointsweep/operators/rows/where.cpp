@@ -16,7 +16,8 @@ struct WhereOptions {
 const OptionTable<WhereOptions>& where_options() {
   static const OptionTable<WhereOptions> table = {
       option("condition", &WhereOptions::condition,
-             "attributes of the input or made before, numbers, functions such as abs, + - * /, == != < <= > >=, "
+             "attributes of the input or made before, row (the number of the point in the inputs, from 0), numbers, "
+             "functions such as abs, + - * /, == != < <= > >=, "
              "in (2, 9), between 2 and 5, && || ! or the words and, or, not, and parentheses; "
              "'condition=' may be left out",
              {.kind = OptionKind::condition, .required = true, .positional = true, .sample = "z > 0"})};

@@ -14,6 +14,7 @@
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/language/parse.h"
 #include "pointsweep/pipeline/language/run_options.h"
+#include "pointsweep/points/input_row.h"
 #include "pointsweep/points/lower_case.h"
 #include "pointsweep/storage/local/standard_streams.h"
 #include "pointsweep/storage/local/unfinished_output.h"
@@ -201,11 +202,12 @@ std::string OutputNames::warning() const {
 
 OutputNames name_outputs(const Schema& input, const std::string& input_name, const std::vector<Attribute>& made,
                          const KeptFields& named, const std::filesystem::path& output, const NamingRules& rules) {
-  const KeptFields kept = rules.prefix.empty() ? without_replaced(named, input) : named;
-  Schema written = input;  // that part of it
+  const Schema all = without_input_row(input);
+  const KeptFields kept = rules.prefix.empty() ? without_replaced(named, all) : named;
+  Schema written = all;  // that part of it
   if (kept.input) {
     written.fields.clear();
-    for (const std::size_t f : *kept.input) written.fields.push_back(input.fields[f]);
+    for (const std::size_t f : *kept.input) written.fields.push_back(all.fields[f]);
   }
   return Naming(written, input_name, output, rules).run(made, kept);
 }

@@ -10,6 +10,7 @@
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/operators/kinds/moved_bounds.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
+#include "pointsweep/points/input_row.h"
 
 namespace pointsweep {
 namespace {
@@ -18,7 +19,7 @@ using Attributes = std::vector<Attribute>;
 
 std::string field_names(const Schema& schema) {
   std::string names;
-  for (const Field& field : schema.fields) names += (names.empty() ? "" : ", ") + field.name;
+  for (const Field& field : without_input_row(schema).fields) names += (names.empty() ? "" : ", ") + field.name;
   return names;
 }
 
@@ -30,7 +31,7 @@ void require_neighbors(const Neighborhood& neighborhood) {
 
 class GraphBuilder {
  public:
-  explicit GraphBuilder(const Schema& input) : input_(input), visible_(input) {}
+  explicit GraphBuilder(const Schema& input) : input_(with_input_row(input)), visible_(input_) {}
 
   void add(const Neighborhood& neighborhood) {
     require_neighbors(neighborhood);
@@ -119,7 +120,7 @@ class GraphBuilder {
 
   void drop(const std::vector<std::string>& names) {
     graph_.drops = true;
-    NamedFields named = named_fields(names, made_, visible_, "dropped");
+    NamedFields named = named_fields(names, made_, without_input_row(visible_), "dropped");
     for (const Attribute& a : made_) drop_made(a, named);
     std::set<std::size_t> left_out;
     for (std::size_t f = 0; f < visible_.fields.size(); ++f)
@@ -251,7 +252,7 @@ class GraphBuilder {
     graph_.nodes.push_back({.what = std::make_shared<const MovedBounds>(), .reads = {*position_}});
   }
 
-  const Schema& input_;
+  const Schema input_;             ///< with the row of each point, which stages may read
   Schema visible_;                 ///< what of it is not dropped
   std::set<std::string> dropped_;  ///< names of fields
   ChainGraph graph_;
@@ -309,6 +310,9 @@ std::vector<Attribute> ChainGraph::made_attributes() const {
 }
 
 bool ChainGraph::drops_rows() const { return std::ranges::any_of(nodes, &GraphNode::drops_rows); }
+bool ChainGraph::reads_input_rows() const {
+  return std::ranges::any_of(versions, [](const AttributeVersion& v) { return v.attribute.name == kInputRow; });
+}
 bool ChainGraph::has_order() const { return std::ranges::any_of(nodes, &GraphNode::is_order); }
 
 ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs) {

@@ -78,6 +78,8 @@ struct ChainGraph {
 
   std::vector<Attribute> made_attributes() const;
   bool drops_rows() const;
+  /// Returns whether a node reads the number of a point's row in the inputs (input_row.h).
+  bool reads_input_rows() const;
   /// Returns whether the chain has a Resort.
   bool has_order() const;
 };

@@ -8,6 +8,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/pipeline/plan/pass_planner.h"
+#include "pointsweep/points/input_row.h"
 
 namespace pointsweep {
 namespace {
@@ -199,23 +200,25 @@ void find_order(ChainPlan& plan, const Schema& input, bool ordered) {
 ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs) {
   ChainPlan plan;
   plan.chain = with_named_neighborhoods(chain);
-  plan.graph = resolve(plan.chain, input, needs);
-  find_written(plan, input);
+  const Schema own = without_input_row(input);
+  plan.graph = resolve(plan.chain, own, needs);
+  const Schema read = plan.graph.reads_input_rows() ? with_input_row(own) : own;
+  find_written(plan, own);
   plan.by_moved_positions = orders_by_moved_positions(plan.graph);
   Names needed;
   for (const Attribute& a : plan.made) needed.insert(a.name);
   if (plan.by_moved_positions) needed.insert(stream_position_attribute().name);
   std::vector<Draft> drafts = draft_passes(PassSchedule(plan.graph).passes(), plan.graph);
-  find_needed(drafts, std::move(needed), plan.graph, input);
+  find_needed(drafts, std::move(needed), plan.graph, read);
   if (drafts.empty()) drafts.emplace_back().pass.kind = PassKind::rows;  // the chain is empty or only drops attributes
   if (plan.graph.moved_bounds) drafts.back().pass.reduces.push_back(*plan.graph.moved_bounds);
   std::size_t stages = 0;
   for (const Draft& draft : drafts) {
     const Attributes carried = plan.passes.empty() ? Attributes{} : plan.passes.back().carried;
-    plan.passes.push_back(planned_pass(draft, plan.graph, carried, stages, input));
+    plan.passes.push_back(planned_pass(draft, plan.graph, carried, stages, read));
     stages += draft.pass.stages.size();
   }
-  find_order(plan, input, needs.stream_order);
+  find_order(plan, read, needs.stream_order);
   return plan;
 }
 

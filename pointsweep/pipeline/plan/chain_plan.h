@@ -101,6 +101,7 @@ struct ChainPlan {
 /// Resolves the chain. Throws as resolve(), and UsageError when an attribute to keep is neither made nor the input's,
 /// and where nothing is made and all rows are kept. As few passes as the chain allows: stages run in the first pass in
 /// which all they read is there, and a pass without results that are used is left out.
+/// A plan whose graph reads the rows of the inputs is for a cloud with InputCloud::number_rows().
 ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs = {});
 
 }  // namespace pointsweep

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "pointsweep/order/fixed_copy.h"
+#include "pointsweep/points/input_row.h"
 #include "pointsweep/row_error.h"
 
 namespace pointsweep {
@@ -58,7 +59,7 @@ bool moves_points(const std::vector<Attribute>& made) {
 
 OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept,
                            std::optional<Type> positions)
-    : schema_(input), input_stride_(input.stride), passed_{{0, 0, input.stride}} {
+    : schema_(without_input_row(input)), input_stride_(input.stride), passed_{{0, 0, schema_.stride}} {
   const Types types = replaced(input, made, kept, positions);
   if (kept.input)
     keep_fields(input, *kept.input, types);
@@ -115,6 +116,7 @@ void OutputLayout::retype(const Types& types) {
   std::ranges::sort(retyped, {}, [](const auto& field) { return field.first->offset; });
   passed_.clear();
   std::vector<Copy> pieces;  // of the input's record, between them
+  const std::uint32_t end = schema_.stride;
   std::uint32_t from = 0, to = 0;
   for (const auto& [field, type] : retyped) {
     pieces.push_back({from, to, field->offset - from});
@@ -123,8 +125,8 @@ void OutputLayout::retype(const Types& types) {
     *field = {.name = field->name, .type = type, .offset = to};
     to += static_cast<std::uint32_t>(size_of(type));
   }
-  pieces.push_back({from, to, input_stride_ - from});
-  schema_.stride = to + input_stride_ - from;
+  pieces.push_back({from, to, end - from});
+  schema_.stride = to + end - from;
   for (std::size_t f = 0; f < schema_.fields.size(); ++f) {
     if (types.contains(f)) continue;
     Field& field = schema_.fields[f];

@@ -15,6 +15,7 @@
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
+#include "pointsweep/pipeline/rows/numbered_input.h"
 #include "pointsweep/pipeline/rows/row_mask.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
@@ -229,6 +230,7 @@ Statistics run_request(const Request& request) {
 /// Performs the run in an arena of its own, so that the number of threads does not depend on that of the caller.
 Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options, const ChainPlan& plan) {
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
+  const NumberedInput numbered(cloud, plan);
   Statistics statistics;
   const unsigned threads = survey_threads(cloud, options, memory_budget(options.resources.memory_bytes));
   with_threads(threads, [&] { statistics = run_request({cloud, outputs, options, plan}); });

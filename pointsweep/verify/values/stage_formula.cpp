@@ -258,7 +258,7 @@ RuleFormula formula_of(const NeighborhoodRule& rule) {
 }
 
 ReadValue read_of(const std::string& name, const std::vector<Attribute>& reads) {
-  if (const MeantValue meant = meant_value(name, Schema{}, reads); meant.made != nullptr)
+  if (const MeantValue meant = value_in_expression(name, Schema{}, reads); meant.made != nullptr)
     return {static_cast<int>(meant.made - reads.data()), meant.component};
   return {-1, static_cast<std::size_t>(library_name_of(name).front() - 'x')};
 }

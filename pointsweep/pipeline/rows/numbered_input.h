@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+/// The number of a point's row in the inputs, for chains that read it.
+#pragma once
+
+#include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
+
+namespace pointsweep {
+
+/// While it lives, the records of the cloud hold the numbers of their rows if a stage of the plan reads them.
+class NumberedInput {
+ public:
+  NumberedInput(InputCloud& cloud, const ChainPlan& plan) : cloud_(cloud) {
+    if (plan.graph.reads_input_rows()) cloud.number_rows();
+  }
+  ~NumberedInput() { cloud_.leave_unnumbered(); }
+  NumberedInput(const NumberedInput&) = delete;
+  NumberedInput& operator=(const NumberedInput&) = delete;
+
+ private:
+  InputCloud& cloud_;
+};
+
+}  // namespace pointsweep
