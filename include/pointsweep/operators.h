@@ -111,6 +111,11 @@ enum class VoxelKeep {
   centroid,
 };
 
+/// Options of head(). `number` is required.
+struct HeadOptions {
+  std::uint64_t number = 0;  ///< number of the rows whose points are kept; >= 1
+};
+
 /// Options of decimate(). `share` is required.
 struct DecimateOptions {
   double share = std::numeric_limits<double>::quiet_NaN();  ///< share of the points that are kept, 0 to 1
@@ -304,6 +309,8 @@ POINTSWEEP_EXPORT ChainStage drop(const std::vector<std::string>& attributes);
 POINTSWEEP_EXPORT ChainStage crop(const CropOptions& options);
 /// Keeps, of all points with equal coordinates, the one of the first row.
 POINTSWEEP_EXPORT ChainStage unique();
+/// Keeps the points of the first rows of the inputs, in the order of the files.
+POINTSWEEP_EXPORT ChainStage head(const HeadOptions& options);
 /// Keeps a share of the points, chosen by a hash of their coordinates.
 POINTSWEEP_EXPORT ChainStage decimate(const DecimateOptions& options);
 /// Keeps a number of points, chosen by a hash of their coordinates, or all but these.

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "assign", "color", "components", "crop", "curvature", "dbscan", "decimate", "denoise", "density", "distance_to",
-    "drop", "fair", "features", "ground", "height", "knn", "lof", "m3c2", "neighborhood_size", "orient", "parts",
-    "poisson", "reneighbor", "resort", "ror", "sample", "segments", "simplify", "sor", "splats", "statistics",
-    "take", "transform", "unique", "voxel", "where",
+    "drop", "fair", "features", "ground", "head", "height", "knn", "lof", "m3c2", "neighborhood_size", "orient",
+    "parts", "poisson", "reneighbor", "resort", "ror", "sample", "segments", "simplify", "sor", "splats",
+    "statistics", "take", "transform", "unique", "voxel", "where",
 ]  # fmt: skip
 
 
@@ -941,6 +941,40 @@ def unique() -> Stage:
     unique
     """
     return made_stage("unique", [])
+
+
+@makes_stage
+def head(number: int) -> Stage:
+    """Keeps the first points of the inputs, in the order of the files and their rows.
+
+    Parameters
+    ----------
+    number : keep the points of so many rows, or all points of a cloud that has fewer; 1 or more.
+
+    Reads
+    -----
+    row of the input
+
+    Formula
+    -------
+    Point i is kept if its row in the inputs is less than number, as by where(row < number): rows count from 0 over
+      all inputs, whatever earlier stages have left out.
+
+    Undefined
+    ---------
+    Points without a finite place count and stay like all others, unless the run drops them.
+
+    Cost
+    ----
+    A pass over the rows, without a search.
+
+    In a text
+    ---------
+    head(1000)
+    """
+    return made_stage("head", [
+        ("number", "whole", number, None),
+    ])
 
 
 @makes_stage

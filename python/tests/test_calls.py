@@ -17,7 +17,7 @@ from pointsweep._types import RunOptions
 #: required options that the samples of the declarations do not fit to these clouds
 OPTIONS = {
     "where": {"condition": "x > 0.5"}, "assign": {"assign": "a = 1"}, "drop": {"attributes": ["a"]}, "voxel": {"size": 0.2},
-    "poisson": {"radius": 0.1}, "color": {"by": "a"}, "decimate": {"share": 0.5}, "crop": {"bounds": [0, 0, 1, 1]}, "dbscan": {"eps": 0.2, "radius": 0.2},
+    "poisson": {"radius": 0.1}, "color": {"by": "a"}, "decimate": {"share": 0.5}, "head": {"number": 100}, "crop": {"bounds": [0, 0, 1, 1]}, "dbscan": {"eps": 0.2, "radius": 0.2},
     "statistics": {"of": ["a_median", "z_range"], "where": "a > 1"}, "transform": {"scale": 2},
     "take": {"attributes": ["a", "classification"]},
 }  # fmt: skip

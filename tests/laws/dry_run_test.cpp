@@ -51,6 +51,7 @@ std::map<std::string, std::string> expected(const std::string& axis, const std::
       {"density", kSearch},
       {"statistics", kSearch},
       {"unique", in_order(axis, "equal ones together")},
+      {"head", kRows},
       {"decimate", kRows},
       {"sample", in_order(axis, "by the hash of their coordinates")},
       {"parts", kRows},

@@ -130,6 +130,17 @@ TEST(Row, IsAnAttributeOfThisNameWhereThereIsOne) {
   EXPECT_EQ(values_of<std::uint64_t>(counted, {"row"}), std::vector<std::uint64_t>{7});
 }
 
+TEST(Head, KeepsThePointsOfTheFirstRowsWhateverIsLeftOutBefore) {
+  const Records input = numbered_input(900, 80);
+  const Records first = input.those([](std::size_t i) { return i < 400; });
+  expect_as_over(input, "knn(k=5) | head(400) | normals", first, "knn(k=5) | normals");
+  const Records some = input.those([&](std::size_t i) { return input.value(i, "classification") < 6 && i < 400; });
+  expect_as_over(input, "knn(k=5) | where(classification < 6) | head(400) | density", some, "knn(k=5) | density");
+  expect_as_over(input, "knn(k=5) | head(1000000) | density", input, "knn(k=5) | density");
+  const Records row_of_3 = records_of(run_text(input, "set(row = 3, as=uint8)", tiny(100)));
+  EXPECT_EQ(run_text(row_of_3, "head(2)", tiny(100)).statistics.points_written, 2u) << "no attribute precedes the row";
+}
+
 TEST(Row, IsNoAttributeToKeepOrDropAndIsListedInErrors) {
   const Records input = numbered_input(50, 79);
   const auto refused = [&](const std::string& text, const std::vector<std::string>& keep = {}) {
