@@ -204,3 +204,11 @@ def test_outputs_that_cannot_be_written_are_refused(surface, tmp_path):
         ps.run(surface, CHAIN, to=tmp_path / "nowhere" / "out.ply")
     with pytest.raises(ps.Error, match="version"):
         ps.run(surface, CHAIN, to="/proc/version", overwrite=True)
+
+
+def test_conditions_read_the_number_of_the_row(surface):
+    numbers = np.arange(len(surface), dtype=np.uint32)
+    result = ps.run({"xyz": surface, "number": numbers}, ps.head(300) | "where(row >= 200)", keep=["number"])
+    assert np.array_equal(result["number"], numbers[200:300])
+    with pytest.raises(ps.Error, match="an attribute is called 'row of the input'"):
+        ps.run({"xyz": surface, "row of the input": numbers}, "where(row < 3)")

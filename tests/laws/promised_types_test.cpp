@@ -9,6 +9,7 @@
 #include <fstream>
 #include <random>
 
+#include "pointsweep/points/input_row.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/support/every_operator.h"
@@ -34,7 +35,8 @@ class PromisedTypes : public testing::Test {
       const Contract contract = contract_of(stage);
       for (const auto* reads : {&contract.reads, &contract.reads_neighbors})
         for (const Attribute& a : *reads)
-          if (a.name != position_attribute().name && known.insert(a.name).second) attributes_.push_back(a);
+          if (a.name != position_attribute().name && a.name != kInputRow && known.insert(a.name).second)
+            attributes_.push_back(a);
     }
   }
   ~PromisedTypes() override { std::filesystem::remove(other_); }

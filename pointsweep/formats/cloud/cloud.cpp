@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/formats/cloud/numbered_rows.h"
 
 namespace pointsweep {
 namespace {
@@ -11,6 +12,11 @@ namespace {
 std::vector<std::unique_ptr<Reader>> only(std::unique_ptr<Reader> reader) {
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::move(reader));
+  return readers;
+}
+
+std::vector<std::unique_ptr<Reader>> unnumbered(std::vector<std::unique_ptr<Reader>> readers) {
+  for (const auto& reader : readers) require_unnumbered(*reader);
   return readers;
 }
 
@@ -25,7 +31,7 @@ Cloud::Cloud(std::initializer_list<std::filesystem::path> files, CloudOptions op
 Cloud::Cloud(std::unique_ptr<Reader> reader, CloudOptions options) : Cloud(only(std::move(reader)), options) {}
 
 Cloud::Cloud(std::vector<std::unique_ptr<Reader>> readers, CloudOptions options)
-    : inputs_(std::make_unique<InputCloud>(std::move(readers), options)) {}
+    : inputs_(std::make_unique<InputCloud>(unnumbered(std::move(readers)), options)) {}
 
 Cloud::Cloud(Cloud&&) noexcept = default;
 Cloud& Cloud::operator=(Cloud&&) noexcept = default;

@@ -26,7 +26,7 @@ bool decodes_side_by_side(const std::unique_ptr<Reader>& reader) {
 std::vector<std::unique_ptr<Reader>> open_all(const std::vector<std::filesystem::path>& paths,
                                               std::string_view format) {
   std::vector<std::unique_ptr<Reader>> readers;
-  for (const auto& path : paths) readers.push_back(open_reader(path, format));
+  for (const auto& path : paths) require_unnumbered(*readers.emplace_back(open_reader(path, format)));
   if (format.starts_with("text:") && !readers.empty() &&
       std::ranges::none_of(readers, [&](const auto& reader) { return reader->info().asked_for_as == format; }))
     fail_usage("--columns: no input is text ({} is {}); leave it out.", paths.front().string(),

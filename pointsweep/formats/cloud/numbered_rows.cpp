@@ -4,6 +4,7 @@
 #include <cstring>
 #include <utility>
 
+#include "pointsweep/fail.h"
 #include "pointsweep/points/input_row.h"
 
 namespace pointsweep {
@@ -51,6 +52,12 @@ std::unique_ptr<RowDecoder> NumberedRows::decoder(const WantedFields& wanted) co
   std::erase(own, number);
   if (own.empty() && !wanted.empty()) own = {0};  // of no field, which no list asks for
   return std::make_unique<Decoder>(*this, all_->decoder(own));
+}
+
+void require_unnumbered(const Reader& reader) {
+  if (!has_input_row(reader.info().schema)) return;
+  fail("{}: an attribute is called '{}', which pointsweep calls the number of the row; rename it.",
+       reader.info().path.string(), kInputRow);
 }
 
 std::size_t NumberedRows::read(std::uint64_t row, std::span<std::byte> records) {
