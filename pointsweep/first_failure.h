@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The exception that a parallel loop throws: that of its lowest index, whichever thread comes first.
+/// The exception that a parallel loop throws: that of its lowest index or row, whichever thread comes first.
 #pragma once
 
 #include <atomic>
@@ -14,6 +14,16 @@ class FirstFailure {
  public:
   /// Returns whether body `i` need not run, since one below it has failed.
   bool makes_needless(std::size_t i) const { return i > lowest_.load(std::memory_order_relaxed); }
+
+  /// Calls work(), the body `i`, and takes what it throws.
+  template <class Work>
+  void note_from(std::size_t i, const Work& work) {
+    try {
+      work();
+    } catch (...) {
+      note(i);
+    }
+  }
 
   /// Takes the current exception of body `i`.
   void note(std::size_t i) {

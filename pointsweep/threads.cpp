@@ -54,12 +54,10 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t, unsig
       if (failure.makes_needless(i)) return;
       const Working mark;
       const CancellationScope scope(token);
-      try {
+      failure.note_from(i, [&] {
         stop_if_cancelled();
         body(i, static_cast<unsigned>(tbb::this_task_arena::current_thread_index()));
-      } catch (...) {
-        failure.note(i);
-      }
+      });
     });
   };
   // A piece of work that waits for its own loop must not take up another one meanwhile: it may hold a lock.

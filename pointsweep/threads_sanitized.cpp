@@ -25,12 +25,10 @@ class Loop {
   void work(unsigned worker) {
     const CancellationScope scope(token_);
     for (std::size_t i = next_++; i < count_ && !failure_.makes_needless(i); i = next_++) {
-      try {
+      failure_.note_from(i, [&] {
         stop_if_cancelled();
         body_(i, worker);
-      } catch (...) {
-        failure_.note(i);
-      }
+      });
     }
   }
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kLongestBar = 40;
 
-/// As many digits as the type of the attribute holds, up to ten.
+/// Returns the value with 7 digits if the attribute is float32, else with 10.
 std::string number_text(double value, Type type) {
   return fmt::format("{:.{}g}", value + 0.0, type == Type::f32 ? 7 : 10);  // + 0: not "-0"
 }

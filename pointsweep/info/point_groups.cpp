@@ -53,7 +53,7 @@ void PointGroups::require_whole(std::uint64_t key) const {
   if (value != std::floor(value) || !(std::abs(value) < 0x1p63))
     fail_usage(
         "--by: '{0}' has the value {1}, and points are grouped by whole numbers; make whole numbers of it first, e.g. "
-        "with the pipeline 'set(part:i32 = floor({0}))', and group by these.",
+        "with the pipeline 'set(part = floor({0}), as=int32)', and group by these.",
         name_, value);
 }
 

@@ -138,7 +138,7 @@ std::vector<Column> columns_of(const Schema& schema, const PointStatisticsOption
   return columns;
 }
 
-/// Reads all points several times, each attribute on a thread of its own.
+/// Reads all points as often as the statistics need. Threads share the attributes of a block among them.
 class Readings {
  public:
   Readings(Cloud& cloud, const PointStatisticsOptions& options)

@@ -8,6 +8,7 @@
 #include "pointsweep/math/exact_sum.h"
 
 namespace pointsweep {
+
 RankSearch::RankSearch(std::uint64_t count, std::uint64_t least, std::uint64_t most) {
   if (count == 0) return;
   found_.fill(least);

@@ -20,7 +20,7 @@ class RankSearch {
  public:
   static constexpr std::size_t kRanks = PointStatistics::kPercent.size();
 
-  /// Of `count` keys from `least` to `most`; none without keys.
+  /// Begins a search among `count` keys from `least` to `most`. A search among no keys finds none.
   RankSearch(std::uint64_t count, std::uint64_t least, std::uint64_t most);
 
   /// Intervals that the next reading divides.

@@ -40,12 +40,10 @@ void ParallelRows::read(std::uint64_t row, std::span<std::byte> records) {
   parallel_for(readers_.size(), [&](std::size_t r, unsigned) {
     for (const Piece& piece : pieces) {
       if (piece.reader != r || failure.makes_needless(piece.row)) continue;
-      try {
+      failure.note_from(piece.row, [&] {
         read_fully(source_, readers_[r], piece.row,
                    records.subspan((piece.row - row) * stride, (piece.end - piece.row) * stride));
-      } catch (...) {
-        failure.note(piece.row);
-      }
+      });
     }
   });
   failure.rethrow();

@@ -74,13 +74,11 @@ PieceCounts count_pieces(const PointSource& source, const PieceFinder& finder, i
     Counted counted(finder.pieces());
     BlockReader rows(source, position_columns(source.schema));
     while (RowBlock* const block = next_block()) {
-      try {
+      failure.note_from(static_cast<std::size_t>(block - all.blocks.data()), [&] {
         stop_if_cancelled();
         rows.read(block->first_row, static_cast<std::size_t>(block->rows));
         count_block(rows, finder, axis, *block, counted);
-      } catch (...) {
-        failure.note(static_cast<std::size_t>(block - all.blocks.data()));
-      }
+      });
       const std::lock_guard lock(mutex);
       done += block->rows;
       if (progress) progress(done);

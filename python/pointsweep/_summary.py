@@ -65,9 +65,10 @@ class PointSummary(NamedTuple):
         return "\n  ".join([f"<pointsweep.PointSummary of {self.points:,} points", *lines]) + ">"
 
     def _repr_html_(self) -> str:
-        header = ["attribute", *_row(_NONE)]
-        rows = [[name, *(_number(v) for v in _row(a).values())] for name, a in self.attributes.items()]
-        return html_table(f"{self.points:,} points", header, rows)
+        rows = {name: _row(a) for name, a in self.attributes.items()}
+        header = ["attribute", *next(iter(rows.values()), {})]
+        cells = [[name, *(_number(v) for v in row.values())] for name, row in rows.items()]
+        return html_table(f"{self.points:,} points", header, cells)
 
 
 class GroupedSummary(Mapping[int, PointSummary]):
@@ -226,9 +227,6 @@ def _group(known: dict[str, Any], percent: list[int]) -> PointSummary:
         h["name"]: Histogram(np.array(h["edges"], np.float64), np.array(h["counts"], np.int64)) for h in known["histograms"]
     }
     return PointSummary(known["points"], {a["name"]: of(a) for a in known["attributes"]}, histograms)
-
-
-_NONE = AttributeSummary(0, 0, math.nan, math.nan, math.nan, math.nan, dict.fromkeys((1, 5, 25, 50, 75, 95, 99), math.nan))
 
 
 def _row(a: AttributeSummary) -> dict[str, int | float]:

@@ -382,6 +382,9 @@ TEST_F(PointStatisticsTool, RefuseWhatCannotBe) {
   write("a.csv", "x,y,z,label,id\n0,0,1.5,1,0\n");
   refused(2, "info --by nothing a.csv", "--by: the points have no attribute 'nothing'; they have x, y, z, label, id");
   refused(2, "info --by z a.csv", "--by: 'z' has the value 1.5, and points are grouped by whole numbers; make");
+  refused(2, "info --by z a.csv", "'set(part = floor(z), as=int32)'");
+  made("run a.csv whole.ply --pipeline 'set(part = floor(z), as=int32)'");
+  EXPECT_EQ(statistics_of("--by part whole.ply").at("groups")[0].at("value"), 1) << "the remedy of the sentence";
   refused(2, "info --stats --keep q a.csv", "--keep: the points have no attribute 'q'");
   refused(2, "info --histogram q a.csv", "--histogram: the points have no attribute 'q'");
   refused(2, "info --histogram z --bins 1 a.csv", "--bins: 1 is not from 2 to 1000");

@@ -79,6 +79,8 @@ MUTANTS = [
            "kSixteenOfEight = 257", "kSixteenOfEight = 1", ("cli:Layout.*", "verify:FieldPair.*")),
 
     # Points that are not finite
+    Mutant("the rows of a second input are counted from 0", "nonfinite", FORMATS + "cloud/numbered_rows.cpp",
+           "first_row_ + row + i", "row + i", ("pipeline:Row.*", "cli:RowStages.*")),
     Mutant("the row before a nonfinite one is dropped", "nonfinite", FORMATS + "cloud/finite_rows.cpp",
            "if (gap < gaps_.size() && gaps_[gap] == i) {", "if (gap < gaps_.size() && gaps_[gap] == i + 1) {",
            ("formats:FiniteRows.*", "cli:NonfinitePoints.*")),

@@ -274,6 +274,8 @@ MUTANTS = [
            "std::bit_cast<std::uint64_t>(c + 0.0)", "std::bit_cast<std::uint64_t>(c)", ("pipeline:Decimate.*",)),
     Mutant("decimate leaves out points that are not finite", "selects", OPS + "rows/decimate.cpp",
            "< options_.share || !is_finite(p);", "< options_.share;", ("pipeline:Decimate.*",)),
+    Mutant("head keeps one row more", "selects", OPS + "rows/head.cpp",
+           "rows[i] < options_.number", "rows[i] <= options_.number", ("pipeline:Head.*",)),
     Mutant("voxels around 0 are twice as wide", "selects", OPS + "thinning/voxel.cpp",
            "std::floor(c / size)", "std::trunc(c / size)", ("pipeline:Voxel.*",)),
     Mutant("the centre of a voxel is its corner", "selects", OPS + "thinning/voxel_candidate.h",

@@ -35,7 +35,7 @@ class NumberedRows final : public Reader {
   std::uint64_t first_row_;
 };
 
-/// Throws Error if the file has an attribute with the name of that field.
+/// Throws Error if the file of the reader has an attribute that is called kInputRow.
 void require_unnumbered(const Reader& reader);
 
 }  // namespace pointsweep
