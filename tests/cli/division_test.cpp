@@ -119,8 +119,8 @@ TEST_F(Divided, ThePlaceOfTheOutputIsCheckedFirst) {
   refused(2, "split all.las out --by classification --parts 2", "give one of");
   refused(2, "split all.las out --by classification --seed 2", "--seed: belongs to --parts");
   refused(2, "split all.las out --by z", "'z' has no whole numbers");
-  refused(2, "split all.las out --by z", "--pipeline 'set(part = floor(z), as=int32)'");
-  made("split all.las of_z/ --by part --pipeline 'set(part = floor(z), as=int32)'");
+  refused(2, "split all.las out --by z", "run INPUT OUTPUT --pipeline 'set(part = floor(z), as=int32)' --split part.");
+  made("run all.las of_z/ --pipeline 'set(part = floor(z), as=int32)' --split part");
   refused(2, "run all.las out --tile 5 --split classification", "make two runs");
   refused(2, "run all.las out.las --tile-buffer 5", "belong to --tile");
   EXPECT_FALSE(exists("out"));

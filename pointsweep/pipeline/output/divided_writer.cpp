@@ -90,7 +90,7 @@ void DividedWriter::choose_attribute(const std::string& word) {
   if (!has_whole_numbers(attribute_) || attribute_.count != 1)
     fail_usage(
         "--split: '{0}' has no whole numbers, so that nearly each point might get a file; make whole numbers of it, "
-        "e.g. with --pipeline 'set(part = floor({0}), as=int32)', and split by these.",
+        "e.g. pointsweep run INPUT OUTPUT --pipeline 'set(part = floor({0}), as=int32)' --split part.",
         word);
   attribute_name_ = as_file_name(library_name_of(attribute_.name));
 }
