@@ -9,8 +9,8 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/connect/row_table.h"
-#include "pointsweep/connect/sorted_records.h"
 #include "pointsweep/connect/spanning_forest.h"
+#include "pointsweep/points/sorted_records.h"
 
 namespace pointsweep {
 namespace {

@@ -21,6 +21,7 @@ class CountedScratch final : public Scratch {
     ++reads_;
     std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(), bytes.begin());
   }
+  void replace(std::uint64_t, std::span<const std::byte>) override { FAIL() << "records do not change"; }
 
  private:
   std::size_t& reads_;

@@ -21,6 +21,10 @@ class ScratchInMemory final : public Scratch {
     ASSERT_LE(offset + bytes.size(), bytes_.size());
     std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(), bytes.begin());
   }
+  void replace(std::uint64_t offset, std::span<const std::byte> bytes) override {
+    ASSERT_LE(offset + bytes.size(), bytes_.size());
+    std::copy(bytes.begin(), bytes.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(offset));
+  }
 
  private:
   std::vector<std::byte> bytes_;

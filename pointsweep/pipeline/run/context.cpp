@@ -17,6 +17,7 @@ class SpilledScratch final : public Scratch {
   explicit SpilledScratch(const TempFolder& folder) : file_(&folder) {}
   void append(std::span<const std::byte> bytes) override { file_.write(file_.reserve(bytes.size()), bytes); }
   void read(std::uint64_t offset, std::span<std::byte> bytes) const override { file_.read(offset, bytes); }
+  void replace(std::uint64_t offset, std::span<const std::byte> bytes) override { file_.write(offset, bytes); }
 
  private:
   SpillFile file_;
@@ -35,6 +36,7 @@ SpillPlace RunPlaces::place(const char* kind, std::size_t number, bool spills) {
 }
 
 const TempFolder& RunPlaces::folder() {
+  const std::scoped_lock lock(making_);
   if (!folder_) folder_.emplace(temp_parent(temp_folder_));
   return *folder_;
 }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,7 +20,7 @@
 namespace pointsweep {
 
 /// The places for the temporary data of a run: the folder of its checkpoints, or a temporary folder that the first call
-/// that needs one makes. Not thread-safe.
+/// that needs one makes.
 class RunPlaces {
  public:
   /// `identity`: of a run that can be resumed; absent for any other run. Throws as Checkpoints().
@@ -29,14 +30,15 @@ class RunPlaces {
   /// Returns the place for the "decoded" records of an input, or for a spilled "stream", "results", "rows" or "mask" of
   /// pass `number`.
   SpillPlace place(const char* kind, std::size_t number, bool spills);
-  /// The temporary folder, for data that no later pass needs and a resumed run does not look for.
+  /// The temporary folder, for data that no later pass needs and a resumed run does not look for. Thread-safe.
   const TempFolder& folder();
-  /// Makes files in folder(). *this must outlive the function.
+  /// Makes files in folder(). *this must outlive the function, which is thread-safe.
   MakeScratch scratch();
 
  private:
   std::filesystem::path temp_folder_;
   std::optional<Checkpoints> checkpoints_;
+  std::mutex making_;  ///< guards folder_
   std::optional<TempFolder> folder_;
 };
 
