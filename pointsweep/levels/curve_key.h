@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+/// Places on the Morton curve through a cube, and the octants of that cube.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <compare>
+#include <cstdint>
+
+namespace pointsweep {
+
+/// Octants of this depth are not divided.
+inline constexpr int kMostDepth = 31;
+
+/// The place of a cell of the finest depth on the curve: three bits for each depth, those of z, y and x, the coarsest
+/// depth first.
+struct CurveKey {
+  std::uint64_t high = 0;  ///< depths 1 to 21
+  std::uint32_t low = 0;   ///< depths 22 to 31
+  friend auto operator<=>(const CurveKey&, const CurveKey&) = default;
+};
+
+/// An octant of the cube: one of 8^depth equal cubes.
+struct Octant {
+  int depth = 0;
+  std::array<std::uint32_t, 3> at{};  ///< its number along x, y and z
+  friend bool operator==(const Octant&, const Octant&) = default;
+};
+
+namespace curve {
+
+inline constexpr int kHighBits = 21, kLowBits = kMostDepth - kHighBits;
+
+/// Puts two zeros in front of each of the lowest 21 bits.
+inline std::uint64_t spread(std::uint64_t bits) {
+  bits &= 0x1fffff;
+  bits = (bits | bits << 32) & 0x1f00000000ffff;
+  bits = (bits | bits << 16) & 0x1f0000ff0000ff;
+  bits = (bits | bits << 8) & 0x100f00f00f00f00f;
+  bits = (bits | bits << 4) & 0x10c30c30c30c30c3;
+  return (bits | bits << 2) & 0x1249249249249249;
+}
+
+/// Undoes spread().
+inline std::uint64_t gather(std::uint64_t bits) {
+  bits &= 0x1249249249249249;
+  bits = (bits | bits >> 2) & 0x10c30c30c30c30c3;
+  bits = (bits | bits >> 4) & 0x100f00f00f00f00f;
+  bits = (bits | bits >> 8) & 0x1f0000ff0000ff;
+  bits = (bits | bits >> 16) & 0x1f00000000ffff;
+  return (bits | bits >> 32) & 0x1fffff;
+}
+
+inline std::uint64_t interleave(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
+  return spread(x) | spread(y) << 1 | spread(z) << 2;
+}
+
+}  // namespace curve
+
+/// Returns the key of the cell of the finest depth with these numbers, each below 2^31.
+inline CurveKey key_of_cell(const std::array<std::uint32_t, 3>& cell) {
+  const auto [x, y, z] = cell;
+  return {curve::interleave(x >> curve::kLowBits, y >> curve::kLowBits, z >> curve::kLowBits),
+          static_cast<std::uint32_t>(curve::interleave(x & 1023, y & 1023, z & 1023))};
+}
+
+inline std::array<std::uint32_t, 3> cell_of_key(const CurveKey& key) {
+  std::array<std::uint32_t, 3> cell;
+  for (int axis = 0; axis < 3; ++axis)
+    cell[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(
+        curve::gather(key.high >> axis) << curve::kLowBits | curve::gather(std::uint64_t{key.low} >> axis));
+  return cell;
+}
+
+/// Returns the octant of this depth that holds the cell.
+inline Octant octant_of(const CurveKey& key, int depth) {
+  Octant octant{depth, cell_of_key(key)};
+  for (std::uint32_t& number : octant.at) number >>= kMostDepth - depth;
+  return octant;
+}
+
+/// Returns the octant that this one is an eighth of; it must not be the cube.
+inline Octant parent_of(Octant octant) {
+  --octant.depth;
+  for (std::uint32_t& number : octant.at) number >>= 1;
+  return octant;
+}
+
+/// Returns the least key in the octant.
+inline CurveKey first_key(const Octant& octant) {
+  std::array<std::uint32_t, 3> cell = octant.at;
+  for (std::uint32_t& number : cell) number <<= kMostDepth - octant.depth;
+  return key_of_cell(cell);
+}
+
+/// Returns the depth of the smallest octant that holds both cells.
+inline int common_depth(const CurveKey& a, const CurveKey& b) {
+  if (a.high != b.high) return (std::countl_zero(a.high ^ b.high) - 1) / 3;
+  if (a.low != b.low) return curve::kHighBits + (std::countl_zero(a.low ^ b.low) - 2) / 3;
+  return kMostDepth;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+/// The points of a cloud by their numbers along the Morton curve, read again and again.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pointsweep/levels/level_grid.h"
+#include "pointsweep/levels/scratch_room.h"
+#include "pointsweep/points/scratch.h"
+
+namespace pointsweep {
+
+class CurvePoints {
+ public:
+  /// Points for whose boxes one box is held.
+  static constexpr std::uint64_t kBlockRows = 4096;
+
+  CurvePoints(const LevelGrid& grid, std::uint64_t count, ScratchRoom& room)
+      : grid_(grid), scratch_(room.make(count * sizeof(GridPoint))) {}
+
+  /// Appends the points with which the records begin.
+  void add(std::span<const std::byte> records, std::size_t record_bytes);
+
+  const LevelGrid& grid() const { return grid_; }
+  std::uint64_t count() const { return count_; }
+  /// Fills `points` with those from number `first` on. Thread-safe, as all that follows.
+  void read(std::uint64_t first, std::span<GridPoint> points) const;
+  /// Returns a box around the points of a block, which are those from number block * kBlockRows on.
+  Box block_box(std::uint64_t block) const;
+
+ private:
+  LevelGrid grid_;
+  std::unique_ptr<Scratch> scratch_;
+  std::uint64_t count_ = 0;
+  std::vector<GridBounds> bounds_;  ///< of blocks
+  std::vector<GridPoint> added_;
+};
+
+}  // namespace pointsweep

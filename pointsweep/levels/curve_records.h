@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+/// Any number of records in the order of the Morton curve, in bounded memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pointsweep/levels/curve_key.h"
+#include "pointsweep/levels/level_grid.h"
+#include "pointsweep/points/scratch.h"
+
+namespace pointsweep {
+
+/// Records that begin with a GridPoint. Records at one place are in the order of their bytes, so that the sequence
+/// depends on the records alone and not on the order in which they come.
+///
+/// Pieces of the records are sorted, each by itself. A sample of the records then divides the curve into stretches of
+/// about equal numbers; the parts that the pieces have of a stretch are read and sorted at once, several stretches side
+/// by side.
+class CurveRecords {
+ public:
+  /// `memory_bytes`: for all that is held at once. Without `files` all records are held, whatever that takes.
+  CurveRecords(std::size_t record_bytes, std::uint64_t memory_bytes, MakeScratch files);
+
+  void add(std::span<const std::byte> records);
+  std::uint64_t count() const { return count_; }
+  /// Of the records so far. Those of no records are the greatest and the least number.
+  const GridBounds& bounds() const { return bounds_; }
+
+  /// Sorts the records. To be called once, after the last add().
+  void sort(const LevelGrid& grid);
+
+  using Use = std::function<void(std::span<const std::byte> records, std::span<const CurveKey> keys)>;
+  /// Calls `use` with all records in order, some at a time, and the key of each. May be called again.
+  void for_each(const Use& use) const;
+
+ private:
+  struct Entry {
+    CurveKey key;
+    std::uint32_t row;
+  };
+  struct Piece {
+    std::uint64_t offset = 0;  ///< in the scratch
+    std::size_t rows = 0;
+    std::vector<std::byte> held = {};      ///< empty if the piece is in the scratch
+    std::vector<std::uint32_t> ends = {};  ///< the first row behind each stretch
+  };
+  struct Sorted {
+    std::vector<std::byte> records;
+    std::vector<CurveKey> keys;
+  };
+  /// The end of a stretch: before or behind all records equal to one of the sample.
+  struct End {
+    CurveKey key;
+    std::vector<std::byte> record;
+    bool is_behind;
+  };
+
+  GridPoint point(const std::byte* record) const;
+  void sample(const std::byte* record);
+  void begin_piece();
+  void put_aside(Piece& piece);
+  void choose_ends(const LevelGrid& grid);
+  void sort_piece(Piece& piece, const LevelGrid& grid);
+  Sorted sorted(std::vector<std::byte> records, const LevelGrid& grid) const;
+  bool is_before(const CurveKey& key, const std::byte* record, const End& end) const;
+  std::vector<std::byte> records_of(std::size_t stretch) const;
+  std::uint64_t rows_of(std::size_t stretch) const;
+  bool is_of_one_record(std::size_t stretch) const { return stretch < ends_.size() && ends_[stretch].is_behind; }
+  void repeat(std::size_t stretch, const Use& use) const;
+
+  std::size_t record_bytes_;
+  std::uint64_t memory_;
+  MakeScratch files_;
+  std::unique_ptr<Scratch> scratch_;
+  std::size_t piece_rows_, stretch_rows_;
+  std::vector<Piece> pieces_;
+  std::uint64_t count_ = 0;
+  GridBounds bounds_;
+  std::vector<std::byte> sample_;  ///< every sample_step_th record
+  std::uint64_t sample_step_ = 1;
+  std::optional<LevelGrid> grid_;
+  std::vector<End> ends_;  ///< of all stretches but the last
+};
+
+}  // namespace pointsweep

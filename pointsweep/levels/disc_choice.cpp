@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/levels/disc_choice.h"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/levels/uncovered_places.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr std::uint64_t kAllRanks = std::numeric_limits<std::uint64_t>::max();
+/// Points expected below the first limit, and the factor from one limit to the next.
+constexpr std::uint64_t kFirstCandidates = 64 << 10, kNextLimit = 16;
+/// Candidates that are held at once.
+constexpr std::size_t kMostCandidates = 256 << 10;
+
+struct Candidate {
+  std::uint64_t rank, row;
+  GridPoint point;
+  friend bool operator<(const Candidate& a, const Candidate& b) {
+    return std::tie(a.rank, a.point, a.row) < std::tie(b.rank, b.point, b.row);
+  }
+};
+
+class Choice {
+ public:
+  Choice(const CurvePoints& points, NodeRows rows, KeptGrid& kept)
+      : points_(points), rows_(rows), kept_(kept), workers_(thread_count()) {
+    for (std::uint64_t block = rows.first / CurvePoints::kBlockRows;
+         block * CurvePoints::kBlockRows < rows.first + rows.count; ++block)
+      blocks_.push_back(block);
+  }
+
+  std::optional<std::vector<KeptPoint>> run(std::size_t most) {
+    limit_ = rows_.count <= kFirstCandidates ? kAllRanks : kAllRanks / rows_.count * kFirstCandidates;
+    for (;;) {
+      gather();
+      std::sort(candidates_.begin(), candidates_.end());
+      for (const Candidate& c : candidates_) {
+        const Vec3 place = points_.grid().place(c.point);
+        if (kept_.covers(place)) continue;
+        if (chosen_.size() == most) return {};
+        kept_.add(place);
+        chosen_.push_back({c.row, c.point});
+      }
+      if (limit_ == kAllRanks) return std::move(chosen_);
+      limit_ = limit_ > kAllRanks / kNextLimit ? kAllRanks : limit_ * kNextLimit;
+    }
+  }
+
+ private:
+  struct Worker {
+    std::vector<GridPoint> points;
+    std::vector<Vec3> places;
+    UncoveredPlaces uncovered;
+  };
+  struct Found {
+    std::vector<Candidate> candidates;
+    bool has_uncovered = false;
+  };
+
+  /// Collects all uncovered points of ranks up to the limit, which is lowered if they are too many, and leaves out the
+  /// blocks without uncovered points.
+  void gather() {
+    candidates_.clear();
+    std::vector<std::uint64_t> live;
+    const std::size_t group = 16 * workers_.size();
+    for (std::size_t first = 0; first < blocks_.size(); first += group) {
+      stop_if_cancelled();
+      std::vector<Found> found(std::min(group, blocks_.size() - first));
+      parallel_for(found.size(),
+                   [&](std::size_t i, unsigned worker) { find(blocks_[first + i], workers_[worker], found[i]); });
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        if (found[i].has_uncovered) live.push_back(blocks_[first + i]);
+        candidates_.insert(candidates_.end(), found[i].candidates.begin(), found[i].candidates.end());
+      }
+      if (candidates_.size() > kMostCandidates) lower_limit();
+    }
+    blocks_ = std::move(live);
+  }
+
+  void find(std::uint64_t block, Worker& worker, Found& found) const {
+    const std::uint64_t start = block * CurvePoints::kBlockRows;
+    const std::uint64_t first = std::max(start, rows_.first);
+    const std::uint64_t end = std::min(start + CurvePoints::kBlockRows, rows_.first + rows_.count);
+    worker.points.resize(static_cast<std::size_t>(end - first));
+    worker.places.resize(worker.points.size());
+    points_.read(first, worker.points);
+    for (std::size_t i = 0; i < worker.points.size(); ++i) worker.places[i] = points_.grid().place(worker.points[i]);
+    const auto uncovered = worker.uncovered.find(worker.places, points_.block_box(block), kept_);
+    found.has_uncovered = !uncovered.empty();
+    for (const std::uint32_t i : uncovered) {
+      const std::uint64_t rank = rank_of(worker.points[i]);
+      if (rank <= limit_) found.candidates.push_back({rank, first + i, worker.points[i]});
+    }
+  }
+
+  /// Leaves out the candidates of the higher ranks. Those of the rank at the new limit stay together: there may be many
+  /// at one place.
+  void lower_limit() {
+    const auto middle = candidates_.begin() + kMostCandidates / 2;
+    std::ranges::nth_element(candidates_, middle, {}, &Candidate::rank);
+    limit_ = middle->rank;
+    std::erase_if(candidates_, [&](const Candidate& c) { return c.rank > limit_; });
+    // Of the points at one place, only the first may be kept.
+    std::sort(candidates_.begin(), candidates_.end());
+    const auto same = [](const Candidate& a, const Candidate& b) { return a.point == b.point; };
+    candidates_.erase(std::unique(candidates_.begin(), candidates_.end(), same), candidates_.end());
+  }
+
+  const CurvePoints& points_;
+  const NodeRows rows_;
+  KeptGrid& kept_;
+  std::vector<Worker> workers_;
+  std::vector<std::uint64_t> blocks_;  ///< with points that may be uncovered
+  std::uint64_t limit_ = 0;            ///< of the ranks of candidates
+  std::vector<Candidate> candidates_;
+  std::vector<KeptPoint> chosen_;
+};
+
+}  // namespace
+
+std::optional<std::vector<KeptPoint>> choose_discs(const CurvePoints& points, NodeRows rows, KeptGrid& kept,
+                                                   std::size_t most) {
+  return Choice(points, rows, kept).run(most);
+}
+
+}  // namespace pointsweep

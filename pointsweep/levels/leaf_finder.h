@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+/// The leaves of the octree, found in one pass along the Morton curve.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pointsweep/levels/curve_key.h"
+
+namespace pointsweep {
+
+/// An octant with more points is divided, unless they all lie at one place.
+inline constexpr std::uint64_t kMostLeafPoints = 100'000;
+
+/// An octant that is not divided, and the numbers of its points on the curve.
+struct Leaf {
+  CurveKey key;  ///< the first of the octant
+  int depth;
+  std::uint64_t first, count;
+  std::uint64_t end() const { return first + count; }
+};
+
+/// Returns the leaf that holds the octant; null if it is divided or has no points. `leaves`: all, in order.
+const Leaf* leaf_around(std::span<const Leaf> leaves, const Octant& octant);
+
+class LeafFinder {
+ public:
+  LeafFinder() { first_.fill(0); }
+  /// Takes the keys of the next points, which ascend.
+  void add(std::span<const CurveKey> keys);
+  /// Returns the leaves in order; none where there are no points.
+  std::vector<Leaf> finish();
+
+ private:
+  void close(int depth);
+
+  std::array<std::uint64_t, kMostDepth + 1> first_;  ///< point of the octant of each depth that is still open
+  CurveKey last_;
+  std::uint64_t count_ = 0;
+  std::uint64_t first_at_last_ = 0;  ///< the first point at the place of the last one
+  std::vector<Leaf> leaves_;
+};
+
+}  // namespace pointsweep

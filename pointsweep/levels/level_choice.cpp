@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/levels/level_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr int kDepthBits = 5;
+static_assert(kMostDepth < 1 << kDepthBits);
+/// Only the root has a limit.
+constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
+
+bool is_in(const Box& box, Vec3 p) {
+  return box.lo.x <= p.x && p.x <= box.hi.x && box.lo.y <= p.y && p.y <= box.hi.y && box.lo.z <= p.z && p.z <= box.hi.z;
+}
+
+Box grown(Box box, double by) {
+  const Vec3 all{by, by, by};
+  return {box.lo - all, box.hi + all};
+}
+
+int parity(const Octant& octant) {
+  return static_cast<int>((octant.at[0] & 1) | (octant.at[1] & 1) << 1 | (octant.at[2] & 1) << 2);
+}
+
+/// Calls `use` with the octant and all octants of its depth that touch it.
+template <class Use>
+void for_each_around(const Octant& octant, const Use& use) {
+  const std::int64_t side = std::int64_t{1} << octant.depth;
+  for (int i = 0; i < 27; ++i) {
+    const std::array<std::int64_t, 3> at{octant.at[0] + i % 3 - std::int64_t{1},
+                                         octant.at[1] + i / 3 % 3 - std::int64_t{1},
+                                         octant.at[2] + i / 9 - std::int64_t{1}};
+    if (std::ranges::any_of(at, [&](std::int64_t number) { return number < 0 || number >= side; })) continue;
+    use(Octant{
+        octant.depth,
+        {static_cast<std::uint32_t>(at[0]), static_cast<std::uint32_t>(at[1]), static_cast<std::uint32_t>(at[2])}});
+  }
+}
+
+}  // namespace
+
+LevelChoice::LevelChoice(const CurvePoints& points, std::vector<Leaf> leaves, ScratchRoom& room,
+                         std::uint64_t memory_bytes)
+    : points_(points),
+      grid_(points.grid()),
+      leaves_(std::move(leaves)),
+      room_(room),
+      spacing_(grid_.width() / kDiscsAcrossCube),
+      borders_(room.make(points.count() / 16 * sizeof(GridPoint))),
+      border_(leaves_.size()),
+      kept_(room.files(), room.has_files() ? memory_bytes : kAnyNumber, points.count() / 2) {}
+
+void LevelChoice::run() {
+  std::optional<Depth> before;
+  for (int depth = 0;; ++depth) {
+    std::vector<Node> nodes = divided_nodes(depth);
+    if (nodes.empty()) break;
+    Depth now{depth, std::ldexp(spacing_, -depth), std::move(nodes),
+              PointLists(room_.make(2 * taken_ * sizeof(GridPoint)))};
+    taken_ = 0;
+    list_borders(depth, now.spacing);
+    if (depth == 0)
+      choose_root(now);
+    else
+      choose_nodes(now, *before);
+    before = std::move(now);
+  }
+  kept_.finish();
+  next_kept_ = kept_.next();
+}
+
+std::vector<LevelChoice::Node> LevelChoice::divided_nodes(int depth) const {
+  std::vector<Node> nodes;
+  for (const Leaf& leaf : leaves_) {
+    if (leaf.depth <= depth) continue;
+    const CurveKey key = first_key(octant_of(leaf.key, depth));
+    if (nodes.empty() || nodes.back().key != key) nodes.push_back({key, {leaf.first, 0}});
+    nodes.back().rows.count += leaf.count;
+  }
+  return nodes;
+}
+
+void LevelChoice::choose_root(Depth& root) {
+  for (int growth = 0;; ++growth) {
+    root.spacing = spacing_ * std::exp2(0.5 * growth);
+    const std::optional<Kept> kept = choose_node(root, nullptr, root.nodes[0], kMostRootPoints);
+    if (!kept) continue;
+    spacing_ = root.spacing;
+    return end_node(root, root.nodes[0], *kept);
+  }
+}
+
+void LevelChoice::choose_nodes(Depth& now, const Depth& before) {
+  for (int turn = 0; turn < 8; ++turn) {
+    std::vector<Node*> nodes;
+    for (Node& node : now.nodes)
+      if (parity(octant_of(node.key, now.depth)) == turn) nodes.push_back(&node);
+    const std::size_t group = thread_count();
+    for (std::size_t first = 0; first < nodes.size(); first += group) {
+      std::vector<Kept> kept(std::min(group, nodes.size() - first));
+      parallel_for(kept.size(), [&](std::size_t i, unsigned) {
+        stop_if_cancelled();
+        kept[i] = *choose_node(now, &before, *nodes[first + i], kAnyNumber);
+      });
+      for (std::size_t i = 0; i < kept.size(); ++i) end_node(now, *nodes[first + i], kept[i]);
+    }
+  }
+}
+
+std::optional<LevelChoice::Kept> LevelChoice::choose_node(const Depth& now, const Depth* before, const Node& node,
+                                                          std::size_t most) const {
+  const Octant octant = octant_of(node.key, now.depth);
+  const Box box = grid_.box(octant), near = grown(box, now.spacing);
+  KeptGrid grid(now.spacing, near.lo);
+  Kept kept;
+  const Box own = grown(box, 1);  // a point on a face may belong to either side
+  for (const GridPoint& point : excluders(now, before, octant, near)) {
+    const Vec3 place = grid_.place(point);
+    grid.add(place);
+    if (is_in(own, place)) kept.all.push_back(point);
+  }
+  std::optional<std::vector<KeptPoint>> chosen = choose_discs(points_, node.rows, grid, most);
+  if (!chosen) return {};
+  kept.chosen = std::move(*chosen);
+  for (const KeptPoint& point : kept.chosen) kept.all.push_back(point.point);
+  return kept;
+}
+
+/// Returns the points taken before those of the node that are in the box `near` around it: from the borders of leaves,
+/// from nodes of the same depth that are done, and from those of the depth before elsewhere.
+std::vector<GridPoint> LevelChoice::excluders(const Depth& now, const Depth* before, const Octant& octant,
+                                              const Box& near) const {
+  std::vector<const Node*> sources, parents;
+  std::vector<const Leaf*> leaves;
+  const auto add_once = [](auto& all, auto* one) {
+    if (std::ranges::find(all, one) == all.end()) all.push_back(one);
+  };
+  for_each_around(octant, [&](const Octant& beside) {
+    if (const Leaf* leaf = leaf_around(leaves_, beside)) return add_once(leaves, leaf);
+    const Node* node = find_node(now.nodes, beside);
+    if (node == nullptr) return;
+    if (node->is_done)
+      add_once(sources, node);
+    else if (before != nullptr)
+      add_once(parents, find_node(before->nodes, parent_of(beside)));
+  });
+  std::vector<GridPoint> found;
+  const auto take = [&](const std::vector<GridPoint>& list) {
+    for (const GridPoint& point : list)
+      if (is_in(near, grid_.place(point))) found.push_back(point);
+  };
+  for (const Leaf* leaf : leaves) take(borders_.read(border_[static_cast<std::size_t>(leaf - leaves_.data())]));
+  for (const Node* node : sources) take(now.lists.read(node->list));
+  for (const Node* node : parents) take(before->lists.read(node->list));
+  return found;
+}
+
+void LevelChoice::end_node(Depth& now, Node& node, const Kept& kept) {
+  for (const KeptPoint& point : kept.chosen) kept_.add(point.row << kDepthBits | static_cast<std::uint64_t>(now.depth));
+  node.list = now.lists.add(kept.all);
+  node.is_done = true;
+  taken_ += kept.all.size();
+}
+
+/// Lists the points of the leaves of this depth that may keep out points beside the leaf.
+void LevelChoice::list_borders(int depth, double spacing) {
+  const std::size_t group = thread_count();
+  std::vector<std::size_t> of_depth;
+  for (std::size_t i = 0; i < leaves_.size(); ++i)
+    if (leaves_[i].depth == depth) of_depth.push_back(i);
+  for (std::size_t first = 0; first < of_depth.size(); first += group) {
+    std::vector<std::vector<GridPoint>> found(std::min(group, of_depth.size() - first));
+    parallel_for(found.size(),
+                 [&](std::size_t i, unsigned) { found[i] = border_of(leaves_[of_depth[first + i]], spacing); });
+    for (std::size_t i = 0; i < found.size(); ++i) border_[of_depth[first + i]] = borders_.add(found[i]);
+  }
+}
+
+std::vector<GridPoint> LevelChoice::border_of(const Leaf& leaf, double spacing) const {
+  const Box inside = grown(grid_.box(octant_of(leaf.key, leaf.depth)), -spacing);
+  std::vector<GridPoint> border, some;
+  for (std::uint64_t row = leaf.first; row < leaf.end(); row += some.size()) {
+    stop_if_cancelled();
+    some.resize(static_cast<std::size_t>(std::min(CurvePoints::kBlockRows, leaf.end() - row)));
+    points_.read(row, some);
+    for (const GridPoint& point : some)
+      if (!is_in(inside, grid_.place(point)) && (border.empty() || border.back() != point)) border.push_back(point);
+  }
+  return border;
+}
+
+const LevelChoice::Node* LevelChoice::find_node(const std::vector<Node>& nodes, const Octant& octant) {
+  const auto at = std::ranges::lower_bound(nodes, first_key(octant), {}, &Node::key);
+  return at != nodes.end() && at->key == first_key(octant) ? &*at : nullptr;
+}
+
+int LevelChoice::next_depth() {
+  while (next_row_ == leaves_[next_leaf_].end()) ++next_leaf_;
+  const std::uint64_t row = next_row_++;
+  if (!next_kept_ || *next_kept_ >> kDepthBits != row) return leaves_[next_leaf_].depth;
+  const auto depth = static_cast<int>(*next_kept_ & ((1 << kDepthBits) - 1));
+  next_kept_ = kept_.next();
+  return depth;
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+/// The levels of detail of a cloud: the depth at which each point is first drawn.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pointsweep/levels/curve_points.h"
+#include "pointsweep/levels/disc_choice.h"
+#include "pointsweep/levels/leaf_finder.h"
+#include "pointsweep/levels/point_lists.h"
+#include "pointsweep/levels/scratch_room.h"
+#include "pointsweep/points/sorted_records.h"
+
+namespace pointsweep {
+
+/// The root of the octree keeps no more points, unless they all lie at one place.
+inline constexpr std::size_t kMostRootPoints = 100'000;
+
+/// The width of the cube in spacings of the root, unless that keeps too many points.
+inline constexpr double kDiscsAcrossCube = 128;
+
+/// Chooses depth by depth. At depth d all points of the leaves of that depth are taken. Then each node that is divided
+/// keeps points no nearer than the spacing s_d to any point taken before, in the order of choose_discs(): node by node,
+/// those whose numbers along x, y and z are even first, then the other seven parities. Nodes of one parity are farther
+/// apart than s_d, so the threads take them in any order.
+///
+/// s_0 is the width of the cube / kDiscsAcrossCube, made larger by powers of the square root of 2 until the root keeps
+/// at most kMostRootPoints points, and s_d = s_0 / 2^d.
+class LevelChoice {
+ public:
+  /// `memory_bytes`: for the list of points that nodes keep. `leaves`: of all `points`.
+  LevelChoice(const CurvePoints& points, std::vector<Leaf> leaves, ScratchRoom& room, std::uint64_t memory_bytes);
+
+  /// Chooses. To be called once, before what follows.
+  void run();
+  double spacing() const { return spacing_; }  ///< s_0, in steps of x
+  /// Returns the depth of the next point along the curve.
+  int next_depth();
+
+ private:
+  struct Node {
+    CurveKey key;
+    NodeRows rows;
+    bool is_done = false;
+    PointLists::List list = {};  ///< its points of this depth and lesser ones
+  };
+  struct Depth {
+    int depth;
+    double spacing;
+    std::vector<Node> nodes;  ///< divided ones, in order
+    PointLists lists;
+  };
+  struct Kept {
+    std::vector<KeptPoint> chosen;
+    std::vector<GridPoint> all;  ///< Node::list
+  };
+
+  std::vector<Node> divided_nodes(int depth) const;
+  void choose_root(Depth& root);
+  void choose_nodes(Depth& now, const Depth& before);
+  std::optional<Kept> choose_node(const Depth& now, const Depth* before, const Node& node, std::size_t most) const;
+  std::vector<GridPoint> excluders(const Depth& now, const Depth* before, const Octant& octant, const Box& near) const;
+  void end_node(Depth& now, Node& node, const Kept& kept);
+  void list_borders(int depth, double spacing);
+  std::vector<GridPoint> border_of(const Leaf& leaf, double spacing) const;
+  static const Node* find_node(const std::vector<Node>& nodes, const Octant& octant);
+
+  const CurvePoints& points_;
+  const LevelGrid& grid_;
+  std::vector<Leaf> leaves_;
+  ScratchRoom& room_;
+  double spacing_;
+  std::uint64_t taken_ = 0;                         ///< points in the lists of the last depth
+  PointLists borders_;                              ///< the points of leaves that may keep out points beside the leaf
+  std::vector<PointLists::List> border_;            ///< of each leaf
+  SortedRecords<std::uint64_t, std::less<>> kept_;  ///< row * 32 + depth
+  std::optional<std::uint64_t> next_kept_;
+  std::uint64_t next_row_ = 0;
+  std::size_t next_leaf_ = 0;
+};
+
+}  // namespace pointsweep

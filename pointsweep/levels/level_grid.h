@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+/// The cube whose octants are the nodes of levels of detail, laid over points on a grid of whole steps.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "pointsweep/geometry.h"
+#include "pointsweep/levels/curve_key.h"
+
+namespace pointsweep {
+
+/// The coordinates of a point in whole steps of the grid, as LAS stores them.
+using GridPoint = std::array<std::int32_t, 3>;
+
+/// The least and the greatest coordinate on each axis.
+struct GridBounds {
+  GridPoint lo, hi;
+};
+
+/// Measures lengths in steps of the x axis, so that distances are exact where the steps of all axes are alike and the
+/// points are not farther apart than 2^26 steps. The corner of the cube lies half a step before the least coordinates,
+/// and its width is such that faces of octants lie between the steps, down to octants of 8 steps: readers that evaluate
+/// the faces in another way then find each point in the same octant.
+class LevelGrid {
+ public:
+  /// `scale`: the length of a step on each axis, above 0.
+  LevelGrid(const GridBounds& bounds, Vec3 scale);
+
+  /// Returns the place of a point, from the corner of the cube, in steps of x.
+  Vec3 place(const GridPoint& point) const {
+    return {(point[0] - lo_.x) + 0.5, ((point[1] - lo_.y) + 0.5) * y_step_, ((point[2] - lo_.z) + 0.5) * z_step_};
+  }
+  CurveKey key(const GridPoint& point) const;
+  Box box(const Octant& octant) const;
+  double width() const { return width_; }
+  /// Returns the corner of the cube in the coordinates of a file with this offset.
+  Vec3 corner(Vec3 offset) const;
+  /// Returns the length of a step of x.
+  double step() const { return scale_.x; }
+
+ private:
+  std::uint32_t cell(double place) const;
+
+  Vec3 scale_, lo_;
+  double y_step_, z_step_;  ///< in steps of x
+  double width_, cells_per_step_;
+};
+
+/// Returns a number that looks random and depends on the point alone.
+std::uint64_t rank_of(const GridPoint& point);
+
+}  // namespace pointsweep

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/levels/levelled_records.h"
+
+#include "pointsweep/levels/leaf_finder.h"
+
+namespace pointsweep {
+namespace {
+
+/// What each thread holds: the kept points around a node, a stretch of records and its sorted copy.
+constexpr std::uint64_t kLeastLevelBytes = 32 << 20, kThreadBytes = 8 << 20;
+
+}  // namespace
+
+std::uint64_t least_level_bytes(unsigned threads) { return kLeastLevelBytes + threads * kThreadBytes; }
+
+LevelledRecords::LevelledRecords(std::size_t record_bytes, std::uint64_t memory_bytes, const MakeScratch& files)
+    : record_bytes_(record_bytes),
+      memory_(memory_bytes),
+      records_(record_bytes, memory_bytes / 4 * 3, files),
+      room_(memory_bytes / 8, files) {}
+
+void LevelledRecords::choose(Vec3 scale) {
+  grid_.emplace(records_.count() > 0 ? records_.bounds() : GridBounds{}, scale);
+  spacing_ = grid_->width() / kDiscsAcrossCube;
+  if (records_.count() == 0) return;
+  records_.sort(*grid_);
+  points_.emplace(*grid_, records_.count(), room_);
+  LeafFinder finder;
+  records_.for_each([&](std::span<const std::byte> records, std::span<const CurveKey> keys) {
+    finder.add(keys);
+    points_->add(records, record_bytes_);
+  });
+  choice_.emplace(*points_, finder.finish(), room_, memory_ / 8);
+  choice_->run();
+  spacing_ = choice_->spacing();
+}
+
+void LevelledRecords::for_each(const Use& use) {
+  if (records_.count() == 0) return;
+  records_.for_each([&](std::span<const std::byte> records, std::span<const CurveKey> keys) {
+    for (std::size_t i = 0; i < keys.size(); ++i) use(keys[i], choice_->next_depth(), &records[i * record_bytes_]);
+  });
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+/// Any number of records with their levels of detail, in bounded memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "pointsweep/geometry.h"
+#include "pointsweep/levels/curve_points.h"
+#include "pointsweep/levels/curve_records.h"
+#include "pointsweep/levels/level_choice.h"
+#include "pointsweep/levels/level_grid.h"
+#include "pointsweep/levels/scratch_room.h"
+#include "pointsweep/points/scratch.h"
+
+namespace pointsweep {
+
+/// The least memory of LevelledRecords on this many threads.
+std::uint64_t least_level_bytes(unsigned threads);
+
+class LevelledRecords {
+ public:
+  /// Takes records that begin with a GridPoint. `memory_bytes`: for all that is held at once. Without `files` all of it
+  /// is held, whatever that takes.
+  LevelledRecords(std::size_t record_bytes, std::uint64_t memory_bytes, const MakeScratch& files);
+
+  void add(std::span<const std::byte> records) { records_.add(records); }
+
+  /// Chooses the levels. To be called once, after the last add() and before what follows. `scale`: the length of a step
+  /// on each axis.
+  void choose(Vec3 scale);
+  const LevelGrid& grid() const { return *grid_; }
+  /// Returns the spacing of the points of depth 0, in units of `scale`.
+  double spacing() const { return spacing_ * grid_->step(); }
+
+  using Use = std::function<void(const CurveKey& key, int depth, const std::byte* record)>;
+  /// Calls `use` with all records in the order of the curve. To be called once.
+  void for_each(const Use& use);
+  /// The room that is left for what the user puts aside.
+  ScratchRoom& room() { return room_; }
+
+ private:
+  std::size_t record_bytes_;
+  std::uint64_t memory_;
+  CurveRecords records_;
+  ScratchRoom room_;
+  std::optional<LevelGrid> grid_;
+  std::optional<CurvePoints> points_;
+  std::optional<LevelChoice> choice_;
+  double spacing_ = 0;
+};
+
+}  // namespace pointsweep
