@@ -315,6 +315,8 @@ POINTSWEEP_EXPORT ChainStage head(const HeadOptions& options);
 POINTSWEEP_EXPORT ChainStage decimate(const DecimateOptions& options);
 /// Keeps a number of points, chosen by a hash of their coordinates, or all but these.
 POINTSWEEP_EXPORT ChainStage sample(const SampleOptions& options);
+/// Makes "level", the level of detail at which a point is first drawn: points of low levels are a thinned cloud.
+POINTSWEEP_EXPORT ChainStage level();
 /// Makes "part", a number from 0, by a hash of the coordinates.
 POINTSWEEP_EXPORT ChainStage parts(const PartsOptions& options);
 /// Keeps one point in each cube of a grid.

@@ -59,6 +59,7 @@ std::map<std::string, std::string> expected(const std::string& axis, const std::
       {"voxel keep=centroid", voxels},
       {"poisson", disks},
       {"simplify", kRows + " / " + disks},
+      {"level", in_order(axis, "three times: for their bounds, their levels, and to take them")},
       {"ground", in_order(in_plane, "those of a row of cells together")},
       {"height", in_order(in_plane, "beside those of the ground")},
       {"color", kRows + " / " + kRows},

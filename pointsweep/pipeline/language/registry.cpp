@@ -36,6 +36,7 @@
 #include "pointsweep/operators/surface/features.h"
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/operators/surface/splats.h"
+#include "pointsweep/operators/thinning/level.h"
 #include "pointsweep/operators/thinning/poisson.h"
 #include "pointsweep/operators/thinning/sample.h"
 #include "pointsweep/operators/thinning/simplify.h"
@@ -85,19 +86,19 @@ constexpr OtherWord kOtherWords[] = {
 
 const std::vector<OperatorDeclaration>& all_operators() {
   static const std::vector<OperatorDeclaration> operators = {
-      normals_declaration(),  curvature_declaration(),   splats_declaration(),
-      fair_declaration(),     features_declaration(),    neighborhood_size_declaration(),
-      where_declaration(),    crop_declaration(),        set_declaration(),
-      drop_declaration(),     transform_declaration(),   sor_declaration(),
-      denoise_declaration(),  ror_declaration(),         lof_declaration(),
-      density_declaration(),  statistics_declaration(),  unique_declaration(),
-      head_declaration(),     decimate_declaration(),    sample_declaration(),
-      parts_declaration(),    voxel_declaration(),       poisson_declaration(),
-      simplify_declaration(), ground_declaration(),      height_declaration(),
-      color_declaration(),    distance_to_declaration(), m3c2_declaration(),
-      take_declaration(),     components_declaration(),  dbscan_declaration(),
-      segments_declaration(), orient_declaration(),      reneighbor_declaration(),
-      resort_declaration(),
+      normals_declaration(),    curvature_declaration(),  splats_declaration(),
+      fair_declaration(),       features_declaration(),   neighborhood_size_declaration(),
+      where_declaration(),      crop_declaration(),       set_declaration(),
+      drop_declaration(),       transform_declaration(),  sor_declaration(),
+      denoise_declaration(),    ror_declaration(),        lof_declaration(),
+      density_declaration(),    statistics_declaration(), unique_declaration(),
+      head_declaration(),       decimate_declaration(),   sample_declaration(),
+      parts_declaration(),      voxel_declaration(),      poisson_declaration(),
+      simplify_declaration(),   level_declaration(),      ground_declaration(),
+      height_declaration(),     color_declaration(),      distance_to_declaration(),
+      m3c2_declaration(),       take_declaration(),       components_declaration(),
+      dbscan_declaration(),     segments_declaration(),   orient_declaration(),
+      reneighbor_declaration(), resort_declaration(),
   };
   return operators;
 }

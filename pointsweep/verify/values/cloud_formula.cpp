@@ -8,7 +8,8 @@ namespace {
 
 const std::vector<NamedCloudFormula>& all_cloud_formulas() {
   static const std::vector<NamedCloudFormula> all = [] {
-    std::vector<NamedCloudFormula> list = {ground_formula(), height_formula(), voxel_formula(), take_formula()};
+    std::vector<NamedCloudFormula> list = {ground_formula(), height_formula(), level_formula(), voxel_formula(),
+                                           take_formula()};
     for (const auto& more : {change_formulas(), graph_formulas()}) list.insert(list.end(), more.begin(), more.end());
     return list;
   }();

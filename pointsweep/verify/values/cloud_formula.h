@@ -73,6 +73,9 @@ std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<con
 /// The formula of the classes that the ground filter gives.
 NamedCloudFormula ground_formula();
 
+/// The formula of levels of detail.
+NamedCloudFormula level_formula();
+
 /// The formula of heights above the ground.
 NamedCloudFormula height_formula();
 

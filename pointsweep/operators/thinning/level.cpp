@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/operators/thinning/level.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "pointsweep/levels/levelled_records.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/points/sorted_records.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr double kSteps = 1 << 30;
+constexpr std::uint64_t kDepthBits = 5;
+
+/// Points of one place are in the order of their rows: the first byte of a row counts most.
+struct Record {
+  GridPoint point;
+  std::array<std::byte, 8> row;
+  std::array<std::byte, 8> number;  ///< in the order in which points come
+};
+
+std::array<std::byte, 8> first_byte_most(std::uint64_t number) {
+  std::array<std::byte, 8> bytes;
+  for (std::size_t i = 0; i < 8; ++i) bytes[i] = static_cast<std::byte>(number >> (56 - 8 * i));
+  return bytes;
+}
+
+class LevelWork final : public InOrderWork {
+ public:
+  explicit LevelWork(const InOrderSetup& setup)
+      : make_scratch_(setup.make_scratch),
+        records_(sizeof(Record), setup.memory_bytes / 8 * 7, make_scratch_),
+        memory_(setup.memory_bytes / 8) {}
+
+  /// The bounds, the levels of all points, and the levels in the order in which the points come.
+  unsigned rounds() const override { return 3; }
+
+  void add(unsigned round, const OrderedPoints& points, Findings& findings) override {
+    if (round == 0) {
+      for (const Vec3 p : points.positions) bounds_.include(p);
+      count_ += points.rows.size();
+    } else if (round == 1) {
+      add_records(points);
+    } else {
+      for (const std::uint64_t row : points.rows) {
+        findings.rows.push_back(row);
+        findings.values.push_back(static_cast<std::byte>(*levels_->next() & ((1 << kDepthBits) - 1)));
+      }
+    }
+  }
+
+  void end(unsigned round, Findings&) override {
+    if (round != 1) return;
+    const double step = step_of();
+    records_.choose({step, step, step});
+    levels_.emplace(make_scratch_, memory_, count_);
+    records_.for_each([&](const CurveKey&, int depth, const std::byte* bytes) {
+      Record record;
+      std::memcpy(&record, bytes, sizeof record);
+      std::uint64_t number;
+      std::memcpy(&number, record.number.data(), sizeof number);
+      levels_->add(number << kDepthBits | static_cast<std::uint64_t>(depth));
+    });
+    levels_->finish();
+  }
+
+ private:
+  double step_of() const {
+    const Vec3 extent = bounds_.extent();
+    const double widest = std::max({extent.x, extent.y, extent.z});
+    return widest > 0 ? widest / kSteps : 1;
+  }
+
+  void add_records(const OrderedPoints& points) {
+    const double step = step_of();
+    block_.clear();
+    for (std::size_t i = 0; i < points.rows.size(); ++i) {
+      const Vec3 p = points.positions[i];
+      Record& record = block_.emplace_back();
+      for (int axis = 0; axis < 3; ++axis)
+        record.point[static_cast<std::size_t>(axis)] =
+            static_cast<std::int32_t>(std::nearbyint((p[axis] - bounds_.lo[axis]) / step));
+      record.row = first_byte_most(points.rows[i]);
+      std::memcpy(record.number.data(), &number_, sizeof number_);
+      ++number_;
+    }
+    records_.add(std::as_bytes(std::span(block_)));
+  }
+
+  MakeScratch make_scratch_;
+  Box bounds_;
+  std::uint64_t count_ = 0, number_ = 0;
+  LevelledRecords records_;
+  std::uint64_t memory_;
+  std::vector<Record> block_;
+  std::optional<SortedRecords<std::uint64_t, std::less<>>> levels_;  ///< number of the point * 32 + level
+};
+
+}  // namespace
+
+OperatorDeclaration level_declaration() {
+  return {
+      .name = "level",
+      .meaning = "gives each point the level of detail at which it is first drawn, as in a COPC file",
+      .make = [](const OptionValues&, const Facts&) { return std::make_shared<Level>(); },
+      .formula =
+          "Positions are rounded to steps of e / 2^30, e the widest extent; the cube of width w has its corner half a "
+          "step below the least coordinates. An octant with more than 100,000 points is divided, unless they lie at "
+          "one "
+          "place.\n"
+          "Depth d takes all points of octants of depth d that are not divided. Then each divided octant of depth d, "
+          "those of even numbers along x, y and z first, takes in the order of a hash of the rounded coordinates each "
+          "point that is not nearer than s_d to a point taken before.\n"
+          "s_d = s_0 / 2^d. s_0 = √2^k w / 128 with the least k for which depth 0 has at most 100,000 points.\n"
+          "So the points of level ≤ d are the cloud thinned to the spacing s_d.",
+      .source = "Greedy Poisson discs in an octree as COPC has it (https://copc.io).",
+      .undefined = "Points without a finite place have level 255.",
+      .cost = "three passes that put the points in order, without a search; 50 bytes a point in the temporary folder",
+      .attributes = {{.name = "level", .meaning = "depth of the level, from 0; undefined: 255"}},
+      .example = "level | where(level <= 2)"};
+}
+
+ChainStage operators::level() { return std::make_shared<Level>(); }
+
+Level::Level() = default;
+
+InOrderContract Level::in_order_contract() const {
+  Attribute level = scalar("level", Type::u8, "1", "depth of the level, from 0; undefined: 255");
+  level.fill = std::byte{0xff};
+  return {.makes = {level}, .arrival = "three times: for their bounds, their levels, and to take them"};
+}
+
+std::unique_ptr<InOrderWork> Level::start(const InOrderSetup& setup) const {
+  return std::make_unique<LevelWork>(setup);
+}
+
+std::uint64_t Level::least_bytes(const CloudEstimate& cloud) const {
+  constexpr std::uint64_t kPointBytes = 200;  // of a cloud that is so small that no list is full
+  return std::min(least_level_bytes(thread_count()), (std::uint64_t{1} << 20) + cloud.points * kPointBytes);
+}
+
+}  // namespace pointsweep
