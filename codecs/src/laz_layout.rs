@@ -44,10 +44,12 @@ impl Layout {
     }
 
     pub fn for_format(point_format: u8, extra_bytes: u16, chunk_points: u32) -> Result<Self, Error> {
-        let built = LazVlrBuilder::default()
-            .with_point_format(point_format, extra_bytes)?
-            .with_fixed_chunk_size(chunk_points)
-            .build();
+        let parts = LazVlrBuilder::default().with_point_format(point_format, extra_bytes)?;
+        let built = match chunk_points {
+            VARIABLE_CHUNKS => parts.with_variable_chunk_size(),
+            fixed => parts.with_fixed_chunk_size(fixed),
+        }
+        .build();
         let vlr = LazVlr::from_buffer(with_wave_packets_of_version_1(bytes_of(&built)))?;
         Ok(Self { record_bytes: record_bytes(vlr.items())?, vlr, chunk_points })
     }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -21,6 +22,7 @@
 namespace pointsweep {
 
 struct KnownValues;
+class Scratch;
 
 /// A place that is given, or that a writer chooses near the middle of the points.
 struct Anchor {
@@ -72,6 +74,8 @@ struct OutputPlan {
   FileLayout layout = {};
   /// Memory that the writer may take to encode several pieces at once; 0: as much as a few of them take.
   std::uint64_t encoder_bytes = 0;
+  /// Makes files for what a writer that puts points in another order puts aside. Null: all of it stays in memory.
+  std::function<std::unique_ptr<Scratch>()> scratch = {};
 };
 
 /// Takes the records of an output. The writers of files let the file grow under a hidden name beside its destination,

@@ -37,10 +37,6 @@ struct Format {
   /// Names of its files end so, in lower case. An output whose name ends so is written in this format, if create is
   /// set.
   std::span<const std::string_view> extensions;
-  /// The ending, in lower case, of names by which programs expect another format, which is not written; "" if there is
-  /// none. An output whose name ends so is refused.
-  std::string_view refused_ending = "";
-  std::string_view refused_format = "";  ///< that other format
   /// The codec that its files need; "" if none. A build without it recognises them and refuses them in a sentence.
   std::string_view codec = "";
   bool (*has_codec)() = nullptr;  ///< whether this build has it; null without a codec
@@ -66,6 +62,7 @@ struct Format {
   bool holds_crs = false;         ///< a coordinate reference system
   bool holds_provenance = false;  ///< lines that say how the file was made
   bool is_sequential = false;     ///< its writer puts all bytes one after the other, as standard output takes them
+  bool reorders = false;          ///< its writer puts points in an order of its own
   /// Coordinates are any float64, NaN and infinity included. False: integers on a grid of finite steps.
   bool real_coordinates = true;
   /// Box of all points is in the header (FileInfo::bounds), so that it is known without reading the points.
@@ -73,6 +70,9 @@ struct Format {
   /// Returns the bytes that its writer takes to encode records of `record_bytes` on `threads` threads; null: too few to
   /// count.
   std::uint64_t (*encoder_bytes)(std::uint64_t record_bytes, unsigned threads) = nullptr;
+  /// Returns the bytes that its writer puts aside in OutputPlan::scratch for each point, unless memory holds them;
+  /// null: none.
+  std::uint64_t (*aside_bytes)(std::uint64_t record_bytes) = nullptr;
   std::size_t name_bytes = 0;  ///< longest name of an attribute; 0: any length
   /// The name under which its outputs hold an attribute; null: its own.
   std::string (*stored_name)(const std::string& name) = nullptr;
@@ -97,8 +97,8 @@ struct Format {
 };
 
 // The formats, each defined in its folder.
-extern const Format kPlyFormat, kLasFormat, kLazFormat, kPcdFormat, kE57Format, kPtxFormat, kVtkFormat, kOffFormat,
-    kObjFormat, kQsplatFormat, kTextFormat, kPtsFormat;
+extern const Format kPlyFormat, kLasFormat, kCopcFormat, kLazFormat, kPcdFormat, kE57Format, kPtxFormat, kVtkFormat,
+    kOffFormat, kObjFormat, kQsplatFormat, kTextFormat, kPtsFormat;
 /// Text with commas and a line of names, which most programs read only if it has no comments.
 extern const Format kCsvFormat;
 extern const Format kNpyPointsFormat;               ///< points, as input only

@@ -152,8 +152,9 @@ std::optional<LasOrigin> common_las_origin(const std::vector<std::unique_ptr<Rea
   for (const auto& reader : readers) {
     const FileInfo& info = reader->info();
     if (!info.las) continue;
-    if (!common) common = LasOrigin{.grid = info.las->grid};
+    if (!common) common = LasOrigin{.grid = info.las->grid, .overlap_is_class_12 = true};
     take_finer_grid(common->grid, info.las->grid);
+    common->overlap_is_class_12 = common->overlap_is_class_12 && info.las->overlap_is_class_12;
     if (!info.las->has_time) continue;
     if (timed == nullptr) {
       timed = &info;

@@ -70,9 +70,10 @@ void refuse_foreign_format(const std::filesystem::path& path, std::string_view h
   }
 }
 
-constexpr std::array kFormats{&kPlyFormat, &kLasFormat,       &kLazFormat, &kPcdFormat,    &kE57Format,     &kPtxFormat,
-                              &kVtkFormat, &kOffFormat,       &kObjFormat, &kQsplatFormat, &kTextFormat,    &kPtsFormat,
-                              &kCsvFormat, &kNpyPointsFormat, &kNpyFormat, &kKittiFormat,  &kFloatXyzFormat};
+constexpr std::array kFormats{&kPlyFormat,    &kLasFormat,   &kLazFormat,     &kCopcFormat, &kPcdFormat,
+                              &kE57Format,    &kPtxFormat,   &kVtkFormat,     &kOffFormat,  &kObjFormat,
+                              &kQsplatFormat, &kTextFormat,  &kPtsFormat,     &kCsvFormat,  &kNpyPointsFormat,
+                              &kNpyFormat,    &kKittiFormat, &kFloatXyzFormat};
 
 bool is_written_as_points(const Format& format) {
   return format.content == Format::Content::points && format.create != nullptr;
@@ -200,6 +201,15 @@ std::string row_of(const Format& format) {
 
 std::span<const Format* const> formats() { return kFormats; }
 
+std::string extension_of(const std::filesystem::path& path) {
+  const std::string name = in_lower_case(path.filename().string());
+  for (const Format* format : kFormats)
+    for (const std::string_view extension : format->extensions)
+      if (std::ranges::count(extension, '.') > 1 && name.ends_with(extension) && name != extension)
+        return std::string(extension);
+  return in_lower_case(path.extension().string());
+}
+
 const Format* format_of_output(const std::filesystem::path& path) {
   if (is_standard_stream(path)) return &kPlyFormat;
   const std::string extension = extension_of(path);
@@ -210,17 +220,11 @@ const Format* format_of_output(const std::filesystem::path& path) {
 
 void require_output_name(const std::filesystem::path& output) {
   const Format* const format = format_of_output(output);
-  const std::string name = output.string();
   if (format != nullptr && is_standard_output(output) && !format->is_sequential)
     fail_usage(
         "-: {} cannot be written to standard output, since its header is completed last; name a file, or choose "
         "another format, e.g. --output-format ply or csv.",
         format->name);
-  if (format == nullptr || format->refused_ending.empty() || !in_lower_case(name).ends_with(format->refused_ending))
-    return;
-  const std::string plain = name.substr(0, name.size() - format->refused_ending.size()) + output.extension().string();
-  fail_usage("{}: programs expect {} under such a name, which is not written yet; name the output {}, which gets {}.",
-             name, format->refused_format, plain, format->name);
 }
 
 const Format& array_format() { return kNpyFormat; }

@@ -12,8 +12,8 @@
 
 namespace pointsweep {
 
-/// ".ply" for "scan.PLY", "" if there is none.
-inline std::string extension_of(const std::filesystem::path& path) { return in_lower_case(path.extension().string()); }
+/// ".ply" for "scan.PLY", ".copc.laz" for "scan.copc.laz", "" if there is none.
+std::string extension_of(const std::filesystem::path& path);
 
 /// All formats. A file is of the first whose signature it has.
 std::span<const Format* const> formats();
@@ -23,8 +23,7 @@ std::span<const Format* const> formats();
 /// "-" and text as "-.csv".
 const Format* format_of_output(const std::filesystem::path& path);
 
-/// Throws UsageError for the name of an output by which programs expect a format that is not written
-/// (Format::refused_ending), and for standard output in a format that is not sequential.
+/// Throws UsageError for standard output in a format that is not sequential.
 void require_output_name(const std::filesystem::path& output);
 
 /// Returns whether a file in a folder is meant to be read: by the beginning of its content, or because it has the

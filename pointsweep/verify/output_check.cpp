@@ -51,6 +51,12 @@ struct OutputCheck {
   bool says_how() const { return !options.pipeline.empty() || !neighborhood.empty() || !options.keep.empty(); }
 };
 
+/// Returns whether the points of the output are in another order than those of the input, which nothing states.
+bool is_in_any_order(const OutputCheck& check) {
+  const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
+  return check.is_divided() || (format != nullptr && format->reorders);
+}
+
 /// Returns whether this program has all operators of the pipeline. A program that uses the library may have others.
 bool is_known(const std::string& pipeline) {
   try {
@@ -257,11 +263,11 @@ MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out
   leave_out(plan.kept, options.prefix, without_input_row(cloud.schema()), made);
   made.left_out_input.insert(kInputRow);
   // Outliers are compared with the mean distances in the output, which are compared with the input.
-  made.in_any_order = check.is_divided();
+  made.in_any_order = is_in_any_order(check);
   if (made.leaves_out && (options.order == Order::sweep || made.in_any_order))
     fail_usage(
         "verify: which rows a stage after others has left out is not told by an output in the order of the sweep, nor "
-        "by one that is divided among files; verify one file in the order of the input.");
+        "by one that is divided among files or a COPC file; verify one file in the order of the input.");
   if (!made.leaves_out)
     made.outlier_threshold = outlier_threshold(out, made.operators, options.prefix, options.progress);
   if (!options.pipeline.empty() || !options.keep.empty()) return made;
@@ -296,7 +302,7 @@ Verdict checked(const OutputCheck& check, InputCloud& cloud) {
   const auto made_with = [&](const std::set<std::string>& changed) {
     MadeBy made = made_by_pipeline(check, cloud, *out, changed);
     if (format != nullptr) made.own_field = format->own_field;
-    made.in_any_order = check.is_divided();
+    made.in_any_order = is_in_any_order(check);
     made.known_differences = divided.sentences;
     made.more_differences = divided.misplaced - divided.sentences.size();
     return made;

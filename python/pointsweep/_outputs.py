@@ -50,7 +50,7 @@ def outputs_of(to: Path | Sequence[Path], source: Source, divides: bool) -> str 
         return named
     if not source.is_files:
         raise UsageError(f"to: {named} is a folder, which gets a file for each input file; name a file for arrays.")
-    return [os.path.join(named, _tile_name(name)) for name in source.names]
+    return [os.path.join(named, name) for name in source.names]
 
 
 def _divided(to: Path | Sequence[Path], source: Source) -> str:
@@ -61,11 +61,11 @@ def _divided(to: Path | Sequence[Path], source: Source) -> str:
         return named
     if not source.is_files:
         raise UsageError(f"to: {named} says no format for arrays; name the files, e.g. {os.path.join(named, '*.laz')}.")
-    return os.path.join(named, "*" + os.path.splitext(source.names[0])[1])
+    return os.path.join(named, "*" + _extension(source.names[0]))
 
 
-def _tile_name(name: str) -> str:
-    """A COPC file is written as LAZ, and programs tell COPC by the name."""
-    stem, extension = os.path.splitext(name)
-    inner, copc = os.path.splitext(stem)
-    return inner + extension if (copc.lower(), extension.lower()) == (".copc", ".laz") else name
+def _extension(name: str) -> str:
+    """".laz" for "1.laz", ".copc.laz" for "1.copc.laz"."""
+    stem, last = os.path.splitext(name)
+    before = os.path.splitext(stem)[1]
+    return before + last if (before.lower(), last.lower()) == (".copc", ".laz") else last

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import pointsweep as ps
-from pointsweep import _outputs
 
 
 @pytest.fixture
@@ -50,19 +49,13 @@ def test_a_folder_gets_a_file_for_each_input(tiles, run_tool, tmp_path):
         assert filecmp.cmp(tmp_path / f"mine/tile_{i}.las", tmp_path / f"its/tile_{i}.las", shallow=False)
 
 
-def test_a_copc_file_is_written_as_a_laz_file():
-    assert _outputs._tile_name("north/1.copc.laz") == "north/1.laz"
-    assert _outputs._tile_name("1.COPC.LAZ") == "1.LAZ" and _outputs._tile_name("1.copc.ply") == "1.copc.ply"
-
-
-def test_a_name_of_a_copc_file_is_refused_for_outputs(tiles, tmp_path):
-    cloud, name = ps.open(tiles), tmp_path / "a.copc.laz"
-    for to in (name, [tmp_path / "b.las", name]):
-        with pytest.raises(ps.UsageError, match="programs expect COPC under such a name"):
-            cloud.run("normals", to=to)
-    with pytest.raises(ps.UsageError, match="COPC"):
-        ps.generate("terrain", 100, name)
-    assert not name.exists()
+def test_a_name_of_a_copc_file_gives_levels(tiles, run_tool, tmp_path):
+    ps.open(tiles).run("knn(k=8) | normals", to=tmp_path / "mine.copc.laz", provenance=False)
+    run_tool("run", "--pipeline", "knn(k=8) | normals", "tiles", "-o", "its.copc.laz", "--no-provenance")
+    assert filecmp.cmp(tmp_path / "mine.copc.laz", tmp_path / "its.copc.laz", shallow=False)
+    assert (tmp_path / "mine.copc.laz").read_bytes()[377:381] == b"copc"
+    ps.open(tmp_path / "mine.copc.laz").run("normals", to=str(tmp_path / "again") + "/")
+    assert (tmp_path / "again/mine.copc.laz").read_bytes()[377:381] == b"copc"
 
 
 def test_a_folder_is_refused_for_arrays(tmp_path):
@@ -144,7 +137,7 @@ def test_the_layout_of_outputs_is_stated_as_for_the_tool(tmp_path, run_tool):
             ps.run(xyz, "normals", to=tmp_path / "d.las", **wrong)
     with pytest.raises(ps.UsageError, match="scale: is for outputs in files"):
         ps.run(xyz, "normals", scale=0.1)
-    with pytest.raises(ps.UsageError, match="is for LAS and LAZ outputs"):
+    with pytest.raises(ps.UsageError, match="is for LAS, LAZ, COPC outputs"):
         ps.run(xyz, "normals", to=tmp_path / "d.ply", scale=0.1)
 
 

@@ -197,14 +197,14 @@ TEST_F(StatedLayout, TextHasTheStatedDecimals) {
 
 TEST_F(StatedLayout, AFormatWithoutAPlaceForAWishRefusesIt) {
   refused(2, std::string("run a.las o.ply --scale 0.1") + kCopy,
-          "--scale: is for LAS and LAZ outputs, and o.ply is PLY");
-  refused(2, std::string("run a.las o.csv --point-format 6") + kCopy, "--point-format: is for LAS and LAZ outputs");
+          "--scale: is for LAS, LAZ, COPC outputs, and o.ply is PLY");
+  refused(2, std::string("run a.las o.csv --point-format 6") + kCopy, "--point-format: is for LAS, LAZ, COPC outputs");
   refused(2, std::string("run a.las o.las --decimals 2") + kCopy, "--decimals: is for text outputs, and o.las is LAS");
-  refused(2, "sort a.las o.pcd --offset auto", "--offset: is for LAS and LAZ outputs");
+  refused(2, "sort a.las o.pcd --offset auto", "--offset: is for LAS, LAZ, COPC outputs");
   refused(2, "run a.las o.ply --las-version 1.2 --dry-run --pipeline 'decimate(1)'", "--las-version: is for LAS");
   std::filesystem::create_directory(folder_ / "tiles");
   std::filesystem::copy(folder_ / "a.las", folder_ / "tiles");
-  refused(2, std::string("run tiles/ out/ --output-format ply --scale 0.1") + kCopy, "--scale: is for LAS and LAZ");
+  refused(2, std::string("run tiles/ out/ --output-format ply --scale 0.1") + kCopy, "--scale: is for LAS, LAZ, COPC");
 }
 
 TEST_F(StatedLayout, TilesOrdersResumedRunsAndEmptyOutputsFollowIt) {

@@ -155,7 +155,7 @@ TEST_F(Copc, AHierarchyThatContradictsTheFileIsIgnored) {
     expect_ignored(with_root(first + changed(second, 24, bytes) + third), "node 1-0-0-0 is no chunk of the file");
   for (const std::uint64_t offset : {std::uint64_t{0}, chunks_[1].begin + 1, ~std::uint64_t{0}})
     expect_ignored(with_root(first + changed(second, 16, offset) + third), "node 1-0-0-0 is no chunk of the file");
-  for (const std::int32_t level : {-1, 31, 32, std::numeric_limits<std::int32_t>::max()})
+  for (const std::int32_t level : {-1, 32, 33, std::numeric_limits<std::int32_t>::max()})
     expect_ignored(with_root(first + changed(second, 0, level) + third), "there is no node");
   for (const std::size_t coordinate : {4, 8, 12})
     for (const std::int32_t place : {-1, 2, std::numeric_limits<std::int32_t>::min()})

@@ -45,7 +45,7 @@ MUTANTS = [
            "info.count, state.text(),", "info.count, \"\",", ("pipeline:Resume.*:Refused.*",)),
 
     # Memory
-    Mutant("records are sorted in a vector that grows", "memory", "pointsweep/connect/sorted_records.h",
+    Mutant("records are sorted in a vector that grows", "memory", "pointsweep/points/sorted_records.h",
            "records_.reserve(static_cast<std::size_t>(std::min(most_, count)));", "(void)count;", ("cli:*MemoryLaw*",)),
 
     # Provenance

@@ -357,9 +357,6 @@ TEST_F(Tiles, AreRefusedTogetherWithWhatNeedsOneOutput) {
   both = tiles();
   both.arrays = {{"normal", folder_ / "n.npy"}};
   EXPECT_THAT(sentence(both, options()), HasSubstr("cannot be combined with an output of all points"));
-  Outputs copc = tiles();
-  copc.tiles.back() = folder_ / "e.copc.laz";
-  EXPECT_THAT(sentence(copc, options()), HasSubstr("programs expect COPC under such a name"));
   Outputs fewer = tiles();
   fewer.tiles.pop_back();
   EXPECT_THAT(sentence(fewer, options()), HasSubstr("4 outputs are named for 5 inputs"));

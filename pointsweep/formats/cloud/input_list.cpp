@@ -230,7 +230,7 @@ class Lister {
     const bool by_own_name = kind_of(argument) == ArgumentKind::file;
     for (; checked_ < out_.files.size(); ++checked_) {
       const fs::path& file = out_.files[checked_].path;
-      struct stat status {};
+      struct stat status{};
       if (::stat(file.c_str(), &status) != 0) continue;
       const auto [other, is_new] = seen_.try_emplace({status.st_dev, status.st_ino}, Seen{file, by_own_name});
       if (is_new || (by_own_name && other->second.by_own_name)) continue;
@@ -261,10 +261,9 @@ InputList list_inputs(const std::vector<fs::path>& named, bool recursive, const 
 bool stands_for_files(const fs::path& path) { return kind_of(path) != ArgumentKind::file; }
 
 std::filesystem::path tile_name(const std::filesystem::path& relative, const std::string& format) {
-  std::filesystem::path name = relative;
-  if (extension_of(name) == ".laz" && extension_of(name.stem()) == ".copc")
-    name = name.parent_path() / std::filesystem::path(name.stem()).stem().concat(name.extension().string());
-  return format.empty() ? name : name.replace_extension(format);
+  if (format.empty()) return relative;
+  const std::string name = relative.filename().string();
+  return relative.parent_path() / (name.substr(0, name.size() - extension_of(relative).size()) + format);
 }
 
 }  // namespace pointsweep

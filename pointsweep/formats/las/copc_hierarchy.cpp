@@ -7,41 +7,23 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <set>
 #include <span>
 #include <utility>
 
+#include "pointsweep/formats/las/copc_layout.h"
 #include "pointsweep/formats/las/laz_points.h"
 
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kEntryBytes = 32, kReadEntries = 1024;
-constexpr std::int32_t kIsPage = -1;      ///< in the place of the number of points
-constexpr std::int32_t kMostLevels = 31;  ///< coordinates of nodes are 32 bits
-
-template <class T>
-T value_at(std::span<const std::byte> bytes, std::size_t offset) {
-  T value;
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
-
-/// The contents of the info VLR: the cube, and the page with the root of the octree.
-struct CopcInfo {
-  Vec3 center;
-  double half_size;
-  std::uint64_t root_offset, root_bytes;
-};
+constexpr std::size_t kReadEntries = 1024;
+constexpr std::int32_t kIsPage = -1;  ///< in the place of the number of points
 
 CopcInfo read_info(const InputFile& file, std::uint64_t at) {
   std::array<std::byte, kCopcInfoBytes> bytes;
   file.read_at(at, bytes);
-  return {{value_at<double>(bytes, 0), value_at<double>(bytes, 8), value_at<double>(bytes, 16)},
-          value_at<double>(bytes, 24),
-          value_at<std::uint64_t>(bytes, 40),
-          value_at<std::uint64_t>(bytes, 48)};
+  return copc_info_of(bytes);
 }
 
 struct Entry {
@@ -49,7 +31,7 @@ struct Entry {
   std::uint64_t offset;
   std::int32_t bytes, points;
 };
-static_assert(sizeof(Entry) == kEntryBytes);
+static_assert(sizeof(Entry) == kCopcEntryBytes);
 
 class Hierarchy {
  public:
@@ -77,7 +59,7 @@ class Hierarchy {
 
  private:
   void read_page(std::uint64_t offset, std::uint64_t bytes) {
-    if (bytes == 0 || bytes % kEntryBytes != 0 || offset > file_.size() || bytes > file_.size() - offset)
+    if (bytes == 0 || bytes % kCopcEntryBytes != 0 || offset > file_.size() || bytes > file_.size() - offset)
       return refuse(fmt::format("{} bytes at byte {} are no page of it", bytes, offset));
     // Pages that overlap would otherwise be read again and again.
     if (!seen_.insert(offset).second || bytes > file_.size() - read_)
@@ -85,15 +67,15 @@ class Hierarchy {
     read_ += bytes;
     std::vector<Entry> entries(kReadEntries);
     for (std::uint64_t at = 0; at < bytes && why_not_.empty();) {
-      const std::size_t n = std::min<std::uint64_t>(kReadEntries, (bytes - at) / kEntryBytes);
+      const std::size_t n = std::min<std::uint64_t>(kReadEntries, (bytes - at) / kCopcEntryBytes);
       file_.read_at(offset + at, std::as_writable_bytes(std::span(entries).first(n)));
       for (std::size_t i = 0; i < n && why_not_.empty(); ++i) take(entries[i]);
-      at += n * kEntryBytes;
+      at += n * kCopcEntryBytes;
     }
   }
 
   void take(const Entry& e) {
-    const std::int64_t side = e.level >= 0 && e.level < kMostLevels ? std::int64_t{1} << e.level : 0;
+    const std::int64_t side = e.level >= 0 && e.level <= kMostDepth ? std::int64_t{1} << e.level : 0;
     if (e.x < 0 || e.y < 0 || e.z < 0 || e.x >= side || e.y >= side || e.z >= side)
       return refuse(fmt::format("there is no node {}-{}-{}-{}", e.level, e.x, e.y, e.z));
     if (e.points == kIsPage) {

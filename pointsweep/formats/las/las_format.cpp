@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::string_view kLasExtensions[] = {".las"}, kLazExtensions[] = {".laz"};
+constexpr std::string_view kLasExtensions[] = {".las"}, kLazExtensions[] = {".laz"}, kCopcExtensions[] = {".copc.laz"};
 constexpr std::string_view kLayout[] = {"scale", "offset", "point_format", "las_version"};
 
 /// A bit of the point format (byte 104) tells compressed files.
@@ -19,6 +19,14 @@ bool is_compressed(std::string_view head) {
   return head.starts_with("LASF") && head.size() > 104 && (static_cast<unsigned char>(head[104]) & 0x80) != 0;
 }
 bool is_uncompressed(std::string_view head) { return head.starts_with("LASF") && !is_compressed(head); }
+
+/// The first VLR of a compressed file is the info VLR of COPC.
+bool is_copc(std::string_view head) {
+  constexpr std::size_t kUserAt = 375 + 2;
+  return is_compressed(head) && head.size() > kUserAt + 5 && head.substr(kUserAt, 5) == std::string_view("copc", 5);
+}
+
+bool is_plain_laz(std::string_view head) { return is_compressed(head) && !is_copc(head); }
 
 /// Point formats have fields for all attributes of LAS: 0 where nothing gives them a value, and returns are 1 of 1.
 std::optional<double> own_field(std::string_view name) {
@@ -57,16 +65,14 @@ const Format kLasFormat = {.name = "LAS",
                            .stored_coordinate = las_stored_coordinate};
 
 const Format kLazFormat = {.name = "LAZ",
-                           .title = "LAZ 1.0 to 1.4, COPC",
+                           .title = "LAZ 1.0 to 1.4",
                            .details = "las.md",
-                           .reads = "the same, compressed; COPC as LAZ",
+                           .reads = "the same, compressed",
                            .writes = "LAZ with 50,000 points a chunk",
                            .extensions = kLazExtensions,
-                           .refused_ending = ".copc.laz",
-                           .refused_format = "COPC",
                            .codec = "LASzip",
                            .has_codec = has_laz,
-                           .is = is_compressed,
+                           .is = is_plain_laz,
                            .open = open_las,
                            .create = create_laz_writer,
                            .holds_crs = true,
@@ -81,5 +87,31 @@ const Format kLazFormat = {.name = "LAZ",
                            .needs_bounds = needs_bounds,
                            .values = las_values,
                            .stored_coordinate = las_stored_coordinate};
+
+const Format kCopcFormat = {.name = "COPC",
+                            .title = "COPC 1.0",
+                            .details = "las.md#copc",
+                            .reads = "as LAZ",
+                            .writes = "levels of detail",
+                            .extensions = kCopcExtensions,
+                            .codec = "LASzip",
+                            .has_codec = has_laz,
+                            .is = is_copc,
+                            .open = open_las,
+                            .create = create_copc_writer,
+                            .holds_crs = true,
+                            .holds_provenance = true,
+                            .reorders = true,
+                            .real_coordinates = false,
+                            .states_bounds = true,
+                            .encoder_bytes = copc_encoder_bytes,
+                            .aside_bytes = copc_aside_bytes,
+                            .name_bytes = kLasNameBytes,
+                            .stored_name = las_dimension_name,
+                            .own_field = own_field,
+                            .layout = kLayout,
+                            .needs_bounds = needs_bounds,
+                            .values = copc_values,
+                            .stored_coordinate = copc_stored_coordinate};
 
 }  // namespace pointsweep

@@ -30,6 +30,17 @@ std::unique_ptr<Writer> create_las_writer(const OutputPlan& plan);
 /// threads compress several chunks of kLazChunkPoints points at once. Throws Error where codecs are not built in.
 std::unique_ptr<Writer> create_laz_writer(const OutputPlan& plan);
 
+/// Creates a writer of LAZ with levels of detail: a COPC file. It puts all points aside, in OutputPlan::scratch, and
+/// writes them when all have come (levels/level_choice.h).
+std::unique_ptr<Writer> create_copc_writer(const OutputPlan& plan);
+StoredCoordinate copc_stored_coordinate(const OutputPlan& plan);
+KnownValues copc_values(InputCloud& cloud, const FileLayout& layout,
+                        const std::function<void(std::uint64_t)>& progress);
+/// Returns the least OutputPlan::encoder_bytes of that writer.
+std::uint64_t copc_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
+/// Returns Format::aside_bytes.
+std::uint64_t copc_aside_bytes(std::uint64_t record_bytes);
+
 /// Returns the bytes that the writer takes for records of `record_bytes`: the chunks that are compressed at once,
 /// before and after compression, and the models of the coder.
 std::uint64_t laz_encoder_bytes(std::uint64_t record_bytes, unsigned threads);

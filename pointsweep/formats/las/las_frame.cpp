@@ -20,9 +20,12 @@ constexpr std::byte kCompressedBit{0x80};
 constexpr std::size_t kRowsAtOnce = 256;
 /// Byte 14 of a point that is return 1 of 1, in point formats 0 to 5 and 6 to 10.
 constexpr std::byte kOnlyLegacyReturn{0x09}, kOnlyReturn{0x11};
+/// Flags and class of a point in point formats 6 to 10.
+constexpr std::size_t kFlagsAt = 15, kClassAt = 16;
+constexpr std::byte kOverlapFlag{0x08}, kOverlapClass{12};
 
-/// Returns whether a coordinate is farther from the grid than sums of coordinates in float64 explain: by a thousandth of
-/// a step, or by 1e-9 of the coordinate where steps are long.
+/// Returns whether a coordinate is farther from the grid than sums of coordinates in float64 explain: by a thousandth
+/// of a step, or by 1e-9 of the coordinate where steps are long.
 bool is_beside_grid(double value, double scale, double offset) {
   const double steps = (value - offset) / scale;
   const double distance = std::abs(steps - std::nearbyint(steps)) * scale;
@@ -78,7 +81,8 @@ LasFrame::LasFrame(const OutputPlan& plan, LasPoints points)
       layout_(lay_out_las(plan, points)),
       out_(plan.path, plan.overwrite) {
   put_header();
-  std::uint64_t at = copy(layout_.before, layout_.header.header_size);
+  put(layout_.header.header_size, layout_.first_vlrs);
+  std::uint64_t at = copy(layout_.before, layout_.header.header_size + layout_.first_vlrs.size());
   put(at, layout_.added_vlrs);
   at = copy(layout_.between, at + layout_.added_vlrs.size());
   put(at, layout_.provenance_vlrs);
@@ -118,11 +122,17 @@ void LasFrame::require_count(std::uint64_t came) const {
   if (came > planned_) fail("{}: {} points were announced, but more came; nothing was written.", path_, planned_);
 }
 
-void LasFrame::finish(const LasStatistics& points, std::uint64_t points_end) {
+std::uint64_t LasFrame::tail_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const LasPiece& piece : layout_.tail) bytes += piece.size();
+  return bytes;
+}
+
+void LasFrame::finish(const LasStatistics& points, std::uint64_t points_end, std::span<const std::byte> last) {
   const std::uint64_t laid_out = layout_.points_end(planned_);
   for (std::uint64_t* reference : {&layout_.header.evlr_start, &layout_.header.waveform_start})
     if (*reference >= laid_out) *reference = *reference - laid_out + points_end;
-  copy(layout_.tail, points_end);
+  put(copy(layout_.tail, points_end), last);
   points.put_into(layout_.header);
   put_header();
   out_.seal();
@@ -138,6 +148,7 @@ LasEncoder::LasEncoder(const LasLayout& layout, std::string path)
       fitting_scale_(layout.fitting_scale),
       positions_change_(layout.positions_change),
       returns_missing_(layout.returns_missing),
+      overlap_by_class_(layout.overlap_by_class),
       moved_(layout.points_moved),
       notes_rounding_(layout.grid_is_stated || (layout.points_moved && layout.keeps_scale)),
       only_return_(layout.header.point_format >= 6 ? kOnlyReturn : kOnlyLegacyReturn),
@@ -146,8 +157,11 @@ LasEncoder::LasEncoder(const LasLayout& layout, std::string path)
 void LasEncoder::run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) const {
   if (positions_change_) check_positions(row, from, count);
   conversion_.run(from, to, count);
-  if (!returns_missing_) return;
-  for (std::size_t i = 0; i < count; ++i) to[i * stride_out_ + kLasReturnByte] = only_return_;
+  if (returns_missing_)
+    for (std::size_t i = 0; i < count; ++i) to[i * stride_out_ + kLasReturnByte] = only_return_;
+  if (overlap_by_class_)
+    for (std::byte* record = to; record < to + count * stride_out_; record += stride_out_)
+      if (record[kClassAt] == kOverlapClass) record[kFlagsAt] |= kOverlapFlag;
 }
 
 void LasEncoder::check_positions(std::uint64_t row, const std::byte* records, std::size_t count) const {

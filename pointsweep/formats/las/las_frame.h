@@ -59,9 +59,11 @@ class LasFrame {
 
   /// Throws Error unless the points that came are as many as the plan announces.
   void require_count(std::uint64_t came) const;
-  /// The points end before byte `points_end`: writes what follows them and the final header, and gives the file its
-  /// name.
-  void finish(const LasStatistics& points, std::uint64_t points_end);
+  /// Bytes of the input that follow the points.
+  std::uint64_t tail_bytes() const;
+  /// The points end before byte `points_end`: writes what follows them, `last` after all of it, and the final header,
+  /// and gives the file its name.
+  void finish(const LasStatistics& points, std::uint64_t points_end, std::span<const std::byte> last = {});
 
  private:
   std::uint64_t copy(const LasPiece& piece, std::uint64_t to);
@@ -84,7 +86,9 @@ class LasEncoder {
   LasEncoder(const LasLayout& layout, std::string path);
 
   /// True if records need no change, so that they may be written as they come.
-  bool is_identity() const { return conversion_.is_identity() && !positions_change_ && !returns_missing_; }
+  bool is_identity() const {
+    return conversion_.is_identity() && !positions_change_ && !returns_missing_ && !overlap_by_class_;
+  }
   std::size_t record_bytes_in() const { return stride_in_; }
   std::size_t record_bytes_out() const { return stride_out_; }
 
@@ -104,7 +108,7 @@ class LasEncoder {
   Vec3 scale_, offset_;
   std::size_t stride_in_, stride_out_;
   std::optional<Vec3> fitting_scale_;
-  bool positions_change_, returns_missing_, moved_, notes_rounding_;
+  bool positions_change_, returns_missing_, overlap_by_class_, moved_, notes_rounding_;
   mutable std::atomic<bool> rounds_ = false;  ///< a coordinate lay beside the grid
   std::byte only_return_;
   std::string path_;

@@ -17,6 +17,8 @@ namespace pointsweep {
 /// Bits of the global encoding. The coordinate reference system is the WKT, which point formats 6 to 10 must claim with
 /// a system or without; GPS times are adjusted standard GPS time, not seconds of the GPS week.
 inline constexpr std::uint16_t kLasWktBit = 1 << 4, kLasStandardTimeBit = 1 << 0;
+/// Bits of the global encoding by which waveforms are in the file, or in another one.
+inline constexpr std::uint16_t kLasWaveformBits = 1 << 1 | 1 << 2;
 /// Bits of the global encoding that LAS 1.3 defines.
 inline constexpr std::uint16_t kLasEncodingBits13 = 0x0F;
 

@@ -44,7 +44,8 @@ class Builder {
   }
 
   LasLayout build() {
-    kept_ = input_ != nullptr && las_keeps_records(*input_, plan_.schema, plan_.layout) && !makes_fields_of_formats();
+    kept_ = input_ != nullptr && las_keeps_records(*input_, plan_.schema, plan_.layout) && !makes_fields_of_formats() &&
+            !(points_ == LasPoints::nodes && has_arrays(*input_));
     layout_.points_moved = is_made("x");
     layout_.grid_is_stated = plan_.layout.scale || plan_.layout.offset;
     if (plan_.bounds && !plan_.bounds->empty()) layout_.fitting_scale = fitting_scale(*plan_.bounds);
@@ -56,6 +57,7 @@ class Builder {
     layout_.header.record_length = static_cast<std::uint16_t>(layout_.to.stride);
     if (plan_.count > std::numeric_limits<std::uint32_t>::max()) upgrade_las_header(layout_.header, 4);
     if (plan_.layout.las_version) take_version(*plan_.layout.las_version);
+    if (points_ == LasPoints::nodes) keep_standard_header();
     choose_crs();
     warn_of_waveforms();
     if (!kept_) warn_of_unnamed_bytes();
@@ -64,6 +66,24 @@ class Builder {
   }
 
  private:
+  static bool has_arrays(const LasExtras& input) {
+    return std::ranges::any_of(input.schema.fields, [](const Field& field) { return field.count > 1; });
+  }
+
+  /// Leaves out what follows the standard header, since readers of COPC expect its first VLR there, and the reference
+  /// to waveforms, for which its point formats have no fields.
+  void keep_standard_header() {
+    LasHeader& header = layout_.header;
+    if (header.header_size > standard_header_size(4))
+      layout_.warnings.push_back(
+          fmt::format("{}: {} bytes after the header of the input are left out; COPC has no place for them.",
+                      plan_.path.string(), header.header_size - standard_header_size(4)));
+    header.header_size = standard_header_size(4);
+    header.bytes.resize(header.header_size);
+    header.waveform_start = 0;
+    header.global_encoding = static_cast<std::uint16_t>(header.global_encoding & ~kLasWaveformBits);
+  }
+
   /// Values of `from` go to `to`.
   void connect(Field from, Field to) {
     from.name = to.name = std::to_string(layout_.from.fields.size());
@@ -206,6 +226,8 @@ class Builder {
         inexact.push_back(*at);
     }
     layout_.returns_missing = !schema.find("return_number");
+    layout_.overlap_by_class = plan_.las && plan_.las->overlap_is_class_12 && !schema.find("overlap") &&
+                               schema.find("classification") && header.point_format >= kFirstModernLasFormat;
     std::vector<std::string> without_field;
     for (std::size_t i = 0; i < schema.fields.size(); ++i) {
       if (stored[i]) continue;

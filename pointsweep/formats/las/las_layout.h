@@ -26,15 +26,19 @@ struct LasPiece {
   std::uint64_t size() const { return end - begin; }
 };
 
-enum class LasPoints { plain, compressed };
+/// The way in which a file holds its points; `nodes`: compressed, node by node of an octree (COPC).
+enum class LasPoints { plain, compressed, nodes };
 
-/// The file is: header, `before` of the input, `added_vlrs`, `between` of the input, `provenance_vlrs`, `after` of the
-/// input, points, `tail` of the input. VLRs about the compression of the input are left out.
+/// The file is: header, `first_vlrs`, `before` of the input, `added_vlrs`, `between` of the input, `provenance_vlrs`,
+/// `after` of the input, points, `tail` of the input. VLRs about the compression of the input and its nodes are left
+/// out.
 struct LasLayout {
   LasHeader header;                        ///< all but counts and bounds
   std::shared_ptr<const InputFile> input;  ///< null if the input is not LAS
   std::vector<LasPiece> before, between;
-  LasPiece after, tail;
+  LasPiece after;
+  std::vector<LasPiece> tail;
+  std::vector<std::byte> first_vlrs;       ///< with its header, the COPC VLR, which is to be filled in
   std::vector<std::byte> added_vlrs;       ///< with their headers; empty if the pieces of the input have all
   std::vector<std::byte> provenance_vlrs;  ///< likewise; those of the input are in its pieces
   std::vector<std::string> warnings;       ///< what the file cannot hold
@@ -49,6 +53,7 @@ struct LasLayout {
   bool grid_is_stated = false;        ///< all are rounded to steps that the user states
   std::optional<Vec3> fitting_scale;  ///< scales that hold all coordinates, where the bounds are known
   bool returns_missing = false;       ///< no return numbers come: every point is return 1 of 1
+  bool overlap_by_class = false;      ///< no overlap flags come: points of class 12 (overlap) get them
 
   /// If they are not compressed.
   std::uint64_t points_end(std::uint64_t count) const;

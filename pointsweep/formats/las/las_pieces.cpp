@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/las/copc_layout.h"
 #include "pointsweep/formats/las/las_layout.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las/las_vlrs.h"
@@ -25,7 +26,11 @@ class PiecePlacer {
     LasHeader& header = layout_.header;
     const std::uint32_t removed = input_ != nullptr ? place_input() : 0;
     std::uint32_t added = 0;
-    if (points_ == LasPoints::compressed) {
+    if (points_ == LasPoints::nodes) {
+      layout_.first_vlrs = las_vlr(kCopcUser, kCopcRecord, "COPC info", std::vector<std::byte>(kCopcInfoBytes));
+      ++added;
+    }
+    if (points_ != LasPoints::plain) {
       add_laszip_vlr();
       ++added;
     }
@@ -38,16 +43,19 @@ class PiecePlacer {
     if (added != 0 || removed != 0) {
       header.vlr_count = (input_ != nullptr ? input_->vlrs.count : 0) + added - removed;
     }
-    const std::uint64_t points = header.header_size + size_of_all(layout_.before) + layout_.added_vlrs.size() +
-                                 size_of_all(layout_.between) + layout_.provenance_vlrs.size() + layout_.after.size();
+    const std::uint64_t points = header.header_size + layout_.first_vlrs.size() + size_of_all(layout_.before) +
+                                 layout_.added_vlrs.size() + size_of_all(layout_.between) +
+                                 layout_.provenance_vlrs.size() + layout_.after.size();
     if (points > std::numeric_limits<std::uint32_t>::max()) {
       fail("{}: the header and VLRs would take {} bytes, and LAS allows 4294967295; write PLY.", plan_.path.string(),
            points);
     }
     header.offset_to_points = static_cast<std::uint32_t>(points);
-    if (input_ == nullptr) return;
-    move_reference(header.evlr_start);
-    move_reference(header.waveform_start);
+    if (input_ != nullptr) {
+      move_reference(header.evlr_start);
+      move_reference(header.waveform_start);
+    }
+    if (points_ == LasPoints::nodes) add_hierarchy();
   }
 
  private:
@@ -55,7 +63,7 @@ class PiecePlacer {
   std::uint32_t place_input() {
     const LasVlrChain& vlrs = input_->vlrs;
     layout_.after = {vlrs.end, input_->header.offset_to_points};
-    layout_.tail = {input_->points_end, input_->file->size()};
+    place_tail();
     std::vector<LasVlr> left_out;
     for (const std::optional<LasVlr>& vlr : {vlrs.laszip, vlrs.copc})
       if (vlr) left_out.push_back(*vlr);
@@ -64,6 +72,26 @@ class PiecePlacer {
     layout_.before = pieces_without(left_out, {vlrs.start, stale ? vlrs.extra_bytes->start : vlrs.end});
     if (stale) layout_.between = pieces_without(left_out, {vlrs.extra_bytes->end(), vlrs.end});
     return static_cast<std::uint32_t>(left_out.size()) + (stale ? 1 : 0);
+  }
+
+  /// All that follows the points of the input but its COPC hierarchy; before a hierarchy of the output, extended VLRs
+  /// alone.
+  void place_tail() {
+    const LasVlrChain& evlrs = input_->evlrs;
+    LasPiece tail{input_->points_end, input_->file->size()};
+    if (points_ == LasPoints::nodes) tail = {evlrs.start, evlrs.end};
+    layout_.tail = {tail};
+    if (!evlrs.copc_hierarchy) return;
+    layout_.tail = pieces_without({*evlrs.copc_hierarchy}, tail);
+    if (--layout_.header.evlr_count == 0) layout_.header.evlr_start = 0;
+  }
+
+  /// The extended VLR with the nodes follows those of the input.
+  void add_hierarchy() {
+    LasHeader& header = layout_.header;
+    const LasVlrChain none, &evlrs = input_ != nullptr ? input_->evlrs : none;
+    header.evlr_start = layout_.points_end(plan_.count);
+    header.evlr_count = evlrs.count - (evlrs.copc_hierarchy ? 1 : 0) + 1;
   }
 
   static std::vector<LasPiece> pieces_without(std::vector<LasVlr> left_out, LasPiece all) {
@@ -86,13 +114,17 @@ class PiecePlacer {
 
   /// Moves a byte offset of the input that refers to a place after its points.
   void move_reference(std::uint64_t& place) const {
-    if (place >= input_->points_end) place = place - input_->points_end + layout_.points_end(plan_.count);
+    if (place < input_->points_end) return;
+    const std::optional<LasVlr>& left_out = input_->evlrs.copc_hierarchy;
+    if (left_out && place >= left_out->end()) place -= left_out->end() - left_out->start;
+    place = place - input_->points_end + layout_.points_end(plan_.count);
   }
 
   void add_laszip_vlr() {
     const LasHeader& header = layout_.header;
     const auto extra_bytes = static_cast<std::uint16_t>(header.record_length - *las_record_length(header.point_format));
-    layout_.laz = LazLayout::for_format(header.point_format, extra_bytes, kLazChunkPoints, plan_.path.string());
+    const std::uint32_t chunk = points_ == LasPoints::nodes ? LazLayout::kVariable : kLazChunkPoints;
+    layout_.laz = LazLayout::for_format(header.point_format, extra_bytes, chunk, plan_.path.string());
     append(layout_.added_vlrs, las_vlr(kLaszipUser, kLaszipRecord, "https://laszip.org", layout_.laz->vlr()));
   }
 

@@ -33,6 +33,8 @@ bool las_has_time(int point_format);
 
 /// The place of the return number in a record: the low bits of byte 14, under this mask.
 inline constexpr std::uint32_t kLasReturnByte = 14;
+/// The place of the GPS time in a record of point formats 6 to 10.
+inline constexpr std::size_t kLasModernTimeAt = 22;
 inline std::uint8_t las_return_mask(int point_format) { return point_format >= 6 ? 0x0F : 0x07; }
 
 /// Returns whether some point format has a field of the name, x, y and z left out.

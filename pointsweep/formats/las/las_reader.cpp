@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/las/copc_layout.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las/laz_points.h"
@@ -90,7 +91,8 @@ std::shared_ptr<LasExtras> read_extras(const std::filesystem::path& path, std::v
   extras->points_end = end_of_points(header, extras->file->size());
   extras->vlrs = walk_las_vlrs(*extras->file, LasVlrKind::vlr, header.header_size, header.offset_to_points,
                                header.vlr_count, warnings);
-  const LasVlrChain evlrs = walk_evlrs(*extras, warnings);
+  extras->evlrs = walk_evlrs(*extras, warnings);
+  const LasVlrChain& evlrs = extras->evlrs;
   extras->crs = read_las_crs(*extras->file, header, extras->vlrs, evlrs);
   extras->crs_in_evlrs = !evlrs.projection.empty();
   const std::optional<LasVlr> vlr = extras->vlrs.extra_bytes ? extras->vlrs.extra_bytes : evlrs.extra_bytes;

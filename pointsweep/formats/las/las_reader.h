@@ -27,6 +27,7 @@ struct LasExtras final : FormatExtras {
   LasHeader header;
   Schema schema;                        ///< of the point records
   LasVlrChain vlrs;                     ///< between header and points
+  LasVlrChain evlrs;                    ///< after the points
   std::vector<std::byte> extra_bytes;   ///< descriptors that fit the records; empty if there are none
   std::uint64_t points_end = 0;         ///< byte after the last point, or after all bytes of compressed points
   std::optional<Crs> crs;               ///< what VLRs or extended VLRs state

@@ -43,6 +43,7 @@ std::optional<LasVlr>* place_of(LasVlrChain& chain, std::string_view user, std::
   if (user == kLasSpecUser && record == kExtraBytesRecord) return &chain.extra_bytes;
   if (user == kLaszipUser && record == kLaszipRecord) return &chain.laszip;
   if (user == kCopcUser && record == kCopcRecord) return &chain.copc;
+  if (user == kCopcUser && record == kCopcHierarchyRecord) return &chain.copc_hierarchy;
   if (user != kLasProjectionUser) return nullptr;
   if (record == kWktRecord) return &chain.wkt;
   if (record == kGeoKeysRecord) return &chain.geo_keys;
@@ -94,6 +95,20 @@ void append_vlr(LasCrsVlrs& all, std::uint16_t record, std::string_view descript
   ++all.count;
 }
 
+/// Returns a VLR or an extended VLR: they differ in the type of the length.
+template <class Length>
+std::vector<std::byte> record_of(Length length, std::string_view user, std::uint16_t record,
+                                 std::string_view description, std::span<const std::byte> content) {
+  constexpr std::size_t kLengthAt = 20, kDescriptionAt = kLengthAt + sizeof length;
+  std::vector<std::byte> bytes(kDescriptionAt + 32);
+  std::memcpy(bytes.data() + 2, user.data(), std::min<std::size_t>(user.size(), 16));
+  std::memcpy(bytes.data() + 18, &record, sizeof record);
+  std::memcpy(bytes.data() + kLengthAt, &length, sizeof length);
+  std::memcpy(bytes.data() + kDescriptionAt, description.data(), std::min<std::size_t>(description.size(), 32));
+  bytes.insert(bytes.end(), content.begin(), content.end());
+  return bytes;
+}
+
 }  // namespace
 
 LasVlrChain walk_las_vlrs(const InputFile& file, LasVlrKind kind, std::uint64_t start, std::uint64_t limit,
@@ -135,14 +150,12 @@ std::optional<Crs> read_las_crs(const InputFile& file, const LasHeader& header, 
 std::vector<std::byte> las_vlr(std::string_view user, std::uint16_t record, std::string_view description,
                                std::span<const std::byte> content) {
   assert(content.size() <= kLongestVlr && "the length of a VLR has 16 bits");
-  std::vector<std::byte> vlr(kLasVlrHeader + content.size());
-  const auto length = static_cast<std::uint16_t>(content.size());
-  std::memcpy(vlr.data() + 2, user.data(), std::min<std::size_t>(user.size(), 16));
-  std::memcpy(vlr.data() + 18, &record, sizeof record);
-  std::memcpy(vlr.data() + 20, &length, sizeof length);
-  std::memcpy(vlr.data() + 22, description.data(), std::min<std::size_t>(description.size(), 32));
-  std::copy(content.begin(), content.end(), vlr.begin() + kLasVlrHeader);
-  return vlr;
+  return record_of(static_cast<std::uint16_t>(content.size()), user, record, description, content);
+}
+
+std::vector<std::byte> las_evlr(std::string_view user, std::uint16_t record, std::string_view description,
+                                std::span<const std::byte> content) {
+  return record_of(std::uint64_t{content.size()}, user, record, description, content);
 }
 
 LasCrsVlrs las_crs_vlrs(const Crs& crs) {

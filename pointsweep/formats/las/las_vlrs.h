@@ -23,9 +23,9 @@ inline constexpr std::uint16_t kExtraBytesRecord = 4;
 inline constexpr std::string_view kLasProjectionUser = "LASF_Projection";
 inline constexpr std::uint16_t kWktRecord = 2112, kGeoKeysRecord = 34735, kGeoDoublesRecord = 34736,
                                kGeoAsciiRecord = 34737;
-/// User and record of the VLR that says how a COPC file is laid out.
+/// User and records of the VLR that says how a COPC file is laid out, and of the extended VLR with its nodes.
 inline constexpr std::string_view kCopcUser = "copc";
-inline constexpr std::uint16_t kCopcRecord = 1;
+inline constexpr std::uint16_t kCopcRecord = 1, kCopcHierarchyRecord = 1000;
 /// User and record of the VLRs that say how the file was made (formats/provenance.h): lines, each ended by a line feed.
 inline constexpr std::string_view kProvenanceUser = "pointsweep";
 inline constexpr std::uint16_t kProvenanceRecord = 1;
@@ -43,7 +43,7 @@ struct LasVlrChain {
   std::uint64_t start = 0, end = 0;                             ///< bytes of the records that are whole
   std::uint32_t count = 0;                                      ///< of the records that are whole
   std::optional<LasVlr> extra_bytes;                            ///< the first one
-  std::optional<LasVlr> laszip, copc;                           ///< of compressed files; the first of each
+  std::optional<LasVlr> laszip, copc, copc_hierarchy;           ///< of compressed files; the first of each
   std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first of each: see read_las_crs()
   std::vector<LasVlr> provenance;                               ///< the first 256
   std::vector<LasVlr> projection;                               ///< likewise; all that state a system
@@ -64,6 +64,9 @@ std::optional<Crs> read_las_crs(const InputFile& file, const LasHeader& header, 
 /// A VLR: its header of 54 bytes and `content`, at most 65,535 bytes.
 std::vector<std::byte> las_vlr(std::string_view user, std::uint16_t record, std::string_view description,
                                std::span<const std::byte> content);
+/// An extended VLR: its header of 60 bytes and `content`.
+std::vector<std::byte> las_evlr(std::string_view user, std::uint16_t record, std::string_view description,
+                                std::span<const std::byte> content);
 
 /// Bytes that a VLR can hold.
 inline constexpr std::size_t kLongestVlr = 65535;

@@ -29,7 +29,7 @@ class LazLayout {
  public:
   /// Reads the content of the VLR. Throws Error: "PATH: cannot be decompressed: ...".
   static LazLayout parse(std::span<const std::byte> vlr, const std::string& path);
-  /// For writing records of a point format (0 to 10) with extra bytes. Throws Error.
+  /// For writing records of a point format (0 to 10) with extra bytes; `chunk_points` may be kVariable. Throws Error.
   static LazLayout for_format(std::uint8_t point_format, std::uint16_t extra_bytes, std::uint32_t chunk_points,
                               const std::string& path);
 

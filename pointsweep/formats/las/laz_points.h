@@ -62,9 +62,6 @@ class LazPoints {
   std::vector<std::uint64_t> first_row_, first_byte_;  ///< by chunk, and one more for the end
 };
 
-/// Length of the content of the info VLR.
-inline constexpr std::uint64_t kCopcInfoBytes = 160;
-
 /// By chunk of `points` the box of the node that the hierarchy says it is: a hint, not to be trusted. Empty where the
 /// hierarchy contradicts itself, the chunk table or the file: then `why_not` says why, as the end of a sentence.
 /// `info`: the byte where the content of the info VLR begins. Reads at most as many bytes as the file has.

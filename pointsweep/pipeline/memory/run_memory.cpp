@@ -299,6 +299,13 @@ std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, 
   return most;
 }
 
+std::uint64_t aside_bytes(const Outputs& outputs, std::uint64_t record_bytes) {
+  std::uint64_t most = 0;
+  for (const OutputFormat& output : output_formats(outputs))
+    if (output.format->aside_bytes != nullptr) most = std::max(most, output.format->aside_bytes(record_bytes));
+  return most;
+}
+
 unsigned threads_asked_for(const EngineOptions& options) {
   return options.resources.threads != 0 ? options.resources.threads : std::max(1u, std::thread::hardware_concurrency());
 }

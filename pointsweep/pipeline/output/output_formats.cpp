@@ -148,11 +148,11 @@ void require_layout_possible(const Outputs& outputs, const EngineOptions& option
       const auto takes = [&](const Format* format) {
         return std::ranges::find(format->layout, option.name) != format->layout.end();
       };
-      std::set<std::string_view> takers;
+      std::vector<std::string_view> takers;
       for (const Format* format : formats())
-        if (takes(format)) takers.insert(format->name);
+        if (takes(format) && std::ranges::find(takers, format->name) == takers.end()) takers.push_back(format->name);
       if (takers.empty() || takes(output.format) || option.text(options).empty()) continue;
-      fail_usage("{}: is for {} outputs, and {} is {}; leave the option out.", option.flag, fmt::join(takers, " and "),
+      fail_usage("{}: is for {} outputs, and {} is {}; leave the option out.", option.flag, fmt::join(takers, ", "),
                  output.example.string(), output.format->name);
     }
 }
@@ -242,7 +242,16 @@ void require_outputs(const Outputs& outputs) {
     fail_usage("the run has no output: name a point file, arrays, a writer or tiles.");
 }
 
+void require_order_kept(const Outputs& outputs) {
+  for (const OutputFormat& output : output_formats(outputs))
+    if (output.format->reorders)
+      fail_usage(
+          "{}: {} has its points in an order of its own; write another format, e.g. LAZ, to have them along an axis.",
+          output.example.string(), output.format->name);
+}
+
 void require_outputs_possible(const Outputs& outputs, const EngineOptions& options) {
+  if (options.order == Order::sweep) require_order_kept(outputs);
   require_layout_possible(outputs, options);
   require_division_possible(outputs, options);
   if (outputs.tiles.empty()) return;

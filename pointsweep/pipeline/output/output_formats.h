@@ -56,6 +56,9 @@ OutputNames names_in_outputs(const InputCloud& cloud, const ChainPlan& plan, con
 /// Throws UsageError where nothing is to be written.
 void require_outputs(const Outputs& outputs);
 
+/// Throws UsageError for a format whose writer puts points in an order of its own.
+void require_order_kept(const Outputs& outputs);
+
 /// Throws UsageError for a request that only one output of all points can fulfil, if there are tiles, and for a wish
 /// about the layout of files (FileLayout) that the format of an output has no place for.
 void require_outputs_possible(const Outputs& outputs, const EngineOptions& options);

@@ -61,9 +61,11 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
                         .made = made,
                         .provenance = std::move(provenance),
                         .layout = options.layout,
-                        .encoder_bytes = place.encoder_bytes};
+                        .encoder_bytes = place.encoder_bytes,
+                        .scratch = place.scratch};
   if (options.division.divides()) {
-    auto divided = std::make_unique<DividedWriter>(plan, options.division, std::move(place.division));
+    auto divided =
+        std::make_unique<DividedWriter>(plan, options.division, DivisionRoom{place.division_bytes, place.scratch});
     divided_ = divided.get();
     points_.add(std::move(divided));
   } else if (!outputs.points.empty()) {

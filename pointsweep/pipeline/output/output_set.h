@@ -21,7 +21,8 @@ struct OutputPlace {
   std::optional<Box> bounds;                  ///< OutputPlan::bounds
   std::shared_ptr<const KnownValues> values;  ///< OutputPlan::values
   std::uint64_t encoder_bytes = 0;            ///< OutputPlan::encoder_bytes
-  DivisionRoom division = {};                 ///< for EngineOptions::division
+  std::uint64_t division_bytes = 0;           ///< DivisionRoom::bytes
+  MakeScratch scratch = {};                   ///< OutputPlan::scratch
 };
 
 class OutputSet {

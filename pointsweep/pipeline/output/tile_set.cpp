@@ -200,6 +200,7 @@ void TileSet::open_next() {
   if (finished_.has(t, output)) return void(++complete_);
   const KeptFields kept = kept_of(request_.names.kept, request_.cloud.schema(), cloud.schema());
   OutputPlace place = place_of_tile(cloud, format_of_output(output), first);
+  place.scratch = request_.scratch;
   tile_->files.emplace(cloud, request_.names.made, kept, Outputs{.points = output}, request_.options, std::move(place),
                        request_.provenance(cloud, t));
 }

@@ -77,6 +77,7 @@ struct TileRequest {
   std::optional<MovedPoints> moved = std::nullopt;
   /// The most tiles that are completed in the background while the next tile gets its rows; limited by the memory.
   std::size_t completing = 0;
+  MakeScratch scratch = {};  ///< OutputPlan::scratch
 };
 
 /// Throws for faults that are known before the work: outputs that exist or cannot be written, attributes that would be

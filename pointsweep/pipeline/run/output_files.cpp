@@ -224,6 +224,21 @@ struct EncoderMemory {
   std::uint64_t spare;       ///< bytes that the plan leaves free
 };
 
+/// Throws Error unless the temporary folder has room for what the output puts aside.
+void require_room_aside(const Context& context, const WorkPlan& work) {
+  if (!work.layout || !context.outputs.tiles.empty() || context.options.division.divides()) return;
+  const std::uint64_t needed = context.cloud.count() * aside_bytes(context.outputs, work.layout->schema().stride);
+  if (needed <= EncoderMemory(context, work).encoding(context.options) / 2) return;
+  const std::filesystem::path folder = temp_parent(context.options.resources.temp_folder);
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(folder, error);
+  if (error || space.available >= needed) return;
+  fail(
+      "{}: {} bytes are free in the temporary folder, and the points of {} need {} until their nodes are known; free "
+      "some there or name another folder with --temp-dir.",
+      folder.string(), space.available, context.outputs.points.string(), needed);
+}
+
 std::string text_of(const Box& box) {
   return fmt::format("x {:.9g} .. {:.9g}, y {:.9g} .. {:.9g}", box.lo.x, box.hi.x, box.lo.y, box.hi.y);
 }
@@ -267,6 +282,7 @@ void OutputFiles::make_folder(const Context& context) {
 }
 
 void OutputFiles::open(const Context& context, const WorkPlan& work, const Survey& survey, const Rows& rows) {
+  require_room_aside(context, work);
   const bool late = context.plan.opens_late();
   if (late || !context.outputs.tiles.empty()) require_writable(context, survey.bounds);
   if (!late) open_files(context, work, survey, rows);
@@ -292,13 +308,13 @@ void OutputFiles::open_files(const Context& context, const WorkPlan& work, const
     TileRequest request = tiles_of(context, survey.axis);
     request.moved = moved_points(context, rows);
     request.completing = memory.tiles_completing();
+    request.scratch = context.places.scratch();
     tiles_.emplace(request, FinishedTiles(context.options.resume_folder));
     return;
   }
   OutputPlace place{bounds_if_known(context, survey, rows.values),
                     values_if_needed(context, format_of_output(context.outputs.points)),
-                    memory.encoding(context.options),
-                    {memory.division(context.options), context.places.scratch()}};
+                    memory.encoding(context.options), memory.division(context.options), context.places.scratch()};
   files_.emplace(context.cloud, context.names.made, context.names.kept, context.outputs, context.options,
                  std::move(place), provenance_of(context.cloud, said_of(context, survey.axis)));
 }

@@ -179,6 +179,7 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
       out.budget, out.planned, out.points, survey(source, options.axis, false), options, layout.schema().stride,
       [&](unsigned threads) { return codec_bytes(cloud, outputs, options, layout.schema().stride, threads); },
       on_demand_order(cloud, out.planned, options));
+  out.aside_bytes = out.points * aside_bytes(outputs, layout.schema().stride);
   if (!out.memory.threads_note.empty()) out.notes.push_back(out.memory.threads_note);
   return out;
 }
@@ -205,12 +206,17 @@ std::string to_text(const Preview& p) {
                         p.memory.reordering.spill_stream ? "spilled" : "in memory");
   if (p.tiles > 0)
     text += fmt::format("outputs       {}, one for each input, with its rows, attributes and header\n", p.tiles);
+  if (p.aside_bytes > 0)
+    text +=
+        fmt::format("aside         up to {:.1f} MB in the temporary folder, until all points of the output are there\n",
+                    megabytes(p.aside_bytes));
   if (p.is_divided) text += "outputs       the points are divided among files when all of them are made\n";
   return text + memory_text(p);
 }
 
 SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options,
                          const std::vector<std::string>& keep) {
+  require_order_kept({.points = output});
   if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
   const KeptFields kept = keep.empty() ? KeptFields() : kept_fields(keep, {}, cloud.schema());
   const PointSource source{cloud.schema(), cloud.count(),

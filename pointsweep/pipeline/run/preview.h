@@ -28,6 +28,7 @@ struct Preview {
   std::optional<int> axis;          ///< that was asked for
   std::uint64_t budget = 0;
   std::uint64_t decoded_bytes = 0;  ///< decoded_input_bytes()
+  std::uint64_t aside_bytes = 0;    ///< of all points, see pointsweep::aside_bytes()
   RunMemory memory;
 };
 

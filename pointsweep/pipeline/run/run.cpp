@@ -269,6 +269,7 @@ Statistics run(InputCloud& cloud, const Chain& chain, const Outputs& outputs, co
 
 Statistics sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options,
                 const std::vector<std::string>& keep) {
+  require_order_kept({.points = output});
   return run_plan(cloud, {.points = output}, options, plan_sort(cloud.schema(), keep));
 }
 

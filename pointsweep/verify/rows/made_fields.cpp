@@ -27,6 +27,16 @@ bool is_field_of(const Schema& schema, const std::string& name) {
          std::any_of(schema.fields.begin(), schema.fields.end(), copy);
 }
 
+namespace {
+
+/// LAS: class 12 of old point formats becomes class 12 with the overlap flag, for which they have no field.
+bool is_overlap_by_class(const Field& field, const Schema& schema, const std::byte* record) {
+  const auto classification = schema.find("classification");
+  return field.name == "overlap" && classification && value_of(schema.fields[*classification], record) == 12;
+}
+
+}  // namespace
+
 std::vector<std::string> unfilled_fields(RowSource& out, const std::vector<std::string>& names, OwnField own_field) {
   std::vector<std::pair<Field, double>> own;
   for (const Field& field : out.schema().fields)
@@ -36,7 +46,9 @@ std::vector<std::string> unfilled_fields(RowSource& out, const std::vector<std::
     const std::uint64_t rows = std::min<std::uint64_t>(out.block_rows(), out.count() - first);
     const std::byte* record = out.read(first, rows).data();
     for (std::uint64_t i = 0; i < rows; ++i, record += out.schema().stride)
-      std::erase_if(own, [&](const auto& one) { return value_of(one.first, record) != one.second; });
+      std::erase_if(own, [&](const auto& one) {
+        return value_of(one.first, record) != one.second && !is_overlap_by_class(one.first, out.schema(), record);
+      });
   }
   std::vector<std::string> unfilled;
   for (const auto& [field, value] : own) unfilled.push_back(field.name);

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+/// The nodes of a COPC file: points in the order of the curve become chunks in the order of the file.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/las/copc_layout.h"
+#include "pointsweep/formats/las/laz_layout.h"
+#include "pointsweep/levels/curve_key.h"
+#include "pointsweep/points/scratch.h"
+
+namespace pointsweep {
+
+/// Only one node of each depth is open at a time, since the points of a node follow each other on the curve. The points
+/// of a node are compressed in the order of their GPS times, else of the curve; the threads compress several nodes at
+/// once.
+class CopcNodes {
+ public:
+  /// `memory_bytes`: for the points of complete nodes that wait to be compressed. The chunks are put into `aside`.
+  CopcNodes(const LazLayout& laz, std::size_t record_bytes, std::uint64_t memory_bytes, std::unique_ptr<Scratch> aside,
+            std::string path);
+
+  /// Takes the next point: a record of point format 6, 7 or 8.
+  void add(const CurveKey& key, int depth, const std::byte* record);
+
+  using Put = std::function<void(std::uint64_t at, std::span<const std::byte> bytes)>;
+  /// All points have come: puts the chunks of all nodes, by depth, then along the curve, from byte `at` on, and returns
+  /// the nodes in that order.
+  std::vector<CopcNode> finish(std::uint64_t at, const Put& put);
+
+ private:
+  struct Waiting {
+    Octant octant;
+    std::vector<std::byte> records;
+  };
+  void close(int depth);
+  void compress();
+  void sort_by_time(std::vector<std::byte>& records) const;
+
+  const LazLayout& laz_;
+  std::size_t record_bytes_;
+  std::uint64_t memory_;
+  std::unique_ptr<Scratch> aside_;
+  std::string path_;
+  std::array<std::vector<std::byte>, kMostDepth + 1> open_;  ///< by depth
+  CurveKey last_;
+  std::vector<Waiting> waiting_;
+  std::uint64_t waiting_bytes_ = 0, aside_bytes_ = 0;
+  std::vector<CopcNode> nodes_;  ///< with the offset in aside_
+};
+
+}  // namespace pointsweep

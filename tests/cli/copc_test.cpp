@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+/// COPC outputs as a user makes them. Whether their levels are good and other programs read them is the matter of
+/// tests/levels and tests/readers.
+#include <algorithm>
+#include <cstring>
+#include <sstream>
+#include <vector>
+
+#include "tests/cli/tool.h"
+
+namespace pointsweep {
+namespace {
+
+class Copc : public Tool {
+ protected:
+  /// The lines of a file as text, in any order.
+  std::vector<std::string> points_of(const std::string& file) {
+    std::istringstream text(made("convert " + file + " text.csv --force --no-provenance", "text.csv"));
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(text, line);) lines.push_back(line);
+    std::ranges::sort(lines);
+    return lines;
+  }
+  /// Writes `input` as COPC, which must hold the same points, and returns the file.
+  std::string converted(const std::string& input, const std::string& options = "") {
+    const std::string file = made("convert " + input + " out.copc.laz --force " + options, "out.copc.laz");
+    EXPECT_EQ(points_of("out.copc.laz"), points_of(input)) << input;
+    EXPECT_EQ(tool("verify " + input + " out.copc.laz").status, 0) << input;
+    return file;
+  }
+  /// Text with one point in a line.
+  void write_points(const std::string& name, std::size_t count, const auto& line) {
+    std::string text = "x y z intensity\n";
+    for (std::size_t i = 0; i < count; ++i) text += line(i) + "\n";
+    write(name, text);
+  }
+};
+
+template <class T>
+T number_at(const std::string& file, std::size_t at) {
+  T value;
+  std::memcpy(&value, file.data() + at, sizeof value);
+  return value;
+}
+
+TEST_F(Copc, HasTheSameBytesForAnyThreadsMemoryOrderAndTiles) {
+  made("generate tls in.las -n 300000");
+  made("sort in.las sorted.las --axis z --no-provenance");
+  made("tile in.las tiles/ --size 40 --no-provenance");
+  const auto bytes = [&](const std::string& input, const std::string& options) {
+    return made("convert " + input + " out.copc.laz --force --no-provenance " + options, "out.copc.laz");
+  };
+  const std::string expected = bytes("in.las", "--threads 1");
+  EXPECT_TRUE(expected == bytes("in.las", "--threads 3 --memory 100M"));
+  EXPECT_TRUE(expected == bytes("in.las", "--threads 1 --memory 80M"));
+  EXPECT_TRUE(expected == bytes("sorted.las", ""));
+  EXPECT_TRUE(expected == bytes("tiles/", ""));
+}
+
+TEST_F(Copc, HoldsThePointsOfHostileClouds) {
+  write_points("one.txt", 1, [](std::size_t) { return std::string("1.5 2.5 3.5 7"); });
+  write_points("equal.txt", 120'000, [](std::size_t i) { return "1.5 2.5 3.5 " + std::to_string(i % 3); });
+  write_points("line.txt", 120'000, [](std::size_t i) { return std::to_string(i % 5000) + " 0 0 1"; });
+  write_points("outlier.txt", 120'000, [](std::size_t i) {
+    return i == 0 ? std::string("1000000000 -1000000000 5 1")
+                  : std::to_string(i % 700) + " " + std::to_string(i % 91) + " " + std::to_string(i % 13) + " 1";
+  });
+  for (const std::string name : {"one", "equal", "line", "outlier"}) {
+    made("convert " + name + ".txt " + name + ".las");
+    converted(name + ".las");
+  }
+  made("convert outlier.txt uneven.las --scale 10,0.5,0.25 --offset 0,0,0");
+  converted("uneven.las");
+}
+
+TEST_F(Copc, OfNoPointsHasAnEmptyRoot) {
+  made("generate terrain in.las -n 100");
+  const std::string file = made("run in.las out.copc.laz --pipeline 'where(x < -5)' --no-provenance", "out.copc.laz");
+  const auto root = number_at<std::uint64_t>(file, 375 + 54 + 40);
+  ASSERT_LE(root + 32, file.size());
+  EXPECT_EQ(file.substr(root, 32), std::string(32, '\0'));
+  EXPECT_GT(number_at<double>(file, 375 + 54 + 24), 0) << "half the width of the cube";
+}
+
+TEST_F(Copc, StatesWhatTheFormatAsksFor) {
+  made("generate terrain in.las -n 150000");
+  const std::string file = converted("in.las", "--point-format 6");
+  EXPECT_EQ(number_at<std::uint16_t>(file, 94), 375) << "bytes of the header";
+  EXPECT_EQ(file[104] & 0x3f, 6);
+  EXPECT_EQ(number_at<std::uint16_t>(file, 375 + 18), 1) << "the info record is the first";
+  EXPECT_EQ(number_at<std::uint32_t>(file, 243), 1u) << "extended records";
+  const auto hierarchy = number_at<std::uint64_t>(file, 235);
+  EXPECT_EQ(file.substr(hierarchy + 2, 5), std::string("copc\0", 5));
+  EXPECT_EQ(number_at<std::uint64_t>(file, 375 + 54 + 40), hierarchy + 60);
+  EXPECT_EQ(hierarchy + 60 + number_at<std::uint64_t>(file, 375 + 54 + 48), file.size());
+}
+
+TEST_F(Copc, AgainDropsTheRecordsOfTheOldOne) {
+  made("generate statue in.las -n 150000");
+  const std::string once = made("convert in.las once.copc.laz --no-provenance", "once.copc.laz");
+  EXPECT_TRUE(once == made("convert once.copc.laz twice.copc.laz --no-provenance", "twice.copc.laz"));
+  const std::string laz = made("convert once.copc.laz plain.laz --no-provenance", "plain.laz");
+  EXPECT_EQ(laz.find(std::string("copc\0", 5)), laz.npos);
+  EXPECT_EQ(number_at<std::uint32_t>(laz, 243), 0u) << "extended records";
+  EXPECT_TRUE(once == made("convert plain.laz back.copc.laz --no-provenance", "back.copc.laz"));
+}
+
+TEST_F(Copc, MapsPointFormatsOfOldFiles) {
+  made("generate terrain plain.ply -n 5000");
+  made(
+      "run plain.ply old.las --las-version 1.2 --point-format 3 --pipeline "
+      "'set(classification = 12, as=uint8) | set(classification = 2 where x < 500) | set(red = 65535, as=uint16) | "
+      "set(green = 256, as=uint16) | set(blue = 0, as=uint16) | set(gps_time = y)'");
+  made("convert old.las out.copc.laz");
+  EXPECT_EQ(tool("verify old.las out.copc.laz").status, 0);
+  made("convert out.copc.laz new.csv --keep x,classification,overlap,red,green,blue,gps_time", "new.csv");
+  std::istringstream lines(contents(folder_ / "new.csv"));
+  std::size_t classes = 0;
+  for (std::string line; std::getline(lines, line);)
+    if (line.find(",12,") != line.npos) {
+      ++classes;
+      EXPECT_NE(line.find(",12,1,65535,256,0,"), line.npos) << line;
+    }
+  EXPECT_GT(classes, 1000u);
+}
+
+TEST_F(Copc, RefusesWhatItCannotHold) {
+  made("generate terrain in.las -n 100");
+  refused(2, "convert in.las o.copc.laz --point-format 3", "COPC has the point formats 6, 7 and 8, not 3");
+  refused(2, "convert in.las o.copc.laz --point-format 10", "COPC has the point formats 6, 7 and 8, not 10");
+  refused(2, "convert in.las o.copc.laz --las-version 1.2", "COPC is LAS 1.4");
+  refused(2, "sort in.las o.copc.laz", "order of its own");
+  refused(2, "run in.las o.copc.laz --pipeline normals --order sweep", "order of its own");
+  EXPECT_FALSE(exists("o.copc.laz"));
+}
+
+TEST_F(Copc, IsMadeByAResumedRun) {
+  made("generate tls in.las -n 150000");
+  const std::string expected = made("normals in.las a.copc.laz --no-provenance", "a.copc.laz");
+  EXPECT_TRUE(expected == made("normals in.las b.copc.laz --no-provenance --resume r", "b.copc.laz"));
+}
+
+}  // namespace
+}  // namespace pointsweep

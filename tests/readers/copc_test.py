@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: MIT
+"""COPC files that the tool writes: laspy finds the points of each level where the bytes of the file say they are."""
+import laspy
+import numpy as np
+
+import tool
+from copc_file import read_copc
+from las_file import read_las
+
+LARGEST = 20_000_000  # bytes of a real file
+
+
+def records_of(points):
+    """Whole records in one order, so that two sets of them can be compared."""
+    data = np.ascontiguousarray(points.array)
+    return np.sort(data.view(np.dtype((np.void, data.dtype.itemsize))).reshape(-1))
+
+
+class CopcFilesHaveTheirPointsInTheNodesThatTheyName(tool.Files):
+    def test(self):
+        files = tool.real_files(".las", ".laz", largest=LARGEST)
+        self.each(files[:: max(1, len(files) // 12)], 10, self.check)
+
+    def check(self, path):
+        copc_path = self.folder / "out.copc.laz"
+        tool.run("convert", [path], copc_path, "--no-provenance", "--ignore-crs")
+        copc = read_copc(copc_path)
+        las = read_las(copc_path)  # as plain LAZ, by LASzip
+        whole = records_of(las.points)
+        self.check_tree(copc, len(whole))
+        levels = []
+        with laspy.CopcReader.open(str(copc_path)) as reader:
+            for level in sorted({node.level for node in copc.nodes.values() if node.points > 0}):
+                points = reader.level_query(level)
+                self.assertEqual(len(points), sum(n.points for n in copc.nodes.values() if n.level == level), f"level {level}")
+                self.check_places(copc, level, points)
+                levels.append(np.ascontiguousarray(points.array))
+        if levels:
+            every = np.sort(np.concatenate([one.view(np.dtype((np.void, one.dtype.itemsize))).reshape(-1) for one in levels]))
+            self.assertTrue(np.array_equal(every, whole), "the levels are the points of the file")
+        self.check_source(path, las)
+
+    def check_tree(self, copc, count):
+        self.assertIn((0, 0, 0, 0), copc.nodes)
+        self.assertEqual(sum(node.points for node in copc.nodes.values()), count)
+        self.assertTrue(all(node.level == 0 or node.parent() in copc.nodes for node in copc.nodes.values()), "ancestors")
+        used = sorted((node.offset, node.size) for node in copc.nodes.values() if node.points > 0)
+        self.assertTrue(all(a + n == b for (a, n), (b, _) in zip(used, used[1:])), "chunks without gaps")
+        by_level = [key[0] for key, node in sorted(copc.nodes.items(), key=lambda item: item[1].offset) if node.points > 0]
+        self.assertEqual(by_level, sorted(by_level), "coarse nodes stand first in the file")
+
+    def check_places(self, copc, level, points):
+        """Each point lies in a node of its level that has points."""
+        place = np.stack([np.asarray(points[axis]) for axis in "xyz"], axis=1)
+        low = copc.center - copc.half_size
+        side = 2 * copc.half_size / 2**level
+        cells = np.floor((place - low) / side).astype(np.int64)
+        found, counts = np.unique(cells, axis=0, return_counts=True)
+        want = {node.at: node.points for node in copc.nodes.values() if node.level == level and node.points > 0}
+        self.assertEqual({tuple(map(int, cell)): int(n) for cell, n in zip(found, counts)}, want)
+
+    def check_source(self, path, las):
+        """Coordinates and attributes are those of the input, and the header says so."""
+        source = read_las(path)
+        columns = lambda file: np.stack([np.asarray(file[name]) for name in ("X", "Y", "Z", "intensity", "user_data", "point_source_id")], axis=1)
+        order = lambda table: table[np.lexsort(table.T)]
+        self.assertTrue(np.array_equal(order(columns(las).astype(np.int64)), order(columns(source).astype(np.int64))))
+        self.assertEqual(las.header.point_format.id, {True: 7, False: 6}["red" in source.point_format.dimension_names]
+                         if "nir" not in source.point_format.dimension_names else 8)
+
+
+if __name__ == "__main__":
+    tool.main()
