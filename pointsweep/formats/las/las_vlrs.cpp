@@ -99,13 +99,13 @@ void append_vlr(LasCrsVlrs& all, std::uint16_t record, std::string_view descript
 template <class Length>
 std::vector<std::byte> record_of(Length length, std::string_view user, std::uint16_t record,
                                  std::string_view description, std::span<const std::byte> content) {
-  constexpr std::size_t kLengthAt = 20, kDescriptionAt = kLengthAt + sizeof length;
-  std::vector<std::byte> bytes(kDescriptionAt + 32);
+  constexpr std::size_t kLengthAt = 20, kDescriptionAt = kLengthAt + sizeof length, kContentAt = kDescriptionAt + 32;
+  std::vector<std::byte> bytes(kContentAt + content.size());
   std::memcpy(bytes.data() + 2, user.data(), std::min<std::size_t>(user.size(), 16));
   std::memcpy(bytes.data() + 18, &record, sizeof record);
   std::memcpy(bytes.data() + kLengthAt, &length, sizeof length);
   std::memcpy(bytes.data() + kDescriptionAt, description.data(), std::min<std::size_t>(description.size(), 32));
-  bytes.insert(bytes.end(), content.begin(), content.end());
+  std::copy(content.begin(), content.end(), bytes.begin() + kContentAt);
   return bytes;
 }
 
