@@ -30,19 +30,27 @@ void require_memory(double values, std::size_t row_bytes) {
         needed / 1e9, there / 1e9);
 }
 
-Type row_type_for(std::uint64_t points, std::size_t k) {
+Type row_type_for(std::uint64_t points, std::uint64_t lists, std::size_t k) {
   const Type type = points >= std::numeric_limits<std::uint32_t>::max() ? Type::u64 : Type::u32;
-  require_memory(static_cast<double>(points) * static_cast<double>(k), size_of(type));
+  require_memory(static_cast<double>(lists) * static_cast<double>(k), size_of(type));
   return type;
 }
 
 }  // namespace
 
-NeighborArrays::NeighborArrays(std::size_t k, std::uint64_t points)
+NeighborArrays::NeighborArrays(std::size_t k, std::uint64_t lists, std::uint64_t points)
     : k_(k),
-      row_type_(row_type_for(points, k)),
-      rows_(points * k * size_of(row_type_)),
-      distances_(points * k * sizeof(double)) {}
+      row_type_(row_type_for(points, lists, k)),
+      rows_(lists * k * size_of(row_type_)),
+      distances_(lists * k * sizeof(double)) {}
+
+NeighborArrays NeighborArrays::of_places(std::size_t k, std::uint64_t places, std::uint64_t points) {
+  NeighborArrays made(k, places, points);
+  made.count_ = places;
+  std::memset(made.rows_.bytes.get(), 0xFF, places * k * size_of(made.row_type_));
+  std::memset(made.distances_.bytes.get(), 0xFF, places * k * sizeof(double));  // NaN
+  return made;
+}
 
 std::shared_ptr<const LocalOperator> NeighborArrays::op() {
   return std::make_shared<NeighborSink>("neighbor_arrays", [this](const Neighborhoods& in) { write(in); });
@@ -70,6 +78,24 @@ void NeighborArrays::write(const Neighborhoods& in) {
   } else {
     write(in, reinterpret_cast<std::uint32_t*>(rows_.bytes.get()), distances);
   }
+}
+
+template <class Row>
+void NeighborArrays::put(const PlaceLists& lists, Row* rows, double* distances) const {
+  const CellNeighbor* next = lists.neighbors.data();
+  for (std::size_t i = 0; i < lists.places.size(); ++i)
+    for (std::size_t j = 0; j < lists.counts[i]; ++j, ++next) {
+      rows[lists.places[i] * k_ + j] = static_cast<Row>(next->row);
+      distances[lists.places[i] * k_ + j] = std::sqrt(next->distance2);
+    }
+}
+
+void NeighborArrays::put(const PlaceLists& lists) {
+  auto* const distances = reinterpret_cast<double*>(distances_.bytes.get());
+  if (row_type_ == Type::u64)
+    put(lists, reinterpret_cast<std::uint64_t*>(rows_.bytes.get()), distances);
+  else
+    put(lists, reinterpret_cast<std::uint32_t*>(rows_.bytes.get()), distances);
 }
 
 /// Writer that gives points without a finite place their number of neighbours, 0: the operator never sees these points.

@@ -10,33 +10,42 @@
 
 #include "pointsweep/operator.h"
 #include "pointsweep/writer.h"
+#include "python/binding/place_search.h"
 #include "python/binding/result_arrays.h"
 
 namespace pointsweep {
 
 /// Rows and distances of the neighbours of all points of a run, at the row of the point, so that they are in memory
-/// once. Both arrays have the bytes of operators::neighbors().
+/// once. Both arrays have the bytes of operators::neighbors(). Likewise those of places, at the number of the place.
 class NeighborArrays {
  public:
-  NeighborArrays(std::size_t k, std::uint64_t points);
+  NeighborArrays(std::size_t k, std::uint64_t points) : NeighborArrays(k, points, points) {}
+  /// For the neighbours of `places` places among `points` points; none has neighbours until put() gives them.
+  static NeighborArrays of_places(std::size_t k, std::uint64_t places, std::uint64_t points);
 
   /// An operator that makes "neighbor_count", u32, and writes the neighbours of each point to *this, which outlives it.
   /// A point may come twice, with the same neighbours.
   std::shared_ptr<const LocalOperator> op();
   /// For Outputs::writer: marks the rows of points that have no neighbours as missing. *this outlives the run.
   std::unique_ptr<Writer> writer(const OutputPlan& plan);
-  /// After the run: (rows u32 or u64, distances f64), both N×k for the N points of the output. Empties *this.
+  /// Takes neighbours of places. Called from any number of threads at once, for different places.
+  void put(const PlaceLists& lists);
+  /// After the run: (rows u32 or u64, distances f64), both N×k for the N points of the output, or the N places. Empties
+  /// *this.
   nanobind::tuple arrays();
 
  private:
   class EmptyRows;
+  NeighborArrays(std::size_t k, std::uint64_t lists, std::uint64_t points);
   void write(const Neighborhoods& in);
   template <class Row>
   void write(const Neighborhoods& in, Row* rows, double* distances) const;
+  template <class Row>
+  void put(const PlaceLists& lists, Row* rows, double* distances) const;
 
   std::size_t k_;
   Type row_type_;
-  std::uint64_t count_ = 0;  ///< of points in the output
+  std::uint64_t count_ = 0;  ///< of points in the output, or of places
   ArrayMemory rows_, distances_;
 };
 

@@ -47,15 +47,28 @@ void RadiusLists::add(std::unique_ptr<Batch> batch) {
   } while (!newest_.compare_exchange_weak(before, added));
 }
 
+void RadiusLists::put(const PlaceLists& lists) {
+  auto batch = std::make_unique<Batch>();
+  batch->points.assign(lists.places.begin(), lists.places.end());
+  for (const std::size_t count : lists.counts) batch->counts.push_back(static_cast<std::uint32_t>(count));
+  batch->rows.reserve(lists.neighbors.size());
+  batch->distances.reserve(lists.neighbors.size());
+  for (const CellNeighbor& n : lists.neighbors) {
+    batch->rows.push_back(n.row);
+    batch->distances.push_back(std::sqrt(n.distance2));
+  }
+  add(std::move(batch));
+}
+
 template <class Row>
-nb::tuple RadiusLists::joined(std::uint64_t points, Type type) {
-  ArrayMemory offsets((points + 1) * sizeof(std::int64_t));
+nb::tuple RadiusLists::joined(std::uint64_t lists, Type type) {
+  ArrayMemory offsets((lists + 1) * sizeof(std::int64_t));
   auto* const first = reinterpret_cast<std::int64_t*>(offsets.bytes.get());
-  std::memset(first, 0, (points + 1) * sizeof(std::int64_t));
+  std::memset(first, 0, (lists + 1) * sizeof(std::int64_t));
   for (const Batch* batch = newest_; batch != nullptr; batch = batch->next.get())
     for (std::size_t i = 0; i < batch->points.size(); ++i) first[batch->points[i] + 1] = batch->counts[i];
-  for (std::uint64_t i = 0; i < points; ++i) first[i + 1] += first[i];
-  const auto all = static_cast<std::size_t>(first[points]);
+  for (std::uint64_t i = 0; i < lists; ++i) first[i + 1] += first[i];
+  const auto all = static_cast<std::size_t>(first[lists]);
   ArrayMemory rows(all * sizeof(Row)), distances(all * sizeof(double));
   auto* const row = reinterpret_cast<Row*>(rows.bytes.get());
   auto* const distance = reinterpret_cast<double*>(distances.bytes.get());
@@ -67,13 +80,13 @@ nb::tuple RadiusLists::joined(std::uint64_t points, Type type) {
         row[to + static_cast<std::int64_t>(j)] = static_cast<Row>(batch->rows[at + j]);
       std::memcpy(distance + to, batch->distances.data() + at, batch->counts[i] * sizeof(double));
     }
-  return nb::make_tuple(numpy_array(std::move(offsets), {points + 1}, Type::i64),
+  return nb::make_tuple(numpy_array(std::move(offsets), {lists + 1}, Type::i64),
                         numpy_array(std::move(rows), {all}, type), numpy_array(std::move(distances), {all}, Type::f64));
 }
 
-nb::tuple RadiusLists::arrays(std::uint64_t points) {
-  if (points >= std::numeric_limits<std::uint32_t>::max()) return joined<std::uint64_t>(points, Type::u64);
-  return joined<std::uint32_t>(points, Type::u32);
+nb::tuple RadiusLists::arrays(std::uint64_t lists, std::uint64_t points) {
+  if (points >= std::numeric_limits<std::uint32_t>::max()) return joined<std::uint64_t>(lists, Type::u64);
+  return joined<std::uint32_t>(lists, Type::u32);
 }
 
 }  // namespace pointsweep

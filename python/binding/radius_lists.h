@@ -10,10 +10,11 @@
 #include <vector>
 
 #include "pointsweep/operator.h"
+#include "python/binding/place_search.h"
 
 namespace pointsweep {
 
-/// The lists of a run, by the row of their point: 16 bytes for each neighbour, in memory.
+/// The lists of a run, by the row of their point or the number of their place: 16 bytes for each neighbour, in memory.
 class RadiusLists {
  public:
   RadiusLists() = default;
@@ -24,14 +25,17 @@ class RadiusLists {
   /// An operator that makes "neighbor_count", u32, and gives the lists of each batch to *this, which outlives it.
   std::shared_ptr<const LocalOperator> op();
 
-  /// After the run: (offsets i64 N+1, rows u32 or u64, distances f64); the neighbours of point i, nearest first, are
-  /// those from offsets[i] up to offsets[i + 1]. Empties *this.
-  nanobind::tuple arrays(std::uint64_t points);
+  /// Takes the lists of places, by their numbers. Called from any number of threads at once.
+  void put(const PlaceLists& lists);
+
+  /// After the run: (offsets i64 N+1, rows u32 or u64, distances f64); the neighbours of point or place i, nearest
+  /// first, are those from offsets[i] up to offsets[i + 1]. `lists`: N; `points`: of the cloud. Empties *this.
+  nanobind::tuple arrays(std::uint64_t lists, std::uint64_t points);
 
  private:
   /// The lists of a batch, one after another.
   struct Batch {
-    std::vector<std::uint64_t> points;
+    std::vector<std::uint64_t> points;  ///< rows of points, or numbers of places
     std::vector<std::uint32_t> counts;
     std::vector<std::uint64_t> rows;  ///< of neighbours
     std::vector<double> distances;
@@ -41,7 +45,7 @@ class RadiusLists {
   /// Called by any number of threads at once, none of which waits. A point may come twice, with the same list.
   void add(std::unique_ptr<Batch> batch);
   template <class Row>
-  nanobind::tuple joined(std::uint64_t points, Type type);
+  nanobind::tuple joined(std::uint64_t lists, Type type);
 
   std::atomic<Batch*> newest_ = nullptr;  ///< owned, and with it all others
 };

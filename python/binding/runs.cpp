@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "python/binding/runs.h"
 
+#include <fmt/format.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/set.h>
@@ -11,6 +12,8 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -24,6 +27,7 @@
 #include "pointsweep/pipeline/language/run_options.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/neighbor_arrays.h"
+#include "python/binding/place_search.h"
 #include "python/binding/python_operator.h"
 #include "python/binding/python_threads.h"
 #include "python/binding/radius_lists.h"
@@ -180,7 +184,48 @@ nb::tuple radius_neighbors(const nb::list& source, double radius, const nb::dict
                           {}};
   ResultArrays counts({{}, {"neighbor_count"}, false});
   run_into(counts, cloud, chain, run_options(given), {progress, warn});
-  return lists.arrays(counts.rows());
+  return lists.arrays(counts.rows(), counts.rows());
+}
+
+/// Writer for a run whose results are elsewhere.
+class NoRecords final : public Writer {
+ public:
+  void write(std::span<const std::byte>) override {}
+  bool can_write_at() const override { return true; }
+  void write_at(std::uint64_t, std::span<const std::byte>) override {}
+  void finish() override {}
+};
+
+/// Finds neighbours of the places in `queries`, N×3, which are no points of the cloud.
+void search_places(Cloud& cloud, const ArrayColumn& queries, std::optional<std::size_t> k, double radius,
+                   const nb::dict& given, const Callbacks& callbacks, PlaceSearch::Take take) {
+  const PythonChain chain{{.stages = {std::make_shared<PlaceSearch>(queries, k, radius, std::move(take))},
+                           .keep = {"neighbor_queries", "x"}},
+                          {}};
+  Outputs outputs;
+  outputs.writer = [](const OutputPlan&) { return std::make_unique<NoRecords>(); };
+  run_watched(cloud, chain, outputs, run_options(given), callbacks);
+}
+
+nb::tuple query_neighbors(const nb::list& source, const nb::object& queries, std::size_t k, double radius,
+                          const nb::dict& given, const nb::object& progress, const nb::object& warn) {
+  Cloud cloud = open_cloud(source, false, given);
+  const ArrayColumn places = borrow_array(queries, {"x", "y", "z"});
+  NeighborArrays made = NeighborArrays::of_places(k, places.rows, cloud.count());
+  search_places(cloud, places, k, radius, given, {progress, warn}, [&](const PlaceLists& lists) { made.put(lists); });
+  if (k > cloud.count() && !warn.is_none())
+    warn(fmt::format("k = {} is more than the {} points there are: the lists hold all of them.", k, cloud.count())
+             .c_str());
+  return made.arrays();
+}
+
+nb::tuple query_radius_neighbors(const nb::list& source, const nb::object& queries, double radius,
+                                 const nb::dict& given, const nb::object& progress, const nb::object& warn) {
+  Cloud cloud = open_cloud(source, false, given);
+  const ArrayColumn places = borrow_array(queries, {"x", "y", "z"});
+  RadiusLists lists;
+  search_places(cloud, places, {}, radius, given, {progress, warn}, [&](const PlaceLists& found) { lists.put(found); });
+  return lists.arrays(places.rows, cloud.count());
 }
 
 }  // namespace
@@ -203,6 +248,10 @@ void bind_runs(nb::module_& module) {
   module.def("neighbors", &neighbors, "source"_a, "k"_a, "radius"_a, "options"_a, "progress"_a.none(), "warn"_a.none());
   module.def("radius_neighbors", &radius_neighbors, "source"_a, "radius"_a, "options"_a, "progress"_a.none(),
              "warn"_a.none());
+  module.def("query_neighbors", &query_neighbors, "source"_a, "queries"_a, "k"_a, "radius"_a, "options"_a,
+             "progress"_a.none(), "warn"_a.none());
+  module.def("query_radius_neighbors", &query_radius_neighbors, "source"_a, "queries"_a, "radius"_a, "options"_a,
+             "progress"_a.none(), "warn"_a.none());
 }
 
 }  // namespace pointsweep

@@ -81,6 +81,23 @@ def radius_neighbors(
     progress: Progress,
     warn: Warn,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
+def query_neighbors(
+    source: list[Any],
+    queries: np.ndarray,
+    k: int,
+    radius: float,
+    options: dict[str, Any],
+    progress: Progress,
+    warn: Warn,
+) -> tuple[np.ndarray, np.ndarray]: ...
+def query_radius_neighbors(
+    source: list[Any],
+    queries: np.ndarray,
+    radius: float,
+    options: dict[str, Any],
+    progress: Progress,
+    warn: Warn,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
 def render(
     source: list[Any], options: dict[str, Any], progress: Progress, warn: Warn
 ) -> tuple[bytes, str, tuple[float, float] | None, int]: ...

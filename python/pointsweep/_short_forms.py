@@ -15,7 +15,7 @@ from ._options import choice, number, refuse_options, run_options, whole, with_r
 from ._progress import called
 from ._results import Neighbors, RadiusNeighbors
 from ._runs import run
-from ._sources import source_of
+from ._sources import positions_of, source_of
 from ._stage import Stage
 from ._types import PointOptions, ProgressCallback, RunOptions
 
@@ -115,6 +115,7 @@ def neighbors(
     k: int,
     *,
     radius: float | None = None,
+    queries: Any = None,
     **options: Unpack[PointOptions],
 ) -> Neighbors: ...
 
@@ -125,6 +126,7 @@ def neighbors(
     k: None = None,
     *,
     radius: None = None,
+    queries: Any = None,
     **options: Unpack[PointOptions],
 ) -> Neighbors: ...
 
@@ -135,6 +137,7 @@ def neighbors(
     k: None = None,
     *,
     radius: float,
+    queries: Any = None,
     **options: Unpack[PointOptions],
 ) -> RadiusNeighbors: ...
 
@@ -145,18 +148,22 @@ def neighbors(
     k: int | None = None,
     *,
     radius: float | None = None,
+    queries: Any = None,
     attributes: Mapping[str, Any] | None = None,
     crs: Any = None,
     progress: ProgressCallback | bool | None = None,
     **options: Unpack[RunOptions],
 ) -> Neighbors | RadiusNeighbors:
-    """The exact neighbours of every point among all points, the point itself excluded.
+    """The exact neighbours of every point among all points, the point itself excluded; or those of other positions.
 
     Parameters
     ----------
     points : as for `run`.
     k : number of neighbours; 16 where no radius is given.
     radius : largest distance, inclusive, in the unit of the coordinates.
+    queries : (m, 3) positions, in any form that points in arrays may have, whose neighbours among the points are wanted
+        in place of those of the points. They are no points themselves: a point at the very place of a query is its
+        nearest neighbour, at the distance 0.
     attributes, crs, progress and the other options : as for `run`.
 
     Returns
@@ -164,22 +171,28 @@ def neighbors(
     With k: `Neighbors`, (indices, distances), both (n, k), nearest first. With a radius alone: `RadiusNeighbors`,
     (offsets, indices, distances); the neighbours of point i are ``indices[offsets[i]:offsets[i + 1]]``, nearest first.
     Their number is not bounded: 16 bytes for each are in memory, whatever the budget.
+    With queries: the same with a row for each query, (m, k), or m + 1 offsets; indices are rows of the points.
 
     Distances are computed in float64; equal ones are ordered by x, y, z, then by row. Points with NaN or infinite
     coordinates have no neighbours and are neighbours of no point; with nonfinite='drop' they have no rows, and rows are
-    counted without them.
+    counted without them. Queries with such coordinates have no neighbours, and keep their rows in any case.
     """
     checked = run_options(**options)
     source = source_of(points, attributes, crs, checked)
     given = {**checked, **source.options}
     refuse_options(given, ("order", "prefix", "resume", "provenance", "positions", "scale", "offset", "point_format", "las_version", "decimals", "tile", "tile_origin", "tile_buffer", "split"), "is not an option of neighbors")
+    asked = None if queries is None else positions_of("queries", queries, source, given["ignore_crs"])
     if k is None and radius is not None:
+        limit = number("radius", radius)
         with called(progress) as shown:
-            lists = _core.radius_neighbors(source.inputs, number("radius", radius), given, shown, warn)
-        return RadiusNeighbors(*lists)
+            if asked is None:
+                return RadiusNeighbors(*_core.radius_neighbors(source.inputs, limit, given, shown, warn))
+            return RadiusNeighbors(*_core.query_radius_neighbors(source.inputs, asked, limit, given, shown, warn))
     count = _core.default_neighbors if k is None else whole("k", k)
     if not 1 <= count < 2**32:
         raise UsageError(f"k: {count} is not a number of neighbours; choose 1 or more, below 2**32.")
     limit = math.inf if radius is None else number("radius", radius)
     with called(progress) as shown:
-        return Neighbors(*_core.neighbors(source.inputs, count, limit, given, shown, warn))
+        if asked is None:
+            return Neighbors(*_core.neighbors(source.inputs, count, limit, given, shown, warn))
+        return Neighbors(*_core.query_neighbors(source.inputs, asked, count, limit, given, shown, warn))

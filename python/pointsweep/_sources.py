@@ -72,6 +72,26 @@ def source_of(
     return _source_of_arrays(columns, given_or_stated(crs, stated))
 
 
+def positions_of(option: str, points: Any, among: Source, ignore_crs: bool) -> np.ndarray:
+    """The (m, 3) positions of points in arrays that an option names, in the coordinate system of `among`."""
+    if isinstance(points, (str, os.PathLike, Files)) or _is_list_of_paths(points):
+        raise UsageError(f"{option}: are positions in arrays; those of files are open(files).read(keep='xyz')['xyz'].")
+    if isinstance(points, Iterator):
+        raise UsageError(f"{option}: is an iterator; give the positions of one block after another, or all at once.")
+    stated = crs_stated_by(points)
+    if stated and among.crs and not ignore_crs and _core.differ(stated._known, among.crs._known):
+        raise UsageError(
+            f"{option}: are in {stated}, but the points in {among.crs}; transform one of them, or give ignore_crs=True."
+        )
+    arrays = arrays_by_name(points)
+    if "xyz" in arrays:
+        return _positions(arrays["xyz"], option)
+    missing = [axis for axis in _AXES if axis not in arrays]
+    if missing:
+        raise UsageError(f"{option}: have no '{missing[0]}'; give an (m, 3) array, or 'x', 'y' and 'z'.")
+    return np.column_stack([_column(axis, arrays[axis]) for axis in _AXES])
+
+
 def opened(
     kind: type[_Files],
     files: Path | Sequence[Path],
@@ -170,12 +190,12 @@ def _require_different_names(fields: list[str]) -> None:
             raise UsageError(f"two arrays have components called '{field}'; give one of them another name.")
 
 
-def _positions(values: Any) -> np.ndarray:
-    xyz = numbers("xyz", values)
+def _positions(values: Any, name: str = "xyz") -> np.ndarray:
+    xyz = numbers(name, values)
     if xyz.ndim == 2 and xyz.shape[1] == 3:
         return xyz
     hint = "; transpose it" if xyz.ndim == 2 and xyz.shape[0] == 3 else ""
-    raise UsageError(f"xyz: has the shape {xyz.shape}, but needs (n, 3), a row for each point{hint}.")
+    raise UsageError(f"{name}: has the shape {xyz.shape}, but needs (n, 3), a row for each point{hint}.")
 
 
 def _column(name: str, values: Any) -> np.ndarray:

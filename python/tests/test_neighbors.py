@@ -150,3 +150,166 @@ def test_neighbors_are_in_memory_once():
 def test_more_neighbors_than_memory_holds_are_refused(surface, k, error):
     with pytest.raises(error, match="fewer" if error is ps.Error else "number of neighbours"):
         ps.neighbors(surface, k=k)
+
+
+def nearest_rows(xyz: np.ndarray, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of all finite points by distance, x, y, z and row, and their squared distances from a finite place."""
+    d = xyz - place
+    with np.errstate(invalid="ignore"):
+        d2 = (d[:, 0] * d[:, 0] + d[:, 1] * d[:, 1]) + d[:, 2] * d[:, 2]
+    order = np.lexsort((np.arange(len(xyz)), xyz[:, 2], xyz[:, 1], xyz[:, 0], d2))
+    order = order[np.isfinite(xyz[order]).all(1)]
+    return order, d2[order]
+
+
+def expect_neighbors_of(xyz: np.ndarray, queries: np.ndarray, k: int, radius: float, **options) -> None:
+    """All three forms against a sort of all points for each query."""
+    xyz, queries = np.asarray(xyz, np.float64), np.asarray(queries, np.float64)
+    near = ps.neighbors(xyz, k, queries=queries, **options)
+    both = ps.neighbors(xyz, k, radius=radius, queries=queries, **options)
+    offsets, rows, distances = ps.neighbors(xyz, radius=radius, queries=queries, **options)
+    missing = np.iinfo(np.uint32).max
+    assert near.indices.shape == near.distances.shape == both.indices.shape == (len(queries), k)
+    assert near.indices.dtype == rows.dtype == np.uint32 and near.distances.dtype == distances.dtype == np.float64
+    assert offsets.dtype == np.int64 and offsets.shape == (len(queries) + 1,) and offsets[0] == 0
+    for i, place in enumerate(queries):
+        order, d2 = nearest_rows(xyz, place) if np.isfinite(place).all() else (np.empty(0, int), np.empty(0))
+        within = d2 <= radius * radius
+        for found, wanted, squares in ((near, order, d2), (both, order[within], d2[within])):
+            count = min(k, len(wanted))
+            assert np.array_equal(found.indices[i, :count], wanted[:count]), i
+            assert np.array_equal(found.distances[i, :count], np.sqrt(squares[:count])), i
+            assert np.all(found.indices[i, count:] == missing) and np.isnan(found.distances[i, count:]).all()
+        assert np.array_equal(rows[offsets[i] : offsets[i + 1]], order[within]), i
+        assert np.array_equal(distances[offsets[i] : offsets[i + 1]], np.sqrt(d2[within])), i
+
+
+def test_neighbors_of_queries_are_those_of_a_sort(surface):
+    rng = np.random.default_rng(1)
+    inside = surface[:2000:40] + rng.normal(0, 0.1, (50, 3))
+    outside = rng.normal(0, 1, (20, 3)) * [1e3, 1, 1e6]
+    expect_neighbors_of(surface, np.concatenate([inside, outside, surface[:10]]), 9, 0.35)
+    expect_neighbors_of(surface[:40], inside, 1, 1e7)
+    expect_neighbors_of(surface, inside[:7], 300, 0.02)
+
+
+def test_neighbors_of_queries_at_equal_distances_go_by_position_and_row():
+    grid = np.stack(np.meshgrid(*[np.arange(6.0)] * 3), -1).reshape(-1, 3)
+    xyz = np.concatenate([grid, grid[::-1], grid[::7]])  # copies, in other rows
+    queries = np.concatenate([grid[::5], grid[::11] + 0.5, [[2.5, 2.5, 2.5], [-4.0, 2.0, 2.0]]])
+    expect_neighbors_of(xyz, queries, 20, 1.0)
+    expect_neighbors_of(xyz, queries, 3, np.sqrt(0.75))
+    expect_neighbors_of(np.ones((300, 3)), np.ones((5, 3)), 7, 0.0)
+
+
+@pytest.mark.filterwarnings("ignore:k = 5 is more")
+@pytest.mark.parametrize("n", [1, 2, 4])
+def test_neighbors_of_queries_among_few_points(n, surface):
+    expect_neighbors_of(surface[:n], surface[:3] + 0.01, 5, 2.0)
+
+
+def test_a_k_beyond_the_points_is_a_warning_for_queries_as_for_points(surface):
+    for queries, others in ((None, 4), (surface[:2], 5)):
+        with pytest.warns(ps.PointsweepWarning, match=f"k = 7 is more than the {others} "):
+            assert ps.neighbors(surface[:5], 7, queries=queries).mask.sum(1).max() == others
+
+
+def test_queries_and_points_that_are_not_finite_have_no_neighbors(surface):
+    xyz, queries = surface.copy(), surface[:30].copy()
+    xyz[[5, 7, 50]] = np.nan
+    xyz[9, 1] = np.inf
+    queries[3, 0], queries[4] = np.nan, -np.inf
+    expect_neighbors_of(xyz, queries, 6, 0.4)
+    left = np.delete(xyz, [5, 7, 9, 50], axis=0)
+    for neighborhood in ({"k": 6}, {"radius": 0.4}):
+        with pytest.warns(ps.PointsweepWarning, match="Dropped 4 points"):
+            found = ps.neighbors(xyz, nonfinite="drop", queries=queries, **neighborhood)
+        wanted = ps.neighbors(left, queries=queries, **neighborhood)
+        assert all(np.array_equal(a, b, equal_nan=a.dtype.kind == "f") for a, b in zip(found, wanted))
+    with pytest.raises(ps.Error, match="finite"):
+        ps.neighbors(xyz, nonfinite="refuse", queries=queries)
+    ps.neighbors(left, nonfinite="refuse", queries=queries)
+
+
+def test_no_queries_and_no_points(surface):
+    none = np.empty((0, 3))
+    assert ps.neighbors(surface, 4, queries=none).indices.shape == (0, 4)
+    assert np.array_equal(ps.neighbors(surface, radius=1, queries=none).offsets, [0])
+    for queries in (None, surface):
+        with pytest.raises(ps.Error):
+            ps.neighbors(none, 4, queries=queries)
+    unplaced = np.full((4, 3), np.nan)
+    assert np.isnan(ps.neighbors(unplaced, 2, queries=surface[:3]).distances).all()
+    assert len(ps.neighbors(unplaced, radius=2, queries=surface[:3]).indices) == 0
+
+
+def test_the_points_as_queries_have_themselves_first(surface):
+    xyz = np.unique(surface[:900], axis=0)
+    own, asked = ps.neighbors(xyz, 5), ps.neighbors(xyz, 6, queries=xyz)
+    assert np.array_equal(asked.indices[:, 0], np.arange(len(xyz))) and not asked.distances[:, 0].any()
+    assert np.array_equal(asked.indices[:, 1:], own.indices) and np.array_equal(asked.distances[:, 1:], own.distances)
+
+
+def test_threads_memory_axes_and_order_of_queries_change_no_byte(surface):
+    many = np.concatenate([surface + [20.0 * i, 0, 0] for i in range(100)])
+    rng = np.random.default_rng(2)
+    queries = many[rng.permutation(len(many))[:70_000]] + rng.normal(0, 0.05, (70_000, 3))
+    for neighborhood in ({"k": 8}, {"radius": 0.2}):
+        expected = ps.neighbors(many, queries=queries, threads=1, **neighborhood)
+        for options in ({"threads": 3, "memory": "64M"}, {"axis": "y"}, {"axis": "z", "threads": 1, "memory": "48M"}):
+            got = ps.neighbors(many, queries=queries, **options, **neighborhood)
+            assert all(a.tobytes() == b.tobytes() for a, b in zip(expected, got)), options
+    shuffled = rng.permutation(len(queries))
+    near = ps.neighbors(many, 8, queries=queries)
+    assert np.array_equal(ps.neighbors(many, 8, queries=queries[shuffled]).indices, near.indices[shuffled])
+
+
+def test_queries_may_have_every_form_of_points_and_points_may_be_files(surface, tmp_path):
+    queries = surface[:200] + 0.01
+    expected = ps.neighbors(surface, 4, queries=queries)
+    x, y, z = queries.T
+    forms = [{"xyz": queries}, {"x": x, "y": y, "z": z}, queries.tolist(), np.asfortranarray(queries), queries[::-1][::-1]]
+    rows = np.empty(len(queries), [("x", "f8"), ("y", "f8"), ("z", "f8"), ("label", "u1")])
+    rows["x"], rows["y"], rows["z"] = x, y, z
+    for form in [*forms, rows, ps.run(queries, "where(1 < 2)")]:
+        assert np.array_equal(ps.neighbors(surface, 4, queries=form).indices, expected.indices)
+    whole = np.arange(30).reshape(10, 3)
+    assert np.array_equal(ps.neighbors(surface, 4, queries=whole).indices, ps.neighbors(surface, 4, queries=whole * 1.0).indices)
+    names = ["a.ply", "b.ply", "c.las"]
+    for part, name in zip((surface[:1700], surface[1700:], np.round(surface, 3)), names):
+        ps.write(str(tmp_path / name), part)
+    for files in (names[:2], names[2:]):
+        paths = [tmp_path / name for name in files]
+        read = ps.open(paths).read(keep="xyz")["xyz"]
+        for points in (ps.open(paths), paths):
+            found = ps.neighbors(points, 4, queries=queries)
+            assert found.indices.tobytes() == ps.neighbors(read, 4, queries=queries).indices.tobytes()
+
+
+@pytest.mark.parametrize(
+    "queries, words",
+    [
+        (np.zeros((3, 2)), r"queries: has the shape \(3, 2\), but needs \(n, 3\)"),
+        (np.zeros((3, 7)), "queries: has the shape .*transpose it"),
+        (np.zeros(3), "queries: has the shape"),
+        ({"x": [1.0], "y": [2.0]}, "queries: have no 'z'"),
+        ("a.las", r"queries: are positions in arrays; those of files are open\(files\).read"),
+        (iter([np.zeros((3, 3))]), "queries: is an iterator"),
+        ([["a", "b", "c"]], "queries: "),
+    ],
+)
+def test_queries_that_are_no_positions_are_refused(surface, queries, words):
+    with pytest.raises(ps.UsageError, match=words):
+        ps.neighbors(surface, 4, queries=queries)
+
+
+def test_queries_in_another_coordinate_system_are_refused(surface):
+    geopandas = pytest.importorskip("geopandas")
+    frame = geopandas.GeoDataFrame(geometry=geopandas.points_from_xy(*surface[:50].T), crs="EPSG:25832")
+    expected = ps.neighbors(surface, 3, queries=surface[:50]).indices
+    assert np.array_equal(ps.neighbors(surface, 3, queries=frame).indices, expected)
+    assert np.array_equal(ps.neighbors(surface, 3, queries=frame, crs="EPSG:25832").indices, expected)
+    with pytest.raises(ps.UsageError, match="queries: are in .*25832.*, but the points in .*2154"):
+        ps.neighbors(surface, 3, queries=frame, crs="EPSG:2154")
+    ignoring = ps.neighbors(surface, 3, queries=frame, crs="EPSG:2154", ignore_crs=True)
+    assert np.array_equal(ignoring.indices, expected)

@@ -32,6 +32,8 @@ def arrays(xyz: npt.NDArray[np.float64]) -> None:
     assert_type(ps.normals(viewpoint=(0, 0, 1)), ps.Stage)
     assert_type(ps.neighbors(xyz, k=8), ps.Neighbors)
     assert_type(ps.neighbors(xyz, radius=0.5), ps.RadiusNeighbors)
+    assert_type(ps.neighbors(xyz, k=8, queries=xyz), ps.Neighbors)
+    assert_type(ps.neighbors(xyz, radius=0.5, queries=xyz), ps.RadiusNeighbors)
     ps.normals(xyz, out=normals)
 
 

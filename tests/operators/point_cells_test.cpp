@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <random>
 #include <tuple>
 #include <vector>
@@ -183,6 +185,51 @@ TEST(PointCells, GiveAllPointsOfABox) {
       EXPECT_EQ(rows[i], expected);
     }
   }
+}
+
+/// Against a look at all points for each place.
+void expect_within(const std::vector<Vec3>& points, const std::vector<Vec3>& places, double radius) {
+  for (const auto space : {PointCells::Space::plane, PointCells::Space::all})
+    for (const int axis : {0, 1}) {
+      PointCells cells = cells_of(points, space, axis);
+      std::vector<std::vector<Key>> found(places.size());
+      std::vector<std::size_t> times(places.size());
+      std::mutex mutex;
+      cells.nearest_within(places, radius, [&](const PointCells::WithinPlaces& within) {
+        const std::lock_guard lock(mutex);
+        std::size_t at = 0;
+        for (std::size_t p = 0; p < within.places.size(); ++p) {
+          ++times[within.places[p]];
+          for (std::size_t j = 0; j < within.counts[p]; ++j, ++at) {
+            const CellNeighbor& n = within.neighbors[at];
+            found[within.places[p]].emplace_back(n.distance2, n.position.x, n.position.y, n.position.z, n.row);
+          }
+        }
+        EXPECT_EQ(at, within.neighbors.size());
+      });
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        const auto expected = nearest_by_brute_force(points, space, places[i], points.size(), radius * radius);
+        ASSERT_EQ(found[i], expected) << i << ", axis " << axis << ", radius " << radius;
+        ASSERT_EQ(times[i], 1u) << i;
+      }
+    }
+}
+
+TEST(PointCells, GiveAllPointsWithinADistance) {
+  const std::vector<Vec3> points = random_points(60'000, {100, 40, 5}, 13);
+  std::vector<Vec3> places = random_points(150, {100, 40, 5}, 14);
+  places.push_back({500, 20, 0});
+  expect_within(points, places, 0.7);
+  expect_within(points, {places.begin(), places.begin() + 3}, 1000);
+  std::vector<Vec3> grid;
+  for (int i = 0; i < 2000; ++i) grid.push_back({double(i % 10), double(i / 10 % 10), double(i / 100 % 10)});
+  std::vector<Vec3> corners;
+  for (std::size_t i = 0; i < grid.size(); i += 7) corners.push_back(grid[i]);
+  for (const double radius : {0.0, 1.0, std::sqrt(2.0), std::sqrt(3.0), 2.0}) expect_within(grid, corners, radius);
+  expect_within({}, places, 3);
+  expect_within({{1, 1, 1}}, {{1, 1, 1}, {1, 1, 2}}, 1);
+  expect_within(moved(grid, 1e-170, {}), moved(places, 1e-170, {}), 1e-200);
+  expect_within(moved(grid, 0.1, {684000.1, 5403000.3, 0}), moved(corners, 0.1, {684000.1, 5403000.3, 0}), 0.1);
 }
 
 }  // namespace

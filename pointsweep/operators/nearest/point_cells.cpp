@@ -2,6 +2,7 @@
 #include "pointsweep/operators/nearest/point_cells.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -18,6 +19,8 @@ constexpr std::size_t kCellPoints = 512, kSlabCells = 64, kLeafPoints = 8;
 constexpr std::size_t kLeastCells = 2 * kSlabCells;
 /// Places that are asked about together.
 constexpr std::size_t kLeastGroup = 512, kMostGroup = 8192;
+/// Places of which all points within a distance are found together.
+constexpr std::size_t kPlacesWithin = 64;
 
 bool meet(const Box& a, const Box& b) {
   return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&
@@ -26,6 +29,19 @@ bool meet(const Box& a, const Box& b) {
 
 bool holds(const Box& b, Vec3 p) {
   return p.x >= b.lo.x && p.x <= b.hi.x && p.y >= b.lo.y && p.y <= b.hi.y && p.z >= b.lo.z && p.z <= b.hi.z;
+}
+
+/// Returns a box that holds all points whose distance from a place, as distance2() rounds it, is at most the radius.
+/// Rounding moves an end by less than the margin; below 10^-150 squares of differences may vanish.
+Box reach_of(Vec3 place, double radius) {
+  const double reach = std::max(radius * (1 + 0x1p-40), 1e-150);
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  Box box;
+  for (int a = 0; a < 3; ++a) {
+    box.lo[a] = std::nextafter(place[a] - reach, -kInf);
+    box.hi[a] = std::nextafter(place[a] + reach, kInf);
+  }
+  return box;
 }
 
 }  // namespace
@@ -181,6 +197,35 @@ void PointCells::nearest_of_all(std::span<const Vec3> places, const NearestWante
   answer_all(
       groups.size(), 1, [&](std::size_t g) { return groups[g].first(); },
       [&](std::size_t g, View& view) { return groups[g].answer(view, use); });
+}
+
+void PointCells::nearest_within(std::span<const Vec3> places, double radius,
+                                const std::function<void(WithinPlaces)>& use) {
+  if (places.empty()) return;
+  std::vector<CellPoint> asked(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) asked[i] = {flat(places[i]), i};
+  const HalvedBoxes parts(asked, HalvedBoxes::levels_for(asked.size(), kPlacesWithin), false);
+  const double most2 = radius * radius;
+  const auto answer = [&](std::size_t part, View& view) {
+    WithinPlaces found;
+    bool complete = true;
+    for (std::size_t i = parts.begin(part); i < parts.begin(part + 1); ++i) {
+      const Vec3 place = asked[i].position;
+      const std::size_t before = found.neighbors.size();
+      const bool seen = view.within(reach_of(place, radius), [&](const CellPoint& point) {
+        const double d2 = distance2(flat(point.position), place);
+        if (d2 <= most2) found.neighbors.push_back({d2, point.position, point.row});
+      });
+      complete = complete && seen;
+      std::sort(found.neighbors.begin() + static_cast<std::ptrdiff_t>(before), found.neighbors.end());
+      found.places.push_back(asked[i].row);
+      found.counts.push_back(found.neighbors.size() - before);
+    }
+    if (complete) use(std::move(found));
+    return complete;
+  };
+  const auto first_of = [&](std::size_t part) { return asked[parts.begin(part)].position; };
+  answer_all(std::size_t{1} << parts.levels(), 1, first_of, answer);
 }
 
 const PointCells::Tree* PointCells::View::tree(std::size_t cell) {

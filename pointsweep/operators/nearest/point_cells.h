@@ -45,6 +45,16 @@ class PointCells {
   void nearest_of_all(std::span<const Vec3> places, const NearestWanted& wanted,
                       const std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>& use);
 
+  /// All points of the set within a distance of some places, as nearest_within() gives them.
+  struct WithinPlaces {
+    std::vector<std::size_t> places;       ///< their numbers
+    std::vector<std::size_t> counts;       ///< of the points of each place
+    std::vector<CellNeighbor> neighbors;   ///< of one place after another, nearest first
+  };
+  /// Gives all points of the set whose squared distance from a place is at most radius * radius, for each place once,
+  /// on all threads. Memory holds the points of a few places of each thread, however many these are.
+  void nearest_within(std::span<const Vec3> places, double radius, const std::function<void(WithinPlaces)>& use);
+
   /// The least memory that answers questions without reading most cells again and again.
   static std::uint64_t least_bytes();
 
