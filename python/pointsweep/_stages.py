@@ -515,17 +515,16 @@ def assign(
     ----------
     assign : NAME = NUMBER or NAME = NUMBER where CONDITION, several with commas between, done one after another;
         numbers and conditions are those of where; 'assign=' may be left out.
-    as_ : type of new attributes, and of those of the input that are float32 or float64 and are assigned without a
-        condition; without this option new ones are float64, or of the type that LAS has for the name, such as uint8
-        for classification.
+    as_ : type of new attributes, and of those of the input that are assigned without a condition; without this
+        option new ones are float64, or of the type that LAS has for the name, such as uint8 for classification.
 
     Formula
     -------
     Numbers are evaluated in float64, as by where, and those of whole numbers of 64 bits exactly. A whole-number
       type gets the nearest one, halves to even.
-    An attribute that exists keeps its type (a real one of the input gets the type of 'as' if no condition is
-      given), and its value where the condition does not hold; a new attribute is 0 there. Assigning to x, y or z
-      moves the points.
+    An attribute that exists keeps its type (one of the input gets the type of 'as' if no condition is given), and
+      its value where the condition does not hold; a new attribute is 0 there. Assigning to x, y or z moves the
+      points.
 
     Undefined
     ---------

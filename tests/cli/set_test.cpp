@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "tests/cli/tool.h"
@@ -72,6 +73,39 @@ TEST_F(SetStage, TheIntensityOfAScannerBecomesThatOfLas) {
   }
   refused(1, "run scan.csv o.las --pipeline 'set(intensity = intensity * 65600, as=uint16)'",
           "row 500: intensity would");
+}
+
+TEST_F(SetStage, ColorsOfSixteenBitsBecomeThoseOfEightForFormatsThatHoldThem) {
+  std::string text = "x y z red green blue\n", right = "x,y,z,red,green,blue\n";
+  for (int i = 0; i < 600; ++i) {
+    const std::array<int, 3> color = {i * 113 % 65536, i * 7919 % 65536, 65535 - i * 109 % 65536};
+    text += fmt::format("{} {} {} {} {} {}\n", i % 20, i / 20, i % 7, color[0], color[1], color[2]);
+    right += fmt::format("{},{},{}", i % 20, i / 20, i % 7);
+    for (const int c : color) right += fmt::format(",{}", std::nearbyint(c / 257.0));
+    right += '\n';
+  }
+  write("wide.txt", text);
+  made("convert wide.txt wide.las -q");
+  made("convert wide.txt wide.laz -q");
+  const std::string pipeline = "set(red = red / 257, green = green / 257, blue = blue / 257, as=uint8)";
+  for (const char* in : {"wide.las", "wide.laz", "wide.txt"})
+    for (const char* out : {"out.ply", "out.pcd", "out.txt", "out.las"}) {
+      expect_verified(in, out, pipeline);
+      if (std::string(out) == "out.las") continue;  // 16 bits again, times 257
+      made(fmt::format("convert {} rows.csv -q -f --keep x,y,z,red,green,blue", out));
+      EXPECT_EQ(contents(folder_ / "rows.csv"), right) << in << " " << out;
+    }
+  made("run wide.laz out.ply -f -q --pipeline '" + pipeline + "'");
+  const std::string ply = contents(folder_ / "out.ply");
+  EXPECT_NE(ply.find("property uchar red\n"), std::string::npos);
+  for (const char* options : {"--threads 1", "--threads 7 --memory 40M", "--resume kept", "--order input"}) {
+    made(fmt::format("run wide.laz out.ply -f -q {} --pipeline '{}'", options, pipeline));
+    EXPECT_TRUE(contents(folder_ / "out.ply") == ply) << options;
+  }
+  made("run wide.las near.ply -f -q --order sweep --pipeline '" + pipeline + "'");
+  EXPECT_EQ(tool("verify near.ply").status, 0);
+  refused(1, "run wide.laz o.ply --pipeline 'set(red = red / 256, as=uint8)'",
+          "row 579: red would be 255.57421875, which is not uint8, 0 to 255; state a type that holds it");
 }
 
 TEST_F(SetStage, VerifyFindsAWrongAssignment) {

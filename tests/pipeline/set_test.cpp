@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
+#include <tuple>
 
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "tests/pipeline/attribute_cloud.h"
@@ -150,9 +152,83 @@ TEST(Set, RealAttributesOfTheInputGetTheTypeAskedFor) {
     EXPECT_NE(std::string(error.what()).find("row 1: a would be 65536, which is not uint16"), std::string::npos)
         << error.what();
   }
-  const RunResult whole = run_text(input, "set(classification = 7, as=float32)", tiny(100));
-  EXPECT_EQ(whole.schema.fields[index_of(whole.schema, "classification")].type,
-            input.schema.fields[*input.schema.find("classification")].type);
+}
+
+/// The input with the values of a field in another type, at the place where the field was.
+Records retyped(const Records& input, const std::string& field, Type type,
+                const std::function<double(std::size_t row)>& value) {
+  Records result;
+  for (const Field& f : input.schema.fields) result.schema.append(f.name, f.name == field ? type : f.type);
+  for (std::size_t f = 0; f < result.schema.fields.size(); ++f) {
+    const Field& to = result.schema.fields[f];
+    const Field& from = input.schema.fields[f];
+    result.bytes.resize(input.size() * result.schema.stride);
+    for (std::size_t i = 0; i < input.size(); ++i) {
+      std::byte* const record = result.bytes.data() + i * result.schema.stride;
+      if (to.name == field)
+        set_value(to, record, value(i));
+      else
+        std::memcpy(record + to.offset, input.bytes.data() + i * input.schema.stride + from.offset, size_of(to.type));
+    }
+  }
+  return result;
+}
+
+TEST(Set, WholeAttributesOfTheInputGetTheTypeAskedFor) {
+  for (const auto& [name, shape] : hostile_shapes()) {
+    SCOPED_TRACE(name);
+    const Records input = with_attributes(make_cloud(shape, sized(200), 5));
+    const auto halved = [&](std::size_t i) { return std::nearbyint(input.value(i, "intensity") / 257); };
+    const auto exact = [&](std::size_t i) { return input.value(i, "intensity") / 65536; };
+    const auto wide = [&](std::size_t i) { return input.value(i, "classification") * 1000 - 7; };
+    const std::tuple<const char*, Records, const char*> cases[] = {
+        {"set(intensity = intensity / 257, as=uint8)", retyped(input, "intensity", Type::u8, halved), "intensity"},
+        {"set(intensity = intensity / 65536, as=float32)", retyped(input, "intensity", Type::f32, exact), "intensity"},
+        {"set(classification = classification * 1000 - 7, as=int32)",
+         retyped(input, "classification", Type::i32, wide), "classification"},
+        {"set(classification = classification, as=uint8)", input, "classification"}};
+    for (const auto& [pipeline, expected, field] : cases) {
+      const RunResult plain = run_text(input, pipeline, tiny(300));
+      ASSERT_EQ(plain.schema, expected.schema) << pipeline;
+      ASSERT_TRUE(plain.records == expected.bytes) << pipeline;
+      const std::string more = fmt::format("statistics({0}_mean) | set({0} = {0} where z > 0)", field);
+      for (const Order order : {Order::input, Order::sweep}) {
+        const RunResult whole = run_text(expected, "knn(k=6) | " + more, ways_of_editing(order)[0]);
+        const EngineOptions spilled = ways_of_editing(order)[1];
+        const RunResult got = run_text(input, std::string("knn(k=6) | ") + pipeline + " | " + more, spilled);
+        ASSERT_EQ(got.schema, whole.schema) << more;
+        ASSERT_TRUE(got.records == whole.records) << more;
+      }
+    }
+  }
+}
+
+TEST(Set, ATypeThatIsAskedForDoesNotHoldForConditionsAndWhatStagesMade) {
+  const Records input = with_attributes({{0.25, 2, 3}, {1, 5, 6.25}});
+  const auto type = [&](const std::string& pipeline) {
+    const RunResult r = run_text(input, pipeline, tiny(100));
+    return name_of(r.schema.fields[index_of(r.schema, "classification")].type);
+  };
+  EXPECT_EQ(type("set(classification = 7, as=float32)"), "float32");
+  EXPECT_EQ(type("set(classification = 7 where x > 0.5, as=float32)"), "uint8");
+  EXPECT_EQ(type("set(classification = 7) | set(classification = 8, as=float32)"), "uint8");
+  EXPECT_EQ(type("set(classification = 7, as=int16) | set(classification = 8, as=float32)"), "int16");
+  EXPECT_EQ(type("drop(classification) | set(classification = 8, as=float32)"), "float32");
+}
+
+TEST(Set, AValueThatTheTypeAskedForCannotHoldIsAnErrorWithRowValueAndRemedy) {
+  const Records input = with_attributes({{1, 1, 1}, {300, 1, 1}, {-1, 1, 1}, {0, 0, 0}});
+  EXPECT_NE(editing_error(input, "set(intensity = x, as=uint8)")
+                .find("set: row 1: intensity would be 300, which is not uint8, 0 to 255; state a type that holds it "
+                      "with 'as', or limit it, as in intensity = min(max(x, LEAST), MOST)."),
+            std::string::npos)
+      << editing_error(input, "set(intensity = x, as=uint8)");
+  EXPECT_NE(editing_error(input, "set(intensity = x / y - 1 / y, as=int8)").find("row 1: intensity would be 299"),
+            std::string::npos);
+  EXPECT_NE(editing_error(input, "set(intensity = y / y, as=uint8)").find("row 3: intensity would be"),
+            std::string::npos);
+  EXPECT_EQ(editing_error(input, "set(intensity = min(max(x, 0), 255), as=uint8)"), "");
+  EXPECT_EQ(editing_error(input, "set(intensity = y / y, as=float32)"), "");
 }
 
 TEST(Set, AssignmentsComeOneAfterAnotherAndLaterStagesReadThem) {

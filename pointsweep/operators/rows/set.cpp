@@ -94,9 +94,9 @@ const OptionTable<SetOptions>& set_options() {
               .positional = true,
               .sample = "classification = 7 where z > 100"}),
       option("as", &SetOptions::as,
-             "type of new attributes, and of those of the input that are float32 or float64 and are assigned without "
-             "a condition; without this option new ones are float64, or of the type that LAS has for the name, such as "
-             "uint8 for classification",
+             "type of new attributes, and of those of the input that are assigned without a condition; without this "
+             "option new ones are float64, or of the type that LAS has for the name, such as uint8 for "
+             "classification",
              {.choices = names_of_types(), .sample = "float32"})};
   return table;
 }
@@ -118,9 +118,9 @@ OperatorDeclaration set_declaration() {
           "Numbers are evaluated in float64, as by where, and those of whole numbers of 64 bits exactly. A "
           "whole-number "
           "type gets the nearest one, halves to even.\n"
-          "An attribute that exists keeps its type (a real one of the input gets the type of 'as' if no condition is "
-          "given), and its value where the condition does not hold; a new attribute is 0 there. Assigning to x, y or z "
-          "moves the points.",
+          "An attribute that exists keeps its type (one of the input gets the type of 'as' if no condition is given), "
+          "and its value where the condition does not hold; a new attribute is 0 there. Assigning to x, y or z moves "
+          "the points.",
       .undefined =
           "A value that the type cannot hold ends the run with an error that names the row, and so does a NaN or "
           "infinite "
@@ -205,9 +205,10 @@ void SetAttribute::find_target(const Schema& input, std::span<const Attribute> m
   if (std::optional<AssignedTarget> known = target_of(name, input, made, place_)) {
     target_ = std::move(known->made), component_ = known->component, range_ = known->range;
     const bool is_of_input = std::ranges::find(made, target_.name, &Attribute::name) == made.end();
-    if (type_ && is_of_input && !range_.is_whole && !assignment_.condition) {
+    if (type_ && *type_ != range_.type && is_of_input && !assignment_.condition) {
       range_ = range_of(*type_);
       target_ = scalar(target_.name, *type_, "1", "assigned");
+      is_retyped_ = true;
     } else {
       old_ = std::move(known->old);
     }
@@ -221,10 +222,13 @@ void SetAttribute::find_target(const Schema& input, std::span<const Attribute> m
 
 RowSentence SetAttribute::refusal(const std::string& value) const {
   const bool moves = target_.name == position_attribute().name;
+  const std::string remedy = is_retyped_ ? fmt::format("state a type that holds it with 'as', or limit it, as in {} = "
+                                                       "min(max({}, LEAST), MOST)",
+                                                       assignment_.name, assignment_.value.canonical())
+                                         : "exclude such points by a condition, or assign to a new attribute";
   return {fmt::format("{}: row ", place_),
-          fmt::format(": {} would be {}, which is not {}; exclude such points by a condition, or assign to a new "
-                      "attribute.",
-                      assignment_.name, value, moves ? "a finite coordinate" : range_.text())};
+          fmt::format(": {} would be {}, which is not {}; {}.", assignment_.name, value,
+                      moves ? "a finite coordinate" : range_.text(), remedy)};
 }
 
 /// `is_placed`: the point has a finite place, which it must not lose.

@@ -37,7 +37,8 @@ std::vector<Assignment> assignments_of(std::string_view text, const std::string&
 /// Makes a new version of one attribute. Values of whole-number types are rounded to the nearest, halves to even.
 class SetAttribute final : public LocalOperator {
  public:
-  /// `type`: the type of a new attribute; absent: the type that LAS gives to an attribute of this name, else float64.
+  /// `type`: the type of a new attribute, and of one of the input that is assigned without a condition; absent: a new
+  /// attribute gets the type that LAS gives to its name, else float64.
   SetAttribute(Assignment assignment, std::optional<Type> type, std::string place = "set");
   std::string name() const override { return "set"; }
   Contract contract() const override;
@@ -65,6 +66,7 @@ class SetAttribute final : public LocalOperator {
   Attribute target_;
   std::size_t component_ = 0;
   TargetRange range_;
+  bool is_retyped_ = false;  ///< the attribute of the input has another type
   std::optional<Attribute> old_;
   std::optional<std::size_t> old_value_;
 };
