@@ -126,6 +126,34 @@ TEST_F(Layout, TheFirstRowIsNamedForAnyNumberOfThreads) {
   }
 }
 
+TEST_F(Layout, ALineSaysByHowMuchFloat32RoundsLargeCoordinates) {
+  std::string text = "x y z\n";
+  for (int i = 0; i < 400; ++i)
+    text += fmt::format("{} {} {}\n", 684766.42 + i, 5403215.17 + i % 20, 243.1 + i % 7);
+  write("map.txt", text);
+  made("convert map.txt map.las -q");
+  const std::string by = "rounds them by at most 0.25; transform(translate=[-685000, -5403000, 0]) before would";
+  const std::string moved = "transform(translate=[-685000, -5403000, 0])";
+  for (const char* in : {"map.txt", "map.las"})
+    for (const char* how :
+         {"out.ply", "out.pcd", "out.ply --order sweep", "out.ply --threads 3 --memory 40M",
+          "-o tiles/ --output-format ply", "-o parts/ --output-format ply --tile 100"}) {
+      const std::string run = fmt::format("run {} {} -f --positions float32", in, how);
+      const Result plain = tool(run);
+      ASSERT_EQ(plain.status, 0) << plain.err;
+      EXPECT_NE(plain.err.find(by), std::string::npos) << run << plain.err;
+      for (const char* before : {"knn(k=3) | normals | ", "where(z > 0) | ", ""}) {
+        const Result near = tool(fmt::format("{} --pipeline '{}{}'", run, before, moved));
+        ASSERT_EQ(near.status, 0) << near.err;
+        EXPECT_NE(near.err.find("as float32, which rounds them by at most 7.6e-06."), std::string::npos) << near.err;
+      }
+      EXPECT_EQ(tool(fmt::format("run {} {} -f", in, how)).err.find("float32"), std::string::npos);
+    }
+  made("run map.txt near.ply -f -q --positions float32 --pipeline '" + moved + "'");
+  const Result same = tool("run near.ply again.ply -f --positions float32");
+  EXPECT_EQ(same.err.find("rounds them"), std::string::npos) << "nothing is rounded: " << same.err;
+}
+
 /// Rows 39, 79, ... have the level 39 and more, so does row 2, which has no finite place.
 std::string levels(bool has_nan) {
   std::string text = "x y z level\n";

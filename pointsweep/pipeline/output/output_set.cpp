@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/output/output_set.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -9,6 +11,7 @@
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/rows/cloud_source.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
 namespace {
@@ -46,7 +49,9 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
                      const Outputs& outputs, const EngineOptions& options, OutputPlace place,
                      std::vector<std::string> provenance)
     : layout_(cloud.schema(), made, kept, type_of_positions(made, outputs.points, options)),
-      input_stride_(cloud.schema().stride) {
+      input_stride_(cloud.schema().stride),
+      rounding_(cloud.schema(), made, layout_.schema()),
+      name_(options.division.divides() ? folder_of(outputs.points) : outputs.points) {
   const OutputPlan plan{.path = outputs.points,
                         .schema = listed_schema(layout_.schema(), outputs.points, kept, made),
                         .count = cloud.count(),
@@ -109,7 +114,7 @@ void OutputSet::write_results(InputCloud& cloud, std::uint64_t first_row, std::s
         layout_.assemble(inputs_.data() + row * input_stride_, from + row * result_bytes_, m,
                          assembled_.data() + row * layout_.schema().stride, {first_row + done + row});
       });
-      points_.write(assembled_);
+      write_assembled();
     }
     for (Array& array : arrays_) {
       array.column.resize(n * array.bytes);
@@ -146,14 +151,21 @@ void OutputSet::write_inputs(std::uint64_t first_row, std::span<const std::byte>
 
 void OutputSet::write_filled() {
   assembled_.resize(filled_);
-  points_.write(assembled_);
+  write_assembled();
   filled_ = 0;
+}
+
+void OutputSet::write_assembled() {
+  rounding_.see(assembled_);
+  points_.write(assembled_);
 }
 
 std::vector<std::string> OutputSet::warnings() const {
   std::vector<std::string> all;
   for (const auto& writer : points_.writers())
     all.insert(all.end(), writer->warnings().begin(), writer->warnings().end());
+  if (const std::string rounded = rounding_.sentence(); !rounded.empty() && !name_.empty())
+    all.push_back(fmt::format("{}: {}", name_.string(), rounded));
   return all;
 }
 

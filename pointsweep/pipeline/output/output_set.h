@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output/divided_writer.h"
+#include "pointsweep/pipeline/output/float_rounding.h"
 #include "pointsweep/pipeline/plan/output_layout.h"
 
 namespace pointsweep {
@@ -57,9 +59,12 @@ class OutputSet {
   };
   std::size_t chunk_rows() const;
   void write_filled();
+  void write_assembled();
 
   OutputLayout layout_;
   std::uint32_t input_stride_;
+  FloatRounding rounding_;
+  std::filesystem::path name_;  ///< of the output in sentences; empty: it is no file
   std::size_t result_bytes_ = 0;
   WriteBehind points_;
   const DividedWriter* divided_ = nullptr;  ///< one of points_
