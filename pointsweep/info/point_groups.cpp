@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/named_field.h"
 #include "pointsweep/info/changed_points.h"
-#include "pointsweep/info/named_field.h"
 
 namespace pointsweep {
 

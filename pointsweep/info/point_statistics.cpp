@@ -5,9 +5,9 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/formats/named_field.h"
 #include "pointsweep/info.h"
 #include "pointsweep/info/histogram_bins.h"
-#include "pointsweep/info/named_field.h"
 #include "pointsweep/info/point_groups.h"
 #include "pointsweep/info/rank_search.h"
 #include "pointsweep/info/value_keys.h"

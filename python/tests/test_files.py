@@ -209,7 +209,7 @@ def test_tiles_and_parts_are_those_of_the_tool(run_tool, tmp_path):
         ({"tile": 0}, "tile: '0.0' is not above 0"),
         ({"tile": 5, "tile_origin": 3}, "tile_origin: 3 is not two numbers"),
         ({"tile": 5, "split": "part"}, "tile and split each divide the output"),
-        ({"split": "intensities"}, "split: the output has no attribute 'intensities'"),
+        ({"split": "intensities"}, "split: the points have no attribute 'intensities'"),
         ({"tile_buffer": 5}, "tile_buffer belong to tile"),
     ):
         with pytest.raises(ps.UsageError, match=sentence):

@@ -305,7 +305,7 @@ TEST_F(Division, RefusesWhatItCannotDo) {
   values.division.split = "z";
   EXPECT_NE(refusal(values).find("'z' has no whole numbers"), std::string::npos);
   values.division.split = "klass";
-  EXPECT_NE(refusal(values).find("no attribute 'klass'; it has x, y, z, id"), std::string::npos);
+  EXPECT_NE(refusal(values).find("the points have no attribute 'klass'; they have x, y, z, id"), std::string::npos);
   EXPECT_NE(refusal(tiles(1e-14)).find("choose larger ones"), std::string::npos);
   EXPECT_NE(refusal(tiles(500), "in/*.ply").find("in the folder of the outputs"), std::string::npos);
   EXPECT_FALSE(fs::exists(folder_ / "out")) << "the folder of a run that is refused does not stay";

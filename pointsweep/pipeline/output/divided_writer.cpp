@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/output/divided_writer.h"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -12,7 +10,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/field_names.h"
+#include "pointsweep/formats/named_field.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/math/mix.h"
 #include "pointsweep/order/parallel_rows.h"
@@ -82,11 +80,7 @@ DividedWriter::DividedWriter(OutputPlan plan, const OutputDivision& division, Di
 }
 
 void DividedWriter::choose_attribute(const std::string& word) {
-  const std::optional<std::size_t> at = field_meant(plan_.schema, word);
-  if (!at)
-    fail_usage("--split: the output has no attribute '{}'; it has {}.", word,
-               fmt::join(column_names(plan_.schema), ", "));
-  attribute_ = plan_.schema.fields[*at];
+  attribute_ = named_field(plan_.schema, word, "--split");
   if (!has_whole_numbers(attribute_) || attribute_.count != 1)
     fail_usage(
         "--split: '{0}' has no whole numbers, so that nearly each point might get a file; make whole numbers of it, "

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/info/named_field.h"
+#include "pointsweep/formats/named_field.h"
 
 #include <fmt/ranges.h>
 
