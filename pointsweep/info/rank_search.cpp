@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "pointsweep/info/changed_points.h"
-#include "pointsweep/math/exact_sum.h"
+#include "pointsweep/math/quantile_rank.h"
 
 namespace pointsweep {
 
@@ -14,7 +14,7 @@ RankSearch::RankSearch(std::uint64_t count, std::uint64_t least, std::uint64_t m
   found_.fill(least);
   if (least == most) return;
   for (std::size_t r = 0; r < kRanks; ++r)
-    ranks_[r] = static_cast<std::uint64_t>(UInt128{count - 1} * PointStatistics::kPercent[r] / 100);
+    ranks_[r] = quantile_rank(count, PointStatistics::kPercent[r]);
   intervals_.push_back({least, most, count, 0, kRanks});
 }
 

@@ -12,10 +12,9 @@
 
 namespace pointsweep {
 
-/// Finds the keys at the ranks floor(p (n - 1)) of n keys, in ascending order from 0, for each p of
-/// PointStatistics::kPercent. It holds intervals of keys, each with some of the ranks. A reading counts the keys in
-/// equal parts of each interval; then each interval shrinks to the parts in which the ranks are. An interval with few
-/// keys gets these themselves instead.
+/// Finds the keys at the quantile_rank() of each percentage of PointStatistics::kPercent. It holds intervals of keys,
+/// each with some of the ranks. A reading counts the keys in equal parts of each interval; then each interval shrinks
+/// to the parts in which the ranks are. An interval with few keys gets these themselves instead.
 class RankSearch {
  public:
   static constexpr std::size_t kRanks = PointStatistics::kPercent.size();

@@ -9,6 +9,7 @@
 
 #include "pointsweep/colors/color_map.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/math/quantile_rank.h"
 #include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
@@ -146,13 +147,13 @@ Rgb PointColor::operator()(const std::byte* record, Vec3 position) const {
 std::pair<double, double> robust_range(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
   if (values.empty()) return {0, 1};
-  const auto quantile = [&](double share) {
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto quantile = [&](std::uint32_t percent) {
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(quantile_rank(values.size(), percent));
     std::nth_element(values.begin(), at, values.end());
     return *at;
   };
-  const double lo = quantile(0.05);
-  return {lo, quantile(0.95)};
+  const double lo = quantile(5);
+  return {lo, quantile(95)};
 }
 
 }  // namespace pointsweep

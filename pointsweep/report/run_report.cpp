@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pointsweep/math/quantile_rank.h"
 #include "pointsweep/render/canvas.h"
 #include "pointsweep/report/page.h"
 #include "pointsweep/report/plot.h"
@@ -14,18 +15,17 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kBins = 48;
-constexpr double kPercents[] = {0, 5, 25, 50, 75, 95, 100};
+constexpr std::uint32_t kPercents[] = {0, 5, 25, 50, 75, 95, 100};
 constexpr double kLargestWhole = 1e15;  ///< beyond it, whole numbers are not all doubles
-constexpr double kBeyond = 0.5;         ///< per cent on either side that the bins at the ends hold
+/// One value in so many on either side lies beyond the evenly divided range; the bins at the ends hold these values.
+constexpr std::uint32_t kOneBeyond = 200;
 
-/// The value that so many per cent of the ascending ones do not exceed.
-double percentile(const std::vector<double>& sorted, double percent) {
-  const double last = static_cast<double>(sorted.size() - 1);
-  return sorted[static_cast<std::size_t>(std::lround(percent / 100 * last))];
+double quantile(const std::vector<double>& sorted, std::uint32_t part, std::uint32_t whole = 100) {
+  return sorted[static_cast<std::size_t>(quantile_rank(sorted.size(), part, whole))];
 }
 
 void fill_bins(const std::vector<double>& sorted, bool whole, ValueSummary& summary) {
-  double lo = percentile(sorted, kBeyond), hi = percentile(sorted, 100 - kBeyond);
+  double lo = quantile(sorted, 1, kOneBeyond), hi = quantile(sorted, kOneBeyond - 1, kOneBeyond);
   std::size_t bins = kBins;
   if (whole && hi - lo < kBins && std::max(-lo, hi) < kLargestWhole) {
     lo -= 0.5, hi += 0.5;
@@ -53,7 +53,7 @@ ValueSummary summary_of(const Field& field, std::size_t stride, std::span<const 
   }
   if (sorted.empty()) return summary;
   std::ranges::sort(sorted);
-  std::ranges::transform(kPercents, summary.percentiles.begin(), [&](double p) { return percentile(sorted, p); });
+  std::ranges::transform(kPercents, summary.quantiles.begin(), [&](std::uint32_t p) { return quantile(sorted, p); });
   const bool whole = std::ranges::all_of(sorted, [](double v) { return v == std::floor(v); });
   fill_bins(sorted, whole, summary);
   return summary;
@@ -193,8 +193,8 @@ void add_picture(const RunSummary& summary, Page& page) {
 }
 
 /// "least 0, 5 % 0.1, 25 % 0.2, median 0.3, 75 % 0.4, 95 % 0.5, greatest 1; 3 undefined"
-std::string percentiles_text(const ValueSummary& m) {
-  const auto& p = m.percentiles;
+std::string quantiles_text(const ValueSummary& m) {
+  const auto& p = m.quantiles;
   std::string text = m.edges.empty() ? "no value is defined"
                                      : fmt::format(
                                            "least {:.4g}, 5 % {:.4g}, 25 % {:.4g}, median {:.4g}, 75 % {:.4g}, "
@@ -211,7 +211,7 @@ void add_values(const RunSummary& summary, Page& page) {
     page.paragraph(fmt::format("Of {} points, evenly chosen.", summary.made.front().values));
   for (const ValueSummary& m : summary.made)
     page.figure(value_plot(m.unit.empty() ? m.name : fmt::format("{} ({})", m.name, m.unit), m.edges, m.counts),
-                percentiles_text(m));
+                quantiles_text(m));
 }
 
 }  // namespace

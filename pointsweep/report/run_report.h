@@ -21,8 +21,8 @@ struct ValueSummary {
   std::string unit = {};        ///< e.g. "1/m"; empty: none, or not known
   std::uint64_t values = 0;     ///< number of values that were looked at
   std::uint64_t undefined = 0;  ///< NaN and infinite ones among `values`
-  /// Least, 5 %, 25 %, 50 %, 75 %, 95 %, greatest of the others.
-  std::array<double, 7> percentiles{};
+  /// Least, 5 %, 25 %, 50 %, 75 %, 95 %, greatest of the others (quantile_rank()).
+  std::array<double, 7> quantiles{};
   /// Bin i is edges[i] .. edges[i + 1]; the first and the last also hold what lies beyond. Empty without a value.
   std::vector<double> edges = {}, counts = {};
 };
@@ -46,7 +46,7 @@ struct RunSummary {
 };
 
 /// Returns one self-contained HTML page. The result comes first: inputs and outputs, warnings, a picture, a histogram
-/// of each made number with its percentiles, counts. The time by phase follows. The engine comes last: working set over
+/// of each made number with its quantiles, counts. The time by phase follows. The engine comes last: working set over
 /// the stream, distances of neighbours (if they were counted), all other statistics.
 std::string report_of(const RunSummary& summary);
 

@@ -143,7 +143,7 @@ MUTANTS = [
            "while (has_area_ && cells_of_bounds() >", "while (has_area_ && static_cast<double>(count_) >", ("cli:PlanArea.*",)),
     Mutant("info does not compare counts by return", "cli", "pointsweep/info/summarize.cpp",
            "if (stated[r - 1] == summary.returns[r]) continue;", "continue;", ("cli:Info.*",)),
-    Mutant("a quantile is that of n values instead of n - 1 steps", "cli", "pointsweep/info/rank_search.cpp",
+    Mutant("a quantile is that of n values instead of n - 1 steps", "cli", "pointsweep/math/quantile_rank.h",
            "UInt128{count - 1} *", "UInt128{count} *", ("cli:RankSearch.*",)),
     Mutant("statistics have the deviation of the whole population", "cli", "pointsweep/info/value_moments.cpp",
            "/ n / (n - 1)));", "/ n / n));", ("cli:PointStatisticsTool.*",)),

@@ -65,7 +65,7 @@ RunSummary complete() {
              .unit = "1/m",
              .values = 3000,
              .undefined = 2,
-             .percentiles = {0, 1, 2, 3, 4, 5, 6},
+             .quantiles = {0, 1, 2, 3, 4, 5, 6},
              .edges = {0, 3, 6},
              .counts = {1000, 1998}}};
   return s;
@@ -117,8 +117,8 @@ TEST(ValueSummaries, CountWhatIsThere) {
   EXPECT_EQ(made[0].name, "curve");
   EXPECT_EQ(made[0].values, 1001u);
   EXPECT_EQ(made[0].undefined, 1u);
-  const double expected[] = {0, 0.05, 0.25, 0.5, 0.75, 0.95, 1};
-  for (std::size_t p = 0; p < 7; ++p) EXPECT_NEAR(made[0].percentiles[p], expected[p], 0.002) << p;
+  const float expected[] = {0, 0.049F, 0.249F, 0.499F, 0.75F, 0.95F, 1};  // ranks 0, 49, 249, 499, 749, 949, 999
+  for (std::size_t p = 0; p < 7; ++p) EXPECT_EQ(made[0].quantiles[p], expected[p]) << p;
   EXPECT_EQ(std::accumulate(made[0].counts.begin(), made[0].counts.end(), 0.0), 1000);
   EXPECT_EQ(made[1].counts, (std::vector<double>{334, 334, 333})) << "a bin for each whole number";
   EXPECT_EQ(made[1].edges, (std::vector<double>{-0.5, 0.5, 1.5, 2.5}));
