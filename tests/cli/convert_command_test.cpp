@@ -36,6 +36,20 @@ TEST_F(ConvertVerb, KeepsEveryRowInItsOrderWithAllAttributesThroughEveryFormat) 
   EXPECT_TRUE(made("run in.las r.ply -q", "r.ply") == made("convert in.las r2.ply -q", "r2.ply"));
 }
 
+TEST_F(ConvertVerb, LazOfItsOwnTextIsHardlyLargerThanTheFileWas) {
+  for (const char* scale : {"0.001", "0.01", "0.00025"}) {
+    made(fmt::format("run in.las grid.laz -q -f --scale {} --pipeline 'drop(nx, ny, nz)'", scale));
+    made("convert grid.laz own.csv -q -f");
+    made("convert own.csv again.laz -q -f");
+    EXPECT_EQ(tool("verify grid.laz again.laz").status, 0) << scale;
+    EXPECT_LE(20 * contents(folder_ / "again.laz").size(), 21 * contents(folder_ / "grid.laz").size()) << scale;
+  }
+}
+
+TEST_F(ConvertVerb, AnInputIsNeverItsOutput) {
+  for (const char* force : {"", " -f"}) refused(2, std::string("convert in.las in.las") + force, "in.las: is an input");
+}
+
 TEST_F(ConvertVerb, PutsInputsOneAfterAnotherAndAFolderIntoAFolder) {
   made("convert in.las in.las both.csv -q --keep x,y,z");
   made("convert in.las one.csv -q --keep x,y,z");
