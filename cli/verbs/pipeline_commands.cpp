@@ -123,6 +123,15 @@ struct TransformCommand {
   std::vector<OptionText> options;
 };
 
+/// Throws UsageError where no flag moves the points: --scale is one of the outputs.
+void require_move(const TransformCommand& command) {
+  const auto moves = [](const OptionText& option) { return option.name != "inverse"; };
+  if (std::ranges::any_of(command.options, moves)) return;
+  fail_usage(
+      "transform: nothing says where the points go; give --matrix FILE or --translate X,Y,Z. To scale them write "
+      "pointsweep run IN OUT --pipeline 'transform(scale=0.3048)'; --scale is the grid of LAS outputs.");
+}
+
 /// An option of an operator as a flag of the verb.
 struct ThinningFlag {
   const char* flag;
@@ -260,13 +269,15 @@ void add_transform_command(CLI::App& app) {
       "Move the points back: by the inverse of the matrix");
   add_output_options(verb, command->run);
   verb.footer(
-      "Same as 'pointsweep run' with the pipeline 'transform(FILE)'. The file has 4 lines of 4 numbers, the last one 0 "
-      "0 "
+      "Same as 'pointsweep run' with the pipeline 'transform(FILE)'. The file has 4 lines of 4 numbers, the last one 0 0 "
       "0 1, as CloudCompare, Open3D and numpy.savetxt write them. 'pointsweep operators transform' has the formula.\n"
       "\nExample: a scan into the place of another one, as a registration has found it, and back:\n"
       "  pointsweep transform scan.ply placed.ply --matrix registration.txt\n"
       "  pointsweep transform placed.ply back.ply --matrix registration.txt --inverse");
-  verb.callback([command] { run_stages({{"transform", command->options, "transform"}}, command->run); });
+  verb.callback([command] {
+    require_move(*command);
+    run_stages({{"transform", command->options, "transform"}}, command->run);
+  });
 }
 
 void add_thin_command(CLI::App& app) {

@@ -30,7 +30,10 @@ TEST_F(TransformVerb, IsTheStageWithTheNumbersOfTheFile) {
   EXPECT_EQ(made("transform all.txt verb.ply --matrix m.txt --inverse" + common, "verb.ply"),
             by_run(numbers + ", inverse=yes"));
   EXPECT_EQ(made("transform all.txt verb.ply --translate 1,2,3" + common, "verb.ply"), by_run("translate=[1,2,3]"));
-  refused(2, "transform all.txt out.ply", "transform: nothing says where the points go; give matrix=FILE");
+  for (const char* options : {"", " --inverse", " --scale 0.3048"})
+    refused(2, std::string("transform all.txt out.las") + options,
+            "transform: nothing says where the points go; give --matrix FILE or --translate X,Y,Z. To scale them write "
+            "pointsweep run IN OUT --pipeline 'transform(scale=0.3048)'; --scale is the grid of LAS outputs.");
   write("m.txt", "1 0 0 0\n0 1 0 x\n");
   refused(1, "transform all.txt out.ply --matrix m.txt", "m.txt:2: 'x' is no finite number; a matrix is 4 rows of 4");
 }
