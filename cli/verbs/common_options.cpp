@@ -79,10 +79,7 @@ void add_crs_option(CLI::App& verb, CommonOptions& options) {
 
 void add_stated_crs_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
-          "--crs",
-          [&options](const std::string& text) {
-            options.crs = StatedCrs{parse_crs(text), false};
-          },
+          "--crs", [&options](const std::string& text) { options.crs = StatedCrs{parse_crs(text), false}; },
           "State the coordinate reference system of the inputs and the output: a code, a file with WKT (.prj), or "
           "none. Coordinates do not change")
       ->type_name("EPSG:CODE|FILE|none")
@@ -95,22 +92,40 @@ void add_stated_crs_options(CLI::App& verb, CommonOptions& options) {
       ->group(kOutputGroup);
 }
 
+namespace {
+
+/// An option whose value is a word for the format of inputs: one of these options at most.
+void add_format_word(CLI::App& verb, std::string& format, const char* flag, const char* begin, const char* meaning,
+                     const char* value) {
+  verb.add_option_function<std::string>(
+          flag,
+          [&format, flag, begin](const std::string& text) {
+            if (!format.empty()) fail_usage("{}: another option says how the inputs are read; leave one out.", flag);
+            format = begin + text;
+            require_format_asked_for(format);
+          },
+          meaning)
+      ->type_name(value)
+      ->group(kOtherGroup);
+}
+
+}  // namespace
+
 void add_format_option(CLI::App& verb, std::string& format) {
   verb.add_option("--format", format,
                   "Format of inputs without a signature (all others are recognised by their content)")
       ->type_name(formats_asked_for())
       ->group(kOtherGroup);
-  verb.add_option_function<std::string>(
-          "--columns",
-          [&format](const std::string& names) {
-            if (!format.empty()) fail_usage("--columns: --format says that the inputs are no text; leave one out.");
-            format = "text:" + names;
-            require_format_asked_for(format);
-          },
-          "Names of the columns of text inputs without a header, e.g. x,y,z,intensity,-,red,green,blue; - skips a "
-          "column")
-      ->type_name("A,B,...")
-      ->group(kOtherGroup);
+  add_format_word(
+      verb, format, "--columns", "text:",
+      "Names of the columns of text inputs without a header, e.g. x,y,z,intensity,-,red,green,blue; - skips a column",
+      "A,B,...");
+  add_format_word(verb, format, "--depth",
+                  "depth:", "Read the levels of detail of COPC inputs up to this depth, of which 0 is the coarsest",
+                  "N");
+  add_format_word(verb, format, "--resolution", "spacing:",
+                  "Read as many levels of detail of COPC inputs as it takes until points lie no farther apart",
+                  "DISTANCE");
 }
 
 void add_stream_options(CLI::App& verb, CommonOptions& options) {

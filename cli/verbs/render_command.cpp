@@ -40,7 +40,9 @@ void parse_picture_size(const std::string& text, RenderOptions& options) {
 }
 
 /// "wrote a.png: 5 points from azimuth 30, elevation 25 with z up, coloured by height, violet 0 to yellow 3"
-std::string conclusion(const std::filesystem::path& output, std::uint64_t points, const Rendering& r) {
+std::string conclusion(const std::filesystem::path& output, const Rendering& r) {
+  const std::string points =
+      r.drawn < r.points ? fmt::format("{} of {}", r.drawn, r.points) : fmt::format("{}", r.points);
   std::string sentence = fmt::format(
       "wrote {}: {} points from azimuth {:g}, elevation {:g} with {}{} up, coloured by {}", output.string(), points,
       r.view.angles.azimuth, r.view.angles.elevation, r.view.up.sign < 0 ? "-" : "", "xyz"[r.view.up.axis], r.color);
@@ -77,7 +79,7 @@ void render_picture(RenderCommand& command) {
                 fmt::format("{} far from all others {} outside of the picture.",
                             rendering.outside == 1 ? "one point" : fmt::format("{} points", rendering.outside),
                             rendering.outside == 1 ? "is" : "are"));
-  display.say(Severity::note, conclusion(output, cloud.count(), rendering));
+  display.say(Severity::note, conclusion(output, rendering));
 }
 
 }  // namespace
@@ -112,8 +114,7 @@ void add_render_command(CLI::App& app) {
           "--background", [command](const std::string& text) { command->options.background = parse_color(text); },
           "Background colour: white, black or RRGGBB in hexadecimal (default: white)")
       ->type_name("COLOR");
-  verb.add_flag_callback(
-      "--no-legend", [command] { command->options.legend = false; }, "Hide the legend");
+  verb.add_flag_callback("--no-legend", [command] { command->options.legend = false; }, "Hide the legend");
   add_crs_option(verb, command->common);
   add_format_option(verb, command->common.format);
   add_run_option(verb, command->common, "overwrite");
@@ -123,7 +124,8 @@ void add_render_command(CLI::App& app) {
       "discs "
       "with the file's radius or one as large as points lie apart (1.5 times as large with normals). "
       "Numbers are coloured from their 5 % to their 95 % quantile. "
-      "The cloud is read twice and never held in memory.\n"
+      "The cloud is read twice and never held in memory; of COPC files no finer levels than pixels show (--depth 31 "
+      "draws all points).\n"
       "\nExample:\n"
       "  pointsweep render splats.ply picture.png --color curvature --view 30,20");
   verb.callback([command] { render_picture(*command); });

@@ -30,7 +30,7 @@ struct CloudOptions {
   /// that cannot be compared, unless StatedCrs::replaces. Absent: what the inputs state.
   std::optional<StatedCrs> crs = {};
   /// Format of the files that have no signature: "kitti" or "float32-xyz"; or "text:x,y,z,-,intensity", the columns of
-  /// text files (open_reader).
+  /// text files; or "depth:3" or "spacing:0.5", levels of detail (open_reader).
   std::string format = "";
 };
 

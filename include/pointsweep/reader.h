@@ -50,6 +50,7 @@ struct FileInfo {
   bool decode_once = false;            ///< decoding costs much more than writing and reading its records
   std::uint64_t decoder_bytes = 0;     ///< what each thread takes that decodes it, in addition to the records
   std::optional<Box> bounds;           ///< as a header states them: a hint, not to be trusted
+  std::optional<double> root_spacing;  ///< of the points of depth 0, where chunks are nodes of levels of detail
   std::optional<HeaderClaims> claims;  ///< of a header that says more of the points than their number
   bool z_is_up = false;                ///< the format says that z is the height
   std::vector<std::string> warnings;   ///< what was wrong but harmless, one sentence each
@@ -65,6 +66,7 @@ struct Chunk {
   std::uint64_t first_row = 0, rows = 0;
   std::uint64_t begin = 0, end = 0;  ///< its bytes in the file; 0 and 0 where they are in several places or unknown
   std::optional<Box> bounds;         ///< of its points, as the file states it: a hint, not to be trusted
+  std::optional<int> depth = {};     ///< of its node, where chunks are nodes of levels of detail
 
   std::uint64_t end_row() const { return first_row + rows; }
 };
@@ -127,6 +129,8 @@ class POINTSWEEP_EXPORT Reader {
 
 /// Opens a point file of any known format, told by its content. `format` names one that has no signature ("kitti",
 /// "float32-xyz"); it is that of the file unless the name of the file ends as those of another format.
+/// "depth:3" and "spacing:0.5" choose levels of detail, those of depths 0 to 3, or of as many depths as it takes until
+/// points lie no farther apart; only their bytes are read. Throws Error for a file without levels.
 /// "text:x,y,z,-,intensity" names the columns of a text file, "-" for those to skip, and replaces its header. Throws
 /// Error in one sentence when it cannot, UsageError for an unknown `format`.
 POINTSWEEP_EXPORT std::unique_ptr<Reader> open_reader(const std::filesystem::path& path, std::string_view format = "");

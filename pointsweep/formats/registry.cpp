@@ -7,6 +7,7 @@
 #include <array>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/chosen_chunks.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/storage/local/input_file.h"
 #include "pointsweep/storage/local/standard_streams.h"
@@ -252,13 +253,14 @@ std::string codecs() {
 std::string formats_asked_for() { return names_asked_for("|"); }
 
 void require_format_asked_for(std::string_view name) {
-  if (!name.empty() && stated_columns(name).empty() && format_asked_for(name) == nullptr)
+  if (!name.empty() && stated_columns(name).empty() && !chooses_levels(name) && format_asked_for(name) == nullptr)
     fail_usage("--format: '{}' is not one of {}; other formats are recognised by the content of a file.", name,
                formats_asked_for());
 }
 
 std::unique_ptr<Reader> open_reader(const std::filesystem::path& path, std::string_view format_name) {
   require_format_asked_for(format_name);
+  if (chooses_levels(format_name)) return with_chosen_levels(open_reader(path), format_name);
   const std::string head = head_of(path);
   if (const Format* const asked = format_asked_for(format_name); asked != nullptr && !names_another(path, *asked))
     return asked->open(path);

@@ -10,6 +10,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/las_classes.h"
 #include "pointsweep/render/cloud_sample.h"
+#include "pointsweep/render/drawn_levels.h"
 #include "pointsweep/render/legend.h"
 #include "pointsweep/render/point_color.h"
 #include "pointsweep/render/point_shape.h"
@@ -129,6 +130,8 @@ class Light {
 
 Rendering render(InputCloud& cloud, const RenderOptions& options) {
   check(options);
+  const std::uint64_t points = cloud.count();
+  const DrawnLevels levels(cloud, std::max(options.width, options.height));
   const RowStretches rows = rows_of(cloud, options);
   const auto report = [&](const char* phase, std::uint64_t done) {
     if (options.progress) options.progress(phase, done, rows.count);
@@ -180,6 +183,7 @@ Rendering render(InputCloud& cloud, const RenderOptions& options) {
                    .lo = color.lo(),
                    .hi = color.hi(),
                    .view = view,
+                   .points = points,
                    .drawn = rows.count,
                    .outside = outside,
                    .remark = color.remark(),

@@ -37,7 +37,8 @@ struct Rendering {
   bool is_number = false;  ///< true if the colours stand for numbers from lo (violet) to hi (yellow)
   double lo = 0, hi = 1;
   View view{};                         ///< view that was used
-  std::uint64_t drawn = 0;             ///< points that were looked at: all, but for RenderOptions::seconds
+  std::uint64_t points = 0;            ///< of the cloud
+  std::uint64_t drawn = 0;             ///< that were looked at: all, but for levels and RenderOptions::seconds
   std::uint64_t outside = 0;           ///< points that lie so far from all others that the picture does not show them
   std::string remark = {};             ///< why the file's colours are not used although it has some; else empty
   std::vector<std::byte> sample = {};  ///< records of at most 65,536 of the points, evenly chosen
@@ -46,7 +47,8 @@ struct Rendering {
 /// Draws the cloud as opaque ellipses, orthographic, with a depth buffer; edges are averaged over up to nine samples
 /// for each pixel. All points are inside the picture but far outliers (Rendering::outside). The cloud is read twice
 /// from one end to the other: for its extents and a sample (up, spacing, range of colours), then to be drawn. Memory:
-/// the picture (11 to 75 bytes for each pixel), 4 MB and 65,536 records. The same file gives the same bytes. Without
+/// the picture (11 to 75 bytes for each pixel), 4 MB and 65,536 records. Of COPC files it reads no finer levels of
+/// detail than pixels show. The same file gives the same bytes. Without
 /// normals, light comes from differences of depth alone. Throws Error for a cloud without finite points, UsageError for
 /// options out of range.
 Rendering render(InputCloud& cloud, const RenderOptions& options);

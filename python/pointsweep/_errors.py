@@ -24,7 +24,7 @@ class PointsweepWarning(UserWarning):
 
 
 _OTHER_NAMES = {"temp-dir": "temp_folder", "force": "overwrite=True", "ignore-crs": "ignore_crs=True", "recursive": "recursive=True"}
-_SAME_NAMES = ("axis", "bins", "by", "columns", "format", "histogram", "keep", "memory", "nonfinite", "order", "positions", "prefix", "replace", "resume", "split", "threads", "tile", "tile_origin", "tile_buffer")
+_SAME_NAMES = ("axis", "bins", "by", "columns", "depth", "format", "histogram", "keep", "memory", "nonfinite", "order", "positions", "prefix", "replace", "resolution", "resume", "split", "threads", "tile", "tile_origin", "tile_buffer")
 
 
 def with_names_of_python(sentence: str) -> str:

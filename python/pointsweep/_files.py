@@ -210,6 +210,8 @@ def open(
     recursive: bool = False,
     format: str = "",
     columns: Sequence[str] | str | None = None,
+    depth: int | None = None,
+    resolution: float | None = None,
     ignore_crs: bool = False,
     crs: Any = None,
     replace_crs: bool = False,
@@ -224,6 +226,8 @@ def open(
     format : of files without a signature: 'kitti' or 'float32-xyz'.
     columns : names of the columns of text files, in place of a header: ``["x", "y", "z", "intensity", "-", "red"]``; "-"
         skips a column.
+    depth : of COPC files, read the levels of detail up to this depth, of which 0 is the coarsest, and no other bytes.
+    resolution : of COPC files, read as many levels of detail as it takes until points lie no farther apart.
     ignore_crs : ignore coordinate reference systems: merge files of different systems without a transformation, treat
         degrees as lengths, do not convert default lengths to feet.
     crs : coordinate reference system of the points, as `run` takes it, the path of a file with WKT (.prj, .wkt), or 'none'.
@@ -236,6 +240,8 @@ def open(
         recursive=recursive,
         format=format,
         columns=columns,
+        depth=depth,
+        resolution=resolution,
         ignore_crs=ignore_crs,
         crs=crs,
         replace_crs=replace_crs,

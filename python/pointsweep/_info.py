@@ -12,7 +12,7 @@ import numpy as np
 from . import _core
 from ._crs import Crs
 from ._errors import UsageError, warn
-from ._options import path, with_columns_of_text
+from ._options import path, way_of_reading
 from ._progress import called
 from ._tables import html_table
 from ._types import Path, ProgressCallback
@@ -107,6 +107,8 @@ def info(
     spacing: bool = True,
     format: str = "",
     columns: Sequence[str] | str | None = None,
+    depth: int | None = None,
+    resolution: float | None = None,
     progress: ProgressCallback | bool | None = None,
 ) -> FileSummary:
     """What is in a point file, found by reading all of it: bounds, density, spacing, ranges, classes, times, records.
@@ -119,7 +121,7 @@ def info(
     file : a path. For the files of a folder or pattern: ``[ps.info(f) for f in ps.open("tiles/*.laz").files]``.
     spacing : measure the distance between points, which takes a second reading.
     format : of a file without a signature: 'kitti' or 'float32-xyz'.
-    columns : of a text file, as for `open`.
+    columns, depth, resolution : as for `open`.
     progress : as for `run`.
     """
     import json
@@ -130,7 +132,7 @@ def info(
     if os.path.isdir(named):
         raise UsageError(f"info: {named} is a folder; look at its files one by one, those of pointsweep.open(...).files.")
     with called(progress) as shown:
-        text, crs = _core.summarize(named, with_columns_of_text(format, columns), bool(spacing), shown)
+        text, crs = _core.summarize(named, way_of_reading(format, columns, depth, resolution), bool(spacing), shown)
     summary = _summary(json.loads(text), None if crs is None else Crs(crs))
     for sentence in summary.warnings:
         warn(sentence if sentence.startswith(named) else f"{named}: {sentence}")

@@ -93,13 +93,18 @@ def names(option: str, value: Any) -> list[str]:
     return listed
 
 
-def with_columns_of_text(format: str, columns: Sequence[str] | str | None) -> str:
-    """The format that the library opens files in: `format`, or text whose columns have these names."""
-    if columns is None:
-        return format
-    if format:
-        raise UsageError("columns: format says that the files are no text; leave one out.")
-    return "text:" + ",".join(names("columns", columns))
+def way_of_reading(format: str, columns: Sequence[str] | str | None, depth: int | None, resolution: float | None) -> str:
+    """The word by which the library opens files: `format`, text whose columns have these names, or levels of detail."""
+    words = {"format": format} if format else {}
+    if columns is not None:
+        words["columns"] = "text:" + ",".join(names("columns", columns))
+    if depth is not None:
+        words["depth"] = f"depth:{whole('depth', depth)}"
+    if resolution is not None:
+        words["resolution"] = f"spacing:{number('resolution', resolution)!r}"
+    if len(words) > 1:
+        raise UsageError(f"{' and '.join(words)}: each says how files are read; leave all but one out.")
+    return next(iter(words.values()), "")
 
 
 def _threads(_: str, threads: Any) -> str:

@@ -14,7 +14,7 @@ from ._adapters import arrays_by_name, crs_stated_by, from_dlpack
 from ._blocks import spilled
 from ._crs import Crs, crs_of, given_or_stated
 from ._errors import UsageError, warn
-from ._options import path, with_columns_of_text
+from ._options import path, way_of_reading
 from ._types import Files, Path
 
 _AXES = ("x", "y", "z")
@@ -99,6 +99,8 @@ def opened(
     recursive: bool = False,
     format: str = "",
     columns: Sequence[str] | str | None = None,
+    depth: int | None = None,
+    resolution: float | None = None,
     ignore_crs: bool = False,
     crs: Any = None,
     replace_crs: bool = False,
@@ -110,7 +112,7 @@ def opened(
     for file in named:
         if not isinstance(file, (str, os.PathLike)):
             raise UsageError(f"open: {file!r} is not a path; arrays go to pointsweep.run at once.")
-    format = with_columns_of_text(format, columns)
+    format = way_of_reading(format, columns, depth, resolution)
     listed, notices = _core.list_files([path("open", file) for file in named], recursive, format)
     for notice in notices:
         warn(notice)

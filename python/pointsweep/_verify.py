@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 from . import _core
 from ._errors import UsageError
-from ._options import names, number, path, run_options, whole, with_columns_of_text, word
+from ._options import names, number, path, run_options, whole, way_of_reading, word
 from ._progress import called
 from ._stage_list import stages_of
 from ._types import Path, PipelineLike, ProgressCallback
@@ -67,6 +67,8 @@ def verify(
     recursive: bool = False,
     format: str = "",
     columns: Sequence[str] | str | None = None,
+    depth: int | None = None,
+    resolution: float | None = None,
     ignore_crs: bool = False,
     progress: ProgressCallback | bool | None = None,
 ) -> Verdict:
@@ -86,7 +88,7 @@ def verify(
     sample, seed : number of points that are recomputed, and which.
     rows : rows of further points to recompute.
     memory : for the neighbours of the sample; a larger sample takes several passes.
-    recursive, format, columns, ignore_crs : as for `open`.
+    recursive, format, columns, depth, resolution, ignore_crs : as for `open`.
     progress : as for `run`.
     """
     checked = run_options(axis=axis, memory=memory, nonfinite=nonfinite, prefix=prefix, ignore_crs=ignore_crs)
@@ -105,7 +107,7 @@ def verify(
         "rows": [_count("rows", row) for row in rows],
         "order": word("order", order),
         "recursive": bool(recursive),
-        "format": with_columns_of_text(format, columns),
+        "format": way_of_reading(format, columns, depth, resolution),
     }
     named = [] if inputs is None else [inputs] if isinstance(inputs, (str, os.PathLike)) else list(inputs)
     with called(progress) as shown:

@@ -54,8 +54,21 @@ def test_a_name_of_a_copc_file_gives_levels(tiles, run_tool, tmp_path):
     run_tool("run", "--pipeline", "knn(k=8) | normals", "tiles", "-o", "its.copc.laz", "--no-provenance")
     assert filecmp.cmp(tmp_path / "mine.copc.laz", tmp_path / "its.copc.laz", shallow=False)
     assert (tmp_path / "mine.copc.laz").read_bytes()[377:381] == b"copc"
-    ps.open(tmp_path / "mine.copc.laz").run("normals", to=str(tmp_path / "again") + "/")
+    ps.open(tmp_path / "mine.copc.laz").run("where(z > -1000)", to=str(tmp_path / "again") + "/")
     assert (tmp_path / "again/mine.copc.laz").read_bytes()[377:381] == b"copc"
+
+
+def test_a_copc_file_is_read_by_levels(tmp_path):
+    ps.generate("statue", 300_000, tmp_path / "a.copc.laz")
+    sizes = [ps.open(tmp_path / "a.copc.laz", depth=depth).count for depth in (0, 1, 31)]
+    assert 0 < sizes[0] < sizes[1] < sizes[2] == 300_000
+    assert ps.info(tmp_path / "a.copc.laz", depth=0).count == sizes[0]
+    assert ps.open(tmp_path / "a.copc.laz", resolution=0.02).count == sizes[0]
+    with pytest.raises(ps.UsageError, match="depth and resolution: each says how files are read"):
+        ps.open(tmp_path / "a.copc.laz", depth=1, resolution=0.1)
+    ps.generate("statue", 300, tmp_path / "b.laz")
+    with pytest.raises(ps.Error, match="has no levels of detail.*leave depth out"):
+        ps.open(tmp_path / "b.laz", depth=1)
 
 
 def test_a_folder_is_refused_for_arrays(tmp_path):

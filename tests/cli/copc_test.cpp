@@ -134,6 +134,55 @@ TEST_F(Copc, RefusesWhatItCannotHold) {
   EXPECT_FALSE(exists("o.copc.laz"));
 }
 
+TEST_F(Copc, IsReadByLevels) {
+  made("generate statue in.las -n 400000");
+  made("convert in.las a.copc.laz");
+  std::size_t before = 0;
+  for (const int depth : {0, 1, 2}) {
+    const std::string option = " --depth " + std::to_string(depth);
+    const std::vector<std::string> points =
+        (made("convert a.copc.laz some.las --force" + option), points_of("some.las"));
+    EXPECT_GT(points.size(), before) << depth;
+    EXPECT_LE(points.size(), 400'001u - (depth < 2 ? 1 : 0)) << depth;
+    EXPECT_EQ(tool("verify a.copc.laz some.las").status, 0) << "the record says the depth";
+    before = points.size();
+  }
+  EXPECT_EQ(points_of("a.copc.laz --depth 31"), points_of("in.las"));
+  // The statue is 2 wide, so the spacing is 2 / 128 in the root.
+  EXPECT_EQ(points_of("a.copc.laz --resolution 0.02"), points_of("a.copc.laz --depth 0"));
+  EXPECT_EQ(points_of("a.copc.laz --resolution 0.01"), points_of("a.copc.laz --depth 1"));
+  EXPECT_NE(made("info a.copc.laz --depth 0", ".out").find("points      "), std::string::npos);
+  EXPECT_EQ(tool("info --check a.copc.laz --depth 0").status, 0) << "the header is about all points";
+  made("render a.copc.laz all.png --depth 31");
+  const Result few = tool("render a.copc.laz few.png --size 100x80");
+  EXPECT_NE(few.err.find(" of 400000 points"), std::string::npos) << few.err;
+  refused(1, "convert in.las o.las --depth 1", "in.las: has no levels of detail");
+  refused(1, "info in.las --resolution 1", "leave --resolution out");
+  refused(2, "convert a.copc.laz o.las --depth 1.5", "--depth: '1.5' is no depth");
+  refused(2, "convert a.copc.laz o.las --depth -1", "--depth: '-1' is no depth");
+  refused(2, "convert a.copc.laz o.las --resolution 0", "--resolution: '0' is no distance above 0");
+  refused(2, "convert a.copc.laz o.las --depth 1 --resolution 1", "leave one out");
+}
+
+TEST_F(Copc, IsReadWhereACropAsks) {
+  made("generate terrain in.las -n 500000");
+  made("convert in.las a.copc.laz");
+  const auto cut = [&](const std::string& input, const std::string& pipeline) {
+    made("run " + input + " cut.las --force --pipeline '" + pipeline + "'");
+    return points_of("cut.las");
+  };
+  for (const std::string pipeline :
+       {"crop([100,100,200,180])", "where(z > -100) | crop([100,100,600,180]) | crop([150,0,170,900])",
+        "crop([400,400,600,600], outside=true)", "crop([0,0,1000,1000])", "crop([100,100,200,180]) | normals"})
+    EXPECT_EQ(cut("a.copc.laz", pipeline), cut("in.las", pipeline)) << pipeline;
+  made("run a.copc.laz none.las --pipeline 'crop([-5,-5,-1,-1])'");
+  EXPECT_NE(made("info --quick none.las", ".out").find("points      0"), std::string::npos);
+  const Result some = tool("run a.copc.laz cut.las --force --pipeline 'crop([100,100,200,180])'");
+  EXPECT_EQ(some.err.find("of 500000"), std::string::npos) << some.err;
+  const Result all = tool("run a.copc.laz cut.las --force --pipeline 'crop([100,100,200,180]) | where(row < 100000)'");
+  EXPECT_NE(all.err.find("of 500000"), std::string::npos) << "rows are counted in the file: " << all.err;
+}
+
 TEST_F(Copc, IsMadeByAResumedRun) {
   made("generate tls in.las -n 150000");
   const std::string expected = made("normals in.las a.copc.laz --no-provenance", "a.copc.laz");

@@ -198,7 +198,7 @@ TEST_F(StatedColumns, SaysWhatIsWrong) {
   refused(2, "convert in.xyz out.csv --columns x,y,z,i,intensity", "'i' and 'intensity' name the same attribute");
   refused(2, "convert in.xyz out.csv --columns x,y,,z", "is not a list of names such as");
   refused(2, "convert in.xyz out.csv --format kitti --columns x,y,z",
-          "--columns: --format says that the inputs are no text");
+          "--columns: another option says how the inputs are read");
 }
 
 TEST_F(InputFormats, AnUnknownFormatIsAUsageError) {

@@ -15,7 +15,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGES_WITH_COMMANDS = ["README.md", "docs/index.md", "docs/cookbook.md"]
+PAGES_WITH_COMMANDS = ["README.md", "docs/index.md", "docs/cookbook.md", "docs/levels.md"]
 # Lines of blocks that set a machine up: script/ and pip are tested by themselves.
 SETS_UP = re.compile(r"(script/|pip )")
 # README.md generates a cloud that takes seconds; a smaller one shows the same.

@@ -95,6 +95,27 @@ void InputCloud::leave_unnumbered() {
   take_common_schema();
 }
 
+void InputCloud::choose_chunks(const std::function<bool(const Chunk&)>& is_chosen) {
+  chosen_.assign(readers_.size(), nullptr);
+  for (std::size_t i = 0; i < readers_.size(); ++i) {
+    if (!readers_[i]->has_decoders() || readers_[i]->decodes_any_range()) continue;
+    auto chosen = std::make_unique<ChosenChunks>(std::move(readers_[i]), is_chosen);
+    chosen_[i] = chosen.get();
+    readers_[i] = std::move(chosen);
+  }
+  count_rows();
+  if (count_ > 0) return;
+  read_all_chunks();
+  if (count_ > 0) choose_chunks([first = true](const Chunk&) mutable { return std::exchange(first, false); });
+}
+
+void InputCloud::read_all_chunks() {
+  for (std::size_t i = 0; i < chosen_.size(); ++i)
+    if (chosen_[i] != nullptr) readers_[i] = chosen_[i]->release();
+  chosen_.clear();
+  count_rows();
+}
+
 void InputCloud::count_rows() {
   count_ = 0;
   first_row_.clear();
@@ -154,7 +175,9 @@ std::pair<std::size_t, std::uint64_t> InputCloud::place_of_row(std::uint64_t row
   const std::size_t input = input_of(row);
   FiniteRows* finite = finite_rows(input);
   const std::uint64_t in_file = row - first_row_[input];
-  return {input, finite == nullptr ? in_file : finite->input_row(in_file)};
+  const std::uint64_t read = finite == nullptr ? in_file : finite->input_row(in_file);
+  const bool is_chosen = input < chosen_.size() && chosen_[input] != nullptr;
+  return {input, is_chosen ? chosen_[input]->input_row(read) : read};
 }
 
 std::uint64_t InputCloud::input_row(std::uint64_t row) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "pointsweep/cloud.h"
+#include "pointsweep/formats/chosen_chunks.h"
 #include "pointsweep/formats/cloud/common_schema.h"
 #include "pointsweep/formats/cloud/finite_rows.h"
 #include "pointsweep/formats/cloud/row_selection.h"
@@ -94,6 +95,12 @@ class InputCloud {
   /// Null if no rows are selected.
   const RowSelection* selection() const { return selection_.get(); }
 
+  /// Reads no other chunks than these, as if the inputs had no others, until read_all_chunks() is called. Inputs
+  /// without decoders keep theirs, and the first chunk stays where no point would be left. Not while rows are left out,
+  /// selected or numbered.
+  void choose_chunks(const std::function<bool(const Chunk&)>& is_chosen);
+  void read_all_chunks();
+
   /// Gives each record the number of its row in the inputs, in their order and with the rows that are left out later,
   /// as its last field (input_row.h), until leave_unnumbered() is called. Not while rows are left out or selected.
   void number_rows();
@@ -128,6 +135,8 @@ class InputCloud {
 
   std::vector<FileState> states_;  ///< of the inputs before they were opened
   std::vector<std::unique_ptr<Reader>> readers_;
+  std::vector<ChosenChunks*>
+      chosen_;                       ///< by input, the one of `readers_` that choose_chunks() made; null: there is none
   std::vector<FiniteRows*> finite_;  ///< by input, the one of `readers_` that leaves out rows; null: there is none
   std::vector<std::uint64_t> first_row_;
   std::vector<InputMapping> mappings_;

@@ -36,7 +36,10 @@ static_assert(sizeof(Entry) == kCopcEntryBytes);
 class Hierarchy {
  public:
   Hierarchy(const InputFile& file, const CopcInfo& info, const LazPoints& points)
-      : file_(file), info_(info), points_(points), boxes_(points.chunks()) {}
+      : file_(file),
+        info_(info),
+        points_(points),
+        nodes_{std::vector<Box>(points.chunks()), std::vector<int>(points.chunks()), info.spacing} {}
 
   /// Empty, or why not.
   std::string read() {
@@ -50,12 +53,13 @@ class Hierarchy {
       read_page(offset, bytes);
     }
     if (!why_not_.empty()) return why_not_;
-    for (std::size_t chunk = 0; chunk < boxes_.size(); ++chunk)
-      if (boxes_[chunk].empty()) return fmt::format("it names no node for chunk {} of {}", chunk + 1, boxes_.size());
+    for (std::size_t chunk = 0; chunk < nodes_.boxes.size(); ++chunk)
+      if (nodes_.boxes[chunk].empty())
+        return fmt::format("it names no node for chunk {} of {}", chunk + 1, nodes_.boxes.size());
     return "";
   }
 
-  std::vector<Box> boxes() && { return std::move(boxes_); }
+  CopcChunks nodes() && { return std::move(nodes_); }
 
  private:
   void read_page(std::uint64_t offset, std::uint64_t bytes) {
@@ -85,8 +89,9 @@ class Hierarchy {
     if (e.points == 0) return;
     const std::optional<std::size_t> chunk = chunk_of(e);
     if (!chunk) return refuse(fmt::format("node {}-{}-{}-{} is no chunk of the file", e.level, e.x, e.y, e.z));
-    if (!boxes_[*chunk].empty()) return refuse(fmt::format("chunk {} belongs to two nodes", *chunk + 1));
-    boxes_[*chunk] = box_of(e);
+    if (!nodes_.boxes[*chunk].empty()) return refuse(fmt::format("chunk {} belongs to two nodes", *chunk + 1));
+    nodes_.boxes[*chunk] = box_of(e);
+    nodes_.depths[*chunk] = e.level;
   }
 
   /// The chunk with the place, the bytes and the points of a node.
@@ -118,7 +123,7 @@ class Hierarchy {
   const InputFile& file_;
   const CopcInfo& info_;
   const LazPoints& points_;
-  std::vector<Box> boxes_;                                      ///< by chunk
+  CopcChunks nodes_;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> pages_;  ///< to be read: offset, bytes
   std::set<std::uint64_t> seen_;                                ///< offsets of pages
   std::uint64_t read_ = 0;                                      ///< bytes
@@ -127,14 +132,13 @@ class Hierarchy {
 
 }  // namespace
 
-std::vector<Box> read_copc_boxes(const InputFile& file, std::uint64_t info, const LazPoints& points,
-                                 std::string& why_not) {
+CopcChunks read_copc_nodes(const InputFile& file, std::uint64_t info, const LazPoints& points, std::string& why_not) {
   if (points.chunks() == 0) return {};
   const CopcInfo about = read_info(file, info);
   Hierarchy hierarchy(file, about, points);
   why_not = hierarchy.read();
   if (!why_not.empty()) return {};
-  return std::move(hierarchy).boxes();
+  return std::move(hierarchy).nodes();
 }
 
 }  // namespace pointsweep

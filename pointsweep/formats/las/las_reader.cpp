@@ -163,34 +163,40 @@ LazPoints open_compressed(const LasExtras& extras) {
   return {extras.file, vlr, header.offset_to_points, point_count(header), header.record_length};
 }
 
-/// By chunk, as the hierarchy of a COPC file states them; empty for any other file.
-std::vector<Box> copc_boxes(const LasExtras& extras, const LazPoints& points, std::vector<std::string>& warnings) {
+/// None for a file that is no COPC.
+CopcChunks copc_nodes(const LasExtras& extras, const LazPoints& points, std::vector<std::string>& warnings) {
   const std::optional<LasVlr>& info = extras.vlrs.copc;
   if (!info || info->length != kCopcInfoBytes) return {};
   std::string why_not;
-  std::vector<Box> boxes = read_copc_boxes(*extras.file, info->content, points, why_not);
+  CopcChunks nodes = read_copc_nodes(*extras.file, info->content, points, why_not);
   if (!why_not.empty()) warnings.push_back(fmt::format("the hierarchy of the COPC file was ignored: {}.", why_not));
-  return boxes;
+  return nodes;
 }
 
 /// The chunks are those of the file.
 class LazReader final : public Reader {
  public:
   LazReader(const std::shared_ptr<const LasExtras>& extras, std::vector<std::string> warnings)
-      : points_(open_compressed(*extras)), boxes_(copc_boxes(*extras, points_, warnings)) {
+      : points_(open_compressed(*extras)), nodes_(copc_nodes(*extras, points_, warnings)) {
     info_ = info_of(extras, std::move(warnings));
     constexpr std::uint64_t kDecoderBytes =
         3 << 20;  // buffers, layers and models; an estimate from the peak memory of runs
     info_.decoder_bytes = kDecoderBytes;
     info_.decode_once = true;
+    if (!nodes_.depths.empty() && std::isfinite(nodes_.spacing) && nodes_.spacing > 0)
+      info_.root_spacing = nodes_.spacing;
   }
 
   bool has_decoders() const override { return true; }
   Chunk chunk_of(std::uint64_t row) const override {
     const std::size_t chunk = points_.chunk_of(row);
     const std::uint64_t first = points_.first_row(chunk);
-    return {first, points_.first_row(chunk + 1) - first, points_.first_byte(chunk), points_.first_byte(chunk + 1),
-            boxes_.empty() ? std::nullopt : std::optional(boxes_[chunk])};
+    return {first,
+            points_.first_row(chunk + 1) - first,
+            points_.first_byte(chunk),
+            points_.first_byte(chunk + 1),
+            nodes_.boxes.empty() ? std::nullopt : std::optional(nodes_.boxes[chunk]),
+            nodes_.depths.empty() ? std::nullopt : std::optional(nodes_.depths[chunk])};
   }
   std::unique_ptr<RowDecoder> decoder(const WantedFields&) const override { return std::make_unique<Decoder>(*this); }
 
@@ -211,7 +217,7 @@ class LazReader final : public Reader {
   };
 
   LazPoints points_;
-  std::vector<Box> boxes_;  ///< by chunk; empty if the file states none
+  CopcChunks nodes_;
 };
 
 }  // namespace

@@ -62,10 +62,17 @@ class LazPoints {
   std::vector<std::uint64_t> first_row_, first_byte_;  ///< by chunk, and one more for the end
 };
 
-/// By chunk of `points` the box of the node that the hierarchy says it is: a hint, not to be trusted. Empty where the
-/// hierarchy contradicts itself, the chunk table or the file: then `why_not` says why, as the end of a sentence.
-/// `info`: the byte where the content of the info VLR begins. Reads at most as many bytes as the file has.
-std::vector<Box> read_copc_boxes(const InputFile& file, std::uint64_t info, const LazPoints& points,
-                                 std::string& why_not);
+/// What nodes the chunks of a COPC file are.
+struct CopcChunks {
+  /// By chunk the box of its node: a hint, not to be trusted; and its depth. Empty if there are no nodes.
+  std::vector<Box> boxes = {};
+  std::vector<int> depths = {};
+  double spacing = 0;  ///< of the root, as the file states it
+};
+
+/// Returns the nodes that the hierarchy says the chunks of `points` are; none where it contradicts itself, the chunk
+/// table or the file: then `why_not` says why, as the end of a sentence. `info`: the byte where the content of the info
+/// VLR begins. Reads at most as many bytes as the file has.
+CopcChunks read_copc_nodes(const InputFile& file, std::uint64_t info, const LazPoints& points, std::string& why_not);
 
 }  // namespace pointsweep

@@ -12,6 +12,7 @@
 #include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/plan/output_layout.h"
+#include "pointsweep/pipeline/rows/cropped_input.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/numbered_input.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
@@ -157,6 +158,7 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
   Preview out;
   out.planned = plan_chain(chain, cloud.schema(), needs_of(outputs, options));
+  const CroppedInput cropped(cloud, out.planned);
   const NumberedInput numbered(cloud, out.planned);
   require_lengths(cloud, out.planned.chain);
   out.notes = notes_on_defaults(cloud, out.planned.chain);

@@ -13,6 +13,7 @@
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/output/output_formats.h"
+#include "pointsweep/pipeline/rows/cropped_input.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/pipeline/rows/numbered_input.h"
@@ -230,6 +231,7 @@ Statistics run_request(const Request& request) {
 /// Performs the run in an arena of its own, so that the number of threads does not depend on that of the caller.
 Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options, const ChainPlan& plan) {
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
+  const CroppedInput cropped(cloud, plan);
   const NumberedInput numbered(cloud, plan);
   Statistics statistics;
   const unsigned threads = survey_threads(cloud, options, memory_budget(options.resources.memory_bytes));

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/rows/cropped_input.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <variant>
+#include <vector>
+
+namespace pointsweep {
+namespace {
+
+/// The boxes in x and y that hold all points that the first stages keep, as far as these only select.
+std::vector<Box> first_extents(const ChainPlan& plan) {
+  std::vector<Box> extents;
+  for (const GraphNode& node : plan.graph.nodes) {
+    if (node.op() == nullptr) continue;  // an instruction, which moves no point
+    const auto* const select = std::get_if<std::shared_ptr<const SelectOperator>>(node.op());
+    if (select == nullptr) break;
+    if (const std::optional<Box> extent = (*select)->extent()) extents.push_back(*extent);
+  }
+  return extents;
+}
+
+/// Boxes that touch meet, also where a step of the file lies between them: whoever made the boxes may have rounded
+/// them.
+bool meet(const Box& a, const Box& b, Vec3 step) {
+  return a.lo.x <= b.hi.x + step.x && b.lo.x <= a.hi.x + step.x && a.lo.y <= b.hi.y + step.y &&
+         b.lo.y <= a.hi.y + step.y;
+}
+
+}  // namespace
+
+CroppedInput::CroppedInput(InputCloud& cloud, const ChainPlan& plan) : cloud_(cloud) {
+  const std::vector<Box> extents = first_extents(plan);
+  if (extents.empty() || plan.graph.reads_input_rows()) return;
+  const Vec3 step = cloud.las() ? cloud.las()->grid.scale : Vec3{};
+  cloud.choose_chunks([&](const Chunk& chunk) {
+    return !chunk.bounds ||
+           std::ranges::all_of(extents, [&](const Box& extent) { return meet(*chunk.bounds, extent, step); });
+  });
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/render/drawn_levels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pointsweep {
+
+DrawnLevels::DrawnLevels(InputCloud& cloud, unsigned pixels) : cloud_(cloud) {
+  Box bounds;
+  double coarsest = 0;
+  for (const auto& reader : cloud.readers()) {
+    const FileInfo& info = reader->info();
+    if (!info.root_spacing || !info.bounds) return;
+    bounds.include(*info.bounds);
+    coarsest = std::max(coarsest, *info.root_spacing);
+  }
+  const Vec3 extent = bounds.extent();
+  const double pixel = std::max({extent.x, extent.y, extent.z}) / pixels;
+  int depth = 0;
+  while (depth < std::numeric_limits<double>::digits && std::ldexp(coarsest, -depth) > pixel) ++depth;
+  cloud.choose_chunks([&](const Chunk& chunk) { return chunk.depth <= depth; });
+}
+
+}  // namespace pointsweep
