@@ -43,13 +43,16 @@ def laz(options, shape, size):
     if path.exists():
         return path
     if shape != "volume":
-        tool(options, "generate", shape, path, "-n", processes.points(size), "--seed", 1)
-        return path
-    import numpy as np
+        points = path.with_suffix(".ply")
+        tool(options, "generate", shape, points, "-n", processes.points(size), "--seed", 1)
+    else:
+        import numpy as np
 
-    points = path.with_suffix(".npy")
-    np.save(points, np.random.default_rng(1).random((processes.points(size), 3)) * 100)
-    tool(options, "convert", points, path, "--scale", "0.001")
+        points = path.with_suffix(".npy")
+        np.save(points, np.random.default_rng(1).random((processes.points(size), 3)) * 100)
+    # One scale for all axes: where they differ, copc_converter measures distances in steps and puts 40 times fewer points into its root.
+    tool(options, "convert", points, path, "--scale", "0.00001" if shape == "statue" else "0.001")
+    points.unlink()
     return path
 
 
@@ -147,7 +150,7 @@ def quality(options, path):
         within = (level[looked_at] - (copc.center - copc.half_size)) / side - cells
         near_face = (np.minimum(within, 1 - within) * side).min(1) < ideal / 2
         row.update(p1_ideal=float(np.percentile(nearest, 1) / ideal), cv=float(nearest.std() / nearest.mean()), hole=float(tree.query(places[inside], workers=-1)[0].max() / spacing),
-                   seam=float(np.percentile(nearest[near_face], 1) / np.percentile(nearest[~near_face], 1)) if near_face.sum() > 200 else None)
+                   seam=float(np.percentile(nearest[near_face], 1) / np.percentile(nearest[~near_face], 1)) if 200 < near_face.sum() < len(nearest) - 200 else None)
     return rows
 
 
