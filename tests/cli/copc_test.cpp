@@ -113,6 +113,9 @@ TEST_F(Copc, MapsPointFormatsOfOldFiles) {
       "set(green = 256, as=uint16) | set(blue = 0, as=uint16) | set(gps_time = y)'");
   made("convert old.las out.copc.laz");
   EXPECT_EQ(tool("verify old.las out.copc.laz").status, 0);
+  const std::string file = contents(folder_ / "out.copc.laz");
+  EXPECT_NEAR(number_at<double>(file, 375 + 54 + 56), 0, 1) << "the least GPS time";
+  EXPECT_NEAR(number_at<double>(file, 375 + 54 + 64), 1000, 1) << "the greatest";
   made("convert out.copc.laz new.csv --keep x,classification,overlap,red,green,blue,gps_time", "new.csv");
   std::istringstream lines(contents(folder_ / "new.csv"));
   std::size_t classes = 0;
@@ -173,7 +176,8 @@ TEST_F(Copc, IsReadWhereACropAsks) {
   };
   for (const std::string pipeline :
        {"crop([100,100,200,180])", "where(z > -100) | crop([100,100,600,180]) | crop([150,0,170,900])",
-        "crop([400,400,600,600], outside=true)", "crop([0,0,1000,1000])", "crop([100,100,200,180]) | normals"})
+        "crop([400,400,600,600], outside=true)", "crop([0,0,1000,1000])", "crop([100,100,200,180]) | normals",
+        "set(x = x + 300) | crop([400,400,500,500])"})
     EXPECT_EQ(cut("a.copc.laz", pipeline), cut("in.las", pipeline)) << pipeline;
   made("run a.copc.laz none.las --pipeline 'crop([-5,-5,-1,-1])'");
   EXPECT_NE(made("info --quick none.las", ".out").find("points      0"), std::string::npos);

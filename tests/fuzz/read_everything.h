@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/chosen_chunks.h"
 #include "pointsweep/reader.h"
 
 namespace pointsweep {
@@ -54,6 +56,9 @@ inline void read_everything(std::unique_ptr<Reader> (*open)(const std::filesyste
     }
     if (rows != info.count && rows <= most) std::abort();
     for (const std::uint64_t row : {rows / 2, rows / 3, rows}) reader->read(row, records);
+    if (!info.root_spacing) return;
+    const auto coarsest = with_chosen_levels(open(file.path()), "depth:0");
+    for (std::uint64_t row = 0; row < std::min(coarsest->info().count, most); row += 100) coarsest->read(row, records);
   } catch (const Error&) {
   }
 }

@@ -20,7 +20,7 @@ from mutated_copy import Copy, digest, mistake
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RESULT = ROOT / "tests/mutants/result.json"
 # Folders that look at whole runs come last: a mistake is usually seen where it was made.
-ORDER = ["math", "points", "search", "order", "operators", "sweep", "oracles", "formats", "threads", "pipeline", "laws", "reference",
+ORDER = ["math", "points", "levels", "search", "order", "operators", "sweep", "oracles", "formats", "threads", "pipeline", "laws", "reference",
          "verify", "cli", "shapes", "render", "report", "faults", "fuzz", "pipelines"]
 
 

@@ -40,10 +40,15 @@ def read_copc(path):
     if (user.rstrip(b"\0"), record, length) != (b"copc", 1, 160):
         raise AssertionError(f"{path}: the first record is {user} {record} of {length} bytes")
     x, y, z, half, spacing, root, size, first, last = struct.unpack_from("<5d2Q2d", data, HEADER + VLR_HEADER)
-    nodes = {}
-    for at in range(root, root + size, ENTRY):
-        *key, offset, bytes_, points = struct.unpack_from("<4iQ2i", data, at)
-        if tuple(key) in nodes:
-            raise AssertionError(f"{path}: node {key} stands twice in the hierarchy")
-        nodes[tuple(key)] = Node(key[0], tuple(key[1:]), offset, bytes_, points)
+    nodes, pages = {}, [(root, size)]
+    while pages:
+        start, size = pages.pop()
+        for at in range(start, start + size, ENTRY):
+            *key, offset, bytes_, points = struct.unpack_from("<4iQ2i", data, at)
+            if points == -1:
+                pages.append((offset, bytes_))
+                continue
+            if tuple(key) in nodes:
+                raise AssertionError(f"{path}: node {key} stands twice in the hierarchy")
+            nodes[tuple(key)] = Node(key[0], tuple(key[1:]), offset, bytes_, points)
     return Copc(np.array([x, y, z]), half, spacing, (first, last), nodes)

@@ -69,5 +69,21 @@ class CopcFilesHaveTheirPointsInTheNodesThatTheyName(tool.Files):
                          if "nir" not in source.point_format.dimension_names else 8)
 
 
+class LevelsOfCopcFilesAreThoseThatLaspyFinds(tool.Files):
+    """Files by other programs, read by --depth: among them one with several pages, and the potree lion."""
+
+    def test(self):
+        self.each([path for path in tool.real_files(".laz") if path.name.endswith(".copc.laz")], 4, self.check)
+
+    def check(self, path):
+        levels = sorted({node.level for node in read_copc(path).nodes.values() if node.points > 0})
+        for level in levels[:3]:
+            with laspy.CopcReader.open(str(path)) as reader:
+                want = reader.level_query(range(0, level + 1))
+            out = self.folder / "out.las"
+            tool.run("convert", [path], out, "--depth", level, "--no-provenance", "--ignore-crs")
+            self.assertTrue(np.array_equal(records_of(read_las(out).points), records_of(want)), f"depth {level}")
+
+
 if __name__ == "__main__":
     tool.main()
