@@ -13,7 +13,10 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kMostPieceBytes = 16 << 20, kMostStretchBytes = 1 << 20, kLeastBytes = 64 << 10;
+constexpr std::uint64_t kMostPieceBytes = 16 << 20, kMostStretchBytes = 16 << 20, kFewBytes = 1 << 20,
+                        kLeastBytes = 64 << 10;
+/// Stretches that are enough; for each of them, each piece has a number.
+constexpr std::uint64_t kManyStretches = 4096;
 /// Records of the sample; twice as many are held for a while.
 constexpr std::uint64_t kSampleRecords = 64 << 10;
 constexpr std::size_t kRowsAtOnce = 8192;
@@ -29,7 +32,7 @@ CurveRecords::CurveRecords(std::size_t record_bytes, std::uint64_t memory_bytes,
     return static_cast<std::size_t>(std::max<std::uint64_t>(1, std::clamp(bytes, kLeastBytes, most) / record_bytes_));
   };
   piece_rows_ = rows(share / 8, kMostPieceBytes);
-  stretch_rows_ = rows(share / 10, kMostStretchBytes);
+  most_stretch_rows_ = rows(share / 10, kMostStretchBytes);
   bounds_.lo.fill(std::numeric_limits<std::int32_t>::max());
   bounds_.hi.fill(std::numeric_limits<std::int32_t>::min());
 }
@@ -100,7 +103,9 @@ void CurveRecords::sort(const LevelGrid& grid) {
 void CurveRecords::choose_ends(const LevelGrid& grid) {
   const std::vector<std::byte> all = sorted(std::exchange(sample_, {}), grid).records;
   const std::uint64_t rows = all.size() / record_bytes_;
-  const std::uint64_t each = std::max<std::uint64_t>(1, stretch_rows_ / sample_step_);
+  const std::uint64_t few = kFewBytes / record_bytes_;
+  const std::uint64_t stretch = std::min<std::uint64_t>(most_stretch_rows_, std::max(few, count_ / kManyStretches));
+  const std::uint64_t each = std::max<std::uint64_t>(1, stretch / sample_step_);
   for (std::uint64_t at = each; at < rows; at += each) {
     const std::byte* record = &all[at * record_bytes_];
     End end{grid.key(point(record)), {record, record + record_bytes_}, false};

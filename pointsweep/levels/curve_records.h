@@ -78,7 +78,7 @@ class CurveRecords {
   std::uint64_t memory_;
   MakeScratch files_;
   std::unique_ptr<Scratch> scratch_;
-  std::size_t piece_rows_, stretch_rows_;
+  std::size_t piece_rows_, most_stretch_rows_;
   std::vector<Piece> pieces_;
   std::uint64_t count_ = 0;
   GridBounds bounds_;

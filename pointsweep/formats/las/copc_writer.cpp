@@ -24,6 +24,8 @@ constexpr std::size_t kEncodedRows = 4096, kBatchOfRows = 16 * kEncodedRows;
 
 /// The least memory for nodes that wait to be compressed.
 constexpr std::uint64_t kLeastNodeBytes = 16 << 20;
+/// Memory beyond the least one that makes a small file faster.
+constexpr std::uint64_t kUsefulBytes = 96 << 20;
 
 OutputPlan with_copc_layout(OutputPlan plan) {
   plan.layout = copc_file_layout(plan.schema, std::move(plan.layout), plan.path.string());
@@ -60,7 +62,7 @@ class CopcWriter : public Writer {
         frame_(plan, LasPoints::nodes),
         encoder_(frame_.layout(), path_),
         statistics_(frame_.layout().header.point_format),
-        memory_(std::max(plan.encoder_bytes, copc_encoder_bytes(encoder_.record_bytes_out(), thread_count()))),
+        memory_(memory_of(plan, encoder_.record_bytes_out())),
         records_(encoder_.record_bytes_out(), memory_ / 4 * 3, plan.scratch) {
     bytes_written_ = frame_.bytes_written();
     warnings_ = frame_.layout().warnings;
@@ -92,6 +94,13 @@ class CopcWriter : public Writer {
   }
 
  private:
+  /// More memory than this makes nothing faster where there is a temporary folder.
+  static std::uint64_t memory_of(const OutputPlan& plan, std::uint64_t record_bytes) {
+    const std::uint64_t least = copc_encoder_bytes(record_bytes, thread_count());
+    const std::uint64_t useful = least + std::max(kUsefulBytes, plan.count * record_bytes / 32);
+    return std::max(least, plan.scratch ? std::min(plan.encoder_bytes, useful) : plan.encoder_bytes);
+  }
+
   void encode(const std::byte* from, std::size_t n) {
     const std::size_t in = encoder_.record_bytes_in(), out = encoder_.record_bytes_out();
     const std::uint64_t row = statistics_.count();

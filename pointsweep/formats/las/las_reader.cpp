@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <sstream>
 #include <string>
@@ -183,8 +184,9 @@ class LazReader final : public Reader {
         3 << 20;  // buffers, layers and models; an estimate from the peak memory of runs
     info_.decoder_bytes = kDecoderBytes;
     info_.decode_once = true;
-    if (!nodes_.depths.empty() && std::isfinite(nodes_.spacing) && nodes_.spacing > 0)
-      info_.root_spacing = nodes_.spacing;
+    if (nodes_.depths.empty() || !std::isfinite(nodes_.spacing) || !(nodes_.spacing > 0)) return;
+    info_.root_spacing = nodes_.spacing;
+    info_.format += fmt::format(" with {} levels of detail (COPC)", std::ranges::max(nodes_.depths) + 1);
   }
 
   bool has_decoders() const override { return true; }
