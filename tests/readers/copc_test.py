@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
 """COPC files that the tool writes: laspy finds the points of each level where the bytes of the file say they are."""
+import subprocess
+
 import laspy
 import numpy as np
 
@@ -67,6 +69,50 @@ class CopcFilesHaveTheirPointsInTheNodesThatTheyName(tool.Files):
         self.assertTrue(np.array_equal(order(columns(las).astype(np.int64)), order(columns(source).astype(np.int64))))
         self.assertEqual(las.header.point_format.id, {True: 7, False: 6}["red" in source.point_format.dimension_names]
                          if "nir" not in source.point_format.dimension_names else 8)
+
+
+class OtherProgramsFindThePointsOfEachLevel(tool.Files):
+    """copc.js with laz-perf, as browsers use it, and the crates las and copc-streaming; script/reader-programs makes them."""
+
+    READERS = tool.ROOT / "build/readers"
+
+    def test(self):
+        programs = {}
+        if (self.READERS / "js/node_modules/copc").exists():
+            programs["copc.js"] = ["node", self.READERS / "js/levels.mjs"]
+        crates = self.READERS / "crates/release/copc-levels"
+        if crates.exists():
+            programs.update({crate: [crates, crate] for crate in ("las", "copc-streaming")})
+        if not programs:
+            self.skipTest("build/readers with other programs is missing; script/reader-programs makes it")
+        # copc.js refuses descriptors of extra bytes whose no-data value is beyond 2^53, which the input of this file has.
+        files = [path for path in tool.real_files(".las", ".laz", largest=LARGEST) if path.name != "1.2-empty-geotiff-vlrs.las"]
+        self.each(files[:: max(1, len(files) // 6)], 6, lambda path: self.check(path, programs))
+        for path in self.made():
+            with self.subTest(made=path.name):
+                self.check(path, programs)
+
+    def made(self):
+        """Clouds with many levels, and with made attributes."""
+        paths = [self.folder / "scan.laz", self.folder / "normals.laz"]
+        subprocess.run([tool.TOOL, "generate", "tls", paths[0], "-n", "400000", "--quiet"], check=True)
+        tool.run("run", [paths[0]], paths[1], "--pipeline", "knn(k=8) | normals | sor")
+        return paths
+
+    def check(self, path, programs):
+        copc = self.folder / "out.copc.laz"
+        tool.run("convert", [path], copc, "--no-provenance", "--ignore-crs")
+        want = {}
+        with laspy.CopcReader.open(str(copc)) as reader:
+            for level in sorted({node.level for node in read_copc(copc).nodes.values() if node.points > 0}):
+                points = reader.level_query(level)
+                want[level] = [len(points), *(int(np.asarray(points[axis], dtype=np.int64).sum()) for axis in "XYZ")]
+        for name, program in programs.items():
+            with self.subTest(program=name):
+                said = subprocess.run([*map(str, program), str(copc)], capture_output=True, text=True)
+                self.assertEqual(said.returncode, 0, said.stderr)
+                found = {int(line.split()[0]): [int(word) for word in line.split()[1:]] for line in said.stdout.splitlines()}
+                self.assertEqual(found, want)
 
 
 class LevelsOfCopcFilesAreThoseThatLaspyFinds(tool.Files):

@@ -28,8 +28,13 @@ std::uint64_t order_of_time(const std::byte* record) {
 }  // namespace
 
 CopcNodes::CopcNodes(const LazLayout& laz, std::size_t record_bytes, std::uint64_t memory_bytes,
-                     std::unique_ptr<Scratch> aside, std::string path)
-    : laz_(laz), record_bytes_(record_bytes), memory_(memory_bytes), aside_(std::move(aside)), path_(std::move(path)) {}
+                     std::uint64_t most_node_bytes, std::unique_ptr<Scratch> aside, std::string path)
+    : laz_(laz),
+      record_bytes_(record_bytes),
+      memory_(memory_bytes),
+      most_node_bytes_(most_node_bytes),
+      aside_(std::move(aside)),
+      path_(std::move(path)) {}
 
 void CopcNodes::add(const CurveKey& key, int depth, const std::byte* record) {
   if (key != last_) {
@@ -37,6 +42,10 @@ void CopcNodes::add(const CurveKey& key, int depth, const std::byte* record) {
     last_ = key;
   }
   std::vector<std::byte>& records = open_[static_cast<std::size_t>(depth)];
+  if (records.size() >= most_node_bytes_)
+    fail("{}: more than {} points lie so close together that they are one node, for which the memory budget has no room; "
+         "allow more memory (--memory), or write LAZ.",
+         path_, records.size() / record_bytes_);
   records.insert(records.end(), record, record + record_bytes_);
 }
 

@@ -23,11 +23,12 @@ namespace pointsweep {
 /// once.
 class CopcNodes {
  public:
-  /// `memory_bytes`: for the points of complete nodes that wait to be compressed. The chunks are put into `aside`.
-  CopcNodes(const LazLayout& laz, std::size_t record_bytes, std::uint64_t memory_bytes, std::unique_ptr<Scratch> aside,
-            std::string path);
+  /// `memory_bytes`: for the points of complete nodes that wait to be compressed. `most_node_bytes`: for the points of one
+  /// node. The chunks are put into `aside`.
+  CopcNodes(const LazLayout& laz, std::size_t record_bytes, std::uint64_t memory_bytes, std::uint64_t most_node_bytes,
+            std::unique_ptr<Scratch> aside, std::string path);
 
-  /// Takes the next point: a record of point format 6, 7 or 8.
+  /// Takes the next point: a record of point format 6, 7 or 8. Throws Error where its node has too many.
   void add(const CurveKey& key, int depth, const std::byte* record);
 
   using Put = std::function<void(std::uint64_t at, std::span<const std::byte> bytes)>;
@@ -46,7 +47,7 @@ class CopcNodes {
 
   const LazLayout& laz_;
   std::size_t record_bytes_;
-  std::uint64_t memory_;
+  std::uint64_t memory_, most_node_bytes_;
   std::unique_ptr<Scratch> aside_;
   std::string path_;
   std::array<std::vector<std::byte>, kMostDepth + 1> open_;  ///< by depth

@@ -26,6 +26,8 @@ constexpr std::size_t kEncodedRows = 4096, kBatchOfRows = 16 * kEncodedRows;
 constexpr std::uint64_t kLeastNodeBytes = 16 << 20;
 /// Memory beyond the least one that makes a small file faster.
 constexpr std::uint64_t kUsefulBytes = 96 << 20;
+/// Of a node, while it is sorted and compressed.
+constexpr std::uint64_t kCopiesOfNode = 3, kAnyNumberOfBytes = ~std::uint64_t{0};
 
 OutputPlan with_copc_layout(OutputPlan plan) {
   plan.layout = copc_file_layout(plan.schema, std::move(plan.layout), plan.path.string());
@@ -63,6 +65,7 @@ class CopcWriter : public Writer {
         encoder_(frame_.layout(), path_),
         statistics_(frame_.layout().header.point_format),
         memory_(memory_of(plan, encoder_.record_bytes_out())),
+        most_node_bytes_(plan.scratch ? std::max(memory_, plan.encoder_bytes) / kCopiesOfNode : kAnyNumberOfBytes),
         records_(encoder_.record_bytes_out(), memory_ / 4 * 3, plan.scratch) {
     bytes_written_ = frame_.bytes_written();
     warnings_ = frame_.layout().warnings;
@@ -84,7 +87,7 @@ class CopcWriter : public Writer {
     frame_.require_count(statistics_.count());
     records_.choose(frame_.layout().header.scale);
     const std::size_t record_bytes = encoder_.record_bytes_out();
-    CopcNodes nodes(*frame_.layout().laz, record_bytes, memory_ / 4,
+    CopcNodes nodes(*frame_.layout().laz, record_bytes, memory_ / 4, most_node_bytes_,
                     records_.room().make(statistics_.count() * record_bytes / 4), path_);
     records_.for_each([&](const CurveKey& key, int depth, const std::byte* record) { nodes.add(key, depth, record); });
     finish_file(nodes.finish(first_chunk(), [&](std::uint64_t at, std::span<const std::byte> bytes) {
@@ -159,7 +162,7 @@ class CopcWriter : public Writer {
   LasEncoder encoder_;
   LasStatistics statistics_;
   TimeRange times_;
-  std::uint64_t memory_;
+  std::uint64_t memory_, most_node_bytes_;
   LevelledRecords records_;
   std::vector<std::byte> batch_;  ///< encoded records
 };

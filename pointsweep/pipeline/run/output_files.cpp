@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "pointsweep/fail.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/known_values.h"
