@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kLongestBar = 40;
+constexpr std::size_t kHistogramBar = 40;
 
 /// Returns the value with 7 digits if the attribute is float32, else with 10.
 std::string number_text(double value, Type type) {
@@ -80,7 +80,7 @@ std::string histogram_text(const AttributeHistogram& histogram) {
   TextTable table({"from", "to", "count", ""}, {3});
   for (std::size_t bin = 0; bin < histogram.counts.size(); ++bin) {
     const std::uint64_t count = histogram.counts[bin];
-    const double length = most == 0 ? 0 : kLongestBar * (static_cast<double>(count) / static_cast<double>(most));
+    const double length = most == 0 ? 0 : kHistogramBar * (static_cast<double>(count) / static_cast<double>(most));
     table.add({number_text(histogram.edges[bin], Type::f64), number_text(histogram.edges[bin + 1], Type::f64),
                fmt::format("{}", count), std::string(static_cast<std::size_t>(std::ceil(length)), '#')});
   }
