@@ -220,7 +220,7 @@ Cloud clusters(std::size_t n, unsigned seed) {
 }
 
 TEST(LevelChoice, IsTheGreedyChoiceOfEachDepth) {
-  for (const Cloud& cloud : {surface(220'000, 1), volume(140'000, 2), clusters(210'000, 3), surface(1000, 4)}) {
+  for (const Cloud& cloud : {surface(330'000, 1), volume(140'000, 2), clusters(210'000, 3), surface(1000, 4)}) {
     Oracle oracle(cloud);
     const Result expected = oracle.levels();
     const Result got = run(cloud, 64 << 20, false);

@@ -23,8 +23,6 @@ MUTANTS = [
            "if (farthest2(box, p) < spacing2_) return", "if (distance2(box, p) < spacing2_) return", CHOICE),
     Mutant("kept points in the cells above are overlooked", "levels", LEVELS + "kept_grid.cpp",
            "kNear[] = {0, -1, 1};", "kNear[] = {0, -1};", CHOICE),
-    Mutant("kept points around a box are those in it", "levels", LEVELS + "kept_grid.cpp",
-           "--lo[axis], ++hi[axis];", "lo[axis] += 0 * hi[axis];", CHOICE),
     Mutant("many points at one place are divided", "levels", LEVELS + "leaf_finder.cpp",
            " || first_at_last_ <= first ||", " ||", CHOICE),
     Mutant("leaves are the smallest octants", "levels", LEVELS + "leaf_finder.cpp",

@@ -53,7 +53,7 @@ class AnalyticSurface {
   AnalyticPoint plane() { return {{uniform(-1, 1), uniform(-1, 1), 0}, {0, 0, 1}, 0, 0, {}}; }
 
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
-  double gaussian(double sigma) { return std::normal_distribution<double>(0, sigma)(random_); }
+  double gaussian(double sigma) { return sigma > 0 ? std::normal_distribution<double>(0, sigma)(random_) : 0; }
 
   template <class Draw>
   static std::vector<AnalyticPoint> draw(std::size_t n, Draw draw) {
