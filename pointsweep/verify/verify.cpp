@@ -235,7 +235,11 @@ class Verification {
       pair_known_fields();
       const auto found = rows_with_values(in_, out_, known_, rows_, options_.progress);
       if (!found) return;  // a difference is known then
-      places = *found, ++verdict_.passes;
+      places = found->rows, ++verdict_.passes;
+      if (moved() && !found->are_unique)
+        return verdict_.untold.push_back(
+            "what stages made of moved points: the output has them in another order, and the attributes that they keep "
+            "do not tell all of them apart");
     }
     if (axis_ >= 0) places = sweep_rows(in_, rows_, axis_, options_.progress), ++verdict_.passes;
     CloudRows rows(in_, out_, axis_, options_.memory_bytes, options_.progress, !alignment_ && !made_by_.in_any_order);

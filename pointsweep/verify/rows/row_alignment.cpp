@@ -126,10 +126,8 @@ std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& al
   return twins;
 }
 
-std::optional<std::vector<std::uint64_t>> rows_with_values(RowSource& in, RowSource& out,
-                                                           std::span<const FieldPair> pairs,
-                                                           std::span<const std::uint64_t> rows,
-                                                           const PhaseProgress& progress) {
+std::optional<RowsWithValues> rows_with_values(RowSource& in, RowSource& out, std::span<const FieldPair> pairs,
+                                               std::span<const std::uint64_t> rows, const PhaseProgress& progress) {
   const auto word_of = [&](const std::byte* record, std::uint64_t (FieldPair::*word)(const std::byte*) const) {
     std::uint64_t whole = 0;
     for (const FieldPair& pair : pairs) whole = mix(whole ^ (pair.*word)(record));
@@ -138,22 +136,24 @@ std::optional<std::vector<std::uint64_t>> rows_with_values(RowSource& in, RowSou
   std::vector<std::uint64_t> words(rows.size());
   for_each_record(in, rows,
                   [&](std::size_t i, const std::byte* record) { words[i] = word_of(record, &FieldPair::expected); });
+  RowsWithValues found;
   std::unordered_map<std::uint64_t, std::optional<std::uint64_t>> place_of;
   for (const std::uint64_t word : words) place_of[word];
   for (std::uint64_t first = 0; first < out.count(); first += out.block_rows()) {
     const std::size_t n = std::min<std::uint64_t>(out.block_rows(), out.count() - first);
     const std::byte* record = out.read(first, n).data();
     for (std::size_t i = 0; i < n; ++i, record += out.schema().stride)
-      if (const auto at = place_of.find(word_of(record, &FieldPair::found)); at != place_of.end() && !at->second)
-        at->second = first + i;
+      if (const auto at = place_of.find(word_of(record, &FieldPair::found)); at != place_of.end()) {
+        found.are_unique = found.are_unique && !at->second;
+        if (!at->second) at->second = first + i;
+      }
     if (progress) progress("looking for the sample", first + n, out.count());
   }
-  std::vector<std::uint64_t> places;
   for (const std::uint64_t word : words) {
     if (!place_of[word]) return std::nullopt;
-    places.push_back(*place_of[word]);
+    found.rows.push_back(*place_of[word]);
   }
-  return places;
+  return found;
 }
 
 }  // namespace pointsweep

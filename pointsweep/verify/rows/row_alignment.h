@@ -41,12 +41,15 @@ std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& al
                                            std::span<const FieldPair> pairs, std::span<const std::uint64_t> rows,
                                            const PhaseProgress& progress);
 
+struct RowsWithValues {
+  std::vector<std::uint64_t> rows;  ///< of the output
+  bool are_unique = true;           ///< no other row of the output has the values of one of them
+};
+
 /// For each of `rows` of the input, which ascend, a row of the output that has its values in the fields of `pairs`, in
 /// whatever order the output is; nothing if a row has none. Reads the output once.
-std::optional<std::vector<std::uint64_t>> rows_with_values(RowSource& in, RowSource& out,
-                                                           std::span<const FieldPair> pairs,
-                                                           std::span<const std::uint64_t> rows,
-                                                           const PhaseProgress& progress);
+std::optional<RowsWithValues> rows_with_values(RowSource& in, RowSource& out, std::span<const FieldPair> pairs,
+                                               std::span<const std::uint64_t> rows, const PhaseProgress& progress);
 
 /// The ways in which the output holds what the input has.
 struct OutputWays {
