@@ -62,7 +62,7 @@ struct Format {
   bool holds_crs = false;         ///< a coordinate reference system
   bool holds_provenance = false;  ///< lines that say how the file was made
   bool is_sequential = false;     ///< its writer puts all bytes one after the other, as standard output takes them
-  bool reorders = false;          ///< its writer puts points in an order of its own
+  bool reorders = false;          ///< its writer puts points in another order than that in which they come
   /// Coordinates are any float64, NaN and infinity included. False: integers on a grid of finite steps.
   bool real_coordinates = true;
   /// Box of all points is in the header (FileInfo::bounds), so that it is known without reading the points.
@@ -70,9 +70,10 @@ struct Format {
   /// Returns the bytes that its writer takes to encode records of `record_bytes` on `threads` threads; null: too few to
   /// count.
   std::uint64_t (*encoder_bytes)(std::uint64_t record_bytes, unsigned threads) = nullptr;
-  /// Returns the bytes that its writer puts aside in OutputPlan::scratch for each point, unless memory holds them;
-  /// null: none.
-  std::uint64_t (*aside_bytes)(std::uint64_t record_bytes) = nullptr;
+  /// Returns the bytes that its writer puts aside in OutputPlan::scratch, of `count` records of `record_bytes` with so
+  /// much OutputPlan::encoder_bytes on `threads` threads; null: none.
+  std::uint64_t (*aside_bytes)(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
+                               unsigned threads) = nullptr;
   std::size_t name_bytes = 0;  ///< longest name of an attribute; 0: any length
   /// The name under which its outputs hold an attribute; null: its own.
   std::string (*stored_name)(const std::string& name) = nullptr;

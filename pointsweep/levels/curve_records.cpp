@@ -37,12 +37,6 @@ CurveRecords::CurveRecords(std::size_t record_bytes, std::uint64_t memory_bytes,
   bounds_.hi.fill(std::numeric_limits<std::int32_t>::min());
 }
 
-GridPoint CurveRecords::point(const std::byte* record) const {
-  GridPoint point;
-  std::memcpy(point.data(), record, sizeof point);
-  return point;
-}
-
 void CurveRecords::add(std::span<const std::byte> records) {
   while (!records.empty()) {
     if (pieces_.empty() || pieces_.back().rows == piece_rows_) begin_piece();
@@ -52,11 +46,7 @@ void CurveRecords::add(std::span<const std::byte> records) {
     piece.held.insert(piece.held.end(), some.begin(), some.end());
     piece.rows += n;
     for (std::size_t i = 0; i < n; ++i) {
-      const GridPoint p = point(&some[i * record_bytes_]);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        bounds_.lo[axis] = std::min(bounds_.lo[axis], p[axis]);
-        bounds_.hi[axis] = std::max(bounds_.hi[axis], p[axis]);
-      }
+      bounds_.include(point_of(&some[i * record_bytes_]));
       if ((count_ + i) % sample_step_ == 0) sample(&some[i * record_bytes_]);
     }
     count_ += n;
@@ -76,7 +66,7 @@ void CurveRecords::sample(const std::byte* record) {
 void CurveRecords::begin_piece() {
   stop_if_cancelled();
   if (files_ && scratch_) put_aside(pieces_.back());
-  if (files_ && !scratch_ && (count_ + piece_rows_) * record_bytes_ > memory_ / 2) {
+  if (files_ && !scratch_ && puts_aside((count_ + piece_rows_) * record_bytes_, memory_)) {
     scratch_ = files_();
     for (Piece& piece : pieces_) put_aside(piece);
   }
@@ -108,7 +98,7 @@ void CurveRecords::choose_ends(const LevelGrid& grid) {
   const std::uint64_t each = std::max<std::uint64_t>(1, stretch / sample_step_);
   for (std::uint64_t at = each; at < rows; at += each) {
     const std::byte* record = &all[at * record_bytes_];
-    End end{grid.key(point(record)), {record, record + record_bytes_}, false};
+    End end{grid.key(point_of(record)), {record, record + record_bytes_}, false};
     if (ends_.empty() || ends_.back().record != end.record) {
       ends_.push_back(std::move(end));
     } else if (!ends_.back().is_behind) {
@@ -122,7 +112,7 @@ CurveRecords::Sorted CurveRecords::sorted(std::vector<std::byte> records, const 
   const std::size_t rows = records.size() / record_bytes_;
   std::vector<Entry> entries(rows);
   for (std::size_t i = 0; i < rows; ++i)
-    entries[i] = {grid.key(point(&records[i * record_bytes_])), static_cast<std::uint32_t>(i)};
+    entries[i] = {grid.key(point_of(&records[i * record_bytes_])), static_cast<std::uint32_t>(i)};
   std::sort(entries.begin(), entries.end(), [&](const Entry& a, const Entry& b) {
     if (a.key != b.key) return a.key < b.key;
     return std::memcmp(&records[a.row * record_bytes_], &records[b.row * record_bytes_], record_bytes_) < 0;

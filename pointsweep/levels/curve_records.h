@@ -27,9 +27,12 @@ class CurveRecords {
   /// `memory_bytes`: for all that is held at once. Without `files` all records are held, whatever that takes.
   CurveRecords(std::size_t record_bytes, std::uint64_t memory_bytes, MakeScratch files);
 
+  /// Returns whether so many bytes of records are more than such a memory holds.
+  static bool puts_aside(std::uint64_t bytes, std::uint64_t memory_bytes) { return bytes > memory_bytes / 2; }
+
   void add(std::span<const std::byte> records);
   std::uint64_t count() const { return count_; }
-  /// Of the records so far. Those of no records are the greatest and the least number.
+  /// Returns the bounds of the records so far. Those of no records are the greatest and the least number.
   const GridBounds& bounds() const { return bounds_; }
 
   /// Sorts the records. To be called once, after the last add().
@@ -61,7 +64,6 @@ class CurveRecords {
     bool is_behind;
   };
 
-  GridPoint point(const std::byte* record) const;
   void sample(const std::byte* record);
   void begin_piece();
   void put_aside(Piece& piece);

@@ -107,7 +107,7 @@ class Choice {
     std::ranges::nth_element(candidates_, middle, {}, &Candidate::rank);
     limit_ = middle->rank;
     std::erase_if(candidates_, [&](const Candidate& c) { return c.rank > limit_; });
-    // Of the points at one place, only the first may be kept.
+    // Only the first of the points at one place may be kept.
     std::sort(candidates_.begin(), candidates_.end());
     const auto same = [](const Candidate& a, const Candidate& b) { return a.point == b.point; };
     candidates_.erase(std::unique(candidates_.begin(), candidates_.end(), same), candidates_.end());

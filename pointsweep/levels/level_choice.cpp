@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kDepthBits = 5;
 static_assert(kMostDepth < 1 << kDepthBits);
-/// Only the root has a limit.
+/// No limit for the points that a node keeps; the root has one.
 constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
 
 bool is_in(const Box& box, Vec3 p) {

@@ -38,7 +38,7 @@ class LevelChoice {
 
   /// Chooses. To be called once, before what follows.
   void run();
-  double spacing() const { return spacing_; }  ///< s_0, in steps of x
+  double spacing() const { return spacing_; }  ///< s_0, in units of the grid
   /// Returns the depth of the next point along the curve.
   int next_depth();
 

@@ -12,9 +12,13 @@ namespace {
 
 constexpr double kCells = std::uint32_t{1} << kMostDepth;
 
+double unit_of(Vec3 scale) {
+  const double longest = std::max({scale.x, scale.y, scale.z});
+  return longest / scale.x <= 0x1p30 ? scale.x : longest;
+}
+
 /// Returns the least width of at least `steps` that is 8 to 16 times a power of two, or a multiple of 8 below 128.
 double even_width(double steps) {
-  if (steps > 0x1p60) return steps;  // the steps of the axes have nothing in common
   const auto whole = static_cast<std::uint64_t>(std::ceil(steps));
   const int bits = std::max(7, static_cast<int>(std::bit_width(whole)));
   const std::uint64_t unit = std::uint64_t{8} << (bits - 7);
@@ -26,10 +30,10 @@ double even_width(double steps) {
 LevelGrid::LevelGrid(const GridBounds& bounds, Vec3 scale)
     : scale_(scale),
       lo_{static_cast<double>(bounds.lo[0]), static_cast<double>(bounds.lo[1]), static_cast<double>(bounds.lo[2])},
-      y_step_(scale.y / scale.x),
-      z_step_(scale.z / scale.x) {
-  const Vec3 last = place(bounds.hi);
-  width_ = even_width(std::max({last.x + 0.5, last.y + 0.5 * y_step_, last.z + 0.5 * z_step_}));
+      unit_(unit_of(scale)),
+      step_{scale.x / unit_, scale.y / unit_, scale.z / unit_} {
+  const Vec3 last = place(bounds.hi) + 0.5 * step_;
+  width_ = even_width(std::max({last.x, last.y, last.z}));
   cells_per_step_ = kCells / width_;
 }
 

@@ -2,8 +2,11 @@
 /// The cube whose octants are the nodes of levels of detail, laid over points on a grid of whole steps.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "pointsweep/geometry.h"
 #include "pointsweep/levels/curve_key.h"
@@ -16,10 +19,24 @@ using GridPoint = std::array<std::int32_t, 3>;
 /// The least and the greatest coordinate on each axis.
 struct GridBounds {
   GridPoint lo, hi;
+  void include(const GridPoint& point) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lo[axis] = std::min(lo[axis], point[axis]);
+      hi[axis] = std::max(hi[axis], point[axis]);
+    }
+  }
 };
 
-/// Measures lengths in steps of the x axis, so that distances are exact where the steps of all axes are alike and the
-/// points are not farther apart than 2^26 steps. The corner of the cube lies half a step before the least coordinates,
+/// Returns the point with which a record begins.
+inline GridPoint point_of(const std::byte* record) {
+  GridPoint point;
+  std::memcpy(point.data(), record, sizeof point);
+  return point;
+}
+
+/// Measures lengths in units of a step of the x axis, so that distances are exact where the steps of all axes are alike
+/// and the points are not farther apart than 2^26 steps; or of the longest step, where that is more than 2^30 times as
+/// long. The corner of the cube lies half a step before the least coordinates,
 /// and its width is such that faces of octants lie between the steps, down to octants of 8 steps: readers that evaluate
 /// the faces in another way then find each point in the same octant.
 class LevelGrid {
@@ -27,23 +44,25 @@ class LevelGrid {
   /// `scale`: the length of a step on each axis, above 0.
   LevelGrid(const GridBounds& bounds, Vec3 scale);
 
-  /// Returns the place of a point, from the corner of the cube, in steps of x.
+  /// Returns the place of a point, from the corner of the cube, in units.
   Vec3 place(const GridPoint& point) const {
-    return {(point[0] - lo_.x) + 0.5, ((point[1] - lo_.y) + 0.5) * y_step_, ((point[2] - lo_.z) + 0.5) * z_step_};
+    return {((point[0] - lo_.x) + 0.5) * step_.x, ((point[1] - lo_.y) + 0.5) * step_.y,
+            ((point[2] - lo_.z) + 0.5) * step_.z};
   }
   CurveKey key(const GridPoint& point) const;
   Box box(const Octant& octant) const;
   double width() const { return width_; }
   /// Returns the corner of the cube in the coordinates of a file with this offset.
   Vec3 corner(Vec3 offset) const;
-  /// Returns the length of a step of x.
-  double step() const { return scale_.x; }
+  /// Returns the length of a unit.
+  double unit() const { return unit_; }
 
  private:
   std::uint32_t cell(double place) const;
 
   Vec3 scale_, lo_;
-  double y_step_, z_step_;  ///< in steps of x
+  double unit_;
+  Vec3 step_;  ///< in units
   double width_, cells_per_step_;
 };
 

@@ -6,17 +6,23 @@
 namespace pointsweep {
 namespace {
 
-/// What each thread holds: the kept points around a node, a stretch of records and its sorted copy.
+/// Bytes for all threads, and for each: the kept points around a node, a stretch of records and its sorted copy.
 constexpr std::uint64_t kLeastLevelBytes = 32 << 20, kThreadBytes = 8 << 20;
+
+std::uint64_t memory_of_records(std::uint64_t memory_bytes) { return memory_bytes / 4 * 3; }
 
 }  // namespace
 
 std::uint64_t least_level_bytes(unsigned threads) { return kLeastLevelBytes + threads * kThreadBytes; }
 
+bool puts_records_aside(std::uint64_t bytes, std::uint64_t memory_bytes) {
+  return CurveRecords::puts_aside(bytes, memory_of_records(memory_bytes));
+}
+
 LevelledRecords::LevelledRecords(std::size_t record_bytes, std::uint64_t memory_bytes, const MakeScratch& files)
     : record_bytes_(record_bytes),
       memory_(memory_bytes),
-      records_(record_bytes, memory_bytes / 4 * 3, files),
+      records_(record_bytes, memory_of_records(memory_bytes), files),
       room_(memory_bytes / 8, files) {}
 
 void LevelledRecords::choose(Vec3 scale) {

@@ -21,6 +21,9 @@ namespace pointsweep {
 /// The least memory of LevelledRecords on this many threads.
 std::uint64_t least_level_bytes(unsigned threads);
 
+/// Returns whether LevelledRecords with so much memory put so many bytes of records aside.
+bool puts_records_aside(std::uint64_t bytes, std::uint64_t memory_bytes);
+
 class LevelledRecords {
  public:
   /// Takes records that begin with a GridPoint. `memory_bytes`: for all that is held at once. Without `files` all of it
@@ -34,7 +37,7 @@ class LevelledRecords {
   void choose(Vec3 scale);
   const LevelGrid& grid() const { return *grid_; }
   /// Returns the spacing of the points of depth 0, in units of `scale`.
-  double spacing() const { return spacing_ * grid_->step(); }
+  double spacing() const { return spacing_ * grid_->unit(); }
 
   using Use = std::function<void(const CurveKey& key, int depth, const std::byte* record)>;
   /// Calls `use` with all records in the order of the curve. To be called once.

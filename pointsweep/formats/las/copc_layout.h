@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What COPC adds to LAZ: the info VLR, the hierarchy of nodes, and fewer point formats (https://copc.io).
+/// The parts of a COPC file that LAZ does not have: the info VLR and the hierarchy of nodes; and its choice of point
+/// formats (https://copc.io).
 #pragma once
 
 #include <cstddef>

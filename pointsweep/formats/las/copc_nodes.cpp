@@ -2,6 +2,7 @@
 #include "pointsweep/formats/las/copc_nodes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -43,10 +44,17 @@ void CopcNodes::add(const CurveKey& key, int depth, const std::byte* record) {
   }
   std::vector<std::byte>& records = open_[static_cast<std::size_t>(depth)];
   if (records.size() >= most_node_bytes_)
-    fail("{}: more than {} points lie so close together that they are one node, for which the memory budget has no room; "
-         "allow more memory (--memory), or write LAZ.",
-         path_, records.size() / record_bytes_);
+    fail(
+        "{}: more than {} points lie so close together that they are one node, for which the memory budget has no "
+        "room; "
+        "allow more memory (--memory), or write LAZ.",
+        path_, records.size() / record_bytes_);
   records.insert(records.end(), record, record + record_bytes_);
+  double time;
+  std::memcpy(&time, record + kLasModernTimeAt, sizeof time);
+  if (std::isnan(time)) return;
+  times_ = std::exchange(has_times_, true) ? TimeRange{std::min(times_.least, time), std::max(times_.greatest, time)}
+                                           : TimeRange{time, time};
 }
 
 void CopcNodes::close(int depth) {

@@ -18,18 +18,26 @@
 
 namespace pointsweep {
 
-/// Only one node of each depth is open at a time, since the points of a node follow each other on the curve. The points
-/// of a node are compressed in the order of their GPS times, else of the curve; the threads compress several nodes at
-/// once.
+/// The least and the greatest GPS time.
+struct TimeRange {
+  double least = 0, greatest = 0;
+};
+
+/// Collects the points of nodes. One node of each depth is open at a time, since the points of a node follow each other
+/// on the curve. The points of a node are compressed in the order of their GPS times, else of the curve; the threads
+/// compress several nodes at once.
 class CopcNodes {
  public:
-  /// `memory_bytes`: for the points of complete nodes that wait to be compressed. `most_node_bytes`: for the points of one
-  /// node. The chunks are put into `aside`.
+  /// `memory_bytes`: for the points of complete nodes that wait to be compressed. `most_node_bytes`: for the points of
+  /// one node. The chunks are put into `aside`.
   CopcNodes(const LazLayout& laz, std::size_t record_bytes, std::uint64_t memory_bytes, std::uint64_t most_node_bytes,
             std::unique_ptr<Scratch> aside, std::string path);
 
   /// Takes the next point: a record of point format 6, 7 or 8. Throws Error where its node has too many.
   void add(const CurveKey& key, int depth, const std::byte* record);
+
+  /// Returns the times of all points; 0 and 0 where there are none.
+  TimeRange times() const { return times_; }
 
   using Put = std::function<void(std::uint64_t at, std::span<const std::byte> bytes)>;
   /// All points have come: puts the chunks of all nodes, by depth, then along the curve, from byte `at` on, and returns
@@ -54,6 +62,8 @@ class CopcNodes {
   CurveKey last_;
   std::vector<Waiting> waiting_;
   std::uint64_t waiting_bytes_ = 0, aside_bytes_ = 0;
+  TimeRange times_;
+  bool has_times_ = false;
   std::vector<CopcNode> nodes_;  ///< with the offset in aside_
 };
 

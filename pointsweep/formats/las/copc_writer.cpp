@@ -19,43 +19,29 @@
 namespace pointsweep {
 namespace {
 
-/// Rows that a thread encodes, and rows that are encoded at once.
-constexpr std::size_t kEncodedRows = 4096, kBatchOfRows = 16 * kEncodedRows;
+/// Rows that are encoded at once.
+constexpr std::size_t kBatchOfRows = 64 << 10;
 
 /// The least memory for nodes that wait to be compressed.
 constexpr std::uint64_t kLeastNodeBytes = 16 << 20;
 /// Memory beyond the least one that makes a small file faster.
 constexpr std::uint64_t kUsefulBytes = 96 << 20;
-/// Of a node, while it is sorted and compressed.
+/// Copies of a node that are in memory while it is sorted and compressed.
 constexpr std::uint64_t kCopiesOfNode = 3, kAnyNumberOfBytes = ~std::uint64_t{0};
+
+/// Returns the memory of a writer of so many bytes of records which may take `memory`: more makes nothing faster.
+std::uint64_t useful_memory(std::uint64_t bytes, std::uint64_t memory, unsigned threads) {
+  const std::uint64_t least = copc_encoder_bytes(0, threads);
+  return std::clamp(memory, least, least + std::max(kUsefulBytes, bytes / 32));
+}
+
+/// Returns the part of it for records and their levels; nodes that wait to be compressed take the rest.
+std::uint64_t record_memory(std::uint64_t memory) { return memory / 4 * 3; }
 
 OutputPlan with_copc_layout(OutputPlan plan) {
   plan.layout = copc_file_layout(plan.schema, std::move(plan.layout), plan.path.string());
   return plan;
 }
-
-/// The least and the greatest GPS time; 0 for both where there is none.
-class TimeRange {
- public:
-  void add(const std::byte* records, std::size_t stride, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) {
-      double time;
-      std::memcpy(&time, records + i * stride + kLasModernTimeAt, sizeof time);
-      least_ = std::min(least_, time);
-      greatest_ = std::max(greatest_, time);
-    }
-  }
-  void add(const TimeRange& other) {
-    least_ = std::min(least_, other.least_);
-    greatest_ = std::max(greatest_, other.greatest_);
-  }
-  double least() const { return least_ <= greatest_ ? least_ : 0; }
-  double greatest() const { return least_ <= greatest_ ? greatest_ : 0; }
-
- private:
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  double least_ = kInfinity, greatest_ = -kInfinity;
-};
 
 class CopcWriter : public Writer {
  public:
@@ -64,9 +50,9 @@ class CopcWriter : public Writer {
         frame_(plan, LasPoints::nodes),
         encoder_(frame_.layout(), path_),
         statistics_(frame_.layout().header.point_format),
-        memory_(memory_of(plan, encoder_.record_bytes_out())),
+        memory_(useful_memory(plan.count * encoder_.record_bytes_out(), plan.encoder_bytes, thread_count())),
         most_node_bytes_(plan.scratch ? std::max(memory_, plan.encoder_bytes) / kCopiesOfNode : kAnyNumberOfBytes),
-        records_(encoder_.record_bytes_out(), memory_ / 4 * 3, plan.scratch) {
+        records_(encoder_.record_bytes_out(), record_memory(memory_), plan.scratch) {
     bytes_written_ = frame_.bytes_written();
     warnings_ = frame_.layout().warnings;
   }
@@ -77,7 +63,8 @@ class CopcWriter : public Writer {
     for (std::size_t rows = records.size() / in, done = 0; done < rows;) {
       const std::size_t n = std::min(rows - done, kBatchOfRows);
       batch_.resize(n * out);
-      encode(records.data() + done * in, n);
+      encode_rows(encoder_, frame_.layout().header.point_format, statistics_.count(), records.data() + done * in,
+                  batch_.data(), n, statistics_);
       records_.add(batch_);
       done += n;
     }
@@ -90,38 +77,17 @@ class CopcWriter : public Writer {
     CopcNodes nodes(*frame_.layout().laz, record_bytes, memory_ / 4, most_node_bytes_,
                     records_.room().make(statistics_.count() * record_bytes / 4), path_);
     records_.for_each([&](const CurveKey& key, int depth, const std::byte* record) { nodes.add(key, depth, record); });
-    finish_file(nodes.finish(first_chunk(), [&](std::uint64_t at, std::span<const std::byte> bytes) {
-      frame_.put(at, bytes);
-      bytes_written_ = frame_.bytes_written();
-    }));
+    const std::vector<CopcNode> chunks =
+        nodes.finish(first_chunk(), [&](std::uint64_t at, std::span<const std::byte> bytes) {
+          frame_.put(at, bytes);
+          bytes_written_ = frame_.bytes_written();
+        });
+    finish_file(chunks, nodes.times());
   }
 
  private:
-  /// More memory than this makes nothing faster where there is a temporary folder.
-  static std::uint64_t memory_of(const OutputPlan& plan, std::uint64_t record_bytes) {
-    const std::uint64_t least = copc_encoder_bytes(record_bytes, thread_count());
-    const std::uint64_t useful = least + std::max(kUsefulBytes, plan.count * record_bytes / 32);
-    return std::max(least, plan.scratch ? std::min(plan.encoder_bytes, useful) : plan.encoder_bytes);
-  }
-
-  void encode(const std::byte* from, std::size_t n) {
-    const std::size_t in = encoder_.record_bytes_in(), out = encoder_.record_bytes_out();
-    const std::uint64_t row = statistics_.count();
-    const std::size_t tasks = (n + kEncodedRows - 1) / kEncodedRows;
-    std::vector<LasStatistics> statistics(tasks, LasStatistics(frame_.layout().header.point_format));
-    std::vector<TimeRange> times(tasks);
-    parallel_for_blocks(n, kEncodedRows, [&](std::size_t first, std::size_t rows, unsigned) {
-      std::byte* const to = batch_.data() + first * out;
-      encoder_.run(row + first, from + first * in, to, rows);
-      statistics[first / kEncodedRows].add(to, out, rows);
-      times[first / kEncodedRows].add(to, out, rows);
-    });
-    for (const LasStatistics& some : statistics) statistics_.add(some);
-    for (const TimeRange& some : times) times_.add(some);
-  }
-
   /// The chunk table, the hierarchy, the info VLR and the header.
-  void finish_file(const std::vector<CopcNode>& nodes) {
+  void finish_file(const std::vector<CopcNode>& nodes, TimeRange times) {
     std::vector<LazLayout::ChunkSize> chunks;
     std::uint64_t at = first_chunk();
     for (const CopcNode& node : nodes) {
@@ -137,22 +103,23 @@ class CopcWriter : public Writer {
     const std::vector<std::byte> hierarchy = copc_hierarchy_bytes(nodes);
     const LasHeader& header = frame_.layout().header;
     frame_.put(header.header_size + kLasVlrHeader,
-               copc_info_bytes(info_of(header, at + frame_.tail_bytes() + kLasEvlrHeader, hierarchy.size())));
+               copc_info_bytes(info_of(header, times, at + frame_.tail_bytes() + kLasEvlrHeader, hierarchy.size())));
     if (std::string rounding = encoder_.rounding(); !rounding.empty()) add_warning(std::move(rounding));
     frame_.finish(statistics_, at, las_evlr(kCopcUser, kCopcHierarchyRecord, "COPC hierarchy", hierarchy));
     bytes_written_ = frame_.bytes_written();
   }
 
-  CopcInfo info_of(const LasHeader& header, std::uint64_t root_offset, std::uint64_t root_bytes) const {
+  CopcInfo info_of(const LasHeader& header, TimeRange times, std::uint64_t root_offset,
+                   std::uint64_t root_bytes) const {
     const LevelGrid& grid = records_.grid();
-    const double half = grid.width() * grid.step() / 2;
+    const double half = grid.width() * grid.unit() / 2;
     return {.center = grid.corner(header.offset) + Vec3{half, half, half},
             .half_size = half,
             .spacing = records_.spacing(),
             .root_offset = root_offset,
             .root_bytes = root_bytes,
-            .least_time = times_.least(),
-            .greatest_time = times_.greatest()};
+            .least_time = times.least,
+            .greatest_time = times.greatest};
   }
 
   std::uint64_t first_chunk() const { return frame_.layout().header.offset_to_points + kLazOffsetBytes; }
@@ -161,7 +128,6 @@ class CopcWriter : public Writer {
   LasFrame frame_;
   LasEncoder encoder_;
   LasStatistics statistics_;
-  TimeRange times_;
   std::uint64_t memory_, most_node_bytes_;
   LevelledRecords records_;
   std::vector<std::byte> batch_;  ///< encoded records
@@ -175,9 +141,12 @@ std::uint64_t copc_encoder_bytes(std::uint64_t, unsigned threads) {
 
 // The record, its place, the points kept at all depths but the last (a third of all, at most) in lists and by number,
 // and the compressed chunk.
-std::uint64_t copc_aside_bytes(std::uint64_t record_bytes) {
+std::uint64_t copc_aside_bytes(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
+                               unsigned threads) {
   constexpr std::uint64_t kPlace = sizeof(GridPoint);
-  return record_bytes + kPlace + (2 * kPlace + sizeof(std::uint64_t)) / 3 + record_bytes / 2;
+  const std::uint64_t bytes = count * record_bytes;
+  if (!puts_records_aside(bytes, record_memory(useful_memory(bytes, memory, threads)))) return 0;
+  return bytes + bytes / 2 + count * (kPlace + (2 * kPlace + sizeof(std::uint64_t)) / 3);
 }
 
 KnownValues copc_values(InputCloud& cloud, const FileLayout& layout,

@@ -39,7 +39,8 @@ KnownValues copc_values(InputCloud& cloud, const FileLayout& layout,
 /// Returns the least OutputPlan::encoder_bytes of that writer.
 std::uint64_t copc_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
 /// Returns Format::aside_bytes.
-std::uint64_t copc_aside_bytes(std::uint64_t record_bytes);
+std::uint64_t copc_aside_bytes(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
+                               unsigned threads);
 
 /// Returns the bytes that the writer takes for records of `record_bytes`: the chunks that are compressed at once,
 /// before and after compression, and the models of the coder.

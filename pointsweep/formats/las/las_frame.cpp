@@ -9,6 +9,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las_scale.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -18,6 +19,8 @@ constexpr std::size_t kPointFormatAt = 104;
 constexpr std::byte kCompressedBit{0x80};
 
 constexpr std::size_t kRowsAtOnce = 256;
+/// Rows that a thread encodes.
+constexpr std::size_t kTaskRows = 4096;
 /// Byte 14 of a point that is return 1 of 1, in point formats 0 to 5 and 6 to 10.
 constexpr std::byte kOnlyLegacyReturn{0x09}, kOnlyReturn{0x11};
 /// Flags and class of a point in point formats 6 to 10.
@@ -192,6 +195,17 @@ void LasEncoder::refuse(int axis, std::uint64_t row, double value) const {
       "{}: {} of row {} is {}, too far from the offset {} for the scale {} of this LAS file;{} write PLY, or leave out "
       "points that are far from the others.",
       path_, "xyz"[axis], row, value, offset_[axis], scale_[axis], remedy);
+}
+
+void encode_rows(const LasEncoder& encoder, int point_format, std::uint64_t row, const std::byte* from, std::byte* to,
+                 std::size_t count, LasStatistics& statistics) {
+  const std::size_t in = encoder.record_bytes_in(), out = encoder.record_bytes_out();
+  std::vector<LasStatistics> of_tasks((count + kTaskRows - 1) / kTaskRows, LasStatistics(point_format));
+  parallel_for_blocks(count, kTaskRows, [&](std::size_t first, std::size_t rows, unsigned) {
+    encoder.run(row + first, from + first * in, to + first * out, rows);
+    of_tasks[first / kTaskRows].add(to + first * out, out, rows);
+  });
+  for (const LasStatistics& some : of_tasks) statistics.add(some);
 }
 
 std::string LasEncoder::rounding() const {

@@ -114,4 +114,8 @@ class LasEncoder {
   std::string path_;
 };
 
+/// Encodes `count` records on all threads, and adds them to `statistics`; `row` is the number of the first.
+void encode_rows(const LasEncoder& encoder, int point_format, std::uint64_t row, const std::byte* from, std::byte* to,
+                 std::size_t count, LasStatistics& statistics);
+
 }  // namespace pointsweep

@@ -62,7 +62,7 @@ class LazPoints {
   std::vector<std::uint64_t> first_row_, first_byte_;  ///< by chunk, and one more for the end
 };
 
-/// What nodes the chunks of a COPC file are.
+/// The nodes that the chunks of a COPC file are.
 struct CopcChunks {
   /// By chunk the box of its node: a hint, not to be trusted; and its depth. Empty if there are no nodes.
   std::vector<Box> boxes = {};

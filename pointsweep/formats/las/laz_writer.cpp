@@ -17,8 +17,6 @@ namespace {
 
 /// Chunks that are compressed at once where no more memory is given: two megabytes each, and half as much compressed.
 constexpr unsigned kFewChunksAtOnce = 4;
-/// Rows that a thread encodes.
-constexpr std::size_t kTaskRows = 4096;
 
 /// Returns the bytes that compressing a chunk of records of `record_bytes` takes.
 std::uint64_t chunk_bytes(std::uint64_t record_bytes) {
@@ -53,7 +51,8 @@ class LazWriter : public Writer {
     for (std::size_t rows = records.size() / in, done = 0; done < rows;) {
       const std::size_t held = batch_.size(), n = std::min(rows - done, (batch_bytes_ - held) / out);
       batch_.resize(held + n * out);
-      encode(records.data() + done * in, batch_.data() + held, n);
+      encode_rows(encoder_, frame_.layout().header.point_format, statistics_.count(), records.data() + done * in,
+                  batch_.data() + held, n, statistics_);
       done += n;
       if (batch_.size() == batch_bytes_) compress_batch();
     }
@@ -73,18 +72,6 @@ class LazWriter : public Writer {
   }
 
  private:
-  void encode(const std::byte* from, std::byte* to, std::size_t n) {
-    const std::size_t in = encoder_.record_bytes_in(), out = encoder_.record_bytes_out();
-    const std::uint64_t row = statistics_.count();
-    std::vector<LasStatistics> of_tasks((n + kTaskRows - 1) / kTaskRows,
-                                        LasStatistics(frame_.layout().header.point_format));
-    parallel_for_blocks(n, kTaskRows, [&](std::size_t first, std::size_t rows, unsigned) {
-      encoder_.run(row + first, from + first * in, to + first * out, rows);
-      of_tasks[first / kTaskRows].add(to + first * out, out, rows);
-    });
-    for (const LasStatistics& some : of_tasks) statistics_.add(some);
-  }
-
   void compress_batch() {
     const std::size_t chunk = std::size_t{laz_.chunk_points()} * encoder_.record_bytes_out();
     std::vector<std::vector<std::byte>> compressed((batch_.size() + chunk - 1) / chunk);

@@ -299,10 +299,12 @@ std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, 
   return most;
 }
 
-std::uint64_t aside_bytes(const Outputs& outputs, std::uint64_t record_bytes) {
+std::uint64_t aside_bytes(const Outputs& outputs, std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
+                          unsigned threads) {
   std::uint64_t most = 0;
   for (const OutputFormat& output : output_formats(outputs))
-    if (output.format->aside_bytes != nullptr) most = std::max(most, output.format->aside_bytes(record_bytes));
+    if (output.format->aside_bytes != nullptr)
+      most = std::max(most, output.format->aside_bytes(count, record_bytes, memory, threads));
   return most;
 }
 

@@ -75,9 +75,9 @@ std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const
 /// The part of it for encoding one output.
 std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, unsigned threads);
 
-/// Returns the bytes that the outputs put aside for each point whose record has `record_bytes`, unless memory holds
-/// them.
-std::uint64_t aside_bytes(const Outputs& outputs, std::uint64_t record_bytes);
+/// Returns the bytes that the output puts aside of so many records of `record_bytes`, where encoders may take `memory`.
+std::uint64_t aside_bytes(const Outputs& outputs, std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
+                          unsigned threads);
 
 /// The order of the only sweep is the one that the output is to have: its records travel along.
 bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options);

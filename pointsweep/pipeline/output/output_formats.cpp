@@ -246,7 +246,8 @@ void require_order_kept(const Outputs& outputs) {
   for (const OutputFormat& output : output_formats(outputs))
     if (output.format->reorders)
       fail_usage(
-          "{}: {} has its points in an order of its own; write another format, e.g. LAZ, to have them along an axis.",
+          "{}: {} has its points in the order of nodes of an octree; write another format, e.g. LAZ, to have them along an "
+          "axis.",
           output.example.string(), output.format->name);
 }
 

@@ -56,7 +56,7 @@ OutputNames names_in_outputs(const InputCloud& cloud, const ChainPlan& plan, con
 /// Throws UsageError where nothing is to be written.
 void require_outputs(const Outputs& outputs);
 
-/// Throws UsageError for a format whose writer puts points in an order of its own.
+/// Throws UsageError for a format whose writer puts points in another order (Format::reorders).
 void require_order_kept(const Outputs& outputs);
 
 /// Throws UsageError for a request that only one output of all points can fulfil, if there are tiles, and for a wish

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <set>
 
-#include "pointsweep/fail.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/known_values.h"
@@ -225,21 +224,6 @@ struct EncoderMemory {
   std::uint64_t spare;       ///< bytes that the plan leaves free
 };
 
-/// Throws Error unless the temporary folder has room for what the output puts aside.
-void require_room_aside(const Context& context, const WorkPlan& work) {
-  if (!work.layout || !context.outputs.tiles.empty() || context.options.division.divides()) return;
-  const std::uint64_t needed = context.cloud.count() * aside_bytes(context.outputs, work.layout->schema().stride);
-  if (needed <= EncoderMemory(context, work).encoding(context.options) / 2) return;
-  const std::filesystem::path folder = temp_parent(context.options.resources.temp_folder);
-  std::error_code error;
-  const std::filesystem::space_info space = std::filesystem::space(folder, error);
-  if (error || space.available >= needed) return;
-  fail(
-      "{}: {} bytes are free in the temporary folder, and the points of {} need {} until their nodes are known; free "
-      "some there or name another folder with --temp-dir.",
-      folder.string(), space.available, context.outputs.points.string(), needed);
-}
-
 std::string text_of(const Box& box) {
   return fmt::format("x {:.9g} .. {:.9g}, y {:.9g} .. {:.9g}", box.lo.x, box.hi.x, box.lo.y, box.hi.y);
 }
@@ -283,7 +267,6 @@ void OutputFiles::make_folder(const Context& context) {
 }
 
 void OutputFiles::open(const Context& context, const WorkPlan& work, const Survey& survey, const Rows& rows) {
-  require_room_aside(context, work);
   const bool late = context.plan.opens_late();
   if (late || !context.outputs.tiles.empty()) require_writable(context, survey.bounds);
   if (!late) open_files(context, work, survey, rows);

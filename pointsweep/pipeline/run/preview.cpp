@@ -16,6 +16,7 @@
 #include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/numbered_input.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
+#include "pointsweep/pipeline/run/request.h"
 #include "pointsweep/storage/local/temp_folder.h"
 
 namespace pointsweep {
@@ -181,7 +182,7 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
       out.budget, out.planned, out.points, survey(source, options.axis, false), options, layout.schema().stride,
       [&](unsigned threads) { return codec_bytes(cloud, outputs, options, layout.schema().stride, threads); },
       on_demand_order(cloud, out.planned, options));
-  out.aside_bytes = out.points * aside_bytes(outputs, layout.schema().stride);
+  out.aside_bytes = bytes_aside({cloud, outputs, options, out.planned}, out.names);
   if (!out.memory.threads_note.empty()) out.notes.push_back(out.memory.threads_note);
   return out;
 }

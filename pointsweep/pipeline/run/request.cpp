@@ -2,7 +2,9 @@
 #include "pointsweep/pipeline/run/request.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
+#include <system_error>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/checkpoint/run_identity.h"
@@ -10,9 +12,13 @@
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/pipeline/output/output_formats.h"
+#include "pointsweep/pipeline/output/output_set.h"
+#include "pointsweep/pipeline/plan/output_layout.h"
+#include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/pipeline/sweep_engine.h"
 #include "pointsweep/storage/local/same_file.h"
+#include "pointsweep/storage/local/temp_folder.h"
 #include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
@@ -51,6 +57,22 @@ void note_neighborhoods(const Request& request, const RunReport& report) {
     report.warn(fmt::format("k = {} is more than the {} other points there are: neighbourhoods hold all of them.", k,
                             request.cloud.count() - 1));
   }
+}
+
+/// Throws Error unless the temporary folder has room for what is put there in any case.
+void require_room_aside(const Request& request, const OutputNames& names) {
+  const std::uint64_t aside = bytes_aside(request, names);
+  if (aside == 0) return;
+  const std::uint64_t needed = aside + decoded_input_bytes(request.cloud);
+  const std::filesystem::path folder = temp_parent(request.options.resources.temp_folder);
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(folder, error);
+  if (error || space.available >= needed) return;
+  fail(
+      "{}: has {} bytes free, and about {} are needed there for temporary files while {} is written; free some there, "
+      "or "
+      "name another folder with --temp-dir.",
+      folder.string(), space.available, needed, request.outputs.points.string());
 }
 
 }  // namespace
@@ -111,7 +133,17 @@ OutputNames check_request(const Request& request, const RunReport& report) {
   report.warn(kept_system_warning(plan, cloud, outputs));
   if (const SweepEngine* engine = engine_of(options.engine)) engine->require_can(plan, options);
   note_neighborhoods(request, report);
+  require_room_aside(request, names);
   return names;
+}
+
+std::uint64_t bytes_aside(const Request& request, const OutputNames& names) {
+  const auto& [cloud, outputs, options, plan] = request;
+  if (!outputs.tiles.empty() || options.division.divides()) return 0;  // one file after another
+  const OutputLayout layout(cloud.schema(), names.made, names.kept,
+                            type_of_positions(names.made, outputs.points, options));
+  return aside_bytes(outputs, cloud.count(), layout.schema().stride, memory_budget(options.resources.memory_bytes),
+                     threads_asked_for(options));
 }
 
 OtherClouds open_other_clouds(const Request& request, const RunReport& report) {

@@ -30,6 +30,8 @@ void require_work(const Request& request);
 Statistics first_counts(const Request& request, const NonfiniteRows& dropped);
 /// Throws for a request that can be refused before the first point is read. Returns the names of its attributes.
 OutputNames check_request(const Request& request, const RunReport& report);
+/// Returns about how many bytes the output puts aside in the temporary folder while it is written.
+std::uint64_t bytes_aside(const Request& request, const OutputNames& names);
 /// Opens the other clouds. Throws UsageError where one of them is an output.
 OtherClouds open_other_clouds(const Request& request, const RunReport& report);
 /// Returns the identity of a run that can be resumed; nothing for any other run. Throws UsageError for a request that
