@@ -26,13 +26,16 @@ std::optional<double> number_in(std::string_view text) {
 int depth_of(std::string_view word, double root_spacing) {
   if (word.starts_with(kDepth))
     return static_cast<int>(std::min<double>(*number_in(word.substr(kDepth.size())), kDeepest));
-  const double spacing = *number_in(word.substr(kSpacing.size()));
-  int depth = 0;
-  while (depth < kDeepest && std::ldexp(root_spacing, -depth) > spacing) ++depth;
-  return depth;
+  return depth_of_spacing(root_spacing, *number_in(word.substr(kSpacing.size())));
 }
 
 }  // namespace
+
+int depth_of_spacing(double root, double spacing) {
+  int depth = 0;
+  while (depth < kDeepest && std::ldexp(root, -depth) > spacing) ++depth;
+  return depth;
+}
 
 ChosenChunks::ChosenChunks(std::unique_ptr<Reader> all, const Choice& is_chosen, std::string_view word)
     : Reader(*all), all_(std::move(all)) {

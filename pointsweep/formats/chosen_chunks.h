@@ -41,6 +41,10 @@ class ChosenChunks final : public Reader {
   std::vector<Chosen> chosen_;
 };
 
+/// Returns the least depth at which points lie no farther apart than `spacing`, at most 31. `root`: how far they lie
+/// apart at depth 0.
+int depth_of_spacing(double root, double spacing);
+
 /// Returns whether a word for the format of inputs chooses levels of detail: "depth:3", all nodes of depths 0 to 3, or
 /// "spacing:0.5", all nodes of as many depths as it takes until points lie no farther apart. Throws UsageError for a
 /// word that begins so and goes on otherwise.

@@ -2,8 +2,8 @@
 #include "pointsweep/render/drawn_levels.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+
+#include "pointsweep/formats/chosen_chunks.h"
 
 namespace pointsweep {
 
@@ -18,8 +18,7 @@ DrawnLevels::DrawnLevels(InputCloud& cloud, unsigned pixels) : cloud_(cloud) {
   }
   const Vec3 extent = bounds.extent();
   const double pixel = std::max({extent.x, extent.y, extent.z}) / pixels;
-  int depth = 0;
-  while (depth < std::numeric_limits<double>::digits && std::ldexp(coarsest, -depth) > pixel) ++depth;
+  const int depth = depth_of_spacing(coarsest, pixel);
   cloud.choose_chunks([&](const Chunk& chunk) { return chunk.depth <= depth; });
 }
 

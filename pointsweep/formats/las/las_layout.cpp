@@ -290,13 +290,14 @@ class Builder {
   void take_version(int minor) {
     LasHeader& header = layout_.header;
     const int least = plan_.count > std::numeric_limits<std::uint32_t>::max() ? 4 : las_minor_of(header.point_format);
+    const bool has_hierarchy = input_ != nullptr && input_->evlrs.copc_hierarchy;  // which is left out
     if (minor < least)
       fail_usage("{}: LAS 1.{} has no {}, which needs LAS 1.{}; state that version, or another point format.",
                  plan_.path.string(), minor,
                  least > las_minor_of(header.point_format) ? "more than 4294967295 points"
                                                            : fmt::format("point format {}", header.point_format),
                  least);
-    if (minor < header.minor && (header.evlr_count > 0 || header.waveform_start > 0))
+    if (minor < header.minor && (header.evlr_count > (has_hierarchy ? 1u : 0u) || header.waveform_start > 0))
       fail_usage("{}: LAS 1.{} has no place for the extended VLRs or waveforms of the input; state LAS 1.{}.",
                  plan_.path.string(), minor, header.minor);
     if (minor < 2 && (header.global_encoding & kLasStandardTimeBit) != 0 && las_has_time(header.point_format))

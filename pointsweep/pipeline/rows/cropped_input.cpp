@@ -22,8 +22,8 @@ std::vector<Box> first_extents(const ChainPlan& plan) {
   return extents;
 }
 
-/// Boxes that touch meet, also where a step of the file lies between them: whoever made the boxes may have rounded
-/// them.
+/// Returns whether two boxes touch in x and y, or lie no farther apart than a step of the file: programs round the
+/// boxes of nodes.
 bool meet(const Box& a, const Box& b, Vec3 step) {
   return a.lo.x <= b.hi.x + step.x && b.lo.x <= a.hi.x + step.x && a.lo.y <= b.hi.y + step.y &&
          b.lo.y <= a.hi.y + step.y;
@@ -36,7 +36,7 @@ CroppedInput::CroppedInput(InputCloud& cloud, const ChainPlan& plan) : cloud_(cl
   if (extents.empty() || plan.graph.reads_input_rows()) return;
   const Vec3 step = cloud.las() ? cloud.las()->grid.scale : Vec3{};
   cloud.choose_chunks([&](const Chunk& chunk) {
-    return !chunk.bounds ||
+    return !chunk.depth || !chunk.bounds ||
            std::ranges::all_of(extents, [&](const Box& extent) { return meet(*chunk.bounds, extent, step); });
   });
 }
