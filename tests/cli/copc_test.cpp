@@ -61,7 +61,8 @@ TEST_F(Copc, HasTheSameBytesForAnyThreadsMemoryOrderAndTiles) {
 
 TEST_F(Copc, HoldsThePointsOfHostileClouds) {
   write_points("one.txt", 1, [](std::size_t) { return std::string("1.5 2.5 3.5 7"); });
-  write_points("equal.txt", 110'000, [](std::size_t i) { return std::string(i % 50 == 0 ? "1.5 2.5 3.5 0" : "1.5 2.5 3.5 1"); });
+  write_points("equal.txt", 110'000,
+               [](std::size_t i) { return std::string(i % 50 == 0 ? "1.5 2.5 3.5 0" : "1.5 2.5 3.5 1"); });
   write_points("line.txt", 110'000, [](std::size_t i) { return std::to_string(i % 5000) + " 0 0 1"; });
   write_points("outlier.txt", 110'000, [](std::size_t i) {
     return i == 0 ? std::string("1000000000 -1000000000 5 1")
@@ -134,8 +135,8 @@ TEST_F(Copc, RefusesWhatItCannotHold) {
   refused(2, "convert in.las o.copc.laz --point-format 3", "COPC has the point formats 6, 7 and 8, not 3");
   refused(2, "convert in.las o.copc.laz --point-format 10", "COPC has the point formats 6, 7 and 8, not 10");
   refused(2, "convert in.las o.copc.laz --las-version 1.2", "COPC is LAS 1.4");
-  refused(2, "sort in.las o.copc.laz", "order of its own");
-  refused(2, "run in.las o.copc.laz --pipeline normals --order sweep", "order of its own");
+  refused(2, "sort in.las o.copc.laz", "in the order of nodes of an octree");
+  refused(2, "run in.las o.copc.laz --pipeline normals --order sweep", "in the order of nodes of an octree");
   EXPECT_FALSE(exists("o.copc.laz"));
 }
 
@@ -187,6 +188,47 @@ TEST_F(Copc, IsReadWhereACropAsks) {
   EXPECT_EQ(some.err.find("of 300000"), std::string::npos) << some.err;
   const Result all = tool("run a.copc.laz cut.las --force --pipeline 'crop([100,100,200,180]) | where(row < 100000)'");
   EXPECT_NE(all.err.find("of 300000"), std::string::npos) << "rows are counted in the file: " << all.err;
+}
+
+TEST_F(Copc, IsVerifiedAfterEveryKindOfStage) {
+  made("generate terrain in.las -n 3000");
+  for (const std::string pipeline :
+       {"where(z > 0) | normals", "voxel(20)", "poisson(9)", "unique", "sample(1000)", "level", "ground(cell=20) | height",
+        "normals | orient", "color(z)", "statistics(z_range, count)"}) {
+    made("run in.las out.copc.laz --force --pipeline '" + pipeline + "'");
+    EXPECT_EQ(tool("verify in.las out.copc.laz").status, 0) << pipeline;
+  }
+}
+
+TEST_F(Copc, IsVerifiedAfterPointsHaveMovedWhereTheyCanBeToldApart) {
+  made("generate terrain plain.las -n 20000");
+  made("run plain.las timed.las --pipeline 'set(gps_time = row)'");
+  for (const std::string input : {"timed.las", "plain.las"}) {
+    made("run " + input + " out.copc.laz --force --pipeline 'transform(translate=[1000,0,0]) | set(z = z + 1)'");
+    const Result result = tool("verify " + input + " out.copc.laz");
+    EXPECT_EQ(result.status, input == "timed.las" ? 0 : 3) << result.out;
+    made("run " + input + " tiles/ --force --tile 300 --pipeline 'transform(translate=[1000,0,0])'");
+    EXPECT_EQ(tool("verify " + input + " tiles/").status, input == "timed.las" ? 0 : 3);
+  }
+}
+
+TEST_F(Copc, StatesInADryRunWhatItPutsAside) {
+  made("generate terrain in.las -n 1000");
+  EXPECT_EQ(made("convert in.las out.copc.laz --dry-run", ".out").find("aside"), std::string::npos)
+      << "memory holds them";
+  made("generate terrain large.las -n 3000000");
+  const std::string text = made("convert large.las out.copc.laz --dry-run --memory 100M", ".out");
+  const std::size_t at = text.find("aside         up to ");
+  ASSERT_NE(at, std::string::npos) << text;
+  EXPECT_GT(std::stod(text.substr(at + 20)), 3e6 * 30 / (1 << 20)) << "more than the records";
+  EXPECT_EQ(made("convert large.las out.laz --dry-run --memory 100M", ".out").find("aside"), std::string::npos);
+}
+
+TEST_F(Copc, BecomesAnOlderLasWithoutItsHierarchy) {
+  made("generate terrain in.las -n 1000");
+  made("convert in.las in.copc.laz");
+  made("convert in.copc.laz old.las --las-version 1.2 --point-format 1");
+  EXPECT_EQ(tool("verify in.copc.laz old.las").status, 0);
 }
 
 TEST_F(Copc, IsMadeByAResumedRun) {

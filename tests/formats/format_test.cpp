@@ -167,7 +167,7 @@ std::vector<double> extremes_of(Type type) {
   return {-kMostDouble, 0x1p-1074, 0.1, 255.5, 16777217, kInfinity, kNan};
 }
 
-/// Whether the file holds `value` for the point at x = 4, under the name or in the exact copy NAME_TYPE.
+/// Returns whether the file holds `value` for the point at x = 4, under the name or in the exact copy NAME_TYPE.
 bool is_held(Reader& reader, const std::string& name, Type type, double value) {
   const std::vector<double> x = values_of(reader, "x");
   const auto row =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The oracle knows the definition alone: octants by division of doubles, leaves by recursion, and one loop over all
-/// points for each depth.
+/// The oracle has octants by division of doubles, leaves by recursion, and one loop over all points for each depth. The
+/// cube and the order of points are those of the code; verify/formulas/levels derives these, too, and tests/cli holds the
+/// stage `level` against it.
 #include "pointsweep/levels/level_choice.h"
 
 #include <gtest/gtest.h>
