@@ -79,7 +79,10 @@ void add_crs_option(CLI::App& verb, CommonOptions& options) {
 
 void add_stated_crs_option(CLI::App& verb, CommonOptions& options) {
   verb.add_option_function<std::string>(
-          "--crs", [&options](const std::string& text) { options.crs = StatedCrs{parse_crs(text), false}; },
+          "--crs",
+          [&options](const std::string& text) {
+            options.crs = StatedCrs{parse_crs(text), false};
+          },
           "State the coordinate reference system of the inputs and the output: a code, a file with WKT (.prj), or "
           "none. Coordinates do not change")
       ->type_name("EPSG:CODE|FILE|none")

@@ -269,7 +269,8 @@ void add_transform_command(CLI::App& app) {
       "Move the points back: by the inverse of the matrix");
   add_output_options(verb, command->run);
   verb.footer(
-      "Same as 'pointsweep run' with the pipeline 'transform(FILE)'. The file has 4 lines of 4 numbers, the last one 0 0 "
+      "Same as 'pointsweep run' with the pipeline 'transform(FILE)'. The file has 4 lines of 4 numbers, the last one 0 "
+      "0 "
       "0 1, as CloudCompare, Open3D and numpy.savetxt write them. 'pointsweep operators transform' has the formula.\n"
       "\nExample: a scan into the place of another one, as a registration has found it, and back:\n"
       "  pointsweep transform scan.ply placed.ply --matrix registration.txt\n"

@@ -230,7 +230,7 @@ class Lister {
     const bool by_own_name = kind_of(argument) == ArgumentKind::file;
     for (; checked_ < out_.files.size(); ++checked_) {
       const fs::path& file = out_.files[checked_].path;
-      struct stat status{};
+      struct stat status {};
       if (::stat(file.c_str(), &status) != 0) continue;
       const auto [other, is_new] = seen_.try_emplace({status.st_dev, status.st_ino}, Seen{file, by_own_name});
       if (is_new || (by_own_name && other->second.by_own_name)) continue;

@@ -2,11 +2,10 @@
 #include "pointsweep/operators/thinning/level.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -61,8 +60,7 @@ class LevelWork final : public InOrderWork {
 
   void end(unsigned round, Findings&) override {
     if (round != 1) return;
-    const double step = step_of();
-    records_.choose({step, step, step});
+    records_.choose({1, 1, 1});
     levels_.emplace(make_scratch_, memory_, count_);
     records_.for_each([&](const CurveKey&, int depth, const std::byte* bytes) {
       Record record;
@@ -75,6 +73,7 @@ class LevelWork final : public InOrderWork {
   }
 
  private:
+  /// Returns the length of a step: a run refuses clouds for which it would be no number, or 0.
   double step_of() const {
     const Vec3 extent = bounds_.extent();
     const double widest = std::max({extent.x, extent.y, extent.z});

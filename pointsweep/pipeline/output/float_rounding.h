@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What coordinates lose where an output stores them as float32.
+/// The loss of coordinates that an output stores as float32.
 #pragma once
 
 #include <cstddef>
