@@ -311,6 +311,7 @@ void Stream::number_slabs() {
     slab.slab.first = slabs_.empty() ? 0 : slabs_.back().first + slabs_.back().count;
     slabs_.push_back(slab.slab);
   }
+  swept_slabs_ = slabs_.size();
 }
 
 Stream::Stream(int axis, std::unique_ptr<State> state) : axis_(axis), state_(std::move(state)) {
@@ -353,9 +354,17 @@ Stream::Stream(Decoder& in, const PointSource& source, const StreamOptions& opti
   spacing_ = LocalSpacing::decode(in);
   s.slabs = in.get_list<PiecedSlab>([&] { return PiecedSlab::decode(in); });
   for (const PiecedSlab& slab : s.slabs) slabs_.push_back(slab.slab);
+  swept_slabs_ = slabs_.size();
   s.nonfinite_list = in.get<std::uint64_t>();
   s.store.emplace(in, record_schema_.stride, kLeastBlock, options.spill);
   nonfinite_count_ = s.store->count(s.nonfinite_list);
+}
+
+Stream::Stream(StoredSlabs stored) : axis_(stored.axis), stored_(std::move(stored)) {
+  slabs_ = std::move(stored_.slabs);
+  swept_slabs_ = stored_.swept_slabs;
+  nonfinite_count_ = stored_.nonfinite_count;
+  record_schema_ = std::move(stored_.record_schema);
 }
 
 Stream::~Stream() = default;
@@ -369,12 +378,13 @@ void Stream::encode(Encoder& out) const {
   state_->store->encode(out);
 }
 
-std::uint64_t Stream::spilled_bytes() const { return state_->store ? state_->store->spilled_bytes() : 0; }
-std::uint64_t Stream::memory_bytes() const { return state_->store ? state_->store->memory_bytes() : 0; }
+std::uint64_t Stream::spilled_bytes() const { return state_ && state_->store ? state_->store->spilled_bytes() : 0; }
+std::uint64_t Stream::memory_bytes() const { return state_ && state_->store ? state_->store->memory_bytes() : 0; }
 
 void Stream::read(std::size_t slab, std::span<std::byte> out) const {
-  State& s = *state_;
   assert(out.size() == slabs_[slab].count * record_schema_.stride);
+  if (!state_) return stored_.read(slab, out);
+  State& s = *state_;
   if (s.on_demand) return s.on_demand->read(slab, out);
   for (const StreamPiece& piece : s.slabs[slab].pieces) {
     const std::size_t bytes = piece.count * record_schema_.stride;
@@ -384,6 +394,7 @@ void Stream::read(std::size_t slab, std::span<std::byte> out) const {
 }
 
 void Stream::read_nonfinite(std::uint64_t first, std::span<std::byte> out) const {
+  if (!state_) return stored_.read_nonfinite(first, out);
   if (state_->store) state_->store->read(state_->nonfinite_list, first, out);
 }
 

@@ -29,6 +29,7 @@ struct Slab {
   std::uint64_t count = 0;
   Box box;                      ///< tight box of its points, in double precision
   std::uint64_t least_row = 0;  ///< no input row in it is below
+  bool is_halo = false;         ///< of a part of a cloud: its points are only looked at by points of other slabs
 };
 
 struct StreamOptions {
@@ -53,6 +54,17 @@ struct OnDemandOptions {
   std::uint64_t most_waiting = 0;  ///< points that may be decoded and wait for their slabs
 };
 
+/// Slabs whose records are kept elsewhere: what a part of a cloud sweeps, and what its recall may read beside.
+struct StoredSlabs {
+  int axis = 0;
+  std::vector<Slab> slabs;
+  std::size_t swept_slabs = 0;  ///< Stream::swept_slabs()
+  Schema record_schema;         ///< Stream::record_schema()
+  std::uint64_t nonfinite_count = 0;
+  std::function<void(std::size_t slab, std::span<std::byte> out)> read;  ///< as Stream::read()
+  std::function<void(std::uint64_t first, std::span<std::byte> out)> read_nonfinite;
+};
+
 /// The ordered stream: slabs ascending in canonical order (coordinate along the axis; ties by x, then y, then z, then
 /// input row). Every point of slab s precedes every point of slab s+1 in that order; inside a slab points lie in no
 /// order. Unless the options give that up: then points in sparse places have slabs of their own, merged with the others
@@ -71,6 +83,7 @@ class Stream {
   /// reason, as the end of a sentence.
   static std::optional<Stream> on_demand(const PointSource& source, const Survey& survey, const StreamOptions& options,
                                          const OnDemandOptions& how, std::string& why_not);
+  explicit Stream(StoredSlabs stored);
   Stream(Stream&&) noexcept;
   ~Stream();
   /// Encodes the slabs and their places in the kept file. Only for a stream in a kept file, which is not on demand.
@@ -78,6 +91,9 @@ class Stream {
 
   int axis() const { return axis_; }
   const std::vector<Slab>& slabs() const { return slabs_; }
+  /// Returns how many slabs a sweep reads, the first ones. The others only a recall reads. All of them, but for a part
+  /// of a cloud.
+  std::size_t swept_slabs() const { return swept_slabs_; }
   /// The sparse places of a cloud whose slabs hold points inside and outside of them.
   const LocalSpacing& spacing_in_slabs() const { return spacing_; }
   std::uint64_t nonfinite_count() const { return nonfinite_count_; }
@@ -97,6 +113,7 @@ class Stream {
  private:
   int axis_ = 0;
   std::vector<Slab> slabs_;
+  std::size_t swept_slabs_ = 0;
   LocalSpacing spacing_;
   std::uint64_t nonfinite_count_ = 0;
   Schema record_schema_;
@@ -104,7 +121,8 @@ class Stream {
   Stream(int axis, std::unique_ptr<State> state);
   void number_slabs();
 
-  std::unique_ptr<State> state_;
+  std::unique_ptr<State> state_;  ///< null for slabs that are stored elsewhere
+  StoredSlabs stored_;
 };
 
 }  // namespace pointsweep

@@ -48,6 +48,8 @@ class Storage {
   virtual void remove(const std::string& key) = 0;
 };
 
+/// FNV-1a over words of eight bytes, little-endian; the last one is filled up with zeros.
+std::uint64_t checksum_of(std::span<const std::byte> bytes);
 /// Seals an object of `bytes`, after their number and a checksum.
 void seal_bytes(Storage& storage, const std::string& key, std::span<const std::byte> bytes);
 /// Returns the bytes of such an object; nothing if it is damaged.

@@ -43,11 +43,6 @@ void leave_out(WindowCell& cell, std::uint32_t i) {
   cell.deferred[i] = 1;
 }
 
-void leave_unresolved(WindowCell& cell, std::uint32_t i, double reach2) {
-  leave_out(cell, i);
-  cell.unresolved.push_back({cell.cell.row[i], cell.steps_done, reach2});
-}
-
 void defer(WindowCell& cell, std::uint32_t i, double reach2) {
   leave_out(cell, i);
   cell.left_to_recall.push_back(
@@ -64,17 +59,16 @@ double end_of_list(const Neighborhood& what, Vec3 p, const CellNeighbors& lists,
 }
 
 /// Certifies the points of a cell. The ball of a point has the squared radius worker.reach2 and must touch no unread
-/// slab and no dropped cell; otherwise the point is deferred. A point whose ball touches only a box outside of the
-/// stream is unresolved. Returns false if so many balls touch an unread slab that the cell is to wait and be searched
-/// again.
+/// slab and no dropped cell; otherwise the point is deferred. Returns false if so many balls touch a slab that is still
+/// to be read that the cell is to wait and be searched again.
 bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
   const std::vector<double>& reach2s = worker.reach2;
   const Box& box = cell.cell.box;
   const double most = *std::max_element(reach2s.begin(), reach2s.end());
-  const bool ahead = frontier.unread_within(box, most), outside = frontier.outside_within(box, most);
+  const bool ahead = frontier.unread_within(box, most);
   frontier.dropped_near(box, most, worker.dropped);
-  std::vector<std::uint32_t> early, behind, unresolved;
-  for (std::uint32_t i = 0; (ahead || outside || !worker.dropped.empty()) && i < cell.cell.size(); ++i) {
+  std::vector<std::uint32_t> early, behind;
+  for (std::uint32_t i = 0; (ahead || !worker.dropped.empty()) && i < cell.cell.size(); ++i) {
     const Vec3 p = cell.cell.position(i);
     const double reach2 = reach2s[i];
     if (ahead && frontier.unread_within(p, reach2)) {
@@ -82,18 +76,15 @@ bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
     } else if (std::any_of(worker.dropped.begin(), worker.dropped.end(),
                            [&](const Box& b) { return distance2(b, p) <= reach2; })) {
       behind.push_back(i);
-    } else if (outside && frontier.outside_within(p, reach2)) {
-      unresolved.push_back(i);
     }
   }
-  if (early.size() * kStragglers > cell.cell.size()) {
+  if (frontier.more_to_read() && early.size() * kStragglers > cell.cell.size()) {
     wait(cell, reach2s, frontier);
     return false;
   }
   for (const std::uint32_t i : early) defer(cell, i, reach2s[i]);
   for (const std::uint32_t i : behind) defer(cell, i, reach2s[i]);
-  for (const std::uint32_t i : unresolved) leave_unresolved(cell, i, reach2s[i]);
-  cell.certified = cell.cell.size() - early.size() - behind.size() - unresolved.size();
+  cell.certified = cell.cell.size() - early.size() - behind.size();
   cell.reach = std::min(reach_of_most(reach2s, kCountedShare), cell.cell.box.diagonal() + cell.wait_reach);
   return true;
 }
@@ -136,6 +127,7 @@ CellRunner::CellRunner(const SweepPlan& plan, Window& window, const Frontier& fr
 
 void CellRunner::run(std::uint32_t slot, std::uint32_t step, Worker& worker) const {
   WindowCell& cell = window_.at(slot);
+  if (cell.is_only_looked_at && step + 1 == plan_.step_count()) return look_no_further(cell, step);
   bool all_found = false;
   if (step == 0) {
     all_found = lists_.find_reaches(slot, worker);
@@ -145,6 +137,15 @@ void CellRunner::run(std::uint32_t slot, std::uint32_t step, Worker& worker) con
   step == 0 ? run_first_step(slot, all_found, worker) : run_later_step(slot, step, worker);
   cell.steps_done = step + 1;
   if (cell.steps_done == plan_.step_count()) finish(cell, worker);
+}
+
+/// Nobody asks what the last step makes of the points of this cell.
+void CellRunner::look_no_further(WindowCell& cell, std::uint32_t step) const {
+  if (step == 0) cell.reach = cell.wait_reach;
+  cell.steps_done = step + 1;
+  free_memory_of(cell.left_to_recall);
+  lists_.release(cell);
+  free_memory_of(cell.refers_to);
 }
 
 /// The lists of a cell are found run by run. Each run is used at once; later steps keep what fits.
@@ -195,14 +196,15 @@ void CellRunner::run_later_step(std::uint32_t slot, std::uint32_t step, Worker& 
 /// Applies the step to the points of the run that are not deferred, and marks degenerate points in the cell.
 void CellRunner::apply(std::uint32_t step, WindowCell& cell, const CellSubset& run, const CellNeighbors& lists,
                        Worker& worker) const {
+  StageTally& tally = cell.is_only_looked_at ? worker.halo : worker.tally;
   const auto mark = [&](const CellSubset& part) {
-    for_each_marked(plan_, step, worker.tally, [&](std::size_t stage, std::size_t n) {
+    for_each_marked(plan_, step, tally, [&](std::size_t stage, std::size_t n) {
       if (cell.degenerate.empty()) cell.degenerate.resize(plan_.stages.size());
       cell.degenerate[stage].mark(part[static_cast<std::uint32_t>(n)]);
     });
   };
   if (cell.deferred.empty())
-    return apply_step(plan_, step, cell.cell, run, lists, window_.slots(), worker, worker.tally, mark);
+    return apply_step(plan_, step, cell.cell, run, lists, window_.slots(), worker, tally, mark);
   std::vector<std::uint32_t> chosen, numbers;
   for (std::uint32_t n = 0; n < run.size(); ++n) {
     if (cell.is_deferred(run[n])) continue;
@@ -211,12 +213,12 @@ void CellRunner::apply(std::uint32_t step, WindowCell& cell, const CellSubset& r
   }
   worker.chosen_lists = lists;
   keep_lists_of(numbers, worker.chosen_lists);
-  apply_step(plan_, step, cell.cell, chosen, worker.chosen_lists, window_.slots(), worker, worker.tally, mark);
+  apply_step(plan_, step, cell.cell, chosen, worker.chosen_lists, window_.slots(), worker, tally, mark);
 }
 
 void CellRunner::finish(WindowCell& cell, Worker& worker) const {
-  if (!cell.was_finished) hand_over(cell, worker);
-  free_memory_of(cell.left_to_recall), free_memory_of(cell.unresolved);
+  hand_over(cell, worker);
+  free_memory_of(cell.left_to_recall);
   lists_.release(cell);
   free_memory_of(cell.refers_to);
   if (plan_.step_count() == 1) drop_columns(cell);
@@ -228,11 +230,10 @@ void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
   for (std::size_t s = 0; s < cell.degenerate.size(); ++s)
     cell.degenerate[s].for_each([&](std::size_t i) { worker.tally.degenerate[s].add(cell.cell.row[i]); });
   worker.deferred.insert(worker.deferred.end(), cell.left_to_recall.begin(), cell.left_to_recall.end());
-  worker.unresolved.insert(worker.unresolved.end(), cell.unresolved.begin(), cell.unresolved.end());
   for (std::uint32_t i = 0; i < cell.deferred.size(); ++i)
     if (cell.is_deferred(i)) sink_.deferred(cell.slab, cell.index_in_slab[i]);
   collect_results(plan_, worker.columns.data(), cell.cell.size(), worker.results);
-  // The runs between deferred and unresolved points. The recall finishes the deferred ones.
+  // The runs between deferred points, which the recall finishes.
   for (std::uint32_t i = 0; i < cell.cell.size();) {
     std::uint32_t end = i;
     while (end < cell.cell.size() && !cell.is_deferred(end)) ++end;

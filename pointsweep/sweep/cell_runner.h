@@ -24,6 +24,7 @@ class CellRunner {
   void run_later_step(std::uint32_t slot, std::uint32_t step, Worker& worker) const;
   void apply(std::uint32_t step, WindowCell& cell, const CellSubset& run, const CellNeighbors& lists,
              Worker& worker) const;
+  void look_no_further(WindowCell& cell, std::uint32_t step) const;
   void finish(WindowCell& cell, Worker& worker) const;
   void hand_over(const WindowCell& cell, Worker& worker) const;
   void drop_columns(WindowCell& cell) const;

@@ -2,14 +2,36 @@
 #include "pointsweep/sweep/frontier.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace pointsweep {
 
-Frontier::Frontier(const std::vector<Slab>& slabs, int axis, std::vector<Box> outside)
-    : slabs_(slabs), axis_(axis), outside_(std::move(outside)), least_begin_(slabs.size()), dropped_(slabs.size()) {
+namespace {
+
+std::vector<Box> boxes_from(const std::vector<Slab>& slabs, std::size_t first) {
+  std::vector<Box> boxes;
+  for (std::size_t s = first; s < slabs.size(); ++s) boxes.push_back(slabs[s].box);
+  return boxes;
+}
+
+}  // namespace
+
+Frontier::Frontier(const std::vector<Slab>& slabs, int axis, std::size_t swept_slabs)
+    : slabs_(slabs),
+      axis_(axis),
+      swept_slabs_(swept_slabs),
+      least_begin_(swept_slabs),
+      beyond_(boxes_from(slabs, swept_slabs)),
+      dropped_(slabs.size()) {
   double least = Box::kInf;
-  for (std::size_t s = slabs.size(); s-- > 0;) least_begin_[s] = least = std::min(least, slabs[s].box.lo[axis]);
+  for (std::size_t s = swept_slabs; s-- > 0;) least_begin_[s] = least = std::min(least, slabs[s].box.lo[axis]);
+}
+
+void Frontier::leave_unread_slabs() {
+  for (; read_ < slabs_.size(); ++read_) {
+    const Slab& slab = slabs_[read_];
+    if (!is_superfluous(slab.box, slab.least_row))
+      cell_was_dropped(static_cast<std::uint32_t>(read_), {slab.box, 0, static_cast<std::uint32_t>(slab.count)});
+  }
 }
 
 void Frontier::cell_was_dropped(std::uint32_t slab, const DroppedCell& cell) {
@@ -31,17 +53,14 @@ bool Frontier::is_superfluous(const Box& box, std::uint64_t least_row) const {
 }
 
 bool Frontier::unread_within(const Box& box, double reach2, bool needed_only) const {
-  for (std::size_t s = read_; s < slabs_.size(); ++s) {
+  const auto counts = [&](const Slab& slab) { return !needed_only || !is_superfluous(slab.box, slab.least_row); };
+  for (std::size_t s = read_; s < swept_slabs_; ++s) {
     const double ahead = least_begin_[s] - box.hi[axis_];
-    if (ahead > 0 && ahead * ahead > reach2) return false;
-    if (distance2(slabs_[s].box, box) > reach2) continue;
-    if (!needed_only || !is_superfluous(slabs_[s].box, slabs_[s].least_row)) return true;
+    if (ahead > 0 && ahead * ahead > reach2) break;
+    if (distance2(slabs_[s].box, box) <= reach2 && counts(slabs_[s])) return true;
   }
-  return false;
-}
-
-bool Frontier::outside_within(const Box& box, double reach2) const {
-  return std::ranges::any_of(outside_, [&](const Box& other) { return distance2(other, box) <= reach2; });
+  return read_ < slabs_.size() &&
+         beyond_.any_within(box, reach2, [&](std::size_t i) { return counts(slabs_[swept_slabs_ + i]); });
 }
 
 void Frontier::dropped_near(const Box& box, double reach2, std::vector<Box>& out) const {

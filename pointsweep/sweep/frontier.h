@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Places of points that are not in memory: a ball that touches none of them is certain to hold nothing unknown,
-/// neither a point not yet read nor one already dropped, nor one that the stream does not have. The paper only looks
-/// ahead (Section 4.2.2).
+/// neither a point not yet read nor one already dropped. The paper only looks ahead (Section 4.2.2).
 #pragma once
 
 #include <array>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "pointsweep/math/box.h"
+#include "pointsweep/math/box_tree.h"
 #include "pointsweep/order/stream.h"
 
 namespace pointsweep {
@@ -28,16 +28,20 @@ struct DroppedCell {
 /// when a cell has been read that holds more than k points there, the ones with the lowest rows. Slabs and cells that
 /// hold only further copies are superfluous, unread or dropped, so that more copies of a point than fit in memory can
 /// pass.
-///
-/// The stream may be a part of a cloud. Boxes outside of the stream hold all other points of the cloud.
 class Frontier {
  public:
-  /// `slabs` is borrowed. The slabs may have any order; they ascend along the axis only for the most part.
-  Frontier(const std::vector<Slab>& slabs, int axis, std::vector<Box> outside = {});
+  /// `slabs` is borrowed. The slabs may have any order; they ascend along the axis only for the most part. The sweep
+  /// reads the first `swept_slabs` of them.
+  Frontier(const std::vector<Slab>& slabs, int axis, std::size_t swept_slabs);
+  Frontier(const std::vector<Slab>& slabs, int axis) : Frontier(slabs, axis, slabs.size()) {}
 
   std::size_t slabs_read() const { return read_; }
   void slab_was_read() { ++read_; }
   void slabs_were_read(std::size_t first) { read_ = first; }
+  /// Returns whether the sweep has slabs to read. If not, some may be unread still, which the recall reads.
+  bool more_to_read() const { return read_ < swept_slabs_; }
+  /// After the last slab: the slabs that were not read count as cells that have left the window.
+  void leave_unread_slabs();
   void cell_was_dropped(std::uint32_t slab, const DroppedCell& cell);
   /// Points at `place` with a row above `row` are superfluous.
   void location_is_saturated(Vec3 place, std::uint64_t row);
@@ -57,12 +61,6 @@ class Frontier {
   void for_each_saturated_location(Use use) const {
     for (const auto& [at, row] : saturated_locations_) use(Vec3{at[0], at[1], at[2]}, row);
   }
-  /// Returns whether the stream is a part of a cloud.
-  bool has_outside() const { return !outside_.empty(); }
-  /// Returns whether a box outside of the stream lies within sqrt(reach2) of a box or point. A box at just this
-  /// distance does, since a point there may be the last neighbour by its coordinates.
-  bool outside_within(const Box& box, double reach2) const;
-  bool outside_within(Vec3 p, double reach2) const { return outside_within(Box{p, p}, reach2); }
   /// Writes the boxes of dropped cells within sqrt(reach2) of a box to `out`.
   void dropped_near(const Box& box, double reach2, std::vector<Box>& out) const;
 
@@ -71,8 +69,10 @@ class Frontier {
 
   const std::vector<Slab>& slabs_;
   int axis_;
-  std::vector<Box> outside_;
-  std::vector<double> least_begin_;  ///< by slab: where it or any later one begins along the axis
+  std::size_t swept_slabs_;
+  /// By slab that the sweep reads: where it or any later one of these begins along the axis.
+  std::vector<double> least_begin_;
+  BoxTree beyond_;  ///< the boxes of the slabs that only the recall reads
   std::size_t read_ = 0;
   std::vector<std::uint32_t> dropping_slabs_;      ///< numbers of the slabs with dropped cells
   std::vector<std::vector<DroppedCell>> dropped_;  ///< by slab

@@ -86,14 +86,14 @@ struct Finished {
 };
 
 /// Receives finished points: the deferred-write operator Φ_W (paper Section 4.2.1). For every point that has a slab
-/// either finished() or recalled() is called once, from many threads, unless the point is unresolved.
+/// either finished() or recalled() is called once, from many threads. Slabs of a halo do not count.
 class Sink {
  public:
   virtual ~Sink() = default;
   virtual void finished(const Finished& points) = 0;
   /// Receives points that the sweep deferred and the recall has finished. Calls finished() unless overridden.
   virtual void recalled(const Finished& points) { finished(points); }
-  /// A point of this slab will be finished only after the whole stream has been read, or is unresolved. Thread-safe.
+  /// A point of this slab will be finished only after the whole stream has been read. Thread-safe.
   virtual void deferred(std::uint32_t slab, std::uint32_t index_in_slab) {
     (void)slab;
     (void)index_in_slab;

@@ -15,8 +15,6 @@ namespace {
 
 /// Values of CellState::reached.
 constexpr std::uint8_t kReachedNow = 1, kInLevel = 2;
-/// Value of CellState::unresolved_from of a point that takes all steps.
-constexpr std::uint32_t kTakesAll = ~0u;
 
 /// A ball may hold many points if the cells that it touches hold more than kFewPoints + k * kFewForNeighbor.
 constexpr std::uint64_t kFewPoints = 8192, kFewForNeighbor = 128;
@@ -62,22 +60,7 @@ std::size_t RecalledPoints::finish(Sink& sink) {
   }
   std::size_t deferred = 0;
   for (const CellState& cell : cells_) deferred += cell.counted_from.size();
-  return deferred - take_unresolved();
-}
-
-/// Lists the deferred points that are unresolved, and returns how many they are.
-std::size_t RecalledPoints::take_unresolved() {
-  if (!frontier_.has_outside()) return 0;
-  std::size_t count = 0;
-  for (std::uint32_t slot = 0; slot < cells_.size(); ++slot) {
-    const CellState& cell = cells_[slot];
-    for (const auto& [i, counted_from] : cell.counted_from) {
-      if (cell.unresolved_from[i] == kTakesAll) continue;
-      workers_.front().unresolved.push_back({region_.at(slot).cell.row[i], cell.unresolved_from[i], cell.bound2[i]});
-      ++count;
-    }
-  }
-  return count;
+  return deferred;
 }
 
 template <class Has>
@@ -139,7 +122,6 @@ bool RecalledPoints::collect(WantedPoints wanted) {
     cells_.emplace_back();
     cells_.back().reached.resize(points, 0);
     cells_.back().bound2.resize(points, Box::kInf);
-    if (frontier_.has_outside()) cells_.back().unresolved_from.resize(points, kTakesAll);
   }
   pending_bytes_ = 0;
   return fitted;
@@ -234,42 +216,10 @@ void RecalledPoints::find_lists(std::uint32_t slot, std::uint32_t level, Worker&
   for (CellSubset rest = pending; rest.size() > 0;) {
     const CellSubset listed = rest.part(0, lists_.find(slot, rest, worker));
     expect_complete(slot, listed, worker.neighbors);
-    if (frontier_.has_outside()) note_unresolved(slot, listed, worker.neighbors);
     lists_.truncate(region_.at(slot), listed, worker);
     keep(slot, level, listed, worker);
     rest = rest.from(listed.size());
   }
-}
-
-/// Notes the points whose neighbourhoods touch a box outside of the stream.
-void RecalledPoints::note_unresolved(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists) {
-  CellState& cell = cells_[slot];
-  for (std::uint32_t n = 0; n < points.size(); ++n) {
-    const std::uint32_t i = points[n];
-    cell.bound2[i] = std::min(cell.bound2[i], lists.reach2[n]);
-    if (frontier_.outside_within(region_.at(slot).cell.position(i), cell.bound2[i])) cell.unresolved_from[i] = 0;
-  }
-}
-
-/// Returns the numbers of the points that can take the step. The others are unresolved, or a neighbour was in the step
-/// before.
-std::vector<std::uint32_t> RecalledPoints::resolved(std::uint32_t slot, std::uint32_t step, const CellSubset& points,
-                                                    const CellNeighbors& lists) {
-  const auto unresolved_before = [&](NeighborRef ref) {
-    std::uint32_t& from = cells_[slot_of(ref)].unresolved_from[index_of(ref)];
-    return std::atomic_ref(from).load(std::memory_order_relaxed) < step;
-  };
-  std::vector<std::uint32_t> numbers;
-  for (std::uint32_t n = 0; n < points.size(); ++n) {
-    const std::atomic_ref from(cells_[slot].unresolved_from[points[n]]);
-    if (from.load(std::memory_order_relaxed) <= step) continue;
-    const auto begin = lists.refs.begin() + lists.begin[n], end = lists.refs.begin() + lists.begin[n + 1];
-    if (std::any_of(begin, end, unresolved_before))
-      from.store(step, std::memory_order_relaxed);
-    else
-      numbers.push_back(n);
-  }
-  return numbers;
 }
 
 /// Throws if a neighbourhood reaches beyond its bound. Within the bound it is complete, because the region holds all
@@ -324,26 +274,17 @@ void RecalledPoints::take_step(std::uint32_t slot, std::uint32_t step, Worker& w
     if (level == last_level()) return apply_deferred(slot, step, points, lists, worker, sink);
     apply_step(plan_, step, cell.cell, points, lists, region_.slots(), worker, worker.halo, [](const CellSubset&) {});
   };
-  const auto use = [&](std::uint32_t level, const CellSubset& points, const CellNeighbors& lists) {
-    if (!frontier_.has_outside()) return apply(level, points, lists);
-    const std::vector<std::uint32_t> numbers = resolved(slot, step, points, lists);
-    std::vector<std::uint32_t> chosen;
-    for (const std::uint32_t n : numbers) chosen.push_back(points[n]);
-    CellNeighbors of_chosen = lists;
-    keep_lists_of(numbers, of_chosen);
-    apply(level, chosen, of_chosen);
-  };
   for (const Listed& listed : cells_[slot].listed) {
     if (listed.level < step) continue;
     CellSubset rest = listed.points;
     if (listed.has_lists) {
-      use(listed.level, rest, listed.lists);
+      apply(listed.level, rest, listed.lists);
       continue;
     }
     while (rest.size() > 0) {
       const CellSubset found = rest.part(0, lists_.find(slot, rest, worker));
       lists_.truncate(cell, found, worker);
-      use(listed.level, found, worker.neighbors);
+      apply(listed.level, found, worker.neighbors);
       rest = rest.from(found.size());
     }
   }

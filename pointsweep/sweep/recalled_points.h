@@ -67,7 +67,7 @@ class RecalledPoints {
         workers_(workers),
         region_(stream, loader, frontier, memory.slabs_at_once),
         lists_(plan, region_, {memory.bytes, memory.lists_bytes}),
-        point_bytes_(window_point_bytes(plan) + kStateBytes + (frontier.has_outside() ? kUnresolvedBytes : 0)),
+        point_bytes_(window_point_bytes(plan) + kStateBytes),
         record_bytes_(stream.record_schema().stride + sizeof(std::uint32_t)) {}
 
   /// Collects the surroundings of `points` and finds all lists. Returns false if these take more memory than allowed; a
@@ -94,10 +94,9 @@ class RecalledPoints {
   };
   /// Knowledge about a cell of the region.
   struct CellState {
-    std::vector<std::uint8_t> reached;  ///< by point: whether it is in a level, or is to come into the next one
-    std::vector<double> bound2;         ///< by point reached: a squared distance within which its neighbourhood lies
-    std::vector<std::uint32_t> unresolved_from;  ///< by point: the first step that it cannot take, if parts are swept
-    std::vector<std::uint32_t> pending;          ///< points whose lists are to be found, ascending
+    std::vector<std::uint8_t> reached;   ///< by point: whether it is in a level, or is to come into the next one
+    std::vector<double> bound2;          ///< by point reached: a squared distance within which its neighbourhood lies
+    std::vector<std::uint32_t> pending;  ///< points whose lists are to be found, ascending
     std::vector<Listed> listed;
     /// The deferred points, ascending, each with the first step whose degenerate results count.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> counted_from;
@@ -119,13 +118,9 @@ class RecalledPoints {
   template <class Work>
   void for_cells(const std::vector<std::uint32_t>& slots, Work work);
   void find_lists(std::uint32_t slot, std::uint32_t level, Worker& worker);
-  void note_unresolved(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists);
-  std::vector<std::uint32_t> resolved(std::uint32_t slot, std::uint32_t step, const CellSubset& points,
-                                      const CellNeighbors& lists);
   void expect_complete(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists) const;
   void keep(std::uint32_t slot, std::uint32_t level, const CellSubset& points, Worker& worker);
   void bound_neighbors(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists);
-  std::size_t take_unresolved();
   void take_step(std::uint32_t slot, std::uint32_t step, Worker& worker, Sink& sink);
   void apply_deferred(std::uint32_t slot, std::uint32_t step, const CellSubset& points, const CellNeighbors& lists,
                       Worker& worker, Sink& sink) const;
@@ -138,8 +133,7 @@ class RecalledPoints {
   std::vector<Worker>& workers_;
   Region region_;
   const CellLists lists_;
-  static constexpr std::uint64_t kStateBytes = sizeof(double) + 1;          ///< bytes of a point in CellState
-  static constexpr std::uint64_t kUnresolvedBytes = sizeof(std::uint32_t);  ///< more bytes, if parts are swept
+  static constexpr std::uint64_t kStateBytes = sizeof(double) + 1;  ///< bytes of a point in CellState
   std::uint64_t point_bytes_;
   std::uint64_t record_bytes_;   ///< bytes of a point while it is collected
   bool alone_ = false;           ///< there is one deferred point

@@ -154,6 +154,7 @@ std::unique_ptr<WindowCell> SlabLoader::make_cell(std::uint32_t slab, std::span<
   const std::size_t stride = stream_.record_schema().stride;
   auto made = std::make_unique<WindowCell>();
   made->slab = slab;
+  made->is_only_looked_at = stream_.slabs()[slab].is_halo;
   made->cell = Cell(static_cast<std::uint32_t>(points.size()));
   made->index_in_slab.resize(points.size());
   cell_records.resize(points.size() * stride);
@@ -180,7 +181,7 @@ void SlabLoader::fill_file_columns(const std::vector<std::byte>& cell_records, W
     fill_file_column(file, stream_.record_schema(), cell_records.data(), {cell.cell.row, cell.cell.size()},
                      cell.columns[file.column].data(), refused);
   }
-  if (!refused.any()) return;
+  if (!refused.any() || cell.is_only_looked_at) return;
   const std::lock_guard lock(mutex_);
   refused_.note(refused);
 }

@@ -28,7 +28,7 @@ class Sweep {
         sink_(sink),
         options_(options),
         loader_(stream, plan, options.cell_points),
-        frontier_(stream.slabs(), stream.axis(), options.outside),
+        frontier_(stream.slabs(), stream.axis(), stream.swept_slabs()),
         window_(plan, frontier_),
         runner_(plan, window_, frontier_, sink, {options.cells_bytes, options.lists_bytes}),
         workers_(thread_count()),
@@ -44,16 +44,12 @@ class Sweep {
   /// takes the cells that have become ready; cells that are no longer needed leave. At the end, all deferred points are
   /// recalled.
   SweepStatistics run() {
-    const std::uint32_t first = restart(), slabs = static_cast<std::uint32_t>(stream_.slabs().size());
+    const std::uint32_t first = restart(), slabs = static_cast<std::uint32_t>(stream_.swept_slabs());
     Prefetch<LoadedSlab> loaded([this](std::size_t slab) { return load(slab); }, first, slabs, options_.read_ahead);
     for (std::uint32_t slab = first; slab < slabs;) {
       const std::uint32_t end = std::min(slabs, slab + options_.slabs_per_turn);
       for (; slab < end; ++slab) read(slab, loaded.next());
-      for (std::uint32_t step = 0; step < plan_.step_count(); ++step) take(step);
-      observer_.steps_were_taken(window_);
-      window_.drop();
-      observer_.cells_were_dropped(window_);
-      keep_progress();
+      take_steps();
     }
     const double recall_seconds = recall();
     refused().throw_if_any();
@@ -89,6 +85,14 @@ class Sweep {
     for (auto& cell : loaded.cells) window_.admit(std::move(cell));
   }
 
+  void take_steps() {
+    for (std::uint32_t step = 0; step < plan_.step_count(); ++step) take(step);
+    observer_.steps_were_taken(window_);
+    window_.drop();
+    observer_.cells_were_dropped(window_);
+    keep_progress();
+  }
+
   void take(std::uint32_t step) {
     const std::vector<std::uint32_t> ready = window_.ready_for(step);
     parallel_for(ready.size(), [&](std::size_t i, unsigned worker) { runner_.run(ready[i], step, workers_[worker]); });
@@ -110,7 +114,7 @@ class Sweep {
   FirstRowError refused() const {
     FirstRowError by_stage = loader_.refused(), by_sink;
     for (const Worker& worker : workers_) {
-      by_stage.note(worker.tally.refused), by_stage.note(worker.halo.refused);
+      by_stage.note(worker.tally.refused);
       by_sink.note(worker.unwritten);
     }
     return by_stage.any() ? by_stage : by_sink;
@@ -120,6 +124,7 @@ class Sweep {
   /// memory.
   double recall() {
     const auto start = std::chrono::steady_clock::now();
+    frontier_.leave_unread_slabs();
     const std::size_t slabs_at_once = std::max<std::size_t>(1, options_.read_ahead);
     Recall recall(stream_, plan_, loader_, frontier_, {options_.recall_bytes, options_.lists_bytes, slabs_at_once},
                   workers_);

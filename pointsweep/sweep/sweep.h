@@ -89,8 +89,6 @@ struct SweepOptions {
   std::vector<PointState>* half_way = nullptr;
   /// Takes the edges that a connecting stage emits. They are not part of a SweepProgress: with edges, no keeper.
   EdgeBuckets* edges = nullptr;
-  /// If the stream is a part of a cloud: boxes that hold all other points of the cloud. With boxes, no keeper.
-  std::vector<Box> outside = {};
   ProgressKeeper* keeper = nullptr;
   /// If not null, the sweep continues from this progress, which a keeper was given, perhaps in another process. Stream,
   /// plan and `cell_points` must be equal to those of that sweep, and the sink must hold the results that had been
@@ -101,12 +99,12 @@ struct SweepOptions {
 };
 
 struct SweepStatistics {
-  std::uint64_t certified = 0;  ///< points whose neighbourhood is proven exact; in the end all of them
-  std::uint64_t recalled = 0;   ///< certified points that were finished in the recall
+  /// Points whose neighbourhood is proven exact; in the end all of them, but for those of a halo.
+  std::uint64_t certified = 0;
+  std::uint64_t recalled = 0;  ///< certified points that were finished in the recall
   std::uint64_t recalled_slabs = 0;
-  std::uint64_t recalled_bytes = 0;         ///< bytes of the slabs that the recall of this process has read
-  std::vector<UnresolvedPoint> unresolved;  ///< by row
-  std::vector<DegenerateRows> degenerate;   ///< by stage
+  std::uint64_t recalled_bytes = 0;        ///< bytes of the slabs that the recall of this process has read
+  std::vector<DegenerateRows> degenerate;  ///< by stage
   double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads (recall: wall)
   std::vector<double> stage_seconds;                                ///< by stage, summed over threads
   std::uint64_t peak_points = 0;
@@ -119,9 +117,9 @@ struct SweepStatistics {
   NeighborDistances distances;                 ///< one count for each finite point, if asked for
 };
 
-/// Runs the plan over the whole stream; every point of every slab that is not unresolved is handed to `sink` exactly
-/// once. Uses all threads of the calling arena. The results do not depend on threads, slabs, cells or memory. An
-/// exception in any part ends the run and is thrown.
+/// Runs the plan over the whole stream; every point of every slab that is no halo is handed to `sink` exactly once.
+/// Uses all threads of the calling arena. The results do not depend on threads, slabs, cells or memory. An exception in
+/// any part ends the run and is thrown.
 SweepStatistics sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options);
 
 }  // namespace pointsweep

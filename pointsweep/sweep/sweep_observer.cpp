@@ -93,13 +93,11 @@ SweepStatistics SweepObserver::finish(const Window& window, const std::vector<Wo
   for (const Worker& worker : workers) {
     statistics_.certified += worker.certified;
     add_rows(statistics_.degenerate, worker.tally.degenerate);
-    statistics_.unresolved.insert(statistics_.unresolved.end(), worker.unresolved.begin(), worker.unresolved.end());
     if (worker.tally.distances) statistics_.distances.add(*worker.tally.distances);
     statistics_.search_seconds += worker.search_seconds;
     for (const StageTally* tally : {&worker.tally, &worker.halo})
       for (std::size_t s = 0; s < tally->seconds.size(); ++s) statistics_.stage_seconds[s] += tally->seconds[s];
   }
-  std::ranges::sort(statistics_.unresolved, {}, &UnresolvedPoint::row);
   statistics_.mean_points = active_sum_ / static_cast<double>(std::max<std::size_t>(statistics_.series.size(), 1));
   statistics_.lifespan_mean = window.lifespan_sum() / static_cast<double>(std::max<std::uint64_t>(points_swept_, 1));
   statistics_.lifespan_max = window.lifespan_max();

@@ -37,7 +37,7 @@ SweepProgress progress_of(const Stream& stream, const SweepPlan& plan, const Fro
   if (p.slabs_read == stream.slabs().size()) return p;  // the recall does not use the window
   for (const std::uint32_t slot : window.occupied()) {
     const WindowCell& cell = window.at(slot);
-    const bool finished = cell.was_finished || cell.steps_done == plan.step_count();
+    const bool finished = cell.is_only_looked_at || cell.steps_done == plan.step_count();
     p.window.push_back({cell.slab, cell.number, cell.cell.size(), finished, cell.reach});
   }
   return p;
@@ -100,18 +100,18 @@ void SweepRestart::prepare(std::uint32_t slab, LoadedSlab& loaded, Sink& sink) c
   std::uint64_t unfinished = 0;
   for (const auto& cell : loaded.cells) {
     mark(*cell);
-    if (!cell->was_finished) unfinished += cell->cell.size();
+    if (!cell->is_only_looked_at) unfinished += cell->cell.size();
   }
   if (sink.wants_records()) tell(slab, std::move(loaded.records), unfinished, sink);
 }
 
 void SweepRestart::mark(WindowCell& cell) const {
   const auto at = window_.find({cell.slab, cell.number});
-  cell.was_finished = at == window_.end() || at->second.finished != 0;
+  cell.is_only_looked_at = at == window_.end() || at->second.finished != 0;
   if (at == window_.end()) return;
   if (at->second.points != cell.cell.size())
     fail("a checkpoint is of a build that cuts its points otherwise: remove its folder and start again.");
-  if (!cell.was_finished || plan_.step_count() > 1) return;
+  if (!cell.is_only_looked_at || plan_.step_count() > 1) return;
   cell.steps_done = 1;
   cell.reach = at->second.reach;
 }

@@ -67,6 +67,8 @@ void Window::note_saturated_location(const WindowCell& cell) {
 bool Window::ready(const WindowCell& cell, std::uint32_t step) const {
   if (cell.steps_done != step) return false;
   if (step == 0) {
+    if (!frontier_.more_to_read()) return true;
+    if (cell.is_only_looked_at && plan_.step_count() == 1) return true;
     const double reach2 = cell.wait_reach * cell.wait_reach;
     return frontier_.slabs_read() >= cell.wait_for_slabs && !frontier_.unread_within(cell.cell.box, reach2);
   }
@@ -106,7 +108,7 @@ bool Window::asks_for(const WindowCell& waiting, const WindowCell& cell) const {
 /// look from are kept clear of unread slabs.
 bool Window::still_needed(const WindowCell& cell, const std::vector<const WindowCell*>& unsearched) const {
   const double own = kept_clear(cell.reach);
-  return frontier_.anything_unread_within(cell.cell.box, own * own) ||
+  return (frontier_.more_to_read() && frontier_.anything_unread_within(cell.cell.box, own * own)) ||
          std::any_of(unsearched.begin(), unsearched.end(),
                      [&](const WindowCell* waiting) { return asks_for(*waiting, cell); });
 }

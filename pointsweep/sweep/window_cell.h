@@ -27,14 +27,6 @@ struct DeferredPoint {
   std::uint32_t step;  ///< the first step it has not taken
 };
 
-/// A point that the stream cannot finish: its neighbourhood touches a box outside of the stream (Frontier), or a
-/// neighbour was unresolved in the step before.
-struct UnresolvedPoint {
-  std::uint64_t row;
-  std::uint32_t step;  ///< the first step it has not taken
-  double reach2;       ///< its neighbourhood ends within it; infinite if unknown
-};
-
 struct WindowCell {
   Cell cell;
   std::uint32_t slab = 0;
@@ -50,17 +42,16 @@ struct WindowCell {
   double reach = 0;                      ///< how far most of its neighbourhoods reached, once searched
   std::vector<CellNeighbors> lists;      ///< kept if a later step needs them and there is room: of runs of its points
   std::vector<std::uint32_t> refers_to;  ///< slots of the cells its lists name
-  /// Points that could not be finished in the sweep, which are left to the recall or unresolved; empty if there are
-  /// none. While cells are worked on in parallel a cell marks its own in `deferred`; others look at `deferred_before`,
-  /// as it was before the step.
+  /// Points that could not be finished in the sweep, which are left to the recall; empty if there are none. While
+  /// cells are worked on in parallel a cell marks its own in `deferred`; others look at `deferred_before`, as it was
+  /// before the step.
   std::vector<std::uint8_t> deferred, deferred_before;
   /// Counts and points that the cell adds to the counts and the deferred points of the run when it is finished.
   std::uint64_t certified = 0;
   std::vector<DegeneratePoints> degenerate;  ///< by stage; empty if there are none
   std::vector<DeferredPoint> left_to_recall;
-  std::vector<UnresolvedPoint> unresolved;
-  /// It was finished before the run was resumed: only others still look at it.
-  bool was_finished = false;
+  /// It was finished before the run was resumed, or belongs to a halo: nothing of it is handed over.
+  bool is_only_looked_at = false;
   std::chrono::steady_clock::time_point read_at;
 
   PointColumns view() const { return {cell.x, cell.y, cell.z, cell.row, column_pointers.data()}; }

@@ -62,7 +62,6 @@ struct Worker {
   double search_seconds = 0;
   /// Points and counts of finished cells.
   std::vector<DeferredPoint> deferred;
-  std::vector<UnresolvedPoint> unresolved;
   std::uint64_t certified = 0;
 };
 

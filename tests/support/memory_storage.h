@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
@@ -59,6 +60,7 @@ class MemoryStorage final : public Storage {
       end_ += bytes.size();
     }
     void write_at(std::uint64_t offset, std::span<const std::byte> bytes) override {
+      const std::lock_guard lock(mutex_);
       bytes_.resize(std::max<std::size_t>(bytes_.size(), offset + bytes.size()));
       std::ranges::copy(bytes, bytes_.begin() + static_cast<std::ptrdiff_t>(offset));
     }
@@ -67,6 +69,7 @@ class MemoryStorage final : public Storage {
    private:
     Objects& objects_;
     std::string key_;
+    std::mutex mutex_;  ///< guards bytes_
     std::vector<std::byte> bytes_;
     std::uint64_t end_ = 0;
   };

@@ -87,10 +87,20 @@ TEST_F(WindowTest, ACellIsReadyForTheSearchOnceNoUnreadSlabIsWithinItsReach) {
 }
 
 TEST_F(WindowTest, ACellThatWasToldToWaitForASlabDoes) {
-  while (!all_read()) read_slab();
+  while (window_.ready_for(0).empty()) read_slab();
+  ASSERT_FALSE(all_read());
   const std::uint32_t slot = window_.ready_for(0).front();
-  window_.at(slot).wait_for_slabs = stream_.slabs().size() + 1;
-  EXPECT_NE(window_.ready_for(0).front(), slot);
+  window_.at(slot).wait_for_slabs = frontier_.slabs_read() + 1;
+  const std::vector<std::uint32_t> ready = window_.ready_for(0);
+  EXPECT_EQ(std::ranges::find(ready, slot), ready.end());
+}
+
+TEST_F(WindowTest, NoCellWaitsForSlabsThatTheSweepWillNotRead) {
+  Frontier of_part(stream_.slabs(), stream_.axis(), 1);
+  Window window(pass_.plan, of_part);
+  of_part.slab_was_read();
+  for (auto& cell : SlabLoader(stream_, pass_.plan, 64).load(0, false).cells) window.admit(std::move(cell));
+  EXPECT_EQ(window.ready_for(0).size(), window.occupied().size());
 }
 
 TEST_F(WindowTest, ALaterStepWaitsForEveryCellThatTheListsName) {

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+/// Boxes among which those near a place are found quickly.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "pointsweep/math/box.h"
+
+namespace pointsweep {
+
+/// A binary tree of boxes that do not change. Asking is thread-safe.
+class BoxTree {
+ public:
+  BoxTree() = default;
+  explicit BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
+    std::iota(order_.begin(), order_.end(), 0u);
+    if (!boxes_.empty()) build(order_);
+  }
+
+  /// Returns whether accept(number) is true for a box within sqrt(reach2) of `place`, a box or a point. It is asked for
+  /// boxes in any order, until it says true.
+  template <class Place, class Accept>
+  bool any_within(const Place& place, double reach2, Accept accept) const {
+    return !nodes_.empty() && any_within(0, place, reach2, accept);
+  }
+
+ private:
+  static constexpr std::size_t kLeafBoxes = 4;
+  struct Node {
+    Box box;
+    std::uint32_t first, end;  ///< in order_
+    std::uint32_t second = 0;  ///< number of the second child, the first is the next node; 0: it is a leaf
+  };
+
+  void build(std::span<std::uint32_t> numbers) {
+    const std::size_t node = nodes_.size();
+    const auto first = static_cast<std::uint32_t>(numbers.data() - order_.data());
+    nodes_.push_back({{}, first, first + static_cast<std::uint32_t>(numbers.size())});
+    Box centers;
+    for (const std::uint32_t i : numbers) nodes_[node].box.include(boxes_[i]), centers.include(boxes_[i].center());
+    if (numbers.size() <= kLeafBoxes) return;
+    const int axis = centers.longest_axis();
+    const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+    std::ranges::nth_element(numbers, middle, {}, [&](std::uint32_t i) { return boxes_[i].center()[axis]; });
+    build({numbers.begin(), middle});
+    nodes_[node].second = static_cast<std::uint32_t>(nodes_.size());
+    build({middle, numbers.end()});
+  }
+
+  template <class Place, class Accept>
+  bool any_within(std::uint32_t number, const Place& place, double reach2, Accept& accept) const {
+    const Node& node = nodes_[number];
+    if (distance2(node.box, place) > reach2) return false;
+    if (node.second != 0)
+      return any_within(number + 1, place, reach2, accept) || any_within(node.second, place, reach2, accept);
+    return std::any_of(order_.begin() + node.first, order_.begin() + node.end,
+                       [&](std::uint32_t i) { return distance2(boxes_[i], place) <= reach2 && accept(i); });
+  }
+
+  std::vector<Box> boxes_;
+  std::vector<std::uint32_t> order_;  ///< numbers of the boxes, by leaf
+  std::vector<Node> nodes_;
+};
+
+}  // namespace pointsweep

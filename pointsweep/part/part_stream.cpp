@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/part/part_stream.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/math/box.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr Encoding kCatalogueEncoding{"tiles", 1};
+constexpr std::size_t kMostRegions = 16;  ///< of a tile in the catalogue
+/// The halo of a part is made narrower while it has more points than this and more than half of those of the tile,
+/// but not for ever: tiles may overlap.
+constexpr std::uint64_t kSmallHalo = 1000;
+constexpr int kMostTries = 6;
+
+std::vector<TileRegion> regions_of(const TileIndex& tile) {
+  std::vector<TileRegion> regions;
+  const std::size_t slabs = tile.slab_ends.size(), each = (slabs + kMostRegions - 1) / kMostRegions;
+  for (std::size_t s = 0; s < slabs; s += each) {
+    TileRegion region;
+    region.first_block = s == 0 ? 0 : tile.slab_ends[s - 1];
+    region.end_block = tile.slab_ends[std::min(slabs, s + each) - 1];
+    region.least_row = ~std::uint64_t{0};
+    for (std::uint32_t b = region.first_block; b < region.end_block; ++b) {
+      region.count += tile.blocks[b].count;
+      region.box.include(tile.blocks[b].box);
+      region.least_row = std::min(region.least_row, tile.blocks[b].least_row);
+    }
+    regions.push_back(region);
+  }
+  return regions;
+}
+
+/// Successive blocks of a tile.
+struct BlockRange {
+  std::uint32_t first, end;
+};
+
+/// Blocks of a tile that are one slab of a part. A cloud has so many that the ranges of all slabs are in one list.
+struct BlocksOfTile {
+  std::size_t tile;
+  std::size_t first_range, ranges;
+};
+
+/// Reads blocks of tiles. Thread-safe.
+class TileReader {
+ public:
+  TileReader(const Storage& scratch, const TileCatalogue& tiles, std::uint32_t record_bytes)
+      : scratch_(scratch), tiles_(tiles), record_bytes_(record_bytes) {}
+
+  /// The index of a tile, which is read once.
+  const TileIndex& index(std::size_t tile) { return opened(tile).index; }
+
+  /// Fills `out` with the records of the blocks of a tile; their rows become those of the cloud.
+  void read(std::size_t tile_number, std::span<const BlockRange> ranges, std::span<std::byte> out) {
+    const Opened& tile = opened(tile_number);
+    for (const BlockRange& range : ranges) {
+      if (range.end > tile.index.blocks.size()) fail("{}.index: is of another run.", tiles_.tiles[tile_number].name);
+      const std::uint64_t first = tile.first[range.first], count = tile.first[range.end] - first;
+      const std::span<std::byte> records = out.first(count * record_bytes_);
+      tile.points->read_at(first * record_bytes_, records);
+      for (std::uint32_t b = range.first; b < range.end; ++b) {
+        const std::size_t at = (tile.first[b] - first) * record_bytes_;
+        require_whole(tile_number, records.subspan(at, tile.index.blocks[b].count * record_bytes_),
+                      tile.index.blocks[b].checksum);
+      }
+      number(tile_number, records);
+      out = out.subspan(records.size());
+    }
+  }
+  void read_nonfinite(std::size_t tile, std::uint64_t first, std::span<std::byte> out) {
+    const Opened& from = opened(tile);
+    from.points->read_at((from.first.back() + first) * record_bytes_, out);
+    if (out.size() == from.index.nonfinite * record_bytes_) require_whole(tile, out, from.index.nonfinite_checksum);
+    number(tile, out);
+  }
+
+ private:
+  struct Opened {
+    TileIndex index;
+    std::unique_ptr<Source> points;
+    std::vector<std::uint64_t> first;  ///< by block: its first record, and the end of the last one
+  };
+
+  const Opened& opened(std::size_t tile) {
+    const std::scoped_lock lock(mutex_);
+    std::unique_ptr<Opened>& place = opened_[tile];
+    if (place) return *place;
+    const std::string& name = tiles_.tiles[tile].name;
+    place = std::make_unique<Opened>(Opened{tile_index(scratch_, name), scratch_.open(name + ".points"), {0}});
+    for (const TileBlock& block : place->index.blocks) place->first.push_back(place->first.back() + block.count);
+    if (place->index.record_bytes != record_bytes_ || place->index.rows != tiles_.tiles[tile].rows)
+      fail("{}.index: is of another run.", name);
+    return *place;
+  }
+
+  void require_whole(std::size_t tile, std::span<const std::byte> records, std::uint64_t checksum) const {
+    if (checksum_of(records) != checksum) fail("{}.points: is damaged.", tiles_.tiles[tile].name);
+  }
+
+  /// The last field of a record is its row, in 64 bits.
+  void number(std::size_t tile, std::span<std::byte> records) const {
+    std::byte* row_at = records.data() + record_bytes_ - sizeof(std::uint64_t);
+    for (std::size_t i = 0; i < records.size() / record_bytes_; ++i, row_at += record_bytes_) {
+      std::uint64_t row;
+      std::memcpy(&row, row_at, sizeof row);
+      row += tiles_.tiles[tile].first_row;
+      std::memcpy(row_at, &row, sizeof row);
+    }
+  }
+
+  const Storage& scratch_;
+  const TileCatalogue& tiles_;
+  std::uint32_t record_bytes_;
+  std::mutex mutex_;
+  std::map<std::size_t, std::unique_ptr<Opened>> opened_;
+};
+
+/// What a part holds of the cloud.
+class PartCutter {
+ public:
+  PartCutter(TileReader& reader, const TileCatalogue& tiles, std::size_t own)
+      : reader_(reader), tiles_(tiles), own_(own) {}
+
+  void cut(double reach) {
+    const TileIndex& tile = reader_.index(own_);
+    own_points_ = tile.rows - tile.nonfinite;
+    const Box known = box_of_most(tile);
+    reach = std::min(reach, known.diagonal());
+    for (int tries = 0;; ++tries, reach /= 2) {
+      near_ = far_ = {};
+      ranges_.clear();
+      swept_points_ = own_points_;
+      look_around(grown(known, reach));
+      if (tries == kMostTries || halo_points() <= std::max(kSmallHalo, own_points_ / 2)) break;
+    }
+    for (std::uint32_t s = 0; s < tile.slab_ends.size(); ++s) add(near_, own_, {slab_of(tile, s)});
+    const int axis = tile.survey.axis;
+    const auto begin = [axis](const auto& slab) { return slab.first.box.lo[axis]; };
+    std::ranges::stable_sort(near_, {}, begin);
+    std::ranges::stable_sort(far_, {}, begin);
+  }
+
+  using SlabOfBlocks = std::pair<Slab, BlocksOfTile>;
+  std::vector<SlabOfBlocks> take_near() { return std::move(near_); }
+  std::vector<SlabOfBlocks> take_far() { return std::move(far_); }
+  std::vector<BlockRange> take_ranges() { return std::move(ranges_); }
+  std::uint64_t own_points() const { return own_points_; }
+  std::uint64_t swept_points() const { return swept_points_; }
+
+ private:
+  std::uint64_t halo_points() const { return swept_points_ - own_points_; }
+
+  static Box grown(const Box& box, double reach) {
+    if (box.empty()) return box;
+    return {{box.lo.x - reach, box.lo.y - reach, -Box::kInf}, {box.hi.x + reach, box.hi.y + reach, Box::kInf}};
+  }
+  static bool touch(const Box& a, const Box& b) { return !a.empty() && !b.empty() && distance2(a, b) == 0; }
+
+  static BlockRange slab_of(const TileIndex& tile, std::uint32_t slab) {
+    return {slab == 0 ? 0 : tile.slab_ends[slab - 1], tile.slab_ends[slab]};
+  }
+
+  /// Divides the blocks of the other tiles into those that touch the box and those that do not.
+  void look_around(const Box& known) {
+    for (std::size_t t = 0; t < tiles_.tiles.size(); ++t) {
+      if (t == own_) continue;
+      const std::vector<TileRegion>& regions = tiles_.tiles[t].regions;
+      if (std::ranges::any_of(regions, [&](const TileRegion& r) { return touch(known, r.box); }))
+        divide(t, known);
+      else
+        for (const TileRegion& region : regions) add_region(t, region);
+    }
+  }
+
+  void divide(std::size_t t, const Box& known) {
+    const TileIndex& tile = reader_.index(t);
+    for (std::uint32_t s = 0; s < tile.slab_ends.size(); ++s) {
+      std::vector<BlockRange> near, far;
+      for (std::uint32_t b = slab_of(tile, s).first; b < slab_of(tile, s).end; ++b) {
+        const bool touches = touch(known, tile.blocks[b].box);
+        if (touches) swept_points_ += tile.blocks[b].count;
+        std::vector<BlockRange>& to = touches ? near : far;
+        if (!to.empty() && to.back().end == b)
+          ++to.back().end;
+        else
+          to.push_back({b, b + 1});
+      }
+      add(near_, t, near);
+      add(far_, t, far);
+    }
+  }
+
+  void add_region(std::size_t t, const TileRegion& region) {
+    const Slab slab{0, region.count, region.box, tiles_.tiles[t].first_row + region.least_row, true};
+    far_.emplace_back(slab, BlocksOfTile{t, ranges_.size(), 1});
+    ranges_.push_back({region.first_block, region.end_block});
+  }
+
+  void add(std::vector<SlabOfBlocks>& to, std::size_t t, const std::vector<BlockRange>& ranges) {
+    if (ranges.empty()) return;
+    const TileIndex& tile = reader_.index(t);
+    Slab slab;
+    slab.least_row = ~std::uint64_t{0};
+    slab.is_halo = t != own_;
+    for (const BlockRange& range : ranges) {
+      for (std::uint32_t b = range.first; b < range.end; ++b) {
+        slab.count += tile.blocks[b].count;
+        slab.box.include(tile.blocks[b].box);
+        slab.least_row = std::min(slab.least_row, tiles_.tiles[t].first_row + tile.blocks[b].least_row);
+      }
+    }
+    to.emplace_back(slab, BlocksOfTile{t, ranges_.size(), ranges.size()});
+    ranges_.insert(ranges_.end(), ranges.begin(), ranges.end());
+  }
+
+  TileReader& reader_;
+  const TileCatalogue& tiles_;
+  std::size_t own_;
+  std::uint64_t own_points_ = 0, swept_points_ = 0;
+  std::vector<SlabOfBlocks> near_, far_;
+  std::vector<BlockRange> ranges_;  ///< of all of them
+};
+
+}  // namespace
+
+void TileCatalogue::encode(Encoder& out) const {
+  out.begin(kCatalogueEncoding);
+  out.put_list(tiles, [&](const TileSummary& tile) {
+    out.put_text(tile.name);
+    out.put<std::uint64_t>(tile.first_row);
+    out.put<std::uint64_t>(tile.rows);
+    out.put_list(tile.regions, [&](const TileRegion& region) {
+      out.put<std::uint32_t>(region.first_block);
+      out.put<std::uint32_t>(region.end_block);
+      out.put<std::uint64_t>(region.count);
+      out.put_box(region.box);
+      out.put<std::uint64_t>(region.least_row);
+    });
+  });
+}
+
+TileCatalogue TileCatalogue::decode(Decoder& in) {
+  in.begin(kCatalogueEncoding);
+  TileCatalogue catalogue;
+  catalogue.tiles = in.get_list<TileSummary>([&] {
+    TileSummary tile;
+    tile.name = in.get_text();
+    tile.first_row = in.get<std::uint64_t>();
+    tile.rows = in.get<std::uint64_t>();
+    tile.regions = in.get_list<TileRegion>([&] {
+      TileRegion region;
+      region.first_block = in.get<std::uint32_t>();
+      region.end_block = in.get<std::uint32_t>();
+      region.count = in.get<std::uint64_t>();
+      region.box = in.get_box();
+      region.least_row = in.get<std::uint64_t>();
+      return region;
+    });
+    return tile;
+  });
+  return catalogue;
+}
+
+TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string>& names,
+                           const std::vector<std::string>& paths) {
+  TileCatalogue catalogue;
+  std::uint64_t rows = 0;
+  std::string layout;
+  for (std::size_t t = 0; t < names.size(); ++t) {
+    const TileIndex tile = tile_index(scratch, names[t]);
+    if (layout.empty()) layout = tile.layout;
+    if (tile.rows > 0 && tile.layout != layout)
+      fail(
+          "{}: stores an attribute that the stages read in another type than {}; write all tiles with one run of "
+          "'pointsweep convert' first.",
+          paths[t], paths[0]);
+    catalogue.tiles.push_back({names[t], rows, tile.rows, regions_of(tile)});
+    rows += tile.rows;
+  }
+  return catalogue;
+}
+
+PartStream part_stream(const Storage& scratch, const TileCatalogue& tiles, std::size_t number, const Schema& working,
+                       const Neighborhood& what, std::size_t steps) {
+  Schema schema = schema_in_scratch(working);
+  const auto reader = std::make_shared<TileReader>(scratch, tiles, schema.stride);
+  const TileIndex& own = reader->index(number);
+  PartCutter cutter(*reader, tiles, number);
+  cutter.cut(expected_reach(own, what) * static_cast<double>(steps));
+  StoredSlabs stored;
+  stored.axis = own.survey.axis;
+  stored.record_schema = std::move(schema);
+  stored.nonfinite_count = own.nonfinite;
+  const auto blocks = std::make_shared<std::vector<BlocksOfTile>>();
+  std::uint64_t first = 0;
+  const auto add = [&](std::vector<PartCutter::SlabOfBlocks> slabs) {
+    for (auto& [slab, of_tile] : slabs) {
+      slab.first = std::exchange(first, first + slab.count);
+      stored.slabs.push_back(slab);
+      blocks->push_back(of_tile);
+    }
+  };
+  add(cutter.take_near());
+  stored.swept_slabs = stored.slabs.size();
+  add(cutter.take_far());
+  const auto ranges = std::make_shared<const std::vector<BlockRange>>(cutter.take_ranges());
+  stored.read = [reader, blocks, ranges](std::size_t slab, std::span<std::byte> out) {
+    const BlocksOfTile& of_slab = (*blocks)[slab];
+    reader->read(of_slab.tile, std::span(*ranges).subspan(of_slab.first_range, of_slab.ranges), out);
+  };
+  stored.read_nonfinite = [reader, number](std::uint64_t first_record, std::span<std::byte> out) {
+    reader->read_nonfinite(number, first_record, out);
+  };
+  return {.stream = Stream(std::move(stored)),
+          .survey = own.survey,
+          .first_row = tiles.tiles[number].first_row,
+          .own_points = cutter.own_points(),
+          .swept_points = cutter.swept_points()};
+}
+
+}  // namespace pointsweep

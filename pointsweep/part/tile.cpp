@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/part/tile.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/order/working_record.h"
+#include "pointsweep/points/schema.h"
+#include "pointsweep/search/cut.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr Encoding kTileEncoding{"tile", 1};
+constexpr std::uint32_t kBlockPoints = 1024;  ///< at most
+/// Records that are read and written together where no slab holds them.
+constexpr std::uint64_t kRecordsAtOnce = 1 << 16;
+
+/// Makes records of the scratch from working records.
+class ScratchRecord {
+ public:
+  explicit ScratchRecord(const Schema& working)
+      : working_(working),
+        position_(position_fields(working, "the working record")),
+        schema_(schema_in_scratch(working)) {
+    for (std::size_t f = kAxisNames.size(); f + 1 < schema_.fields.size(); ++f) {
+      const Field& from = working.fields[*working.find(schema_.fields[f].name)];
+      pieces_.push_back(
+          {from.offset, schema_.fields[f].offset, static_cast<std::uint32_t>(size_of(from.type) * from.count)});
+    }
+  }
+  const Schema& schema() const { return schema_; }
+
+  /// Makes the records of the points with these numbers in `from`. `position(i)`: of the point with number i.
+  template <class Position>
+  std::vector<std::byte> made(std::span<const std::byte> from, std::span<const std::uint32_t> numbers,
+                              Position position) const {
+    std::vector<std::byte> records(numbers.size() * schema_.stride);
+    for (std::size_t n = 0; n < numbers.size(); ++n) {
+      const std::byte* const record = from.data() + numbers[n] * working_.stride;
+      std::byte* const to = records.data() + n * schema_.stride;
+      const Vec3 p = position(numbers[n]);
+      std::memcpy(to, &p, sizeof p);
+      for (const auto& [at, put, bytes] : pieces_) std::memcpy(to + put, record + at, bytes);
+      const std::uint64_t row = row_of(working_, record);
+      std::memcpy(to + schema_.fields.back().offset, &row, sizeof row);
+    }
+    return records;
+  }
+  const PositionFields& position() const { return position_; }
+  std::uint32_t working_bytes() const { return working_.stride; }
+
+ private:
+  struct Piece {
+    std::uint32_t from, to, bytes;
+  };
+  const Schema& working_;
+  PositionFields position_;
+  Schema schema_;
+  std::vector<Piece> pieces_;
+};
+
+std::string layout_of(const Schema& schema) {
+  std::string text;
+  for (const Field& field : schema.fields)
+    text += fmt::format("{} {} {} {} {} {} {};", field.name, static_cast<int>(field.type), field.count, field.bit_shift,
+                        field.bit_width, field.scale, field.bias);
+  return text;
+}
+
+std::vector<Vec3> positions_of(const ScratchRecord& record, std::span<const std::byte> records) {
+  const std::size_t count = records.size() / record.working_bytes();
+  std::vector<double> x(count), y(count), z(count);
+  decode_positions(record.position(), records.data(), record.working_bytes(), count, x.data(), y.data(), z.data());
+  std::vector<Vec3> places;
+  places.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) places.push_back({x[i], y[i], z[i]});
+  return places;
+}
+
+/// The blocks of a slab, and its records in their order.
+struct StoredSlab {
+  std::vector<TileBlock> blocks;
+  std::vector<std::byte> records;
+};
+
+StoredSlab cut_into_blocks(const ScratchRecord& record, const Slab& slab, std::span<const std::byte> working,
+                           const Schema& schema) {
+  const std::vector<Vec3> places = positions_of(record, working);
+  const Vec3 middle = slab.box.center();
+  std::vector<CutPoint> points;
+  points.reserve(places.size());
+  for (std::uint32_t i = 0; i < places.size(); ++i) {
+    const Vec3 p = places[i] - middle;
+    points.push_back({{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}, i});
+  }
+  std::vector<std::uint32_t> begin;
+  const auto row = [&](std::uint32_t i) { return row_of(schema, working.data() + i * schema.stride); };
+  cut_into_cells(points, kBlockPoints, row, begin);
+  StoredSlab stored;
+  stored.records.reserve(places.size() * record.schema().stride);
+  for (std::size_t b = 0; b + 1 < begin.size(); ++b) {
+    TileBlock& block = stored.blocks.emplace_back();
+    block.least_row = ~std::uint64_t{0};
+    std::vector<std::uint32_t> numbers;
+    for (std::uint32_t n = begin[b]; n < begin[b + 1]; ++n) {
+      numbers.push_back(points[n].index);
+      block.box.include(places[points[n].index]);
+      block.least_row = std::min(block.least_row, row(points[n].index));
+    }
+    const std::vector<std::byte> made = record.made(working, numbers, [&](std::uint32_t i) { return places[i]; });
+    block.count = numbers.size();
+    block.checksum = checksum_of(made);
+    stored.records.insert(stored.records.end(), made.begin(), made.end());
+  }
+  return stored;
+}
+
+std::vector<std::byte> nonfinite_records(const Stream& stream, const ScratchRecord& record) {
+  std::vector<std::byte> all;
+  for (std::uint64_t first = 0; first < stream.nonfinite_count(); first += kRecordsAtOnce) {
+    const std::uint64_t count = std::min(kRecordsAtOnce, stream.nonfinite_count() - first);
+    std::vector<std::byte> working(count * stream.record_schema().stride);
+    stream.read_nonfinite(first, working);
+    const std::vector<Vec3> places = positions_of(record, working);
+    std::vector<std::uint32_t> numbers(count);
+    for (std::uint32_t i = 0; i < count; ++i) numbers[i] = i;
+    const std::vector<std::byte> made = record.made(working, numbers, [&](std::uint32_t i) { return places[i]; });
+    all.insert(all.end(), made.begin(), made.end());
+  }
+  return all;
+}
+
+/// The radius of a neighbourhood at the density of the block, taken as a surface.
+double reach_in(const TileBlock& block, std::size_t k) {
+  const Vec3 size = block.box.hi - block.box.lo;
+  std::array<double, 3> side{size.x, size.y, size.z};
+  std::ranges::sort(side);
+  return std::sqrt(static_cast<double>(k) / static_cast<double>(block.count) * side[2] * side[1] / std::numbers::pi);
+}
+
+}  // namespace
+
+Schema schema_in_scratch(const Schema& working) {
+  Schema schema;
+  for (const char* axis : kAxisNames) schema.append(axis, Type::f64);
+  for (std::size_t f = 0; f + 1 < working.fields.size(); ++f) {
+    Field field = working.fields[f];
+    if (std::ranges::find(kAxisNames, field.name) != kAxisNames.end()) continue;
+    schema.append(field.name, field.type, field.count);
+    field.offset = schema.fields.back().offset;
+    schema.fields.back() = field;
+  }
+  schema.append("row", Type::u64);
+  return schema;
+}
+
+void TileIndex::encode(Encoder& out) const {
+  out.begin(kTileEncoding);
+  out.put_text(layout);
+  out.put<std::uint32_t>(record_bytes);
+  out.put<std::uint64_t>(rows);
+  out.put<std::uint64_t>(nonfinite);
+  out.put<std::uint64_t>(nonfinite_checksum);
+  survey.encode(out);
+  out.put_list(blocks, [&](const TileBlock& block) {
+    out.put<std::uint64_t>(block.count);
+    out.put_box(block.box);
+    out.put<std::uint64_t>(block.least_row);
+    out.put<std::uint64_t>(block.checksum);
+  });
+  out.put_numbers(std::span<const std::uint32_t>(slab_ends));
+}
+
+TileIndex TileIndex::decode(Decoder& in) {
+  in.begin(kTileEncoding);
+  TileIndex index;
+  index.layout = in.get_text();
+  index.record_bytes = in.get<std::uint32_t>();
+  index.rows = in.get<std::uint64_t>();
+  index.nonfinite = in.get<std::uint64_t>();
+  index.nonfinite_checksum = in.get<std::uint64_t>();
+  index.survey = Survey::decode(in);
+  index.blocks = in.get_list<TileBlock>([&] {
+    TileBlock block;
+    block.count = in.get<std::uint64_t>();
+    block.box = in.get_box();
+    block.least_row = in.get<std::uint64_t>();
+    block.checksum = in.get<std::uint64_t>();
+    return block;
+  });
+  index.slab_ends = in.get_numbers<std::uint32_t>();
+  std::uint64_t points = index.nonfinite;
+  for (const TileBlock& block : index.blocks) {
+    if (block.count == 0 || block.count > kBlockPoints) fail("a block of a tile has {} points.", block.count);
+    points += block.count;
+  }
+  const bool ascend = std::ranges::is_sorted(index.slab_ends);
+  const std::size_t blocks = index.slab_ends.empty() ? 0 : index.slab_ends.back();
+  if (points != index.rows || !ascend || blocks != index.blocks.size())
+    fail("the blocks of a tile do not hold its {} rows.", index.rows);
+  return index;
+}
+
+TileIndex store_tile(const Stream& stream, const Survey& survey, std::uint64_t rows, Storage& scratch,
+                     const std::string& name) {
+  const ScratchRecord record(stream.record_schema());
+  const std::unique_ptr<Unsealed> points = scratch.create(name + ".points");
+  const std::size_t slabs = stream.slabs().size(), stride = record.schema().stride;
+  std::vector<std::vector<TileBlock>> blocks(slabs);
+  parallel_for(slabs, [&](std::size_t s, unsigned) {
+    const Slab& slab = stream.slabs()[s];
+    std::vector<std::byte> working(slab.count * stream.record_schema().stride);
+    stream.read(s, working);
+    StoredSlab stored = cut_into_blocks(record, slab, working, stream.record_schema());
+    points->write_at(slab.first * stride, stored.records);
+    blocks[s] = std::move(stored.blocks);
+  });
+  TileIndex index;
+  index.layout = layout_of(record.schema());
+  index.record_bytes = record.schema().stride;
+  index.rows = rows;
+  index.nonfinite = stream.nonfinite_count();
+  index.survey = survey;
+  index.survey.sample.clear();
+  for (const std::vector<TileBlock>& of_slab : blocks) {
+    index.blocks.insert(index.blocks.end(), of_slab.begin(), of_slab.end());
+    index.slab_ends.push_back(static_cast<std::uint32_t>(index.blocks.size()));
+  }
+  const std::vector<std::byte> nonfinite = nonfinite_records(stream, record);
+  index.nonfinite_checksum = checksum_of(nonfinite);
+  points->write_at((rows - index.nonfinite) * stride, nonfinite);
+  points->seal();
+  seal_bytes(scratch, name + ".index", encoded(std::as_const(index)));
+  return index;
+}
+
+void store_no_points(Storage& scratch, const std::string& name) {
+  const TileIndex none;
+  scratch.create(name + ".points")->seal();
+  seal_bytes(scratch, name + ".index", encoded(none));
+}
+
+TileIndex tile_index(const Storage& scratch, const std::string& name) {
+  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(scratch, name + ".index");
+  if (!bytes) fail("{}.index: is damaged.", name);
+  return decoded<TileIndex>(*bytes);
+}
+
+double expected_reach(const TileIndex& tile, const Neighborhood& what) {
+  constexpr double kAllowance =
+      4;  // most points of a tile whose density varies are nearer than this to their neighbours
+  if (what.k == Neighborhood::kUnlimited || tile.blocks.empty()) return what.radius;
+  std::vector<double> reaches;
+  for (const TileBlock& block : tile.blocks) reaches.push_back(reach_in(block, what.k));
+  const auto middle = reaches.begin() + static_cast<std::ptrdiff_t>(reaches.size() / 2);
+  std::ranges::nth_element(reaches, middle);
+  return std::min(kAllowance * *middle, what.radius);
+}
+
+Box box_of_most(const TileIndex& tile) {
+  Box most;
+  if (tile.blocks.empty()) return most;
+  const std::uint64_t spared = (tile.rows - tile.nonfinite) / 1000;
+  for (int a = 0; a < 3; ++a) {
+    const auto limit = [&](auto end_of, auto is_farther) {
+      std::vector<const TileBlock*> blocks;
+      for (const TileBlock& block : tile.blocks) blocks.push_back(&block);
+      std::ranges::sort(blocks, is_farther, [&](const TileBlock* block) { return end_of(*block); });
+      std::uint64_t left = spared;
+      for (const TileBlock* block : blocks) {
+        if (block->count > left) return end_of(*block);
+        left -= block->count;
+      }
+      return 0.0;
+    };
+    most.lo[a] = limit([a](const TileBlock& b) { return b.box.lo[a]; }, std::less<>());
+    most.hi[a] = limit([a](const TileBlock& b) { return b.box.hi[a]; }, std::greater<>());
+  }
+  return most;
+}
+
+}  // namespace pointsweep
