@@ -82,10 +82,10 @@ void InputCloud::take_common_schema() {
   missing_attributes_ = std::move(common.warnings);
 }
 
-void InputCloud::number_rows() {
+void InputCloud::number_rows(std::uint64_t first) {
   if (has_input_row(schema_)) return;
   for (std::size_t i = 0; i < readers_.size(); ++i)
-    readers_[i] = std::make_unique<NumberedRows>(std::move(readers_[i]), first_row_[i]);
+    readers_[i] = std::make_unique<NumberedRows>(std::move(readers_[i]), first + first_row_[i]);
   take_common_schema();
 }
 

@@ -102,8 +102,9 @@ class InputCloud {
   void read_all_chunks();
 
   /// Gives each record the number of its row in the inputs, in their order and with the rows that are left out later,
-  /// as its last field (input_row.h), until leave_unnumbered() is called. Not while rows are left out or selected.
-  void number_rows();
+  /// as its last field (input_row.h), until leave_unnumbered() is called. The first row has the number `first`. Not
+  /// while rows are left out or selected.
+  void number_rows(std::uint64_t first = 0);
   void leave_unnumbered();
 
   /// The state of each input before it was opened.

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -16,17 +17,23 @@
 
 namespace pointsweep {
 
-/// For Order::input: result records by input row.
+/// For Order::input: result records by input row. Row `first_row` of the stream is the first of the store.
 class InputOrderSink final : public Sink {
  public:
-  InputOrderSink(RowStore& store, std::uint32_t result_bytes) : store_(store), result_bytes_(result_bytes) {}
+  InputOrderSink(RowStore& store, std::uint32_t result_bytes, std::uint64_t first_row = 0)
+      : store_(store), result_bytes_(result_bytes), first_row_(first_row) {}
   void finished(const Finished& points) override {
-    store_.put({points.rows, points.size}, {points.results, points.size * result_bytes_});
+    const std::span<const std::byte> results(points.results, points.size * result_bytes_);
+    if (first_row_ == 0) return store_.put({points.rows, points.size}, results);
+    std::vector<std::uint64_t> rows(points.rows, points.rows + points.size);
+    for (std::uint64_t& row : rows) row -= first_row_;
+    store_.put(rows, results);
   }
 
  private:
   RowStore& store_;
   std::uint32_t result_bytes_;
+  std::uint64_t first_row_;
 };
 
 /// For Order::sweep: whole output records by place in the canonical order.

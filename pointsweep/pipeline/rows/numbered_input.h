@@ -2,6 +2,8 @@
 /// The number of a point's row in the inputs, for chains that read it.
 #pragma once
 
+#include <cstdint>
+
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 
@@ -10,8 +12,9 @@ namespace pointsweep {
 /// While it lives, the records of the cloud hold the numbers of their rows if a stage of the plan reads them.
 class NumberedInput {
  public:
-  NumberedInput(InputCloud& cloud, const ChainPlan& plan) : cloud_(cloud) {
-    if (plan.graph.reads_input_rows()) cloud.number_rows();
+  /// `first`: the number of the first row.
+  NumberedInput(InputCloud& cloud, const ChainPlan& plan, std::uint64_t first = 0) : cloud_(cloud) {
+    if (plan.graph.reads_input_rows()) cloud.number_rows(first);
   }
   ~NumberedInput() { cloud_.leave_unnumbered(); }
   NumberedInput(const NumberedInput&) = delete;

@@ -71,6 +71,8 @@ class PassUpdate {
   void add(const UpdatedRows& rows);
   /// After the last row: the cloud has the rows that are left, and the values are known.
   std::unique_ptr<RowFile> finish(CloudValues& values);
+  /// Returns PassValues::save() of the rows that are left.
+  std::vector<std::vector<std::byte>> saved_values() const { return values_.save(); }
   std::uint64_t spilled_bytes() const { return spilled_bytes_; }
 
  private:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "pointsweep/fail.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/threads.h"
 
@@ -47,10 +48,30 @@ void PassValues::add(unsigned worker, const std::byte* carried, const std::byte*
 }
 
 void PassValues::finish(CloudValues& into) const {
-  for (const Sum& sum : sums_) {
-    const std::unique_ptr<Accumulator> all = sum.value.reduction->start();
-    for (const auto& part : sum.parts) all->merge(*part);
-    into[sum.value.number] = all->finish();
+  for (const Sum& sum : sums_) into[sum.value.number] = sum.all()->finish();
+}
+
+std::vector<std::vector<std::byte>> PassValues::save() const {
+  std::vector<std::vector<std::byte>> saved;
+  for (const Sum& sum : sums_) saved.push_back(sum.all()->save());
+  return saved;
+}
+
+std::unique_ptr<Accumulator> PassValues::Sum::all() const {
+  std::unique_ptr<Accumulator> all = value.reduction->start();
+  for (const auto& part : parts) all->merge(*part);
+  return all;
+}
+
+void finish_values(const PlannedPass& pass, const std::vector<std::vector<std::vector<std::byte>>>& saved,
+                   CloudValues& into) {
+  for (std::size_t v = 0; v < pass.values.size(); ++v) {
+    const std::unique_ptr<Accumulator> all = pass.values[v].reduction->start();
+    for (const auto& of_part : saved) {
+      if (of_part.size() != pass.values.size()) fail("a part has saved other values of the cloud than the run needs.");
+      all->load(of_part[v]);
+    }
+    into[pass.values[v].number] = all->finish();
   }
 }
 

@@ -25,6 +25,8 @@ class PassValues {
   /// if they are not needed. Called by worker `worker` of a loop over all threads, beside others.
   void add(unsigned worker, const std::byte* carried, const std::byte* inputs, std::size_t n);
   void finish(CloudValues& into) const;
+  /// Returns what was taken, by value of the pass, for finish_values() in another process.
+  std::vector<std::vector<std::byte>> save() const;
 
  private:
   struct Component {
@@ -35,6 +37,8 @@ class PassValues {
     PlannedValue value;
     std::vector<Component> reads;
     std::vector<std::unique_ptr<Accumulator>> parts;  ///< by thread
+
+    std::unique_ptr<Accumulator> all() const;
   };
   Component component_of(const Attribute& attribute, std::size_t c, const PlannedPass& pass, const Schema& input);
   Component of_input(const Attribute& attribute, std::size_t c, const Schema& input);
@@ -43,6 +47,11 @@ class PassValues {
   std::size_t carried_bytes_ = 0, input_bytes_;
   bool needs_input_ = false;
 };
+
+/// Finishes the values of a pass whose rows several processes have taken: `saved` has what PassValues::save() of each
+/// returned.
+void finish_values(const PlannedPass& pass, const std::vector<std::vector<std::vector<std::byte>>>& saved,
+                   CloudValues& into);
 
 /// Returns the pass with the values that its stages wait for, bound to the records that it will get.
 PlannedPass ready_pass(PlannedPass pass, const CloudValues& values, const Schema& records);

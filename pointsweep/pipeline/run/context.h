@@ -53,6 +53,12 @@ struct RunReport {
   void note(const std::string& sentence) const;
 };
 
+/// One tile of a run that other processes perform for the other tiles.
+struct PartOfRun {
+  std::size_t tile = 0, tiles = 0;  ///< the first is 0
+  bool drops_nonfinite = false;     ///< points of this or another tile have been dropped
+};
+
 struct Context {
   InputCloud& cloud;  ///< its selection is the rows that the passes have left so far
   const Outputs& outputs;
@@ -62,6 +68,7 @@ struct Context {
   const NonfiniteRows& dropped;  ///< the rows that the run does not see
   RunPlaces& places;
   const RunReport& report;
+  std::optional<PartOfRun> part = {};  ///< absent: the run has all points
 
   Statistics& statistics() const { return report.statistics; }
   bool is_empty() const { return cloud.count() == 0; }  ///< a select has left no row

@@ -147,7 +147,7 @@ RunRecord said_of(const Context& context, int axis) {
           .keep = recorded_keep(context),
           .options = context.options,
           .axis = axis,
-          .drops_nonfinite = context.dropped.count > 0};
+          .drops_nonfinite = context.dropped.count > 0 || (context.part && context.part->drops_nonfinite)};
 }
 
 /// Returns the facts about all values that the format of an output needs before the first record; null if it needs
@@ -191,7 +191,8 @@ std::optional<MovedPoints> moved_points(const Context& context, const Rows& rows
 /// The context must outlive the request.
 TileRequest tiles_of(const Context& context, int axis) {
   const auto provenance = [&context, axis](const InputCloud& input, std::size_t tile) {
-    return provenance_of_tile(input, {tile, context.outputs.tiles.size()}, said_of(context, axis));
+    const PartOfRun part = context.part.value_or(PartOfRun{tile, context.outputs.tiles.size()});
+    return provenance_of_tile(input, {part.tile, part.tiles}, said_of(context, axis));
   };
   return {context.cloud, context.names, context.outputs, context.options, provenance};
 }

@@ -62,12 +62,15 @@ struct Ordered {
   std::vector<Vec3> bucket_places;  ///< between buckets of edges, if the pass connects points
   Survey survey;                    ///< of the cloud's points in that order, without its sample
   MemoryPlan memory;                ///< of the sweep
+  std::uint64_t first_row = 0;      ///< row of `stream` that is the first row of the cloud, which may be a part
 };
 
 /// What the passes before leave to a pass, beside the selection of the cloud.
 struct Rows {
   std::unique_ptr<RowFile> carried;  ///< null before the first pass
   CloudValues values;                ///< of the whole cloud, as far as they are known
+  /// In a part, PassValues::save() of the last pass, in the place of the values that it makes.
+  std::vector<std::vector<std::byte>> saved_values = {};
 };
 
 /// Decodes inputs that are decoded once, which `decoded` then holds. Refuses before that work what can be refused.

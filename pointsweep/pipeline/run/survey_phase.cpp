@@ -47,7 +47,7 @@ Survey survey_input(const Context& context) {
 }
 
 WorkPlan plan_work(const Context& context, Surveyed& input) {
-  const auto& [cloud, outputs, options, plan, names, dropped, places, report] = context;
+  const auto& [cloud, outputs, options, plan, names, dropped, places, report, part] = context;
   WorkPlan work{.layout = {}, .budget = report.statistics.memory_budget_bytes, .memory = {}};
   OnDemandOrder on_demand = on_demand_order(cloud, plan, options);
   if (!plan.passes.empty())

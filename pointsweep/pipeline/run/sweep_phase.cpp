@@ -48,7 +48,7 @@ SweepOptions sweep_options(const SweepOfPass& s) {
 
 SweepStatistics sweep_by_cells(const SweepOfPass& s) {
   const Context& context = s.context;
-  InputOrderSink by_row(s.results, s.pass.plan.result_bytes);
+  InputOrderSink by_row(s.results, s.pass.plan.result_bytes, s.points.first_row);
   std::optional<SweepOrderSink> by_place;
   if (s.layout != nullptr) by_place.emplace(s.results, s.points.stream, *s.layout, context.cloud.schema().stride);
   const bool notes = s.is_first && !context.options.half_way_states.empty();
@@ -89,6 +89,7 @@ void put_nonfinite(const SweepOfPass& s) {
     std::vector<std::uint64_t> rows = rows_of_records(stream, records);
     std::vector<std::byte> made(rows.size() * result_bytes);
     stages.run(records.data(), rows, made.data());
+    for (std::uint64_t& row : rows) row -= s.points.first_row;
     if (s.layout == nullptr) return s.results.put(rows, made);
     const std::size_t from = stream.record_schema().stride, to = s.layout->schema().stride;
     std::vector<std::byte> output(rows.size() * to);
@@ -98,6 +99,15 @@ void put_nonfinite(const SweepOfPass& s) {
     std::iota(rows.begin(), rows.end(), s.context.cloud.count() - stream.nonfinite_count() + first);
     s.results.put(rows, output);
   });
+}
+
+/// Throws the error of a row that was refused, if there is one, with the number that the row has in the cloud.
+void throw_refused(const FirstRowError& refused, std::uint64_t first_row) {
+  try {
+    refused.throw_if_any();
+  } catch (const RowError& error) {
+    throw error.numbered(error.row() - first_row);
+  }
 }
 
 void sweep_stages(const SweepOfPass& s) {
@@ -111,7 +121,9 @@ void sweep_stages(const SweepOfPass& s) {
     if (s.points.stream.spilled_bytes() != 0) statistics.bytes_read += done.recalled_bytes;
   });
   refused.note_from([&] { put_nonfinite(s); });
-  refused.throw_if_any();
+  throw_refused(refused, s.points.first_row);
+  for (std::size_t r = before; r < statistics.degenerate_results.size(); ++r)
+    for (std::uint64_t& row : statistics.degenerate_results[r].rows) row -= s.points.first_row;
   s.context.number_degenerate_rows(before);
 }
 

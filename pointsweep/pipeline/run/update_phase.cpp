@@ -76,7 +76,9 @@ Rows update_pass(const Context& context, const WorkPlan& work, std::size_t p, Ro
                 to.add(rows);
                 context.progress("updating", rows.first + rows.count);
               });
-  Rows left{.carried = nullptr, .values = std::move(before.values)};
+  Rows left;
+  left.values = std::move(before.values);
+  if (context.part) left.saved_values = to.saved_values();
   left.carried = to.finish(left.values);
   context.statistics().bytes_spilled += to.spilled_bytes() + (results ? results->spilled_bytes() : 0);
   context.statistics().write_seconds += seconds_since(start);

@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/pipeline/run/part_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/free_memory.h"
+#include "pointsweep/order/working_record.h"
+#include "pointsweep/part/part_stream.h"
+#include "pointsweep/pipeline/memory/run_memory.h"
+#include "pointsweep/pipeline/rows/cropped_input.h"
+#include "pointsweep/pipeline/rows/nonfinite_points.h"
+#include "pointsweep/pipeline/rows/numbered_input.h"
+#include "pointsweep/pipeline/rows/pass_values.h"
+#include "pointsweep/pipeline/run/output_files.h"
+#include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/pipeline/run/request.h"
+#include "pointsweep/pipeline/statistics.h"
+#include "pointsweep/row_error.h"
+#include "pointsweep/threads.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr Encoding kStateEncoding{"state of a tile", 1};
+constexpr Encoding kValuesEncoding{"values of the cloud", 1};
+constexpr std::size_t kBytesAtOnce = 4 << 20;
+
+/// What a task leaves of its tile, beside the points of an order round: NAME.state is this value, NAME.rows the records
+/// that its pass carries to the next one.
+struct TileState {
+  Survey survey;                             ///< of the input
+  std::vector<std::vector<std::byte>> mask;  ///< blocks of the selection; none: all rows are left
+  std::string carried;                       ///< name of the records; empty: there are none
+  std::vector<std::vector<std::byte>> saved_values;
+
+  void encode(Encoder& out) const {
+    out.begin(kStateEncoding);
+    survey.encode(out);
+    out.put_list(mask, [&](const std::vector<std::byte>& block) { out.put_bytes(block); });
+    out.put_text(carried);
+    out.put_list(saved_values, [&](const std::vector<std::byte>& value) { out.put_bytes(value); });
+  }
+  static TileState decode(Decoder& in) {
+    in.begin(kStateEncoding);
+    TileState state;
+    state.survey = Survey::decode(in);
+    const auto get = [&] { return in.get_bytes(); };
+    state.mask = in.get_list<std::vector<std::byte>>(get);
+    state.carried = in.get_text();
+    state.saved_values = in.get_list<std::vector<std::byte>>(get);
+    for (const std::vector<std::byte>& block : state.mask)
+      if (block.size() != RowSelection::kBlockBytes) fail("a block of a selection has {} bytes.", block.size());
+    return state;
+  }
+};
+
+template <class T>
+T sealed_value(const Storage& scratch, const std::string& key) {
+  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(scratch, key);
+  if (!bytes) fail("{}: is damaged.", key);
+  return decoded<T>(*bytes);
+}
+
+TileState state_left(const Storage& scratch, const std::string& name) {
+  return sealed_value<TileState>(scratch, name + ".state");
+}
+
+CloudValues values_in(const Storage& scratch, const std::string& key) {
+  CloudValues values;
+  if (key.empty()) return values;
+  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(scratch, key);
+  if (!bytes) fail("{}: is damaged.", key);
+  Decoder in(*bytes);
+  in.begin(kValuesEncoding);
+  for (std::uint64_t i = 0, count = in.get_count(); i < count; ++i) {
+    const auto number = in.get<std::uint64_t>();
+    values[number] = in.get_numbers<double>();
+  }
+  in.finish();
+  return values;
+}
+
+/// Plans the chain for a tile, as the run of all of them does.
+ChainPlan plan_of(const InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
+  return plan_chain(chain, cloud.schema(), needs_of(outputs, options));
+}
+
+/// A task while it is performed.
+class TaskOfTile {
+ public:
+  TaskOfTile(const Context& context, const PartTask& task, Storage& scratch)
+      : context_(context), task_(task), scratch_(scratch) {}
+
+  PartDone perform() {
+    TileState state = restore();
+    if (state.survey.sample.empty() && !context_.is_empty()) state.survey = survey_input(context_);
+    Surveyed surveyed{state.survey, {}};
+    WorkPlan work = plan_work(context_, surveyed);
+    with_threads(work.memory.threads, [&] { perform(state, surveyed, work); });
+    done_.rows = context_.cloud.count();
+    return std::move(done_);
+  }
+
+ private:
+  void perform(TileState& state, Surveyed& surveyed, WorkPlan& work) {
+    OutputFiles files;
+    const std::size_t p = task_.round.pass;
+    const ChainPlan& plan = context_.plan;
+    if (task_.round.kind == PartRoundKind::order) return order(state, surveyed, work, files);
+    std::unique_ptr<RowStore> results;
+    if (task_.round.kind == PartRoundKind::sweep && !context_.is_empty()) results = sweep(surveyed.survey, work);
+    if (task_.round.kind == PartRoundKind::write || !plan.leaves_rows(p)) {
+      files.open(context_, work, surveyed.survey, rows_);  // where rows are left out, only makes the folder
+      if (plan.opens_late()) files.open_late(context_, work, surveyed.survey, rows_);
+      write_output(context_, work, p, rows_, nullptr, results.get(), files);
+      files.finish(context_.cloud);
+      context_.statistics().bytes_written = files.bytes_written();
+      context_.statistics().files_written = files.files_written();
+      for (const std::string& warning : files.warnings()) context_.report.warn(warning);
+      return;
+    }
+    if (!context_.is_empty()) {
+      rows_ = update_pass(context_, work, p, std::move(rows_), std::move(results));
+      state.saved_values = std::move(rows_.saved_values);
+    } else {
+      state.saved_values = PassValues(plan.passes[p], context_.cloud.schema()).save();
+    }
+    keep(state);
+  }
+
+  /// Goes back to where the task before has ended.
+  TileState restore() {
+    TileState state;
+    if (!task_.values.empty()) rows_.values = values_in(scratch_, task_.values);
+    if (task_.before.empty()) return state;
+    state = state_left(scratch_, task_.before);
+    InputCloud& cloud = context_.cloud;
+    if (!state.mask.empty()) {
+      if (state.mask.size() != (cloud.count() + RowSelection::kBlockRows - 1) / RowSelection::kBlockRows)
+        fail("{}: has changed since the run began.", cloud.readers().front()->info().path.string());
+      const auto mask = std::make_shared<std::vector<std::vector<std::byte>>>(state.mask);
+      cloud.select(RowSelection(cloud.count(), [mask](std::uint64_t block, std::span<std::byte> bits) {
+        std::ranges::copy((*mask)[block], bits.begin());
+      }));
+    }
+    if (!state.carried.empty()) rows_.carried = carried_rows(state.carried);
+    return state;
+  }
+
+  std::unique_ptr<RowFile> carried_rows(const std::string& name) {
+    std::size_t last = task_.round.pass;  // the pass that has carried them
+    if (task_.round.kind == PartRoundKind::write) last = context_.plan.passes.size();
+    const std::size_t bytes = update_after(context_.plan, last - 1).record_bytes();
+    const std::unique_ptr<Source> source = scratch_.open(name + ".rows");
+    const std::uint64_t size = context_.cloud.count() * bytes;
+    if (source->size() != size) fail("{}.rows: has {} bytes, not {}.", name, source->size(), size);
+    auto rows = std::make_unique<RowFile>(context_.cloud.count(), bytes, context_.places.place("rows", last, true));
+    const std::size_t at_once = std::max<std::size_t>(1, kBytesAtOnce / std::max<std::size_t>(bytes, 1)) * bytes;
+    std::vector<std::byte> records;
+    for (std::uint64_t at = 0; at < size; at += records.size()) {
+      stop_if_cancelled();
+      records.resize(std::min<std::uint64_t>(at_once, size - at));
+      source->read_at(at, records);
+      rows->append(records);
+    }
+    return rows;
+  }
+
+  /// Leaves the state, and what the pass carries, for the next task.
+  void keep(TileState& state) {
+    state.carried.clear();
+    if (rows_.carried && rows_.carried->record_bytes() > 0) {
+      const std::unique_ptr<Unsealed> object = scratch_.create(task_.after + ".rows");
+      const std::size_t bytes = rows_.carried->record_bytes();
+      const std::uint64_t count = context_.cloud.count(), at_once = std::max<std::size_t>(1, kBytesAtOnce / bytes);
+      std::vector<std::byte> records;
+      for (std::uint64_t row = 0; row < count; row += at_once) {
+        stop_if_cancelled();
+        records.resize(std::min(at_once, count - row) * bytes);
+        rows_.carried->read(row, records);
+        object->append(records);
+      }
+      object->seal();
+      state.carried = task_.after;
+    }
+    if (const RowSelection* const selection = context_.cloud.selection()) {
+      SelectionCursor kept(*selection);
+      state.mask.assign((selection->rows() + RowSelection::kBlockRows - 1) / RowSelection::kBlockRows,
+                        std::vector<std::byte>(RowSelection::kBlockBytes));
+      for (std::uint64_t row = 0; row < selection->rows(); ++row)
+        if (kept.has(row))
+          state.mask[row / RowSelection::kBlockRows][row % RowSelection::kBlockRows / 8] |= std::byte{1} << row % 8;
+    }
+    seal_bytes(scratch_, task_.after + ".state", encoded(std::as_const(state)));
+  }
+
+  void order(TileState& state, Surveyed& surveyed, WorkPlan& work, OutputFiles& files) {
+    if (!context_.is_empty()) {
+      const Ordered ordered =
+          order_pass(context_, work, task_.round.pass, rows_, {surveyed.survey, std::move(surveyed.boxes)}, files);
+      return_free_memory();
+      store_tile(ordered.stream, ordered.survey, context_.cloud.count(), scratch_, task_.after);
+      done_.own_points = context_.cloud.count() - ordered.stream.nonfinite_count();
+    } else {
+      store_no_points(scratch_, task_.after);
+    }
+    state.saved_values.clear();
+    seal_bytes(scratch_, task_.after + ".state", encoded(std::as_const(state)));
+  }
+
+  std::unique_ptr<RowStore> sweep(const Survey& of_input, WorkPlan& work) {
+    const std::size_t p = task_.round.pass;
+    const PlannedPass& pass = context_.plan.passes[p];
+    const auto tiles = sealed_value<TileCatalogue>(scratch_, task_.catalogue);
+    const Schema working =
+        WorkingRecord(source_of_pass(context_, p, rows_).schema, false, pass.payload(), context_.cloud.count())
+            .schema();
+    PartStream part = part_stream(scratch_, tiles, task_.tile, working, pass.plan.neighborhood, pass.plan.step_count());
+    done_.own_points = part.own_points;
+    done_.swept_points = part.swept_points;
+    const EngineOptions& options = context_.options;
+    const std::uint64_t record = work.layout->schema().stride;
+    const auto codecs = [&](unsigned threads) {
+      return codec_bytes(context_.cloud, context_.outputs, options, record, threads);
+    };
+    work.memory = plan_run_memory(work.budget, context_.plan, std::max(part.swept_points, context_.cloud.count()),
+                                  of_input, options, record, codecs);
+    auto ordered = std::make_unique<Ordered>(
+        Ordered{std::move(part.stream), {}, std::move(part.survey), work.memory.passes[p], part.first_row});
+    return sweep_pass(context_, work, p, std::move(ordered), rows_.values, nullptr);
+  }
+
+  const Context& context_;
+  const PartTask& task_;
+  Storage& scratch_;
+  Rows rows_;
+  PartDone done_;
+};
+
+/// Throws UsageError for a run whose parts would have to know more of each other than their neighbourhoods.
+void require_divisible(const ChainPlan& plan, const Outputs& outputs, const EngineOptions& options) {
+  const auto refuse = [](const std::string& what) {
+    fail_usage("{}; run it in one process, without a client or --dask.", what);
+  };
+  if (outputs.tiles.empty()) fail_usage("Many processes write a file for each input: name a folder as the output.");
+  if (options.order == Order::sweep || plan.reorders) refuse("The rows of all tiles cannot be put in one order");
+  if (!options.resume_folder.empty()) refuse("A run of many processes goes on from its scratch, not from checkpoints");
+  if (options.engine != Engine::exact) refuse("The reference engine needs all points in one process");
+  for (const PlannedPass& pass : plan.passes) {
+    if (pass.in_order() != nullptr)
+      refuse(fmt::format("'{}' cannot be divided among tiles yet", pass.in_order()->name()));
+    if (const Stage* const connecting = pass.connecting_stage())
+      refuse(fmt::format("'{}' cannot be divided among tiles yet", connecting->connects()->name()));
+  }
+}
+
+/// Moved points get one grid for all tiles, which only their inputs, or the user, can give before the work.
+void require_common_grid(const InputCloud& cloud, const ChainPlan& plan, const EngineOptions& options) {
+  const bool moves = plan.graph.moved_bounds.has_value();
+  const bool stated = options.layout.scale.has_value() && options.layout.offset.has_value();
+  const auto x = cloud.schema().find("x");
+  const Type type = x ? cloud.schema().fields[*x].type : Type::f64;
+  const bool on_grid = type != Type::f32 && type != Type::f64;
+  if (moves && !on_grid && !stated && cloud.las())
+    fail_usage(
+        "The tiles lie on several grids, and their points are moved: give the grid of the outputs with --scale and "
+        "--offset.");
+}
+
+}  // namespace
+
+PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
+  const ChainPlan plan = plan_of(cloud, chain, outputs, options);
+  const CroppedInput cropped(cloud, plan);
+  require_divisible(plan, outputs, options);
+  require_common_grid(cloud, plan, options);
+  const Request request{cloud, outputs, options, plan};
+  require_own_files(request);
+  Statistics statistics = first_counts(request, {});
+  const RunReport report{statistics, nullptr};
+  require_work(request);
+  const OutputNames names = check_request(request, report);
+  RunPlaces places(options, {});
+  const Context context{cloud, outputs, options, plan, names, {}, places, report};
+  OutputFiles().require_writable(context, {});
+  PartPlan made;
+  made.nonfinite = nonfinite_rule(cloud, outputs, options.nonfinite);
+  if (made.nonfinite != Nonfinite::keep) made.rounds.push_back({PartRoundKind::look});
+  for (const Phase& phase : phases_of(plan)) {
+    const bool is_pass = phase.pass < plan.passes.size();
+    const bool values = is_pass && !plan.passes[phase.pass].values.empty() && plan.leaves_rows(phase.pass);
+    if (phase.kind == PhaseKind::order) made.rounds.push_back({PartRoundKind::order, phase.pass, false});
+    if (phase.kind == PhaseKind::sweep) made.rounds.push_back({PartRoundKind::sweep, phase.pass, values});
+    const bool ends = phase.kind == PhaseKind::update || phase.kind == PhaseKind::write;
+    if (ends && is_pass && plan.passes[phase.pass].kind == PassKind::rows)
+      made.rounds.push_back({PartRoundKind::rows, phase.pass, values});
+    if (ends && !is_pass) made.rounds.push_back({PartRoundKind::write, phase.pass, false});
+  }
+  for (const auto& reader : cloud.readers()) made.rows.push_back(reader->info().count);
+  for (std::size_t p = 0; p < plan.passes.size(); ++p) {
+    const std::uint64_t before = p == 0 ? 0 : plan.passes[p - 1].carried_bytes();
+    const bool sweeps = plan.passes[p].kind == PassKind::sweep;
+    const std::uint64_t stored = sweeps ? plan.passes[p].travelling_bytes() + sizeof(Vec3) + sizeof(std::uint64_t) : 0;
+    made.scratch_bytes = std::max(made.scratch_bytes, stored + before + plan.passes[p].carried_bytes());
+  }
+  made.notes = statistics.warnings;
+  return made;
+}
+
+PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& given,
+                  const PartTask& task, Storage& scratch) {
+  EngineOptions options = given;
+  options.spill = true;  // the other tiles need what the process has of its memory, and the scratch holds the points
+  options.ordering = Ordering::distribution;
+  options.overwrite = true;
+  const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
+  const ChainPlan plan = plan_of(tile, chain, outputs, options);
+  const CroppedInput cropped(tile, plan);
+  const NumberedInput numbered(tile, plan, task.first_row);
+  const FiniteInput input(tile, outputs, options);
+  if (task.round.kind == PartRoundKind::look) {
+    PartDone done;
+    done.statistics.dropped = input.dropped().count;
+    return done;
+  }
+  const Request request{tile, outputs, options, plan};
+  Statistics statistics = first_counts(request, input.dropped());
+  statistics.warnings.clear();  // plan_parts() has them
+  Statistics unsaid;
+  const OutputNames names = check_request(request, {unsaid, nullptr});
+  RunPlaces places(options, {});
+  const RunReport report{statistics, options.observer};
+  Context context{tile, outputs, options, plan, names, input.dropped(), places, report};
+  context.part = PartOfRun{task.tile, task.tiles, task.dropped > 0};
+  PartDone done;
+  const unsigned threads = survey_threads(tile, options, memory_budget(options.resources.memory_bytes));
+  try {
+    with_threads(threads, [&] { done = TaskOfTile(context, task, scratch).perform(); });
+  } catch (const RowError& error) {
+    const std::uint64_t row = tile.place_of_row(context.rows_of_cloud({error.row()}).front()).second;
+    throw Error(error.named(fmt::format("{} of {}", row, tile.readers().front()->info().path.string())).what());
+  }
+  statistics.peak_rss_bytes = peak_resident_bytes();
+  done.statistics = std::move(statistics);
+  return done;
+}
+
+void join_tiles(Storage& scratch, const std::vector<std::string>& left, const std::vector<std::string>& paths,
+                const std::string& key) {
+  const TileCatalogue tiles = catalogue_of(scratch, left, paths);
+  seal_bytes(scratch, key, encoded(tiles));
+}
+
+void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
+                 const PartRound& round, Storage& scratch, const std::string& before,
+                 const std::vector<std::string>& left, const std::string& key) {
+  CloudValues values = values_in(scratch, before);
+  std::vector<std::vector<std::vector<std::byte>>> saved;
+  for (const std::string& name : left) saved.push_back(state_left(scratch, name).saved_values);
+  finish_values(plan_of(tile, chain, outputs, options).passes.at(round.pass), saved, values);
+  Encoder out;
+  out.begin(kValuesEncoding);
+  out.put_list(values, [&](const auto& value) {
+    out.put<std::uint64_t>(value.first);
+    out.put_numbers(std::span<const double>(value.second));
+  });
+  seal_bytes(scratch, key, out.bytes());
+}
+
+void forget(Storage& scratch, const std::string& left) {
+  for (const char* const object : {".points", ".index", ".state", ".rows"}) scratch.remove(left + object);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+/// One tile of a run that many machines perform. They share a scratch, in which each task leaves what later tasks read:
+/// the run goes on in rounds, and a task of a round needs nothing but the results of the rounds before (docs/adr/0021).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/storage/storage.h"
+
+namespace pointsweep {
+
+enum class PartRoundKind : std::uint8_t {
+  look,   ///< counts the points without a place, where they are dropped
+  order,  ///< puts the points of a tile in order and stores them for the other tiles
+  sweep,  ///< takes the points of a tile, with those around it, through the stages of a pass, and ends the pass
+  rows,   ///< takes the rows of a tile through the stages of a pass that looks at no neighbour, and ends the pass
+  write,  ///< writes the rows that the last pass has left
+};
+
+/// A task of each tile. After an order round the catalogue of the tiles is to be made, after a round that has values
+/// these.
+struct PartRound {
+  PartRoundKind kind;
+  std::size_t pass = 0;
+  bool has_values = false;
+};
+
+struct PartPlan {
+  std::vector<PartRound> rounds;
+  std::vector<std::uint64_t> rows;  ///< by tile: how many rows its file has
+  Nonfinite nonfinite = Nonfinite::keep;
+  std::uint64_t scratch_bytes = 0;  ///< of a point in the scratch, at most
+  std::vector<std::string> notes;   ///< what a run of one process would say before its work
+};
+
+/// Plans a run with a tile for each input from what the headers say. Throws UsageError for a run that cannot be divided
+/// among tiles, and whatever run() throws before its work.
+PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options);
+
+struct PartTask {
+  PartRound round;
+  std::size_t tile = 0, tiles = 0;
+  std::uint64_t first_row = 0;    ///< rows of the files of the tiles before
+  std::uint64_t dropped = 0;      ///< points of all tiles that the look round has found
+  std::string before;             ///< name of what the task before has left of this tile; empty before the first
+  std::string catalogue, values;  ///< of the rounds before; empty: there is none
+  std::string after;              ///< name for what this task leaves; no other task has it
+};
+
+struct PartDone {
+  std::uint64_t rows = 0;                          ///< that are left
+  std::uint64_t own_points = 0, swept_points = 0;  ///< of a sweep: of the tile, and with those around it
+  Statistics statistics;
+};
+
+/// Performs a task. `tile`: the input of the tile. `outputs.tiles` has one path, which may be replaced.
+PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
+                  const PartTask& task, Storage& scratch);
+
+/// After an order round: seals the catalogue `key` of what the tasks have left, by tile. `paths`: of the inputs.
+void join_tiles(Storage& scratch, const std::vector<std::string>& left, const std::vector<std::string>& paths,
+                const std::string& key);
+
+/// After a round that has values: seals under `key` the values of the cloud of `before`, if that is not empty, and of
+/// the round, which the tasks have left, by tile. `tile`: any input of the run.
+void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
+                 const PartRound& round, Storage& scratch, const std::string& before,
+                 const std::vector<std::string>& left, const std::string& key);
+
+/// Removes what a task has left. Nothing is said of what is not there.
+void forget(Storage& scratch, const std::string& left);
+
+}  // namespace pointsweep
