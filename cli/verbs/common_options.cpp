@@ -49,6 +49,13 @@ void add_named_options(CLI::App& verb, RunOptions& options, std::initializer_lis
   for (const std::string_view name : names) add_run_option(verb, options, name);
 }
 
+std::map<std::string, std::string> texts_of(const RunOptions& options) {
+  std::map<std::string, std::string> texts;
+  for (const RunOption& option : run_options())
+    if (const std::string text = option.text(options); !text.empty()) texts[option.name] = text;
+  return texts;
+}
+
 CloudOptions cloud_options(const CommonOptions& options) {
   CloudOptions cloud{.ignore_crs = options.ignore_crs, .crs = options.crs, .format = options.format};
   if (options.replace_crs && !cloud.crs)

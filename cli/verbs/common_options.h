@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,6 +20,13 @@
 namespace pointsweep {
 
 /// The options of a run, and what the tool alone needs to know.
+/// A run on many machines.
+struct ClusterOptions {
+  std::string dask;  ///< address of the scheduler, or "local"; empty: the run is one process
+  std::filesystem::path scratch;
+  bool take_over = false;
+};
+
 struct CommonOptions : EngineOptions {
   std::filesystem::path stats;    ///< JSON file; empty: none
   std::filesystem::path report;   ///< HTML page; empty: none
@@ -30,7 +38,11 @@ struct CommonOptions : EngineOptions {
   bool replace_crs = false;      ///< other systems of inputs do not count
   bool ignore_crs = false;       ///< coordinate reference systems neither forbid nor convert anything
   int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
+  ClusterOptions cluster;
 };
+
+/// Returns the options of runs that are not the default, as texts, by name.
+std::map<std::string, std::string> texts_of(const RunOptions& options);
 
 /// Returns the rules by which the inputs become one cloud.
 CloudOptions cloud_options(const CommonOptions& options);

@@ -8,6 +8,7 @@
 #include "cli/console/console.h"
 #include "cli/text/help.h"
 #include "cli/verbs/cloud_run.h"
+#include "cli/verbs/cluster_run.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/run/preview.h"
@@ -130,6 +131,7 @@ void add_file_options(CLI::App& verb, PipelineRun& run) {
                      "replace", "prefix", "provenance", "no_provenance"});
   add_stated_crs_options(verb, run.common);
   add_run_options(verb, run.common);
+  add_cluster_options(verb, run.common.cluster);
 }
 
 void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation) {
@@ -152,6 +154,11 @@ void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
   orient_normals(stages, command.orientation);
   const Chain known = build_chain(stages, Facts{});  // wrong names and options are refused before files are opened
   if (!stages.empty()) require_operators(known);
+  const ClusterOptions& cluster = command.common.cluster;
+  if (!cluster.dask.empty())
+    run_on_cluster(stages.empty() ? std::vector<std::string>() : canonical_stages(known, Presets::left_out), command);
+  if (!cluster.scratch.empty() || cluster.take_over)
+    fail_usage("--scratch and --take-over: are for the workers of --dask; name a scheduler, or 'local'.");
   if (command.common.dry_run) {
     look_at_cloud(command.paths, command.common,
                   [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {

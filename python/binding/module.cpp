@@ -8,6 +8,7 @@
 #include "python/binding/errors.h"
 #include "python/binding/files.h"
 #include "python/binding/generated.h"
+#include "python/binding/parts.h"
 #include "python/binding/pictures.h"
 #include "python/binding/point_batch.h"
 #include "python/binding/runs.h"
@@ -22,5 +23,6 @@ NB_MODULE(_core, module) {
   pointsweep::bind_generate(module);
   pointsweep::bind_crs(module);
   pointsweep::bind_checks(module);
+  pointsweep::bind_parts(module);
   pointsweep::bind_pictures(module);
 }

@@ -119,3 +119,33 @@ def shape_names() -> list[str]: ...
 def summarize(path: str, format: str, spacing: bool, progress: Progress) -> tuple[str, KnownCrs | None]: ...
 def statistics(source: list[Any], options: dict[str, Any], progress: Progress, warn: Warn) -> str: ...
 def verify(inputs: list[str], output: str, options: dict[str, Any], progress: Progress) -> dict[str, Any]: ...
+
+PartRound = tuple[str, int, bool]  # kind, pass, has values
+
+def plan_parts(
+    source: list[Any], pipeline: list[Any], keep: list[str], options: dict[str, Any], to: list[str]
+) -> tuple[list[PartRound], list[int], str, list[str], int]: ...
+def perform_part(
+    scratch: str,
+    source: list[Any],
+    pipeline: list[Any],
+    keep: list[str],
+    options: dict[str, Any],
+    to: list[str],
+    task: dict[str, Any],
+    progress: Progress,
+) -> tuple[int, int, int, str]: ...
+def join_tiles(scratch: str, left: list[str], paths: list[str], key: str) -> None: ...
+def join_values(
+    scratch: str,
+    source: list[Any],
+    pipeline: list[Any],
+    keep: list[str],
+    options: dict[str, Any],
+    to: list[str],
+    round: PartRound,
+    before: str,
+    left: list[str],
+    key: str,
+) -> None: ...
+def forget_part(scratch: str, left: str) -> None: ...

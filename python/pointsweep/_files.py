@@ -13,7 +13,7 @@ from ._columns import CloudWithColumns
 from ._crs import Crs
 from ._options import with_run_options
 from ._results import Arrays, Report
-from ._runs import COPY, performed
+from ._runs import COPY, Workers, performed
 from ._sources import opened
 from ._summary import GroupedSummary, PointSummary, summary
 from ._tables import html_table
@@ -80,6 +80,9 @@ class Cloud(Files):
         *,
         to: Path | Sequence[Path],
         keep: Sequence[str] | str | None = None,
+        client: Any = None,
+        scratch: Path | None = None,
+        take_over: bool = False,
         progress: ProgressCallback | bool | None = None,
         **options: Unpack[RunOptions],
     ) -> Report: ...
@@ -92,11 +95,15 @@ class Cloud(Files):
         to: Path | Sequence[Path] | None = None,
         keep: Sequence[str] | str | None = None,
         out: Mapping[str, np.ndarray] | None = None,
+        client: Any = None,
+        scratch: Path | None = None,
+        take_over: bool = False,
         progress: ProgressCallback | bool | None = None,
         **options: Unpack[RunOptions],
     ) -> Arrays | Report:
         """`pointsweep.run` on these files: with ``to=`` it writes files, otherwise it returns arrays."""
-        return performed(self, pipeline, to, keep, out, None, None, progress, options)
+        workers = Workers(client, scratch, take_over)
+        return performed(self, pipeline, to, keep, out, None, None, progress, options, workers)
 
     @with_run_options
     def read(

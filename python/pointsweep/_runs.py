@@ -3,21 +3,22 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
 from . import _core
 from ._errors import UsageError, warn
-from ._options import names, refuse_options_of_files, run_options, with_run_options
+from ._options import names, path, refuse_options_of_files, run_options, with_run_options
 from ._outputs import outputs_of, outputs_to
 from ._progress import called
 from ._results import Arrays, Report, arrays_of
 from ._sources import source_of
 from ._stage_list import identified, stages_of
-from ._types import Path, PipelineLike, PointOptions, ProgressCallback, RunOptions
+from ._types import FunctionStage, Path, PipelineLike, PointOptions, ProgressCallback, RunOptions
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -42,6 +43,9 @@ def run(
     *,
     to: Path | Sequence[Path],
     keep: Sequence[str] | str | None = None,
+    client: Any = None,
+    scratch: Path | None = None,
+    take_over: bool = False,
     **options: Unpack[PointOptions],
 ) -> Report: ...
 
@@ -56,6 +60,9 @@ def run(
     out: Mapping[str, np.ndarray] | None = None,
     attributes: Mapping[str, Any] | None = None,
     crs: Any = None,
+    client: Any = None,
+    scratch: Path | None = None,
+    take_over: bool = False,
     progress: ProgressCallback | bool | None = None,
     **options: Unpack[RunOptions],
 ) -> Arrays | Report:
@@ -79,6 +86,11 @@ def run(
     attributes : more attributes of points in arrays, by name.
     crs : coordinate reference system of points in arrays, or of paths, which outputs state: an EPSG code, WKT, a file with
         WKT (.prj), a `pyproj.CRS`, or the `crs` of a cloud. Of files `open` can also replace it. Default: what a laspy.LasData, a laspy reader or a table of geopandas states.
+    client : divides the work on a folder of tiles, with a folder as the output, among the workers of Dask: a
+        `distributed.Client`, the address of a scheduler, or 'local' for workers on this machine (docs/cluster.md).
+    scratch : with a client, the folder through which the workers, all of which see it, pass on points. It is empty in the
+        end; after a crash the same call goes on from there.
+    take_over : with a client, goes on in a scratch whose process is gone, without waiting for two minutes.
     order : of the result's rows: 'input', or 'sweep', along the axis of the largest extent.
     axis : of the sweep: 'x', 'y', 'z' or 'auto', the longest.
     memory : what the run may take in addition to the interpreter, its arrays and the results, e.g. '2G'; what does not
@@ -117,7 +129,47 @@ def run(
     `Arrays`, a dict of arrays, or a `Report` where files are written. Raises `UsageError` and `Error`. Ctrl-C ends a run
     within a second, and nothing of it remains. Other threads run meanwhile.
     """
-    return performed(points, pipeline, to, keep, out, attributes, crs, progress, options)
+    workers = Workers(client, scratch, take_over)
+    return performed(points, pipeline, to, keep, out, attributes, crs, progress, options, workers)
+
+
+class Workers(NamedTuple):
+    """The arguments of `run` that divide the work among processes."""
+
+    client: Any = None
+    scratch: Path | None = None
+    take_over: bool = False
+
+
+def _spread(
+    points: Any,
+    stages: list[str | FunctionStage],
+    to: Path | Sequence[Path],
+    keep: Sequence[str] | str | None,
+    crs: Any,
+    workers: Workers,
+    progress: ProgressCallback | bool | None,
+    options: RunOptions,
+) -> Report:
+    """`run` on the workers of a client."""
+    if workers.scratch is None:
+        raise UsageError("client: needs a folder that all workers see; name it with scratch=.")
+    scratch = path("scratch", workers.scratch)
+    checked = run_options(**options)
+    source = source_of(points, None, crs, checked)
+    if not source.is_files:
+        raise UsageError("client: is for files that all workers see; write the arrays to files first.")
+    given = {**checked, **source.options}
+    files = outputs_of(to, source, divides=bool(given["tile"] or given["split"]))
+    if isinstance(files, str):
+        raise UsageError("client: many processes write a file for each input; name a folder with to=.")
+    stages = identified(stages, resumed=True)
+    cluster = importlib.import_module("pointsweep._cluster")  # it loads much that other runs do not need
+    with called(progress) as shown:
+        statistics = cluster.run_on_cluster(
+            workers.client, scratch, workers.take_over, source.inputs, stages, names("keep", keep), given, files, shown
+        )
+    return Report(statistics, os.fspath(to) if isinstance(to, (str, os.PathLike)) else f"{len(files)} files")
 
 
 class _Copy:
@@ -137,9 +189,16 @@ def performed(
     crs: Any,
     progress: ProgressCallback | bool | None,
     options: RunOptions,
+    workers: Workers = Workers(),
 ) -> Arrays | Report:
     """`run`, for any `to`; `COPY` stands for a pipeline without stages."""
     stages = [] if isinstance(pipeline, _Copy) else stages_of(pipeline)
+    if workers.client is not None:
+        if to is None or out is not None or attributes is not None:
+            raise UsageError("client: many processes write a file for each input; name a folder with to=.")
+        return _spread(points, stages, to, keep, crs, workers, progress, options)
+    if workers.scratch is not None or workers.take_over:
+        raise UsageError("scratch: is for the workers of a client; name one with client=.")
     into = outputs_to(out)
     kept = names("keep", list(out) if keep is None and out else keep)
     checked = run_options(**options)

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "cli/verbs/cluster_run.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "cli/text/help.h"
+#include "pointsweep/crs.h"
+#include "pointsweep/error.h"
+
+namespace pointsweep {
+namespace {
+
+/// "EPSG:2154", "none"; empty: nothing is stated.
+std::string stated_text(const CommonOptions& options) {
+  if (!options.crs) return "";
+  return options.crs->crs ? short_text(*options.crs->crs) : "none";
+}
+
+nlohmann::json request_of(const std::vector<std::string>& stages, const PipelineRun& run, const ResolvedFiles& files) {
+  const CommonOptions& common = run.common;
+  nlohmann::json request = {{"client", common.cluster.dask},
+                            {"scratch", common.cluster.scratch.string()},
+                            {"take_over", common.cluster.take_over},
+                            {"output", files.output.string()},
+                            {"stages", stages},
+                            {"keep", common.keep},
+                            {"format", common.format},
+                            {"crs", stated_text(common)},
+                            {"replace_crs", common.replace_crs},
+                            {"ignore_crs", common.ignore_crs},
+                            {"quiet", common.quiet},
+                            {"stats", common.stats.string()},
+                            {"options", nlohmann::json::object()}};
+  for (const auto& path : files.inputs) request["inputs"].push_back(path.string());
+  for (const auto& path : files.tiles) request["outputs"].push_back(path.string());
+  for (const auto& [name, text] : texts_of(common)) request["options"][name] = text;
+  return request;
+}
+
+}  // namespace
+
+void add_cluster_options(CLI::App& verb, ClusterOptions& options) {
+  verb.add_option("--dask", options.dask,
+                  "Divide the work on a folder of tiles among the workers of the Dask scheduler at this address, e.g. "
+                  "tcp://host:8786, or among workers on this machine ('local'); needs the Python package")
+      ->type_name("ADDRESS")
+      ->group(kMachineGroup);
+  verb.add_option(
+          "--scratch", options.scratch,
+          "Folder that all workers see, through which they pass on points; after a crash the same command goes on "
+          "from there")
+      ->type_name("DIR")
+      ->group(kMachineGroup);
+  verb.add_flag("--take-over", options.take_over,
+                "Go on in a scratch whose process is gone, without waiting for two minutes")
+      ->group(kMachineGroup);
+}
+
+void run_on_cluster(const std::vector<std::string>& stages, const PipelineRun& run) {
+  const CommonOptions& common = run.common;
+  if (common.cluster.scratch.empty())
+    throw UsageError("--dask: needs a folder that all workers see; name it with --scratch DIR.");
+  if (common.dry_run) throw UsageError("--dry-run: describes a run of one process; leave out --dask.");
+  if (!common.report.empty())
+    throw UsageError("--report: describes a run of one process; --stats FILE says what workers did.");
+  InputsAndOutput named = run.paths;
+  named.divides = common.division.divides();
+  const ResolvedFiles files = resolve(named, common.format);
+  if (files.tiles.empty())
+    throw UsageError("--dask: many processes write a file for each input; name a folder as the output, e.g. out/.");
+  const std::string request = request_of(stages, run, files).dump();
+  const char* const given = std::getenv("POINTSWEEP_PYTHON");
+  const std::string python = given != nullptr ? given : "python3";
+  ::execlp(python.c_str(), python.c_str(), "-m", "pointsweep.cluster", request.c_str(), nullptr);
+  throw Error("--dask: " + python + " cannot be started: " + std::strerror(errno) +
+              "; install Python and the package: pip install pointsweep distributed.");
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+/// --dask, --scratch and --take-over: a run over a folder of tiles on the workers of Dask, by the Python package.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/verbs/cloud_run.h"
+
+namespace pointsweep {
+
+void add_cluster_options(CLI::App& verb, ClusterOptions& options);
+
+/// Replaces this process by one of the Python package, which performs the run. `stages`: canonical texts. Throws
+/// UsageError for options that such a run does not have, and Error where the package is missing.
+[[noreturn]] void run_on_cluster(const std::vector<std::string>& stages, const PipelineRun& run);
+
+}  // namespace pointsweep

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+#include "python/binding/parts.h"
+
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pointsweep/pipeline/language/length_units.h"
+#include "pointsweep/pipeline/run/part_run.h"
+#include "pointsweep/storage/local/shared_folder.h"
+#include "python/binding/python_threads.h"
+#include "python/binding/requests.h"
+#include "python/binding/watched_run.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace pointsweep {
+namespace {
+
+constexpr std::array<const char*, 5> kRoundNames{"look", "order", "sweep", "rows", "write"};
+
+/// The arguments that all tasks of a run share, as run_pipeline() takes them; `to` has a file for each input.
+struct PartRequest {
+  PartRequest(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
+              const nb::dict& given, std::vector<std::filesystem::path> to)
+      : options(run_options(given)), cloud(open_cloud(source, false, given)) {
+    chain = chain_to_run(pipeline, facts_of(cloud.inputs()));
+    chain.keep = keep;
+    outputs.tiles = std::move(to);
+  }
+
+  EngineOptions options;
+  Cloud cloud;
+  PythonChain chain;
+  Outputs outputs;
+};
+
+PartRound round_of(const nb::tuple& round) {
+  const auto name = nb::cast<std::string>(round[0]);
+  std::size_t kind = 0;
+  while (name != kRoundNames.at(kind)) ++kind;
+  return {static_cast<PartRoundKind>(kind), nb::cast<std::size_t>(round[1]), nb::cast<bool>(round[2])};
+}
+
+/// (rounds, rows by tile, the option `nonfinite` for the tasks, notes, bytes of a point in the scratch). A round:
+/// (kind, pass, has values).
+nb::tuple plan_of_parts(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
+                        const nb::dict& given, std::vector<std::filesystem::path> to) {
+  PartRequest request(source, pipeline, keep, given, std::move(to));
+  const PartPlan planned = plan_parts(request.cloud.inputs(), request.chain, request.outputs, request.options);
+  nb::list rounds;
+  for (const PartRound& round : planned.rounds)
+    rounds.append(nb::make_tuple(kRoundNames[static_cast<std::size_t>(round.kind)], round.pass, round.has_values));
+  constexpr std::array<const char*, 4> kRules{"", "keep", "drop", "refuse"};
+  return nb::make_tuple(rounds, planned.rows, kRules[static_cast<std::size_t>(planned.nonfinite)], planned.notes,
+                        planned.scratch_bytes);
+}
+
+/// Performs a task: (rows left, points of the tile, points swept, statistics as JSON).
+nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
+                  const std::vector<std::string>& keep, const nb::dict& given, std::vector<std::filesystem::path> to,
+                  const nb::dict& task, const nb::object& progress) {
+  PartRequest request(source, pipeline, keep, given, std::move(to));
+  const auto text = [&](const char* name) { return nb::cast<std::string>(task[name]); };
+  const auto number = [&](const char* name) { return nb::cast<std::uint64_t>(task[name]); };
+  const PartTask wanted{.round = round_of(nb::cast<nb::tuple>(task["round"])),
+                        .tile = number("tile"),
+                        .tiles = number("tiles"),
+                        .first_row = number("first_row"),
+                        .dropped = number("dropped"),
+                        .before = text("before"),
+                        .catalogue = text("catalogue"),
+                        .values = text("values"),
+                        .after = text("after")};
+  SharedFolder folder(scratch);
+  PartDone done;
+  try {
+    watch({progress, nb::none()}, [&](Observer& observer) {
+      PythonThreads threads;
+      call_python_on(threads, request.chain.functions);
+      request.options.observer = &observer;
+      done = run_part(request.cloud.inputs(), request.chain, request.outputs, request.options, wanted, folder);
+    });
+  } catch (const Error&) {
+    rethrow_python_exception(request.chain.functions);
+    throw;
+  }
+  return nb::make_tuple(done.rows, done.own_points, done.swept_points, to_json(done.statistics));
+}
+
+void join_the_tiles(const std::filesystem::path& scratch, const std::vector<std::string>& left,
+                    const std::vector<std::string>& paths, const std::string& key) {
+  SharedFolder folder(scratch);
+  const nb::gil_scoped_release others_go_on;
+  join_tiles(folder, left, paths, key);
+}
+
+void join_the_values(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
+                     const std::vector<std::string>& keep, const nb::dict& given, std::vector<std::filesystem::path> to,
+                     const nb::tuple& round, const std::string& before, const std::vector<std::string>& left,
+                     const std::string& key) {
+  PartRequest request(source, pipeline, keep, given, std::move(to));
+  SharedFolder folder(scratch);
+  join_values(request.cloud.inputs(), request.chain, request.outputs, request.options, round_of(round), folder, before,
+              left, key);
+}
+
+void forget_task(const std::filesystem::path& scratch, const std::string& left) {
+  SharedFolder folder(scratch);
+  forget(folder, left);
+}
+
+}  // namespace
+
+void bind_parts(nb::module_& module) {
+  module.def("plan_parts", &plan_of_parts, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a);
+  module.def("perform_part", &perform, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a, "task"_a,
+             "progress"_a.none());
+  module.def("join_tiles", &join_the_tiles, "scratch"_a, "left"_a, "paths"_a, "key"_a);
+  module.def("join_values", &join_the_values, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a,
+             "round"_a, "before"_a, "left"_a, "key"_a);
+  module.def("forget_part", &forget_task, "scratch"_a, "left"_a);
+}
+
+}  // namespace pointsweep

@@ -1,0 +1,341 @@
+# SPDX-License-Identifier: MIT
+"""A run over a folder of tiles on the workers of Dask, with the bytes of a run of one process.
+
+The run goes on in rounds (`_core.plan_parts`). A round has a task for each tile, and a task needs nothing but what the
+rounds before have left in the scratch, so no task waits for another one. The client hands out tasks, and notes replies in
+the scratch: a client that is killed, or that has lost its scheduler, goes on where it was when it is given the same command.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import pickle
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from . import _core
+from ._errors import Error, UsageError, warn
+from ._part import Done, Request, build, perform, state_of
+from ._scratch import Scratch
+
+_MOST_TRIES = 4  # of a task whose workers end, or whose objects are damaged
+_PHASES = {"look": "checking", "order": "ordering", "sweep": "sweeping", "rows": "updating", "write": "writing"}
+_SLOW_SECONDS = 60.0  # a task may hang if it takes longer than this and ten times as long as the longest one before
+
+Progress = Callable[[str, int, int], Any] | None
+
+
+@contextmanager
+def _connected(client: Any) -> Iterator[Any]:
+    """A client of Dask: the one that is given, one of the scheduler at an address, or one of workers on this machine."""
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise UsageError("client: needs the package distributed, which is not installed: pip install distributed.") from None
+    if isinstance(client, Client):
+        yield client
+    elif client == "local":
+        with LocalCluster(threads_per_worker=1, memory_limit=None, dashboard_address=None) as cluster, Client(cluster) as own:
+            yield own
+    elif isinstance(client, str):
+        try:
+            own = Client(client, timeout="10s")
+        except (OSError, ValueError) as error:
+            raise Error(f"client: no scheduler answers at {client} ({error}); start one with: dask scheduler.") from None
+        with own:
+            yield own
+    else:
+        raise UsageError(f"client: {client!r} is no client of Dask, no address such as 'tcp://host:8786', and not 'local'.")
+
+
+def run_on_cluster(
+    client: Any,
+    scratch: str,
+    take_over: bool,
+    source: list[str],
+    stages: list[Any],
+    keep: list[str],
+    options: dict[str, Any],
+    outputs: list[str],
+    progress: Progress,
+) -> str:
+    """Runs `stages` over files that all workers see, each of which gets an output. Returns the statistics as JSON."""
+    start = time.perf_counter()
+    inputs = [os.path.abspath(path) for path in source]
+    outputs = [os.path.abspath(path) for path in outputs]
+    identity = {
+        "inputs": [[path, *state_of(path)] for path in inputs],
+        "outputs": outputs,
+        "stages": _core.canonical_stages(stages),
+        "attributes to keep": keep,
+        "options": {name: value for name, value in options.items() if name not in ("memory", "threads", "temp_folder")},
+        "versions of pointsweep": build(),
+    }
+    place = Scratch(scratch, identity, take_over)
+    finished = False
+    try:
+        begun = place.request.exists()
+        given = {**options, "overwrite": "true" if begun else options["overwrite"]}
+        rounds, rows, nonfinite, notes, bytes_of_point = _core.plan_parts(inputs, stages, keep, given, outputs)
+        for note in notes:
+            warn(note)
+        place.require_room(bytes_of_point * sum(rows))
+        with _connected(client) as connected:
+            request = Request(
+                build(), inputs, [state_of(path) for path in inputs], outputs, stages, keep, {**options, "nonfinite": nonfinite},
+                _workers_of_a_machine(connected),
+            )
+            _seal_request(place, request)
+            run = _Run(connected, place, request, rounds, rows, progress)
+            run.perform()
+            finished = True
+            return run.statistics(time.perf_counter() - start)
+    finally:
+        place.remove() if finished or not place.has_begun() else place.close()
+
+
+def _seal_request(place: Scratch, request: Request) -> None:
+    try:
+        import cloudpickle as pickler
+    except ImportError:
+        pickler = pickle
+    beside = place.request.with_suffix(f".{os.getpid()}")
+    beside.write_bytes(pickler.dumps(request))
+    os.replace(beside, place.request)
+
+
+def _workers_of_a_machine(client: Any) -> int:
+    workers = client.scheduler_info(n_workers=-1)["workers"]
+    if not workers:
+        raise Error("client: the scheduler has no workers; start some with: dask worker ADDRESS.")
+    return max(Counter(worker["host"] for worker in workers.values()).values())
+
+
+class _Run:
+    """The rounds of a run, and what is known between them."""
+
+    def __init__(
+        self, client: Any, place: Scratch, request: Request, rounds: list[Any], rows: list[int], progress: Progress
+    ) -> None:
+        self._client, self._place, self._request, self._rounds, self._rows = client, place, request, rounds, rows
+        self._progress = progress
+        self._tiles = len(rows)
+        self._first_row = _sums_before(rows)
+        self._done: list[dict[int, Done]] = [{} for _ in rounds]
+        self._longest, self._damages = 0.0, 0
+        self._forgotten = 0  #: the round before which nothing is left in the scratch
+        for fact in place.done():
+            self._done[fact["round"]][fact["tile"]] = Done(*fact["done"])
+
+    def perform(self) -> None:
+        number = 0
+        while number < len(self._rounds):
+            again = self._perform_round(number)
+            number = number + 1 if again is None else again
+
+    def _perform_round(self, number: int) -> int | None:
+        """Performs the tasks that are not done, and joins what they have left. Returns the number of an earlier round of
+        which a task is to be performed again, since what it has left is damaged."""
+        kind = self._rounds[number][0]
+        todo = [tile for tile in range(self._tiles) if tile not in self._done[number]]
+        damaged = self._hand_out(number, todo) or self._join(number, is_new=bool(todo))
+        if damaged is not None:
+            return self._go_back(*damaged)
+        if kind in ("sweep", "rows"):
+            self._forget_before(number)
+        return None
+
+    def _join(self, number: int, is_new: bool) -> tuple[int, int] | None:
+        """Joins what the tasks of a round have left, unless an earlier process has. Returns what is damaged."""
+        kind, _, has_values = self._rounds[number]
+        objects, r = str(self._place.objects), self._request
+        names = [self._done[number][tile].left for tile in range(self._tiles)]
+        try:
+            key = _joined_by(number)
+            if not is_new and (self._place.objects / key).exists():
+                return None
+            if kind == "order":
+                _core.join_tiles(objects, names, r.inputs, key)
+            if has_values:
+                _core.join_values(
+                    objects, r.inputs[:1], r.stages, r.keep, r.options, r.outputs[:1], self._rounds[number],
+                    self._joined_before(number, lambda round: round[2]), names, key,
+                )
+        except Error as error:
+            damaged = _damaged_by(error)
+            if damaged is None:
+                raise
+            return damaged
+        return None
+
+    def _go_back(self, number: int, tile: int) -> int:
+        """Forgets that a task is done, whose objects are damaged. If what the task needs is gone, all tasks begin again."""
+        self._damages += 1
+        if self._damages > _MOST_TRIES * len(self._rounds):
+            raise Error(f"{self._place.path}: objects there are damaged again and again; name another folder as the scratch.")
+        if 0 < number <= self._forgotten:
+            self._done = [{} for _ in self._rounds]
+            self._forgotten = 0
+            return 0
+        self._done[number].pop(tile, None)
+        return number
+
+    def _hand_out(self, number: int, todo: list[int]) -> tuple[int, int] | None:
+        """Keeps every worker busy, with one more task each at hand."""
+        kind = self._rounds[number][0]
+        left, tries = list(reversed(todo)), Counter[int]()
+        running: dict[Any, tuple[int, float]] = {}
+        points = sum(self._rows[tile] for tile in self._done[number])
+        self._tell(kind, points)
+        while left or running:
+            self._place.require_lease()
+            window = 2 * max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
+            while left and len(running) < window:
+                tile = left.pop()
+                running[self._submit(number, tile)] = tile, time.monotonic()
+            future = self._next(running)
+            if future is None:
+                self._double_slow(number, running)
+                continue
+            tile, since = running.pop(future)
+            if tile in self._done[number]:
+                continue  # another copy of the task was faster
+            try:
+                done = future.result()
+            except Exception as error:  # noqa: BLE001 - of the task, of its worker or of the scheduler
+                if self._client.status not in ("running", "connecting"):
+                    raise _scheduler_gone() from None
+                damaged = _damaged_by(error)
+                tries[tile] += 1
+                if isinstance(error, (Error, UsageError)) and damaged is None:
+                    raise
+                if tries[tile] >= _MOST_TRIES:
+                    raise Error(
+                        f"{self._request.inputs[tile]}: its task has failed {tries[tile]} times ({type(error).__name__}: {error}); give"
+                        " workers more memory than memory= says, or look at their logs."
+                    ) from None
+                if damaged is not None:
+                    for other in running:
+                        other.cancel()
+                    return damaged
+                left.append(tile)
+                continue
+            self._longest = max(self._longest, time.monotonic() - since)
+            self._done[number][tile] = done
+            self._place.note(round=number, tile=tile, done=list(done))
+            points += self._rows[tile]
+            self._tell(kind, points)
+        return None
+
+    def _next(self, running: dict[Any, Any]) -> Any:
+        """The next future that is done; None if none is for a while."""
+        from distributed import wait
+
+        try:
+            wait(list(running), timeout=5, return_when="FIRST_COMPLETED")
+        except TimeoutError:
+            if self._client.status not in ("running", "connecting"):
+                raise _scheduler_gone() from None
+            return None
+        except Exception:  # noqa: BLE001
+            if self._client.status not in ("running", "connecting"):
+                raise _scheduler_gone() from None
+            raise
+        return next(future for future in running if future.done())
+
+    def _submit(self, number: int, tile: int) -> Any:
+        before = next((self._done[n][tile].left for n in reversed(range(number)) if tile in self._done[n] and self._rounds[n][0] != "look"), "")
+        look = sum(done.dropped for done in self._done[0].values()) if self._rounds[0][0] == "look" else 0
+        task = {
+            "round": self._rounds[number],
+            "round_number": number,
+            "tile": tile,
+            "tiles": self._tiles,
+            "first_row": self._first_row[tile],
+            "dropped": look,
+            "before": before,
+            "catalogue": self._joined_before(number, lambda round: round[0] == "order"),
+            "values": self._joined_before(number, lambda round: round[2]),
+        }
+        key = f"{_PHASES[self._rounds[number][0]]}-{number}-{tile}-{time.monotonic_ns()}"
+        return self._client.submit(perform, str(self._place.request), str(self._place.objects), task, key=key, pure=False)
+
+    def _joined_before(self, number: int, is_wanted: Callable[[Any], bool]) -> str:
+        """The name of what the last of these rounds before round `number` has left of all tiles; empty: there is none."""
+        return next((_joined_by(n) for n in reversed(range(number)) if is_wanted(self._rounds[n])), "")
+
+    def _double_slow(self, number: int, running: dict[Any, Any]) -> None:
+        """Gives tasks that may hang to another worker, too."""
+        now = time.monotonic()
+        tiles = Counter(tile for tile, _ in running.values())
+        for future, (tile, since) in list(running.items()):
+            if future.status == "pending" and now - since > max(_SLOW_SECONDS, 10 * self._longest) and tiles[tile] == 1:
+                running[self._submit(number, tile)] = tile, now
+
+    def _forget_before(self, number: int) -> None:
+        for earlier in range(self._forgotten, number):
+            for done in self._done[earlier].values():
+                _core.forget_part(str(self._place.objects), done.left)
+        self._forgotten = number
+
+    def _tell(self, kind: str, points: int) -> None:
+        if self._progress is not None:
+            self._progress(_PHASES[kind], points, sum(self._rows))
+
+    def statistics(self, seconds: float) -> str:
+        """What a report of the run says, as the library writes it for a run of one process, and what each worker did."""
+        last = self._done[-1].values()
+        tasks = [done for of_round in self._done for done in of_round.values()]
+        sweeps = [d for of_round, r in zip(self._done, self._rounds) if r[0] == "sweep" for d in of_round.values()]
+        workers: dict[str, dict[str, float]] = {}
+        for done in tasks:
+            worker = workers.setdefault(done.worker, {"tasks": 0, "seconds": 0.0, "peak_rss_bytes": 0})
+            worker["tasks"] += 1
+            worker["seconds"] += done.seconds
+            worker["peak_rss_bytes"] = max(worker["peak_rss_bytes"], done.peak_bytes)
+        warnings = list(dict.fromkeys(sentence for done in last for sentence in done.warnings))
+        for sentence in warnings:
+            warn(sentence)
+        return json.dumps(
+            {
+                "points": sum(self._rows),
+                "points_written": sum(done.written for done in last),
+                "warnings": warnings,
+                "seconds": {"total": seconds, "tasks": sum(done.seconds for done in tasks)},
+                "bytes": {"read": sum(d.bytes_read for d in tasks), "written": sum(d.bytes_written for d in tasks), "scratch": sum(d.bytes_in_scratch for d in tasks)},
+                "files": self._tiles,
+                "points_swept_over_own": sum(d.swept for d in sweeps) / max(1, sum(d.own for d in sweeps)),
+                "tasks": len(tasks),
+                "workers": workers,
+            }
+        )
+
+
+def _joined_by(number: int) -> str:
+    return f"joined-{number:02d}"
+
+
+def _sums_before(rows: list[int]) -> list[int]:
+    sums, before = [], 0
+    for count in rows:
+        sums.append(before)
+        before += count
+    return sums
+
+
+def _damaged_by(error: BaseException) -> tuple[int, int] | None:
+    """(round, tile) of the task that has left what the sentence calls damaged."""
+    text = str(error)
+    name = text.split(".", 1)[0]
+    parts = name.split("-")
+    if not text.endswith(": is damaged.") or len(parts) != 3 or not (parts[0].isdigit() and parts[1].isdigit()):
+        return None
+    return int(parts[0]), int(parts[1])
+
+
+def _scheduler_gone() -> Error:
+    return Error("client: the scheduler is gone; start it again and give the same command, which goes on where this one was.")

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: MIT
+"""A task of a run of many processes, as a worker performs it."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import os
+import pickle
+import threading
+import time
+import uuid
+from typing import Any, NamedTuple
+
+from . import _core
+from ._errors import Error
+
+_one_at_a_time = threading.Lock()  # a task has the memory and the threads of its process
+
+
+class Request(NamedTuple):
+    """What all tasks of a run share. They read it from the scratch, so that it does not go through the scheduler."""
+
+    build: str
+    inputs: list[str]
+    states: list[tuple[int, int]]  #: (bytes, time of change) of each input
+    outputs: list[str]
+    stages: list[Any]
+    keep: list[str]
+    options: dict[str, Any]
+    processes: int  #: workers that share a machine, at most
+
+
+class Done(NamedTuple):
+    """The reply of a task, a few hundred bytes."""
+
+    left: str  #: name of what it has left in the scratch
+    rows: int
+    own: int
+    swept: int
+    written: int
+    dropped: int
+    bytes_read: int
+    bytes_written: int
+    bytes_in_scratch: int
+    seconds: float
+    peak_bytes: int
+    worker: str
+    warnings: list[str]
+
+
+@functools.cache
+def build() -> str:
+    """The version of the library, and a hash of its code."""
+    with open(_core.__file__, "rb") as file:
+        return f"{_core.version} ({hashlib.sha256(file.read()).hexdigest()[:12]})"
+
+
+@functools.lru_cache(maxsize=2)
+def _request(path: str, _changed: int) -> Request:
+    with open(path, "rb") as file:
+        request = pickle.load(file)
+    assert isinstance(request, Request)
+    return request
+
+
+def state_of(path: str) -> tuple[int, int]:
+    """What tells whether a file has changed."""
+    found = os.stat(path)
+    return found.st_size, found.st_mtime_ns
+
+
+def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
+    """Performs a task. Run twice, it leaves two things of equal worth, and one reply is used."""
+    worker, threads = _worker()
+    request = _request(request_path, os.stat(request_path).st_mtime_ns)
+    if build() != request.build:
+        raise Error(f"{worker}: has pointsweep {build()}, the client {request.build}; install one version on all machines.")
+    tile = task["tile"]
+    path = request.inputs[tile]
+    try:
+        state = state_of(path)
+    except OSError as error:
+        raise Error(f"{path}: {worker} cannot read it: {error.strerror}; put the files where all workers see them.") from None
+    if state != request.states[tile]:
+        raise Error(f"{path}: has changed since the run began ({request.states[tile][0]} bytes then, {state[0]} now).")
+    left = f"{task['round_number']:02d}-{tile:06d}-{uuid.uuid4().hex[:12]}"
+    options = dict(request.options)
+    options["threads"] = options["threads"] or str(threads)
+    options["memory"] = options["memory"] or str(_share_of_memory(request.processes))
+    with _one_at_a_time:
+        start = time.perf_counter()
+        rows, own, swept, text = _core.perform_part(
+            objects, [path], request.stages, request.keep, options, [request.outputs[tile]], {**task, "after": left}, None
+        )
+        seconds = time.perf_counter() - start
+    counts = json.loads(text) if text else {}
+    return Done(
+        left,
+        rows,
+        own,
+        swept,
+        int(counts.get("points_written", 0)),
+        int(counts.get("dropped", 0)),
+        int(counts.get("bytes", {}).get("read", 0)),
+        int(counts.get("bytes", {}).get("written", 0)),
+        _bytes_left(objects, left),
+        seconds,
+        int(counts.get("peak_rss_bytes", 0)),
+        worker,
+        list(counts.get("warnings", [])),
+    )
+
+
+def _bytes_left(objects: str, left: str) -> int:
+    """The bytes of what a task has left in the scratch."""
+    paths = (os.path.join(objects, left + suffix) for suffix in (".points", ".index", ".state", ".rows"))
+    return sum(os.stat(path).st_size for path in paths if os.path.exists(path))
+
+
+def _worker() -> tuple[str, int]:
+    from distributed import get_worker
+
+    try:
+        worker = get_worker()
+    except ValueError:
+        return "this process", os.cpu_count() or 1
+    return str(worker.address), int(worker.state.nthreads)
+
+
+def _share_of_memory(processes: int) -> int:
+    with open("/proc/meminfo", encoding="ascii") as file:
+        available = next(int(line.split()[1]) for line in file if line.startswith("MemAvailable"))
+    return max(1, available * 1024 // 2 // max(1, processes))

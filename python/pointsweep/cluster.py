@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: MIT
+"""What `pointsweep run TILES/ OUT/ --dask ADDRESS --scratch DIR` starts: the run on the workers of Dask, told to people as
+the tool tells it."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+import warnings
+from typing import Any
+
+from . import _core
+from ._cluster import run_on_cluster
+from ._errors import Error, UsageError
+from ._files import open as open_files
+from ._options import run_options
+from ._stage_list import stages_of
+
+
+class _Told:
+    """Progress and sentences on stderr."""
+
+    def __init__(self, quiet: bool) -> None:
+        self._quiet, self._terminal = quiet, sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+        self._start, self._phase, self._shown = time.monotonic(), "", False
+
+    def progress(self, phase: str, done: int, total: int) -> None:
+        if self._quiet:
+            return
+        if self._terminal:
+            sys.stderr.write(f"\r{phase} {100 * done // max(1, total)} %, {done / max(time.monotonic() - self._start, 1e-9):,.0f} points/s ")
+            sys.stderr.flush()
+            self._shown = True
+        elif phase != self._phase:
+            self._phase = phase
+            self.say("note", f"{phase} {total:,} points")
+
+    def say(self, severity: str, sentence: str) -> None:
+        if self._quiet and severity != "error":
+            return
+        if self._shown:
+            sys.stderr.write("\r\x1b[K")
+            self._shown = False
+        print(f"{severity}: {sentence}", file=sys.stderr)
+
+
+def main(request: dict[str, Any]) -> int:
+    """Performs the request of the tool. Returns its status."""
+    told = _Told(request["quiet"])
+    warnings.showwarning = lambda message, *_, **__: told.say("warning", str(message))
+    try:
+        cloud = open_files(
+            request["inputs"],
+            format=request["format"],
+            crs=request["crs"] or None,
+            replace_crs=request["replace_crs"],
+            ignore_crs=request["ignore_crs"],
+        )
+        given = {**run_options(), **request["options"], **cloud._options}
+        statistics = run_on_cluster(
+            request["client"],
+            request["scratch"],
+            request["take_over"],
+            list(cloud.files),
+            stages_of(request["stages"]),
+            request["keep"],
+            given,
+            request["outputs"],
+            told.progress,
+        )
+    except UsageError as error:
+        told.say("error", str(error))
+        return 2
+    except Error as error:
+        told.say("error", str(error))
+        return 1
+    except KeyboardInterrupt:
+        told.say("note", f"stopped; the same command goes on from {request['scratch']}.")
+        return 130
+    if request["stats"]:
+        with open(request["stats"], "w" if request["options"].get("overwrite") else "x", encoding="utf-8") as file:
+            file.write(statistics + "\n")
+    counts = json.loads(statistics)
+    seconds = counts["seconds"]["total"]
+    told.say(
+        "note",
+        f"wrote {request['output']}: {counts['files']} files, {counts['points_written']} points in {seconds:.1f} s,"
+        f" {counts['tasks']} tasks on {len(counts['workers'])} workers",
+    )
+    return 0
+
+
+if __name__ == "__main__":
+    assert _core.version
+    sys.exit(main(json.loads(sys.argv[1])))

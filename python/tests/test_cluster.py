@@ -1,0 +1,279 @@
+# SPDX-License-Identifier: MIT
+"""Runs on the workers of Dask: the bytes of one process, whatever happens on the way."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pointsweep as ps
+
+distributed = pytest.importorskip("distributed", reason="distributed is not installed")
+
+from pointsweep import _cluster, _part, _scratch  # noqa: E402
+
+pytestmark = pytest.mark.filterwarnings("ignore::pointsweep.PointsweepWarning")
+
+CHAINS = [
+    "normals | curvature",
+    "sor | where(outlier == 0) | reneighbor | normals",
+    "set(x = x + 3, z = 2 * z) | where(row != 7) | features",
+]
+
+
+@pytest.fixture
+def tiles(tmp_path: Path) -> Path:
+    """Nine square tiles of a wavy surface with outliers, one of them empty."""
+    rng = np.random.default_rng(5)
+    xy = rng.uniform(0, 30, (20_000, 2))
+    z = np.sin(xy[:, 0]) + np.cos(xy[:, 1]) + 0.01 * rng.standard_normal(len(xy))
+    z[rng.random(len(xy)) < 0.002] += 20
+    points = np.column_stack([xy, z])
+    folder = tmp_path / "tiles"
+    folder.mkdir()
+    for i in range(3):
+        for j in range(3):
+            here = (points[:, 0] // 10 == i) & (points[:, 1] // 10 == j)
+            ps.write(folder / f"{i}{j}.ply", {"xyz": points[here]} if (i, j) != (2, 2) else {"xyz": points[:1] + 29.5})
+    return folder
+
+
+@pytest.fixture(scope="module")
+def client() -> Any:
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, memory_limit=None, dashboard_address=None
+    ) as cluster, distributed.Client(cluster) as connected:
+        yield connected
+
+
+def one_process(tiles: Path, pipeline: str, to: Path) -> None:
+    ps.open(tiles).run(pipeline, to=f"{to}/", overwrite=True)
+
+
+def many(tiles: Path, pipeline: str, to: Path, client: Any, **options: Any) -> ps.Report:
+    return ps.open(tiles).run(pipeline, to=f"{to}/", client=client, scratch=to.parent / "scratch", memory="256M", **options)
+
+
+def assert_same(one: Path, other: Path) -> None:
+    names = sorted(path.name for path in one.iterdir())
+    assert names == sorted(path.name for path in other.iterdir())
+    assert [name for name in names if (one / name).read_bytes() != (other / name).read_bytes()] == []
+
+
+class Immediate:
+    """A client whose workers are this process; `fail(task)` may raise before a task or after it."""
+
+    status = "running"
+
+    class Future:
+        status = "finished"
+
+        def __init__(self, value: Any, error: BaseException | None) -> None:
+            self._value, self._error = value, error
+
+        def done(self) -> bool:
+            return True
+
+        def cancel(self) -> None:
+            pass
+
+        def result(self) -> Any:
+            if self._error is not None:
+                raise self._error
+            return self._value
+
+    def __init__(self, before: Any = lambda task: None, after: Any = lambda task, done: None) -> None:
+        self._before, self._after = before, after
+
+    def scheduler_info(self, n_workers: int) -> Any:
+        return {"workers": {"here": {"host": "here"}}}
+
+    def submit(self, function: Any, request: str, objects: str, task: Any, **_: Any) -> Any:
+        try:
+            self._before(task)
+            done = function(request, objects, task)
+            self._after(task, done)
+            return self.Future(done, None)
+        except Exception as error:  # noqa: BLE001
+            return self.Future(None, error)
+
+
+@pytest.fixture
+def immediate(monkeypatch: pytest.MonkeyPatch) -> None:
+    @contextmanager
+    def connected(client: Any) -> Any:
+        yield client
+
+    monkeypatch.setattr(_cluster, "_connected", connected)
+    monkeypatch.setattr(distributed, "wait", lambda *_, **__: None)
+    monkeypatch.setattr(_part, "_worker", lambda: ("here", 1))
+
+
+@pytest.mark.parametrize("pipeline", CHAINS)
+def test_same_bytes(tiles: Path, tmp_path: Path, client: Any, pipeline: str) -> None:
+    one_process(tiles, pipeline, tmp_path / "one")
+    report = many(tiles, pipeline, tmp_path / "many", client)
+    assert_same(tmp_path / "one", tmp_path / "many")
+    assert not (tmp_path / "scratch").exists()
+    assert report.points > 10_000
+
+
+def test_a_worker_is_killed(tiles: Path, tmp_path: Path, client: Any) -> None:
+    pipeline = CHAINS[0]
+    one_process(tiles, pipeline, tmp_path / "one")
+    killed = threading.Event()
+
+    def progress(phase: str, done: int, total: int) -> None:
+        if phase == "sweeping" and not killed.is_set():
+            killed.set()
+            os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
+
+    many(tiles, pipeline, tmp_path / "many", client, progress=progress)
+    assert killed.is_set()
+    assert_same(tmp_path / "one", tmp_path / "many")
+
+
+def test_goes_on_where_a_client_was_stopped(tiles: Path, tmp_path: Path, immediate: None) -> None:
+    one_process(tiles, CHAINS[1], tmp_path / "one")
+    performed: list[tuple[int, int]] = []
+    stops = (3, 5, 14, 17, 23, 31, 100)
+    for stop in stops:
+
+        def before(task: Any, stop: int = stop) -> None:
+            if len(performed) == stop:
+                raise KeyboardInterrupt
+            performed.append((task["round_number"], task["tile"]))
+
+        try:
+            many(tiles, CHAINS[1], tmp_path / "many", Immediate(before))
+        except KeyboardInterrupt:
+            continue
+        break
+    assert len(performed) - len(set(performed)) <= len(stops), "only the task in flight is performed again"
+    assert_same(tmp_path / "one", tmp_path / "many")
+    assert not any((tmp_path / "scratch").iterdir()), "what a resumed run has found is empty"
+
+
+def test_damaged_objects_are_made_again(tiles: Path, tmp_path: Path, immediate: None) -> None:
+    one_process(tiles, CHAINS[1], tmp_path / "one")
+    damaged: set[str] = set()
+
+    def after(task: Any, done: Any) -> None:
+        for suffix in (".points", ".index", ".state", ".rows"):
+            path = tmp_path / "scratch" / "objects" / f"{done.left}{suffix}"
+            key = f"{task['round_number']}{suffix}"
+            if task["tile"] == 4 and path.exists() and path.stat().st_size > 100 and key not in damaged:
+                damaged.add(key)
+                content = bytearray(path.read_bytes())
+                content[len(content) // 2] ^= 1
+                path.write_bytes(content)
+
+    many(tiles, CHAINS[1], tmp_path / "many", Immediate(after=after))
+    assert {".points", ".index", ".state"} <= {key[1:] for key in damaged}
+    assert_same(tmp_path / "one", tmp_path / "many")
+
+
+def test_says_what_is_wrong(tiles: Path, tmp_path: Path, immediate: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    client, to = Immediate(), tmp_path / "many"
+    with pytest.raises(ps.UsageError, match="name it with scratch="):
+        ps.open(tiles).run("normals", to=f"{to}/", client=client)
+    with pytest.raises(ps.UsageError, match="name a folder"):
+        ps.open(tiles).run("normals", to=to / "all.ply", client=client, scratch=tmp_path / "scratch")
+    with pytest.raises(ps.UsageError, match="one process"):
+        many(tiles, "voxel(size=1)", to, client)
+    with pytest.raises(ps.UsageError, match="is for the workers of a client"):
+        ps.open(tiles).run("normals", to=f"{to}/", scratch=tmp_path / "scratch")
+    assert not (tmp_path / "scratch").exists()
+
+    def change(task: Any) -> None:
+        if task["round_number"] == 1:
+            os.utime(tiles / "11.ply", (1, 1))
+
+    with pytest.raises(ps.Error, match="11.ply: has changed since the run began"):
+        many(tiles, "normals", to, Immediate(change))
+    with pytest.raises(ps.UsageError, match="holds another run, whose"):
+        many(tiles, "normals", to, client)
+    _remove(tmp_path / "scratch")
+    _remove(to)
+    monkeypatch.setattr(_part, "build", lambda: "0.0 (other)")
+    with pytest.raises(ps.Error, match=r"has pointsweep 0\.0 \(other\), the client"):
+        many(tiles, "normals", to, client)
+
+
+def test_another_client_waits_or_takes_over(tiles: Path, tmp_path: Path, immediate: None) -> None:
+    one_process(tiles, "normals", tmp_path / "one")
+
+    def second(task: Any) -> None:
+        if task["round_number"] == 1 and task["tile"] == 2:
+            with pytest.raises(ps.Error, match="works in it since"):
+                many(tiles, "normals", tmp_path / "many", Immediate())
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        many(tiles, "normals", tmp_path / "many", Immediate(second))
+    lease = tmp_path / "scratch" / "lease.json"
+    lease.write_text(json.dumps({"host": "elsewhere", "process": 1, "since": "yesterday"}))
+    with pytest.raises(ps.Error, match="process 1 on elsewhere"):
+        many(tiles, "normals", tmp_path / "many", Immediate())
+    old = time.time() - _scratch.STALE_SECONDS - 1
+    os.utime(lease, (old, old))
+    many(tiles, "normals", tmp_path / "many", Immediate())
+    assert_same(tmp_path / "one", tmp_path / "many")
+
+
+def test_a_scratch_that_is_too_small_is_refused(
+    tiles: Path, tmp_path: Path, immediate: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import shutil
+
+    usage = shutil.disk_usage(tmp_path)
+    monkeypatch.setattr(shutil, "disk_usage", lambda path: usage._replace(free=1000))
+    with pytest.raises(ps.Error, match="has 1,000 bytes free, and the run puts up to"):
+        many(tiles, "normals", tmp_path / "many", Immediate())
+
+
+def test_operators_of_python_run_on_workers(tiles: Path, tmp_path: Path, client: Any) -> None:
+    scale = 3.0
+
+    @ps.operator(makes={"height": "float32"})
+    def heights(points: Any) -> Any:
+        return {"height": points.xyz[:, 2] * scale}
+
+    pipeline = ps.normals() | heights
+    ps.open(tiles).run(pipeline, to=f"{tmp_path / 'one'}/")
+    ps.open(tiles).run(pipeline, to=f"{tmp_path / 'many'}/", client=client, scratch=tmp_path / "scratch", memory="256M")
+    assert_same(tmp_path / "one", tmp_path / "many")
+
+
+@pytest.mark.skipif("POINTSWEEP_TOOL" not in os.environ, reason="POINTSWEEP_TOOL does not name the tool")
+def test_the_tool_starts_it(tiles: Path, tmp_path: Path) -> None:
+    one_process(tiles, "normals", tmp_path / "one")
+    command = [os.environ["POINTSWEEP_TOOL"], "normals", tiles, f"{tmp_path / 'many'}/", "--dask", "local", "--memory", "256M"]
+    environment = {**os.environ, "POINTSWEEP_PYTHON": sys.executable, "PYTHONPATH": os.pathsep.join(sys.path)}
+    refused = subprocess.run(command, capture_output=True, text=True, env=environment)
+    assert refused.returncode == 2 and "--scratch DIR" in refused.stderr
+    done = subprocess.run([*command, "--scratch", tmp_path / "scratch"], capture_output=True, text=True, env=environment)
+    assert done.returncode == 0, done.stderr
+    assert "note: wrote" in done.stderr and "9 files" in done.stderr
+    assert_same(tmp_path / "one", tmp_path / "many")
+    missing = subprocess.run(
+        [*command, "--scratch", tmp_path / "scratch"], capture_output=True, text=True, env={**environment, "POINTSWEEP_PYTHON": "/nowhere/python"}
+    )
+    assert missing.returncode == 1 and "pip install pointsweep distributed" in missing.stderr
+
+
+def _remove(folder: Path) -> None:
+    import shutil
+
+    shutil.rmtree(folder)

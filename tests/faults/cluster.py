@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: MIT
+"""script/faults cluster: kills workers, the scheduler and the client of a run over tiles at random moments, and fills its scratch. After each,
+the same command ends with the bytes of one process, or says in one sentence what to do, and leaves nothing in the scratch."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import pathlib
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+PIPELINE = "knn(k=8) | sor | where(outlier == 0) | reneighbor | normals"
+
+
+class Broken(Exception):
+    pass
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="script/faults cluster", description=__doc__.split("\n")[0])
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
+    parser.add_argument("--points", type=int, default=1_000_000, help="of the cloud (default 1000000)")
+    parser.add_argument("--workers", type=int, default=30, help="kill -9 of a worker (default 30)")
+    parser.add_argument("--clients", type=int, default=10, help="kill -9 of the client (default 10)")
+    parser.add_argument("--schedulers", type=int, default=3, help="kill -9 of the scheduler (default 3)")
+    parser.add_argument("--seed", type=int, default=1)
+    return parser.parse_args()
+
+
+class Cluster:
+    """A scheduler, and workers that start again when they end."""
+
+    def __init__(self, folder: pathlib.Path, package: pathlib.Path) -> None:
+        self._folder, self._port = folder, 0
+        self._environment = {**os.environ, "PYTHONPATH": str(package)}
+        self.start_scheduler()
+        self.workers = [self._worker() for _ in range(2)]
+
+    def start_scheduler(self) -> None:
+        said = open(self._folder / "scheduler.txt", "w+", encoding="utf-8")
+        port = ["--port", str(self._port)] if self._port else ["--port", "0"]
+        self.scheduler = subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_scheduler", "--no-dashboard", "--host", "127.0.0.1", *port], stderr=said, env=self._environment)
+        for _ in range(200):
+            found = re.search(r"Scheduler at:\s+(tcp://\S+:(\d+))", (self._folder / "scheduler.txt").read_text())
+            if found:
+                self.address, self._port = found[1], int(found[2])
+                return
+            time.sleep(0.1)
+        raise Broken("the scheduler does not start")
+
+    def _worker(self) -> subprocess.Popen:
+        said = open(self._folder / "workers.txt", "a", encoding="utf-8")
+        return subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
+                                 "--death-timeout", "60", "--local-directory", str(self._folder)], stderr=said,
+                                env=self._environment)
+
+    def keep_workers(self) -> None:
+        self.workers = [worker if worker.poll() is None else self._worker() for worker in self.workers]
+
+    def kill_worker(self, number: int) -> None:
+        self.workers[number].kill()
+        self.workers[number].wait()
+        self.keep_workers()
+
+    def kill_scheduler(self) -> None:
+        self.scheduler.kill()
+        self.scheduler.wait()
+        self.start_scheduler()
+        for worker in self.workers:
+            worker.kill()
+            worker.wait()
+        self.keep_workers()
+
+    def stop(self) -> None:
+        for process in (*self.workers, self.scheduler):
+            process.kill()
+
+
+class Runs:
+    def __init__(self, options, folder: pathlib.Path, cluster: Cluster) -> None:
+        self._options, self._folder, self._cluster = options, folder, cluster
+        self._environment = {**os.environ, "POINTSWEEP_PYTHON": sys.executable, "PYTHONPATH": str(options.build / "python")}
+        tool = options.build / "cli/pointsweep"
+        subprocess.run([tool, "generate", "terrain", folder / "all.ply", "-n", str(options.points), "--outliers", "0.001", "--outlier-box", "2", "--quiet"], check=True)
+        subprocess.run([tool, "tile", folder / "all.ply", f"{folder / 'tiles'}/", "--size", "250", "--quiet"], check=True)
+        subprocess.run([tool, "run", folder / "tiles", f"{folder / 'one'}/", "--pipeline", PIPELINE, "--quiet"], check=True)
+
+    def start(self, scratch: pathlib.Path | None = None, *words: str) -> subprocess.Popen:
+        return subprocess.Popen([self._options.build / "cli/pointsweep", "run", self._folder / "tiles", f"{self._folder / 'many'}/", "--pipeline", PIPELINE,
+                                 "--dask", self._cluster.address, "--scratch", scratch or self._folder / "scratch", "--memory", "256M", *words],
+                                stderr=subprocess.PIPE, text=True, env=self._environment)
+
+    def finish(self, run: subprocess.Popen) -> None:
+        """Waits for the run, which has to succeed."""
+        _, said = run.communicate(timeout=600)
+        if run.returncode != 0:
+            raise Broken(f"status {run.returncode}: {said}")
+        self.expect_same()
+
+    def expect_same(self) -> None:
+        one, many = self._folder / "one", self._folder / "many"
+        names = sorted(os.listdir(one))
+        if sorted(os.listdir(many)) != names:
+            raise Broken("the folder of outputs holds other files than that of one process")
+        for name in names:
+            if (one / name).read_bytes() != (many / name).read_bytes():
+                raise Broken(f"{name} differs from that of one process")
+        if (self._folder / "scratch").exists():
+            raise Broken(f"the scratch holds {os.listdir(self._folder / 'scratch')}")
+        shutil.rmtree(many)
+
+
+def expect_sentence(said: str, wanted: str) -> None:
+    errors = [line for line in said.splitlines() if line.startswith("error:")]
+    if len(errors) != 1 or wanted not in errors[0] or "Traceback" in said:
+        raise Broken(f"instead of one sentence with '{wanted}': {said}")
+
+
+def kill_workers(runs: Runs, cluster: Cluster, options, chance: random.Random) -> int:
+    killed = 0
+    while killed < options.workers:
+        run = runs.start()
+        while run.poll() is None and killed < options.workers:
+            time.sleep(chance.uniform(0.5, 3))
+            if run.poll() is None:
+                cluster.kill_worker(chance.randrange(2))
+                killed += 1
+        runs.finish(run)
+    return killed
+
+
+def kill_clients(runs: Runs, options, chance: random.Random) -> int:
+    for _ in range(options.clients):
+        run = runs.start(None, "--take-over")
+        time.sleep(chance.uniform(1, 8))
+        run.send_signal(signal.SIGKILL)
+        run.communicate()
+    runs.finish(runs.start(None, "--take-over"))
+    return options.clients
+
+
+def kill_schedulers(runs: Runs, cluster: Cluster, options, chance: random.Random) -> int:
+    for _ in range(options.schedulers):
+        run = runs.start()
+        time.sleep(chance.uniform(3, 7))
+        cluster.kill_scheduler()
+        _, said = run.communicate(timeout=300)
+        if run.returncode == 0:
+            runs.expect_same()
+            continue
+        expect_sentence(said, "the scheduler is gone")
+    run = runs.start()
+    _, said = run.communicate(timeout=600)
+    if run.returncode != 0:
+        raise Broken(said)
+    runs.expect_same()
+    return options.schedulers
+
+
+def fill_scratch(runs: Runs, folder: pathlib.Path) -> str:
+    """A scratch on a small disk, which is only possible for root."""
+    disk = folder / "disk"
+    disk.mkdir()
+    if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=8M", "tmpfs", disk], capture_output=True).returncode != 0:
+        return "not tried: a small disk cannot be mounted"
+    try:
+        _, said = runs.start(disk / "scratch").communicate(timeout=300)
+        expect_sentence(said, "bytes free, and the run puts up to")
+    finally:
+        subprocess.run(["umount", disk], check=True)
+    return "refused before the work"
+
+
+def main() -> None:
+    options = arguments()
+    chance = random.Random(options.seed)
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        cluster = Cluster(folder, options.build / "python")
+        try:
+            runs = Runs(options, folder, cluster)
+            runs.finish(runs.start())
+            print("a run without faults has the bytes of one process", flush=True)
+            print(f"kill -9 of workers: {kill_workers(runs, cluster, options, chance)}", flush=True)
+            print(f"kill -9 of the client: {kill_clients(runs, options, chance)}", flush=True)
+            print(f"kill -9 of the scheduler: {kill_schedulers(runs, cluster, options, chance)}", flush=True)
+            print(f"a scratch that is too small: {fill_scratch(runs, folder)}", flush=True)
+        except Broken as broken:
+            sys.exit(f"script/faults cluster: {broken}")
+        finally:
+            cluster.stop()
+
+
+if __name__ == "__main__":
+    main()
