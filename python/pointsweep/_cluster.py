@@ -14,6 +14,7 @@ import pickle
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from typing import Any
 
@@ -24,6 +25,7 @@ from ._scratch import Scratch
 
 _MOST_TRIES = 4  # of a task whose workers end, or whose objects are damaged
 _PHASES = {"look": "checking", "order": "ordering", "sweep": "sweeping", "rows": "updating", "write": "writing"}
+_WAIT_SECONDS = 30.0
 _SLOW_SECONDS = 60.0  # a task may hang if it takes longer than this and ten times as long as the longest one before
 
 Progress = Callable[[str, int, int], Any] | None
@@ -79,7 +81,7 @@ def run_on_cluster(
     finished = False
     try:
         begun = place.request.exists()
-        given = {**options, "overwrite": "true" if begun else options["overwrite"]}
+        given = {**options, "overwrite": "yes" if begun else options["overwrite"]}
         rounds, rows, nonfinite, notes, bytes_of_point = _core.plan_parts(inputs, stages, keep, given, outputs)
         for note in notes:
             warn(note)
@@ -109,9 +111,12 @@ def _seal_request(place: Scratch, request: Request) -> None:
 
 
 def _workers_of_a_machine(client: Any) -> int:
-    workers = client.scheduler_info(n_workers=-1)["workers"]
-    if not workers:
-        raise Error("client: the scheduler has no workers; start some with: dask worker ADDRESS.")
+    """The most workers on one machine. Waits for the first worker for a while: it may be on its way."""
+    until = time.monotonic() + _WAIT_SECONDS
+    while not (workers := client.scheduler_info(n_workers=-1)["workers"]):
+        if time.monotonic() > until:
+            raise Error("client: the scheduler has no workers; start some with: dask worker ADDRESS.")
+        time.sleep(0.2)
     return max(Counter(worker["host"] for worker in workers.values()).values())
 
 
@@ -206,6 +211,8 @@ class _Run:
                 continue  # another copy of the task was faster
             try:
                 done = future.result()
+            except CancelledError:
+                raise _scheduler_gone() from None
             except Exception as error:  # noqa: BLE001 - of the task, of its worker or of the scheduler
                 if self._client.status not in ("running", "connecting"):
                     raise _scheduler_gone() from None
@@ -241,10 +248,8 @@ class _Run:
             if self._client.status not in ("running", "connecting"):
                 raise _scheduler_gone() from None
             return None
-        except Exception:  # noqa: BLE001
-            if self._client.status not in ("running", "connecting"):
-                raise _scheduler_gone() from None
-            raise
+        except CancelledError:  # what the scheduler knew is lost
+            raise _scheduler_gone() from None
         return next(future for future in running if future.done())
 
     def _submit(self, number: int, tile: int) -> Any:

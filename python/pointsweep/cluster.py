@@ -5,6 +5,7 @@ the tool tells it."""
 from __future__ import annotations
 
 import json
+import logging
 import os
 import sys
 import time
@@ -46,9 +47,21 @@ class _Told:
         print(f"{severity}: {sentence}", file=sys.stderr)
 
 
+def _silence_distributed() -> None:
+    """Errors of connections are told in one sentence here."""
+    try:
+        import distributed  # noqa: F401
+    except ImportError:
+        return
+    for name in list(logging.root.manager.loggerDict):
+        if name.startswith("distributed"):
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+
+
 def main(request: dict[str, Any]) -> int:
     """Performs the request of the tool. Returns its status."""
     told = _Told(request["quiet"])
+    _silence_distributed()
     warnings.showwarning = lambda message, *_, **__: told.say("warning", str(message))
     try:
         cloud = open_files(
