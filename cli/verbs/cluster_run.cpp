@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cli/verbs/cluster_run.h"
 
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -19,6 +20,31 @@ namespace {
 std::string stated_text(const CommonOptions& options) {
   if (!options.crs) return "";
   return options.crs->crs ? short_text(*options.crs->crs) : "none";
+}
+
+/// What Python does: the request is too long for an argument, and comes by a descriptor.
+constexpr const char* kStart = R"(
+import json, sys
+try:
+    from pointsweep.cluster import main
+except ImportError as missing:
+    print(f"error: --dask: {sys.executable} lacks a package ({missing}); install it: pip install pointsweep distributed,"
+          " or name another Python with POINTSWEEP_PYTHON.", file=sys.stderr)
+    sys.exit(1)
+with open(int(sys.argv[1])) as request:
+    sys.exit(main(json.load(request)))
+)";
+
+/// Returns a descriptor that another program reads the text from.
+int descriptor_of(const std::string& text) {
+  const int descriptor = ::memfd_create("request", 0);
+  for (std::size_t at = 0; at < text.size();) {
+    const ssize_t written = ::write(descriptor, text.data() + at, text.size() - at);
+    if (written <= 0) throw Error(std::string("--dask: the request cannot be passed on: ") + std::strerror(errno));
+    at += static_cast<std::size_t>(written);
+  }
+  ::lseek(descriptor, 0, SEEK_SET);
+  return descriptor;
 }
 
 nlohmann::json request_of(const std::vector<std::string>& stages, const PipelineRun& run, const ResolvedFiles& files) {
@@ -73,10 +99,10 @@ void run_on_cluster(const std::vector<std::string>& stages, const PipelineRun& r
   const ResolvedFiles files = resolve(named, common.format);
   if (files.tiles.empty())
     throw UsageError("--dask: many processes write a file for each input; name a folder as the output, e.g. out/.");
-  const std::string request = request_of(stages, run, files).dump();
+  const std::string request = std::to_string(descriptor_of(request_of(stages, run, files).dump()));
   const char* const given = std::getenv("POINTSWEEP_PYTHON");
   const std::string python = given != nullptr ? given : "python3";
-  ::execlp(python.c_str(), python.c_str(), "-m", "pointsweep.cluster", request.c_str(), nullptr);
+  ::execlp(python.c_str(), python.c_str(), "-c", kStart, request.c_str(), nullptr);
   throw Error("--dask: " + python + " cannot be started: " + std::strerror(errno) +
               "; install Python and the package: pip install pointsweep distributed.");
 }

@@ -72,7 +72,7 @@ def run_on_cluster(
     identity = {
         "inputs": [[path, *state_of(path)] for path in inputs],
         "outputs": outputs,
-        "stages": _core.canonical_stages(stages),
+        "stages": _core.canonical_stages(stages) if stages else [],
         "attributes to keep": keep,
         "options": {name: value for name, value in options.items() if name not in ("memory", "threads", "temp_folder")},
         "versions of pointsweep": build(),

@@ -12,7 +12,6 @@ import time
 import warnings
 from typing import Any
 
-from . import _core
 from ._cluster import run_on_cluster
 from ._errors import Error, UsageError
 from ._files import open as open_files
@@ -77,7 +76,7 @@ def main(request: dict[str, Any]) -> int:
             request["scratch"],
             request["take_over"],
             list(cloud.files),
-            stages_of(request["stages"]),
+            stages_of(request["stages"]) if request["stages"] else [],
             request["keep"],
             given,
             request["outputs"],
@@ -103,8 +102,3 @@ def main(request: dict[str, Any]) -> int:
         f" {counts['tasks']} tasks on {len(counts['workers'])} workers",
     )
     return 0
-
-
-if __name__ == "__main__":
-    assert _core.version
-    sys.exit(main(json.loads(sys.argv[1])))
