@@ -34,6 +34,20 @@ TEST(FieldPair, EqualTypesMustHaveEqualBits) {
   EXPECT_TRUE(passes(Type::u16, 7, Type::u16, 7));
 }
 
+TEST(FieldPair, AValueHalfwayBetweenTwoStepsMayBecomeEither) {
+  const Schema a = schema_of("v", Type::f64);
+  Schema b = schema_of("v", Type::i32);
+  b.fields[0].scale = 0.001;
+  const FieldPair pair = pairs_of_field(a, 0, b)->front();
+  std::byte stored[4]{};
+  for (int i = 0; i < 2'000'000; i += 7) {
+    const double value = i / 1000.0 + 0.0005, here = value + 495'000;
+    set_value(b.fields[0], stored, i * 0.001 + 0.001);
+    EXPECT_LE(std::abs(pair.found_value(stored) - value), pair.resolution(value)) << value;
+    EXPECT_LT(pair.resolution(here), 0.0005001);
+  }
+}
+
 TEST(FieldPair, AFloatInTextIsTheNearestFloat) {
   EXPECT_TRUE(passes(Type::f32, 0.1, Type::f64, 0.1));
   EXPECT_FALSE(passes(Type::f32, 0.1, Type::f64, 0.1000001));

@@ -136,7 +136,8 @@ std::uint64_t FieldPair::found(const std::byte* to_record) const {
 }
 
 double FieldPair::resolution(double value) const {
-  const double of_double = std::ldexp(std::abs(value), -52);
+  // The value and what a reader makes of its integer are each rounded a few times in double precision.
+  const double of_double = std::ldexp(std::abs(value), -50);
   if (digits_) return 0.5 * std::pow(10, -*digits_) + of_double;
   if (to_.type == Type::f64 && to_.is_plain()) return single_ ? std::ldexp(std::abs(value), -24) : 0;
   if (to_.type == Type::f32 && to_.is_plain()) return bitwise_ ? 0 : std::ldexp(std::abs(value), -24) + 0x1p-150;
