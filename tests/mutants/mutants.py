@@ -4,7 +4,8 @@ import mutants_of_engine
 import mutants_of_files
 import mutants_of_levels
 import mutants_of_operators
+import mutants_of_parts
 import mutants_of_runs
 
-MUTANTS = (mutants_of_operators.MUTANTS + mutants_of_engine.MUTANTS + mutants_of_files.MUTANTS + mutants_of_levels.MUTANTS
+MUTANTS = (mutants_of_operators.MUTANTS + mutants_of_engine.MUTANTS + mutants_of_files.MUTANTS + mutants_of_levels.MUTANTS + mutants_of_parts.MUTANTS
            + mutants_of_runs.MUTANTS)
