@@ -135,7 +135,7 @@ def main():
     options.work.mkdir(parents=True, exist_ok=True)
     options.work = options.work.resolve()
     result = committed.begun(memory=options.memory, rows=[], many=[])
-    with LocalCluster(n_workers=2, threads_per_worker=1, memory_limit=None, dashboard_address=None) as cluster, Client(cluster) as client:
+    with LocalCluster(n_workers=2, threads_per_worker=1, memory_limit=None, dashboard_address=":0") as cluster, Client(cluster) as client:
         for shape in options.clouds:
             for file_format in options.formats:
                 source = tiles_of(options, shape, processes.points(options.size) * options.side**2, options.side, file_format)

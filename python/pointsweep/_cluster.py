@@ -41,7 +41,7 @@ def _connected(client: Any) -> Iterator[Any]:
     if isinstance(client, Client):
         yield client
     elif client == "local":
-        with LocalCluster(threads_per_worker=1, memory_limit=None, dashboard_address=None) as cluster, Client(cluster) as own:
+        with LocalCluster(threads_per_worker=1, memory_limit=None, dashboard_address=":0") as cluster, Client(cluster) as own:
             yield own
     elif isinstance(client, str):
         try:

@@ -52,7 +52,7 @@ def tiles(tmp_path: Path) -> Path:
 @pytest.fixture(scope="module")
 def client() -> Any:
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, memory_limit=None, dashboard_address=None
+        n_workers=2, threads_per_worker=1, memory_limit=None, dashboard_address=":0"
     ) as cluster, distributed.Client(cluster) as connected:
         yield connected
 
