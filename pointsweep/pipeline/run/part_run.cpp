@@ -317,7 +317,6 @@ PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& output
 PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& given,
                   const PartTask& task, Storage& scratch) {
   EngineOptions options = given;
-  options.spill = true;  // the other tiles need what the process has of its memory, and the scratch holds the points
   options.ordering = Ordering::distribution;
   options.overwrite = true;
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
