@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "pointsweep/verify.h"
 #include "tests/cli/tool.h"
 #include "tests/formats/las_decode.h"
 
@@ -24,9 +25,9 @@ class SetStage : public Tool {
   }
   void expect_verified(const std::string& in, const std::string& out, const std::string& pipeline) {
     made(fmt::format("run {} {} -f -q --pipeline '{}'", in, out, pipeline));
-    const Result result = tool("verify " + out);
-    EXPECT_EQ(result.status, 0) << pipeline << "\n" << result.out << result.err;
-    EXPECT_EQ(result.out.find("by its own operator"), std::string::npos) << result.out;
+    const Verdict verdict = verify({}, folder_ / out);
+    EXPECT_TRUE(verdict.same() && verdict.is_complete()) << pipeline << "\n" << to_text(verdict);
+    EXPECT_TRUE(verdict.by_own_operator.empty()) << pipeline << "\n" << to_text(verdict);
   }
 };
 
