@@ -88,23 +88,25 @@ class E57FilesThatAreWrittenAreReadByPye57(tool.Files):
         want = {WRITTEN.get(name.lower(), f"ps:{name}"): column for name, column in want.items()}
         finite = np.isfinite([want[axis] for axis in POSITIONS]).all(axis=0)
         self.assertEqual((file.scan_count, file.get_header(0).point_count), (1, len(finite)))
+        got = self.columns(made, want | {"cartesianInvalidState": finite.astype("u1")})
         for stored, column in want.items():
             with self.subTest(attribute=stored):
-                got = self.column(made, stored, column)
                 keep = finite if stored in POSITIONS else slice(None)
-                self.assertTrue(np.array_equal(got[keep], column[keep], equal_nan=column.dtype.kind == "f"), stored)
-        state = self.column(made, "cartesianInvalidState", finite.astype("u1"))
-        self.assertTrue(np.array_equal(state != 0, ~finite), "invalid points")
+                self.assertTrue(np.array_equal(got[stored][keep], column[keep], equal_nan=column.dtype.kind == "f"), stored)
+        self.assertTrue(np.array_equal(got["cartesianInvalidState"] != 0, ~finite), "invalid points")
 
     @staticmethod
-    def column(path, name, like):
-        register([name], [like])
+    def columns(path, like):
+        """The attributes of a file that `like` names, in the types that they have there."""
+        register(like.keys(), like.values())
         file = pye57.E57(str(path))
-        data, buffers = file.make_buffer(name, file.get_header(0).point_count)
         vector = pye57.libe57.VectorSourceDestBuffer()
-        vector.append(buffers)
+        columns = {}
+        for name in like:
+            columns[name], buffer = file.make_buffer(name, file.get_header(0).point_count)
+            vector.append(buffer)
         file.get_header(0).points.reader(vector).read()
-        return data
+        return columns
 
 
 if __name__ == "__main__":
