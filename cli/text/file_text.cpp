@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 
-#include "cli/text/text_table.h"
 #include "pointsweep/formats/las_classes.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/points/schema.h"
@@ -184,44 +183,38 @@ std::string to_text(const FileSummary& summary) {
   return text + line("attributes", attribute_text(info.schema)) + ranges_text(info.schema, summary);
 }
 
-std::string table_of(const ListedSummaries& files) {
-  TextTable table({"file", "points", "x", "y", "z", "density", "crs", "attributes"}, {0, 2, 3, 4, 6, 7}, "");
-  std::vector<std::string> lists;
-  for (const FileSummary& file : files.readable) table.add(line_of(file, lists));
-  for (const auto& [number, name] : files.unreadable) table.insert(number, {name.string(), "cannot be read"});
-  std::string text = table.text();
-  for (std::size_t i = 0; i < lists.size(); ++i) text += fmt::format("attributes ({})  {}\n", i + 1, lists[i]);
+void FileTable::add(const FileSummary& file) { lines_.add(line_of(file, lists_)); }
+
+void FileTable::add_unreadable(const std::filesystem::path& file) { lines_.add({file.string(), "cannot be read"}); }
+
+std::string FileTable::text() const {
+  std::string text = lines_.text();
+  for (std::size_t i = 0; i < lists_.size(); ++i) text += fmt::format("attributes ({})  {}\n", i + 1, lists_[i]);
   return text;
 }
 
-std::optional<double> density_of(std::span<const FileSummary> files) {
-  double points = 0, area = 0;
-  for (const FileSummary& file : files) {
-    if (file.area > 0) points += static_cast<double>(file.info.count - file.nonfinite);
-    area += file.area;
-  }
-  return area > 0 ? std::optional(points / area) : std::nullopt;
+void FileTotals::add(const FileSummary& file) {
+  ++readable_;
+  points_ += file.info.count;
+  bounds_.include(file.bounds);
+  if (file.area > 0) points_on_area_ += static_cast<double>(file.info.count - file.nonfinite);
+  area_ += file.area;
+  of_headers_ |= file.of_header;
 }
 
-std::string summary_of(const ListedSummaries& files) {
-  std::uint64_t points = 0;
-  Box bounds;
-  for (const FileSummary& file : files.readable) {
-    points += file.info.count;
-    bounds.include(file.bounds);
-  }
-  const std::size_t readable = files.readable.size();
-  std::string text = readable == files.size() ? fmt::format("all {} files\n", readable)
-                                              : fmt::format("{} of {} files\n", readable, files.size());
-  text += to_text(points, bounds);
-  if (const auto density = density_of(files.readable))
-    text += fmt::format("  density     {:.4g} points per square unit of x and y\n", *density);
-  if (std::ranges::any_of(files.readable, &FileSummary::of_header))
-    text += "  read        the headers alone, which state the bounds\n";
-  const std::vector<std::string> sentences = inconsistencies_of(files.readable);
-  if (readable > 1 && sentences.empty()) text += "  The files are consistent.\n";
-  if (!sentences.empty()) text += "  inconsistent\n";
-  for (const std::string& sentence : sentences) text += fmt::format("    {}\n", sentence);
+std::optional<double> FileTotals::density() const {
+  return area_ > 0 ? std::optional(points_on_area_ / area_) : std::nullopt;
+}
+
+std::string FileTotals::text(const std::vector<std::string>& inconsistencies) const {
+  std::string text = unreadable_ == 0 ? fmt::format("all {} files\n", readable_)
+                                      : fmt::format("{} of {} files\n", readable_, files());
+  text += to_text(points_, bounds_);
+  if (const auto all = density()) text += fmt::format("  density     {:.4g} points per square unit of x and y\n", *all);
+  if (of_headers_) text += "  read        the headers alone, which state the bounds\n";
+  if (readable_ > 1 && inconsistencies.empty()) text += "  The files are consistent.\n";
+  if (!inconsistencies.empty()) text += "  inconsistent\n";
+  for (const std::string& sentence : inconsistencies) text += fmt::format("    {}\n", sentence);
   return text;
 }
 

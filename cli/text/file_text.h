@@ -6,11 +6,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "cli/text/text_table.h"
 #include "pointsweep/info.h"
 
 namespace pointsweep {
@@ -23,22 +22,40 @@ std::string text_of_class(std::uint8_t code);
 /// The lines on points and bounds alone.
 std::string to_text(std::uint64_t points, const Box& bounds);
 
-/// Files in the order in which they were named.
-struct ListedSummaries {
-  std::vector<FileSummary> readable;
-  std::vector<std::pair<std::size_t, std::filesystem::path>> unreadable;  ///< number among all files, and name
-
-  std::size_t size() const { return readable.size() + unreadable.size(); }
-};
-
 /// A line for each file with points, bounds, density and coordinate reference system, and below them the lists of
 /// attributes that the last column counts.
-std::string table_of(const ListedSummaries& files);
+class FileTable {
+ public:
+  void add(const FileSummary& file);
+  void add_unreadable(const std::filesystem::path& file);
+  std::string text() const;
 
-/// Returns the sums over all readable files, and a sentence for each respect in which they differ (inconsistencies_of).
-std::string summary_of(const ListedSummaries& files);
+ private:
+  TextTable lines_{{"file", "points", "x", "y", "z", "density", "crs", "attributes"}, {0, 2, 3, 4, 6, 7}, ""};
+  std::vector<std::string> lists_;
+};
 
-/// Finite points of all files for each unit of their areas together; none without area.
-std::optional<double> density_of(std::span<const FileSummary> files);
+/// All files of a report together.
+class FileTotals {
+ public:
+  void add(const FileSummary& file);
+  void add_unreadable() { ++unreadable_; }
+
+  std::size_t files() const { return readable_ + unreadable_; }
+  std::size_t unreadable() const { return unreadable_; }
+  std::uint64_t points() const { return points_; }
+  const Box& bounds() const { return bounds_; }
+  /// Returns the finite points for each unit of the areas of the files together; none without area.
+  std::optional<double> density() const;
+  /// Returns lines with the sums over all readable files, and the sentences on their inconsistencies.
+  std::string text(const std::vector<std::string>& inconsistencies) const;
+
+ private:
+  std::size_t readable_ = 0, unreadable_ = 0;
+  std::uint64_t points_ = 0;
+  Box bounds_;
+  double points_on_area_ = 0, area_ = 0;
+  bool of_headers_ = false;
+};
 
 }  // namespace pointsweep

@@ -15,12 +15,8 @@ class TextTable {
   /// `left`: the columns whose cells begin at the left; those of others end at the right.
   TextTable(std::vector<std::string> headings, std::vector<std::size_t> left, std::string indent = "  ")
       : left_(std::move(left)), indent_(std::move(indent)), lines_{std::move(headings)} {}
-  /// A line of as many cells as there are headings.
+  /// A line of at most as many cells as there are headings.
   void add(std::vector<std::string> line) { lines_.push_back(std::move(line)); }
-  /// A line before line `line`, counted from 0 below the headings; it may have fewer cells.
-  void insert(std::size_t line, std::vector<std::string> cells) {
-    lines_.insert(lines_.begin() + 1 + static_cast<std::ptrdiff_t>(line), std::move(cells));
-  }
   /// The headings, then the lines.
   std::string text() const;
 

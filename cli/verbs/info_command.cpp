@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "cli/console/console.h"
 #include "cli/text/file_text.h"
@@ -35,6 +36,35 @@ struct InfoCommand {
 
 enum class InfoStyle : std::uint8_t { details, table, json };
 
+/// The JSON object of `info`, printed file by file, since there may be many.
+class PrintedJson {
+ public:
+  void add(const nlohmann::ordered_json& file) {
+    begin();
+    print((files_++ == 0 ? "\n    " : ",\n    ") + text_of(file, "\n    "));
+  }
+  void finish(const nlohmann::ordered_json& all, const nlohmann::ordered_json& statistics) {
+    begin();
+    print((files_ == 0 ? "],\n  \"all\": " : "\n  ],\n  \"all\": ") + text_of(all, "\n  ") + ",\n  \"statistics\": " +
+          text_of(statistics, "\n  ") + "\n}\n");
+  }
+
+ private:
+  void begin() {
+    if (!std::exchange(begun_, true)) print("{\n  \"files\": [");
+  }
+  /// `line`: a line feed, and the indentation of the value.
+  static std::string text_of(const nlohmann::ordered_json& value, const std::string& line) {
+    std::string text;
+    for (const char c : value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace))
+      c == '\n' ? text += line : text += c;
+    return text;
+  }
+
+  bool begun_ = false;
+  std::size_t files_ = 0;
+};
+
 /// The report on the files: of each in turn, then of all of them.
 class InfoReport {
  public:
@@ -42,51 +72,48 @@ class InfoReport {
 
   /// `label`: what the table and sentences about several files call it.
   void add(FileSummary summary, const std::filesystem::path& label) {
-    if (style_ == InfoStyle::json) json_.push_back(json_of(summary));
+    if (style_ == InfoStyle::json) json_.add(json_of(summary));
     if (style_ == InfoStyle::details) print(to_text(summary));
     faulty_ += summary.info.warnings.empty() ? 0 : 1;
     summary.info.path = label;
-    files_.readable.push_back(std::move(summary));
+    if (style_ == InfoStyle::table) table_.add(summary);
+    totals_.add(summary);
+    comparison_.add(summary);
   }
   void add_failure(const std::filesystem::path& file, const std::string& sentence, const std::filesystem::path& label) {
-    files_.unreadable.emplace_back(files_.size(), label);
-    if (style_ == InfoStyle::json) json_.push_back({{"path", file.string()}, {"error", sentence}});
+    if (style_ == InfoStyle::json) json_.add({{"path", file.string()}, {"error", sentence}});
+    if (style_ == InfoStyle::table) table_.add_unreadable(label);
+    totals_.add_unreadable();
   }
   /// `statistics`: of the points of all files that could be read; absent: none were asked for.
-  void finish(const std::optional<PointStatistics>& statistics) const {
+  void finish(const std::optional<PointStatistics>& statistics) {
     if (style_ == InfoStyle::json)
-      print(all_as_json(statistics).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-    if (style_ == InfoStyle::table) print(table_of(files_));
-    if (style_ != InfoStyle::json && files_.size() > 1) print(summary_of(files_));
-    if (style_ != InfoStyle::json && statistics) print(to_text(*statistics));
+      return json_.finish(all_as_json(), statistics ? json_of(*statistics) : nlohmann::ordered_json());
+    if (style_ == InfoStyle::table) print(table_.text());
+    if (files() > 1) print(totals_.text(comparison_.sentences()));
+    if (statistics) print(to_text(*statistics));
   }
-  std::size_t files() const { return files_.size(); }
-  std::size_t failures() const { return files_.unreadable.size(); }
+  std::size_t files() const { return totals_.files(); }
+  std::size_t failures() const { return totals_.unreadable(); }
   /// Files with warnings.
   std::size_t faulty() const { return faulty_; }
 
  private:
-  nlohmann::ordered_json all_as_json(const std::optional<PointStatistics>& statistics) const {
-    std::uint64_t points = 0;
-    Box bounds;
-    for (const FileSummary& file : files_.readable) {
-      points += file.info.count;
-      bounds.include(file.bounds);
-    }
-    const std::optional<double> density = density_of(files_.readable);
-    const nlohmann::ordered_json all = {{"files", files_.size()},
-                                        {"unreadable", failures()},
-                                        {"points", points},
-                                        {"bounds", json_of(bounds)},
-                                        {"density", density ? nlohmann::ordered_json(*density) : nullptr},
-                                        {"inconsistent", inconsistencies_of(files_.readable)}};
-    return {
-        {"files", json_}, {"all", all}, {"statistics", statistics ? json_of(*statistics) : nlohmann::ordered_json()}};
+  nlohmann::ordered_json all_as_json() const {
+    const std::optional<double> density = totals_.density();
+    return {{"files", files()},
+            {"unreadable", failures()},
+            {"points", totals_.points()},
+            {"bounds", json_of(totals_.bounds())},
+            {"density", density ? nlohmann::ordered_json(*density) : nullptr},
+            {"inconsistent", comparison_.sentences()}};
   }
 
   InfoStyle style_;
-  nlohmann::ordered_json json_ = nlohmann::ordered_json::array();
-  ListedSummaries files_;
+  PrintedJson json_;
+  FileTable table_;
+  FileTotals totals_;
+  FileComparison comparison_;
   std::size_t faulty_ = 0;
 };
 

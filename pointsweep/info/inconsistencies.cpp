@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
+#include <numeric>
+#include <unordered_map>
 #include <utility>
 
 #include "pointsweep/formats/crs.h"
@@ -15,21 +18,33 @@
 namespace pointsweep {
 namespace {
 
-using SomeFiles = std::vector<const FileSummary*>;
+/// Files whose headers say the same but for counts and bounds.
+struct AlikeFiles {
+  FileInfo first;         ///< without extras
+  std::size_t files = 0;  ///< the first among them
+};
+
+/// Some of the kinds of files, in the order of their first files.
+using SomeKinds = std::vector<const AlikeFiles*>;
 
 /// Values in the order in which they come first, each with the files that have it.
-using FilesOfValues = std::vector<std::pair<std::string, SomeFiles>>;
+using FilesOfValues = std::vector<std::pair<std::string, SomeKinds>>;
 
-void add_file(FilesOfValues& all, const std::string& value, const FileSummary& file) {
+void add_file(FilesOfValues& all, const std::string& value, const AlikeFiles& kind) {
   auto at = std::ranges::find(all, value, &FilesOfValues::value_type::first);
   if (at == all.end()) at = all.insert(at, {value, {}});
-  at->second.push_back(&file);
+  at->second.push_back(&kind);
 }
 
 /// "a.las" or "a.las and 3 more".
-std::string names_of(const SomeFiles& files) {
-  const std::string first = files.front()->info.path.string();
-  return files.size() == 1 ? first : fmt::format("{} and {} more", first, files.size() - 1);
+std::string names_of(const std::string& first, std::size_t files) {
+  return files == 1 ? first : fmt::format("{} and {} more", first, files - 1);
+}
+
+std::string names_of(const SomeKinds& kinds) {
+  const std::size_t files = std::transform_reduce(kinds.begin(), kinds.end(), std::size_t{0}, std::plus<>{},
+                                                  [](const AlikeFiles* kind) { return kind->files; });
+  return names_of(kinds.front()->first.path.string(), files);
 }
 
 /// "a", "a and b", "a, b and c".
@@ -52,19 +67,19 @@ void note_different(std::vector<std::string>& sentences, const char* what, const
   if (all.size() > 1) sentences.push_back(fmt::format("{} differ: {}.", what, text_of(all)));
 }
 
-FilesOfValues formats_of(const SomeFiles& files) {
+FilesOfValues formats_of(const SomeKinds& files) {
   FilesOfValues formats;
-  for (const FileSummary* file : files) add_file(formats, file->info.format, *file);
+  for (const AlikeFiles* kind : files) add_file(formats, kind->first.format, *kind);
   return formats;
 }
 
 /// Systems that could be the same are one, that of the first file.
-FilesOfValues systems_of(const SomeFiles& files) {
+FilesOfValues systems_of(const SomeKinds& files) {
   std::vector<const Crs*> systems;
   FilesOfValues all;
-  for (const FileSummary* file : files) {
-    if (!file->info.crs) continue;
-    const Crs& crs = *file->info.crs;
+  for (const AlikeFiles* kind : files) {
+    if (!kind->first.crs) continue;
+    const Crs& crs = *kind->first.crs;
     const auto same = std::ranges::find_if(
         systems, [&](const Crs* other) { return compare(*other, crs) != CrsAgreement::different; });
     const auto place = static_cast<std::size_t>(same - systems.begin());
@@ -72,24 +87,29 @@ FilesOfValues systems_of(const SomeFiles& files) {
       systems.push_back(&crs);
       all.push_back({short_text(crs), {}});
     }
-    all[place].second.push_back(file);
+    all[place].second.push_back(kind);
   }
   return all;
 }
 
-void note_systems(std::vector<std::string>& sentences, const SomeFiles& files) {
+void note_systems(std::vector<std::string>& sentences, const SomeKinds& files) {
   note_different(sentences, "Coordinate reference systems", systems_of(files));
-  SomeFiles without;
-  std::ranges::copy_if(files, std::back_inserter(without), [](const FileSummary* file) { return !file->info.crs; });
+  SomeKinds without;
+  std::ranges::copy_if(files, std::back_inserter(without), [](const AlikeFiles* kind) { return !kind->first.crs; });
   if (!without.empty() && without.size() < files.size())
     sentences.push_back(fmt::format("No coordinate reference system is stated in {}.", names_of(without)));
 }
 
-FilesOfValues clocks_of(const SomeFiles& files) {
+/// Returns the clock of the GPS times; empty where LAS has none.
+std::string clock_of(const FileInfo& info) {
+  if (!info.las || !info.las->has_time) return "";
+  return info.las->standard_time ? "adjusted standard GPS time" : "seconds of the GPS week";
+}
+
+FilesOfValues clocks_of(const SomeKinds& files) {
   FilesOfValues clocks;
-  for (const FileSummary* file : files)
-    if (const auto& las = file->info.las; las && las->has_time)
-      add_file(clocks, las->standard_time ? "adjusted standard GPS time" : "seconds of the GPS week", *file);
+  for (const AlikeFiles* kind : files)
+    if (const std::string clock = clock_of(kind->first); !clock.empty()) add_file(clocks, clock, *kind);
   return clocks;
 }
 
@@ -108,34 +128,34 @@ struct SharedAttribute {
 };
 
 /// Under one entry, whatever the files call them (`nx`, `NormalX`); in the order in which they come first.
-std::vector<SharedAttribute> attributes_of(const SomeFiles& files) {
+std::vector<SharedAttribute> attributes_of(const SomeKinds& files) {
   std::vector<SharedAttribute> all;
   std::map<std::string, std::size_t> places;
-  for (const FileSummary* file : files) {
-    for (const Field& field : file->info.schema.fields) {
+  for (const AlikeFiles* kind : files) {
+    for (const Field& field : kind->first.schema.fields) {
       const auto [place, is_new] = places.try_emplace(library_name_of(field.name), all.size());
       if (is_new) all.push_back({field.name, {}});
-      add_file(all[place->second].storages, storage_of(field), *file);
+      add_file(all[place->second].storages, storage_of(field), *kind);
     }
   }
   return all;
 }
 
-SomeFiles files_without(const SharedAttribute& attribute, const SomeFiles& files) {
-  SomeFiles with, without;
+SomeKinds files_without(const SharedAttribute& attribute, const SomeKinds& files) {
+  SomeKinds with, without;
   for (const auto& [storage, some] : attribute.storages) with.insert(with.end(), some.begin(), some.end());
   std::ranges::sort(with);
-  for (const FileSummary* file : files)
-    if (!std::ranges::binary_search(with, file)) without.push_back(file);
+  for (const AlikeFiles* kind : files)
+    if (!std::ranges::binary_search(with, kind)) without.push_back(kind);
   return without;
 }
 
 /// A sentence for each set of files that lacks some attributes.
 void note_missing(std::vector<std::string>& sentences, const std::vector<SharedAttribute>& attributes,
-                  const SomeFiles& files) {
-  std::vector<std::pair<SomeFiles, std::vector<std::string>>> missing;
+                  const SomeKinds& files) {
+  std::vector<std::pair<SomeKinds, std::vector<std::string>>> missing;
   for (const SharedAttribute& attribute : attributes) {
-    SomeFiles without = files_without(attribute, files);
+    SomeKinds without = files_without(attribute, files);
     if (without.empty()) continue;
     auto at = std::ranges::find(missing, without, [](const auto& entry) { return entry.first; });
     if (at == missing.end()) at = missing.insert(at, {std::move(without), {}});
@@ -160,50 +180,110 @@ void note_types(std::vector<std::string>& sentences, const std::vector<SharedAtt
     sentences.push_back(fmt::format("Types of {} differ: {}.", list_of(names), text));
 }
 
-void note_points(std::vector<std::string>& sentences, const SomeFiles& files) {
-  SomeFiles empty, nonfinite;
-  std::uint64_t points = 0;
-  for (const FileSummary* file : files) {
-    if (file->info.count == 0) empty.push_back(file);
-    if (file->nonfinite > 0) nonfinite.push_back(file);
-    points += file->nonfinite;
-  }
-  if (!empty.empty()) sentences.push_back(fmt::format("No points are in {}.", names_of(empty)));
-  if (points > 0)
-    sentences.push_back(fmt::format("{} {} not finite, in {}.", points,
-                                    points == 1 ? "point has coordinates that are" : "points have coordinates that are",
-                                    names_of(nonfinite)));
+/// Returns a text that is the same for files whose headers say the same but for counts and bounds.
+std::string kind_of(const FileInfo& info) {
+  std::string text = info.format + '\n' + clock_of(info);
+  for (const Field& field : info.schema.fields) text += '\n' + field.name + '\n' + storage_of(field);
+  if (!info.crs) return text;
+  const Crs& crs = *info.crs;
+  text += fmt::format("\n{}\n{}\n{}\n{}\n{}", crs.name, static_cast<int>(crs.kind), crs.epsg, crs.vertical_epsg,
+                      crs.wkt);
+  return text + fmt::format("\n{}\n{}\n{}", fmt::join(crs.geotiff.directory, " "), fmt::join(crs.geotiff.doubles, " "),
+                            crs.geotiff.ascii);
 }
 
-void note_copies(std::vector<std::string>& sentences, const SomeFiles& files) {
-  std::map<std::array<double, 7>, SomeFiles> same;
-  for (const FileSummary* file : files) {
-    const Box& b = file->bounds;
-    if (file->info.count > 1 && !b.empty())
-      same[{static_cast<double>(file->info.count), b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b.hi.z}].push_back(file);
+/// Some of the files.
+struct SomeFiles {
+  std::string first;  ///< its path
+  std::size_t files = 0;
+
+  void add(const std::string& path) {
+    if (files++ == 0) first = path;
   }
-  for (const auto& [key, some] : same)
-    if (some.size() > 1)
-      sentences.push_back(
-          fmt::format("{} have the same bounds and number of points: copies of one file?", names_of(some)));
+};
+
+struct Extent {
+  std::array<double, 7> key;  ///< points and bounds
+  std::string path;
+};
+
+void note_points(std::vector<std::string>& sentences, const SomeFiles& empty, const SomeFiles& with_nonfinite,
+                 std::uint64_t nonfinite) {
+  if (empty.files > 0) sentences.push_back(fmt::format("No points are in {}.", names_of(empty.first, empty.files)));
+  if (nonfinite > 0)
+    sentences.push_back(
+        fmt::format("{} {} not finite, in {}.", nonfinite,
+                    nonfinite == 1 ? "point has coordinates that are" : "points have coordinates that are",
+                    names_of(with_nonfinite.first, with_nonfinite.files)));
+}
+
+void note_copies(std::vector<std::string>& sentences, const std::vector<Extent>& extents) {
+  std::vector<const Extent*> ordered;
+  for (const Extent& extent : extents) ordered.push_back(&extent);
+  std::ranges::stable_sort(ordered, {}, [](const Extent* extent) -> const auto& { return extent->key; });
+  for (std::size_t i = 0, end = 0; i < ordered.size(); i = end) {
+    while (end < ordered.size() && ordered[end]->key == ordered[i]->key) ++end;
+    if (end - i > 1)
+      sentences.push_back(fmt::format("{} have the same bounds and number of points: copies of one file?",
+                                      names_of(ordered[i]->path, end - i)));
+  }
 }
 
 }  // namespace
 
-std::vector<std::string> inconsistencies_of(std::span<const FileSummary> files) {
-  SomeFiles all;
-  for (const FileSummary& file : files) all.push_back(&file);
+struct FileComparison::Known {
+  std::size_t files = 0;
+  std::vector<AlikeFiles> alike;                          ///< in the order of their first files
+  std::unordered_map<std::string, std::size_t> place_of;  ///< in `alike`, by kind_of()
+  SomeFiles empty, with_nonfinite;
+  std::uint64_t nonfinite = 0;
+  std::vector<Extent> extents;  ///< of files with two points or more
+};
+
+FileComparison::FileComparison() : known_(std::make_unique<Known>()) {}
+FileComparison::~FileComparison() = default;
+FileComparison::FileComparison(FileComparison&&) noexcept = default;
+FileComparison& FileComparison::operator=(FileComparison&&) noexcept = default;
+
+void FileComparison::add(const FileSummary& file) {
+  const FileInfo& info = file.info;
+  const std::string path = info.path.string();
+  const auto [at, is_new] = known_->place_of.try_emplace(kind_of(info), known_->alike.size());
+  if (is_new) {
+    known_->alike.push_back({info});
+    known_->alike.back().first.extras = nullptr;
+  }
+  ++known_->alike[at->second].files;
+  ++known_->files;
+  if (info.count == 0) known_->empty.add(path);
+  if (file.nonfinite > 0) known_->with_nonfinite.add(path);
+  known_->nonfinite += file.nonfinite;
+  const Box& b = file.bounds;
+  if (info.count > 1 && !b.empty())
+    known_->extents.push_back(
+        {{static_cast<double>(info.count), b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b.hi.z}, path});
+}
+
+std::vector<std::string> FileComparison::sentences() const {
   std::vector<std::string> sentences;
-  if (files.size() < 2) return sentences;
+  if (known_->files < 2) return sentences;
+  SomeKinds all;
+  for (const AlikeFiles& kind : known_->alike) all.push_back(&kind);
   const std::vector<SharedAttribute> attributes = attributes_of(all);
   note_different(sentences, "Formats", formats_of(all));
   note_systems(sentences, all);
   note_different(sentences, "Clocks of GPS times", clocks_of(all));
   note_missing(sentences, attributes, all);
   note_types(sentences, attributes);
-  note_points(sentences, all);
-  note_copies(sentences, all);
+  note_points(sentences, known_->empty, known_->with_nonfinite, known_->nonfinite);
+  note_copies(sentences, known_->extents);
   return sentences;
+}
+
+std::vector<std::string> inconsistencies_of(std::span<const FileSummary> files) {
+  FileComparison comparison;
+  for (const FileSummary& file : files) comparison.add(file);
+  return comparison.sentences();
 }
 
 }  // namespace pointsweep

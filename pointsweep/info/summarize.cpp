@@ -83,8 +83,9 @@ struct Piece {
 void for_each_piece(Reader& reader, const std::function<void(const Piece&)>& visit) {
   const FileInfo& info = reader.info();
   const PositionFields position = position_fields(info.schema, info.path.string());
-  std::vector<std::byte> records(kPiece * info.schema.stride);
-  std::vector<double> x(kPiece), y(kPiece), z(kPiece);
+  const std::size_t most = std::min<std::uint64_t>(kPiece, info.count);
+  std::vector<std::byte> records(most * info.schema.stride);
+  std::vector<double> x(most), y(most), z(most);
   for (std::uint64_t row = 0; row < info.count;) {
     const std::size_t count = reader.read(row, records);
     if (count == 0)
