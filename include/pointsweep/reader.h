@@ -31,6 +31,9 @@ struct POINTSWEEP_EXPORT FormatExtras {
   virtual ~FormatExtras() = default;
   /// The name of the format, "las". One name stands for one class.
   virtual std::string_view format() const = 0;
+  /// Returns whether these extras of an input after the first tell a writer the same as `other`, those of another such
+  /// input of this format: then it gets only one of both.
+  virtual bool is_like(const FormatExtras& other) const { return this == &other; }
 };
 
 /// Statements of a header about the points, as the file has them. They may be wrong.

@@ -64,7 +64,7 @@ struct OutputPlan {
   std::shared_ptr<const LasOrigin> las = nullptr;
   /// The known ranges of the values of the input's fields, which are the first of `schema`; null: only types are known.
   std::shared_ptr<const KnownValues> values = nullptr;
-  /// The extras of the inputs after the first.
+  /// The extras of the inputs after the first; of some that are alike (FormatExtras::is_like), one may stand for all.
   std::vector<std::shared_ptr<const FormatExtras>> other_extras = {};
   /// The attributes in `schema` that operators made: formats that describe attributes take the meaning from here.
   std::vector<Attribute> made = {};

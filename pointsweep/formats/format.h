@@ -88,7 +88,8 @@ struct Format {
   /// the number of points read; it may throw.
   KnownValues (*values)(InputCloud& cloud, const FileLayout& layout,
                         const std::function<void(std::uint64_t rows)>& progress) = nullptr;
-
+  /// Returns whether values() reads the points of the cloud; null where values() is.
+  bool (*values_need_points)(const InputCloud& cloud, const FileLayout& layout) = nullptr;
   /// Returns how the output of a plan rounds coordinates; none where it holds them as they come. Null: its outputs hold
   /// all coordinates as they come.
   StoredCoordinate (*stored_coordinate)(const OutputPlan& plan) = nullptr;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// LAS files of different point formats, scales and extra bytes as one LAS file, and LAS -> PLY -> LAS.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -489,6 +490,19 @@ TEST(LasThroughPly, RealFilesComeBackWithTheSamePoints) {
     expect_points({path}, out, 1e-9);
     if (HasFailure()) return;
   }
+}
+
+TEST(LasMerge, TellsAWriterOnceOfFurtherInputsThatAreAlike) {
+  const TemporaryFolder folder;
+  const std::string one = las_test::descriptor("one", 1), two = las_test::descriptor("two", 1);
+  const std::vector<Kind> kinds = {{.format = 3}, {.format = 3, .extra = {one}}, {.format = 3, .extra = {two}},
+                                   {.format = 1}, {.format = 3, .minor = 4},     {.format = 3, .unnamed = 2}};
+  std::vector<fs::path> inputs;
+  for (unsigned i = 0; i < 4 * kinds.size(); ++i)
+    inputs.push_back(folder.write(fmt::format("{}.las", i), las_bytes(kinds[i % kinds.size()], i)));
+  EXPECT_EQ(InputCloud(inputs).other_extras().size(), kinds.size());
+  copy_points(inputs, folder / "out.las");
+  expect_points(inputs, decoded(folder / "out.las"), 1e-9);
 }
 
 }  // namespace

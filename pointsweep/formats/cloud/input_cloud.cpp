@@ -34,6 +34,13 @@ std::vector<std::unique_ptr<Reader>> open_all(const std::vector<std::filesystem:
   return readers;
 }
 
+using Extras = std::shared_ptr<const FormatExtras>;
+
+bool are_alike(const Extras& a, const Extras& b) {
+  if (a == nullptr || b == nullptr) return a == b;
+  return a->format() == b->format() && a->is_like(*b);
+}
+
 std::vector<FileState> states_of(const std::vector<std::filesystem::path>& paths) {
   return {paths.begin(), paths.end()};
 }
@@ -190,8 +197,14 @@ std::uint64_t InputCloud::input_row(std::uint64_t row) {
 std::shared_ptr<const FormatExtras> InputCloud::extras() const { return readers_.front()->info().extras; }
 
 std::vector<std::shared_ptr<const FormatExtras>> InputCloud::other_extras() const {
-  std::vector<std::shared_ptr<const FormatExtras>> others;
-  for (std::size_t i = 1; i < readers_.size(); ++i) others.push_back(readers_[i]->info().extras);
+  constexpr std::ptrdiff_t kCompared = 16;  // kinds of files in a folder are few
+  std::vector<Extras> others;
+  for (std::size_t i = 1; i < readers_.size(); ++i) {
+    const Extras& extras = readers_[i]->info().extras;
+    const auto compared = std::span(others).last(static_cast<std::size_t>(std::min(kCompared, std::ssize(others))));
+    if (std::ranges::none_of(compared, [&](const auto& other) { return are_alike(extras, other); }))
+      others.push_back(extras);
+  }
   return others;
 }
 

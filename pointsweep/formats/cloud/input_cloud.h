@@ -38,7 +38,7 @@ class InputCloud {
   const std::vector<std::unique_ptr<Reader>>& readers() const { return readers_; }
   /// Extras of the first input.
   std::shared_ptr<const FormatExtras> extras() const;
-  /// Extras of the inputs after the first.
+  /// Extras of the inputs after the first; one for those of neighbouring inputs that are alike (OutputPlan).
   std::vector<std::shared_ptr<const FormatExtras>> other_extras() const;
   /// Coordinate reference system that the user states, or else of the first input that states one.
   const std::optional<Crs>& crs() const { return crs_; }

@@ -154,6 +154,10 @@ KnownValues copc_values(InputCloud& cloud, const FileLayout& layout,
   return las_values(cloud, copc_file_layout(cloud.schema(), layout, "COPC"), progress);
 }
 
+bool copc_values_need_points(const InputCloud& cloud, const FileLayout& layout) {
+  return las_values_need_points(cloud, copc_file_layout(cloud.schema(), layout, "COPC"));
+}
+
 StoredCoordinate copc_stored_coordinate(const OutputPlan& plan) {
   return las_stored_coordinate(with_copc_layout(plan));
 }

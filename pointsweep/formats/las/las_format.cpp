@@ -62,6 +62,7 @@ const Format kLasFormat = {.name = "LAS",
                            .layout = kLayout,
                            .needs_bounds = needs_bounds,
                            .values = las_values,
+                           .values_need_points = las_values_need_points,
                            .stored_coordinate = las_stored_coordinate};
 
 const Format kLazFormat = {.name = "LAZ",
@@ -86,6 +87,7 @@ const Format kLazFormat = {.name = "LAZ",
                            .layout = kLayout,
                            .needs_bounds = needs_bounds,
                            .values = las_values,
+                           .values_need_points = las_values_need_points,
                            .stored_coordinate = las_stored_coordinate};
 
 const Format kCopcFormat = {.name = "COPC",
@@ -112,6 +114,7 @@ const Format kCopcFormat = {.name = "COPC",
                             .layout = kLayout,
                             .needs_bounds = needs_bounds,
                             .values = copc_values,
+                            .values_need_points = copc_values_need_points,
                             .stored_coordinate = copc_stored_coordinate};
 
 }  // namespace pointsweep

@@ -19,6 +19,9 @@ namespace pointsweep {
 /// gets the number of points read; it may throw.
 KnownValues las_values(InputCloud& cloud, const FileLayout& layout, const std::function<void(std::uint64_t)>& progress);
 
+/// Returns whether las_values() reads the cloud.
+bool las_values_need_points(const InputCloud& cloud, const FileLayout& layout);
+
 /// Returns how coordinates are rounded to the grid of the output.
 StoredCoordinate las_stored_coordinate(const OutputPlan& plan);
 
@@ -36,6 +39,7 @@ std::unique_ptr<Writer> create_copc_writer(const OutputPlan& plan);
 StoredCoordinate copc_stored_coordinate(const OutputPlan& plan);
 KnownValues copc_values(InputCloud& cloud, const FileLayout& layout,
                         const std::function<void(std::uint64_t)>& progress);
+bool copc_values_need_points(const InputCloud& cloud, const FileLayout& layout);
 /// Returns the least OutputPlan::encoder_bytes of that writer.
 std::uint64_t copc_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
 /// Returns Format::aside_bytes.

@@ -37,7 +37,7 @@ bool is_position_field(std::string_view name) { return name == "x" || name == "y
 class Builder {
  public:
   Builder(const OutputPlan& plan, LasPoints points)
-      : plan_(plan), points_(points), input_(extras_as<LasExtras>(plan.extras)) {
+      : plan_(plan), points_(points), parts_(parts_of(plan.extras)), input_(parts_.get()) {
     layout_.header = input_ != nullptr ? input_->header : new_las_header();
     if (input_ != nullptr) layout_.input = input_->file;
     layout_.from.stride = plan.schema.stride;
@@ -66,7 +66,13 @@ class Builder {
   }
 
  private:
-  static bool has_arrays(const LasExtras& input) {
+  /// Null for extras of another format.
+  static std::shared_ptr<const LasParts> parts_of(const std::shared_ptr<const FormatExtras>& extras) {
+    const LasExtras* const las = extras_as<LasExtras>(extras);
+    return las != nullptr ? las->parts() : nullptr;
+  }
+
+  static bool has_arrays(const LasParts& input) {
     return std::ranges::any_of(input.schema.fields, [](const Field& field) { return field.count > 1; });
   }
 
@@ -278,7 +284,7 @@ class Builder {
     LasHeader& header = layout_.header;
     int minor = las_minor_of(header.point_format);
     for (const auto& extras : plan_.other_extras) {
-      if (const LasExtras* other = extras_as<LasExtras>(extras)) minor = std::max<int>(minor, other->header.minor);
+      if (const LasExtras* other = extras_as<LasExtras>(extras)) minor = std::max<int>(minor, other->minor);
     }
     upgrade_las_header(header, minor);
     if (!plan_.las || !plan_.las->has_time) return;
@@ -415,7 +421,7 @@ class Builder {
     if (!las_has_waveforms(layout_.header.point_format)) return;
     for (const auto& extras : plan_.other_extras) {
       const LasExtras* other = extras_as<LasExtras>(extras);
-      if (other == nullptr || !las_has_waveforms(other->header.point_format)) continue;
+      if (other == nullptr || !las_has_waveforms(other->point_format)) continue;
       layout_.warnings.push_back(
           fmt::format("{}: waveforms of {} are not copied: only those of the first input are; its references to them "
                       "have no target.",
@@ -430,21 +436,18 @@ class Builder {
     inputs.insert(inputs.begin(), plan_.extras);
     for (const auto& extras : inputs) {
       const LasExtras* las = extras_as<LasExtras>(extras);
-      if (las == nullptr) continue;
-      std::uint32_t named = *las_record_length(las->header.point_format);
-      for (const Field& field : las->schema.fields)
-        named = std::max(named, field.offset + static_cast<std::uint32_t>(size_of(field.type)) * field.count);
-      if (named >= las->schema.stride) continue;
+      if (las == nullptr || las->unnamed_bytes == 0) continue;
       layout_.warnings.push_back(
           fmt::format("{}: {} bytes of each point of {} that nothing describes are left out, since the inputs differ.",
-                      plan_.path.string(), las->schema.stride - named, las->file->path().string()));
+                      plan_.path.string(), las->unnamed_bytes, las->file->path().string()));
       return;
     }
   }
 
   const OutputPlan& plan_;
   LasPoints points_;
-  const LasExtras* input_;
+  const std::shared_ptr<const LasParts> parts_;
+  const LasParts* const input_;  ///< of parts_; null unless the first input is LAS
   LasLayout layout_;
   ExtraBytesVlr vlr_;
   Crs added_crs_;          ///< to be stated in VLRs beside those of the input
@@ -465,7 +468,7 @@ bool las_keeps_scale(const PositionFields& p) {
   return fits(p.x) && fits(p.y) && fits(p.z);
 }
 
-bool las_begins_with_records_of(const LasExtras& input, const Schema& schema) {
+bool las_begins_with_records_of(const LasParts& input, const Schema& schema) {
   const std::vector<Field>& own = input.schema.fields;
   const std::vector<Field>& all = schema.fields;
   if (all.size() < own.size()) return false;
@@ -486,7 +489,7 @@ bool las_begins_with_records_of(const LasExtras& input, const Schema& schema) {
                      [&](const Field& f) { return f.offset >= input.schema.stride + longer; });
 }
 
-bool las_keeps_records(const LasExtras& input, const Schema& schema, const FileLayout& layout) {
+bool las_keeps_records(const LasParts& input, const Schema& schema, const FileLayout& layout) {
   return las_begins_with_records_of(input, schema) &&
          layout.point_format.value_or(input.header.point_format) == input.header.point_format;
 }

@@ -69,10 +69,10 @@ LasLayout lay_out_las(const OutputPlan& plan, LasPoints points = LasPoints::plai
 
 /// True if `schema` begins with the records of `input`, whose coordinates may have another scale and offset or be real
 /// numbers that stand first in the record.
-bool las_begins_with_records_of(const LasExtras& input, const Schema& schema);
+bool las_begins_with_records_of(const LasParts& input, const Schema& schema);
 
 /// True if records of `schema` are written as those of `input`, since the user asks for no other point format.
-bool las_keeps_records(const LasExtras& input, const Schema& schema, const FileLayout& layout);
+bool las_keeps_records(const LasParts& input, const Schema& schema, const FileLayout& layout);
 
 /// Returns the point formats to choose from. `from_las`: an input is or was LAS.
 LasChoice las_choice(const FileLayout& layout, bool from_las);
@@ -90,7 +90,7 @@ struct LasDescriptions {
 
 /// Sets pieces and VLRs of the layout, and what the header says of them. `input`: null unless the input is LAS. The
 /// record length of the header is that of the output.
-void place_las_pieces(const OutputPlan& plan, LasPoints points, const LasExtras* input,
+void place_las_pieces(const OutputPlan& plan, LasPoints points, const LasParts* input,
                       const LasDescriptions& descriptions, LasLayout& layout);
 
 }  // namespace pointsweep

@@ -18,7 +18,7 @@ namespace {
 
 class PiecePlacer {
  public:
-  PiecePlacer(const OutputPlan& plan, LasPoints points, const LasExtras* input, const LasDescriptions& descriptions,
+  PiecePlacer(const OutputPlan& plan, LasPoints points, const LasParts* input, const LasDescriptions& descriptions,
               LasLayout& layout)
       : plan_(plan), points_(points), input_(input), descriptions_(descriptions), layout_(layout) {}
 
@@ -177,14 +177,14 @@ class PiecePlacer {
 
   const OutputPlan& plan_;
   const LasPoints points_;
-  const LasExtras* const input_;
+  const LasParts* const input_;
   const LasDescriptions& descriptions_;
   LasLayout& layout_;
 };
 
 }  // namespace
 
-void place_las_pieces(const OutputPlan& plan, LasPoints points, const LasExtras* input,
+void place_las_pieces(const OutputPlan& plan, LasPoints points, const LasParts* input,
                       const LasDescriptions& descriptions, LasLayout& layout) {
   PiecePlacer(plan, points, input, descriptions, layout).place();
 }

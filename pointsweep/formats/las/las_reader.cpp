@@ -32,38 +32,38 @@ LasHeader read_header(const InputFile& file, const std::string& path, std::vecto
 }
 
 /// Returns the chain of EVLRs after the points, if the header states a possible one.
-LasVlrChain walk_evlrs(const LasExtras& extras, std::vector<std::string>& warnings) {
-  const LasHeader& header = extras.header;
+LasVlrChain walk_evlrs(const LasParts& parts, std::vector<std::string>& warnings) {
+  const LasHeader& header = parts.header;
   if (header.minor < 4 || header.evlr_count == 0) return {};
-  if (header.evlr_start < extras.points_end || header.evlr_start > extras.file->size()) {
+  if (header.evlr_start < parts.points_end || header.evlr_start > parts.file->size()) {
     warnings.push_back(
         fmt::format("the extended VLRs cannot begin at byte {}: they were not read, but are kept.", header.evlr_start));
     return {};
   }
-  return walk_las_vlrs(*extras.file, LasVlrKind::evlr, header.evlr_start, extras.file->size(), header.evlr_count,
+  return walk_las_vlrs(*parts.file, LasVlrKind::evlr, header.evlr_start, parts.file->size(), header.evlr_count,
                        warnings);
 }
 
-void read_extra_bytes(LasExtras& extras, const LasVlr& vlr, std::vector<std::string>& warnings) {
+void read_extra_bytes(LasParts& parts, const LasVlr& vlr, std::vector<std::string>& warnings) {
   std::optional<std::string> reason;
   if (vlr.length > kMaxExtraBytes * kExtraBytesDescriptor) {
     reason = fmt::format("its {} bytes are more than a VLR can hold", vlr.length);
   } else {
-    extras.extra_bytes.resize(static_cast<std::size_t>(vlr.length));
-    extras.file->read_at(vlr.content, extras.extra_bytes);
-    reason = append_extra_bytes(extras.extra_bytes, extras.header.record_length, extras.schema);
+    parts.extra_bytes.resize(static_cast<std::size_t>(vlr.length));
+    parts.file->read_at(vlr.content, parts.extra_bytes);
+    reason = append_extra_bytes(parts.extra_bytes, parts.header.record_length, parts.schema);
   }
   if (!reason) return;
-  extras.extra_bytes.clear();
+  parts.extra_bytes.clear();
   warnings.push_back(fmt::format("the extra-bytes VLR at byte {} was ignored: {}.", vlr.start, *reason));
 }
 
-void read_provenance(LasExtras& extras, const LasVlr& vlr) {
+void read_provenance(LasParts& parts, const LasVlr& vlr) {
   std::string text(static_cast<std::size_t>(vlr.length), '\0');
-  extras.file->read_at(vlr.content, std::as_writable_bytes(std::span(text)));
+  parts.file->read_at(vlr.content, std::as_writable_bytes(std::span(text)));
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)
-    if (auto found = provenance_line(line)) extras.provenance.push_back(std::move(*found));
+    if (auto found = provenance_line(line)) parts.provenance.push_back(std::move(*found));
 }
 
 /// Returns the byte after the points. The header does not state the end of compressed points: they take all bytes
@@ -74,34 +74,34 @@ std::uint64_t end_of_points(const LasHeader& header, std::uint64_t file_size) {
   return has_evlrs ? std::min(header.evlr_start, file_size) : file_size;
 }
 
-void warn_of_bytes_behind(const LasExtras& extras, std::vector<std::string>& warnings) {
-  const std::uint64_t behind = extras.file->size() - extras.points_end;
-  const LasHeader& header = extras.header;
+void warn_of_bytes_behind(const LasParts& parts, std::vector<std::string>& warnings) {
+  const std::uint64_t behind = parts.file->size() - parts.points_end;
+  const LasHeader& header = parts.header;
   const bool explained = header.evlr_count != 0 || header.waveform_start != 0 || point_count(header) == 0;
   if (behind != 0 && !explained) {
     warnings.push_back(fmt::format("{} bytes of unknown meaning follow the last point; they are kept.", behind));
   }
 }
 
-std::shared_ptr<LasExtras> read_extras(const std::filesystem::path& path, std::vector<std::string>& warnings) {
-  auto extras = std::make_shared<LasExtras>();
-  extras->file = std::make_shared<const InputFile>(path);
-  extras->header = read_header(*extras->file, path.string(), warnings);
-  const LasHeader& header = extras->header;
-  extras->schema = las_point_schema(header.point_format, header.scale, header.offset);
-  extras->points_end = end_of_points(header, extras->file->size());
-  extras->vlrs = walk_las_vlrs(*extras->file, LasVlrKind::vlr, header.header_size, header.offset_to_points,
+std::shared_ptr<LasParts> read_parts(const std::shared_ptr<const InputFile>& file, std::vector<std::string>& warnings) {
+  auto parts = std::make_shared<LasParts>();
+  parts->file = file;
+  parts->header = read_header(*file, file->path().string(), warnings);
+  const LasHeader& header = parts->header;
+  parts->schema = las_point_schema(header.point_format, header.scale, header.offset);
+  parts->points_end = end_of_points(header, parts->file->size());
+  parts->vlrs = walk_las_vlrs(*parts->file, LasVlrKind::vlr, header.header_size, header.offset_to_points,
                                header.vlr_count, warnings);
-  extras->evlrs = walk_evlrs(*extras, warnings);
-  const LasVlrChain& evlrs = extras->evlrs;
-  extras->crs = read_las_crs(*extras->file, header, extras->vlrs, evlrs);
-  extras->crs_in_evlrs = !evlrs.projection.empty();
-  const std::optional<LasVlr> vlr = extras->vlrs.extra_bytes ? extras->vlrs.extra_bytes : evlrs.extra_bytes;
-  if (vlr) read_extra_bytes(*extras, *vlr, warnings);
-  for (const LasVlr& record : extras->vlrs.provenance) read_provenance(*extras, record);
-  extras->schema.stride = header.record_length;
-  warn_of_bytes_behind(*extras, warnings);
-  return extras;
+  parts->evlrs = walk_evlrs(*parts, warnings);
+  const LasVlrChain& evlrs = parts->evlrs;
+  parts->crs = read_las_crs(*parts->file, header, parts->vlrs, evlrs);
+  parts->crs_in_evlrs = !evlrs.projection.empty();
+  const std::optional<LasVlr> vlr = parts->vlrs.extra_bytes ? parts->vlrs.extra_bytes : evlrs.extra_bytes;
+  if (vlr) read_extra_bytes(*parts, *vlr, warnings);
+  for (const LasVlr& record : parts->vlrs.provenance) read_provenance(*parts, record);
+  parts->schema.stride = header.record_length;
+  warn_of_bytes_behind(*parts, warnings);
+  return parts;
 }
 
 LasOrigin origin_of(const LasHeader& header) {
@@ -122,15 +122,28 @@ HeaderClaims claims_of(const LasHeader& header) {
   return claims;
 }
 
-FileInfo info_of(const std::shared_ptr<const LasExtras>& extras, std::vector<std::string> warnings) {
-  const LasHeader& header = extras->header;
+std::shared_ptr<const LasExtras> extras_of(const LasParts& parts) {
+  auto extras = std::make_shared<LasExtras>();
+  extras->file = parts.file;
+  extras->minor = parts.header.minor;
+  extras->point_format = parts.header.point_format;
+  std::uint32_t named = *las_record_length(parts.header.point_format);
+  for (const Field& field : parts.schema.fields)
+    named = std::max(named, field.offset + static_cast<std::uint32_t>(size_of(field.type)) * field.count);
+  extras->unnamed_bytes = parts.schema.stride - std::min(named, parts.schema.stride);
+  extras->extra_bytes = parts.extra_bytes;
+  return extras;
+}
+
+FileInfo info_of(const LasParts& parts, std::vector<std::string> warnings) {
+  const LasHeader& header = parts.header;
   FileInfo info;
-  info.path = extras->file->path();
+  info.path = parts.file->path();
   info.format =
       fmt::format("{} 1.{} point format {}", header.is_compressed ? "LAZ" : "LAS", header.minor, header.point_format);
-  info.schema = extras->schema;
+  info.schema = parts.schema;
   info.count = point_count(header);
-  info.bytes = extras->file->size();
+  info.bytes = parts.file->size();
   const Box& box = header.bounds;
   if (info.count != 0 && is_finite(box.lo) && is_finite(box.hi) && box.lo.x <= box.hi.x && box.lo.y <= box.hi.y &&
       box.lo.z <= box.hi.z) {
@@ -139,37 +152,37 @@ FileInfo info_of(const std::shared_ptr<const LasExtras>& extras, std::vector<std
   info.claims = claims_of(header);
   info.z_is_up = true;
   info.warnings = std::move(warnings);
-  info.extras = extras;
-  info.crs = extras->crs;
+  info.extras = extras_of(parts);
+  info.crs = parts.crs;
   info.las = std::make_shared<const LasOrigin>(origin_of(header));
-  info.provenance = extras->provenance;
+  info.provenance = parts.provenance;
   return info;
 }
 
 class LasReader final : public ColumnsReader {
  public:
-  LasReader(const std::shared_ptr<const LasExtras>& extras, std::vector<std::string> warnings) {
-    info_ = info_of(extras, std::move(warnings));
-    has_records(extras->file, extras->header.offset_to_points);
+  LasReader(const LasParts& parts, std::vector<std::string> warnings) {
+    info_ = info_of(parts, std::move(warnings));
+    has_records(parts.file, parts.header.offset_to_points);
   }
 };
 
-LazPoints open_compressed(const LasExtras& extras) {
-  const std::string path = extras.file->path().string();
-  const LasHeader& header = extras.header;
-  if (!extras.vlrs.laszip)
+LazPoints open_compressed(const LasParts& parts) {
+  const std::string path = parts.file->path().string();
+  const LasHeader& header = parts.header;
+  if (!parts.vlrs.laszip)
     fail("{}: says that it is compressed (byte 104), but has no LASzip VLR; copy or export it again.", path);
-  std::vector<std::byte> vlr(static_cast<std::size_t>(std::min<std::uint64_t>(extras.vlrs.laszip->length, 1u << 16)));
-  extras.file->read_at(extras.vlrs.laszip->content, vlr);
-  return {extras.file, vlr, header.offset_to_points, point_count(header), header.record_length};
+  std::vector<std::byte> vlr(static_cast<std::size_t>(std::min<std::uint64_t>(parts.vlrs.laszip->length, 1u << 16)));
+  parts.file->read_at(parts.vlrs.laszip->content, vlr);
+  return {parts.file, vlr, header.offset_to_points, point_count(header), header.record_length};
 }
 
 /// None for a file that is no COPC.
-CopcChunks copc_nodes(const LasExtras& extras, const LazPoints& points, std::vector<std::string>& warnings) {
-  const std::optional<LasVlr>& info = extras.vlrs.copc;
+CopcChunks copc_nodes(const LasParts& parts, const LazPoints& points, std::vector<std::string>& warnings) {
+  const std::optional<LasVlr>& info = parts.vlrs.copc;
   if (!info || info->length != kCopcInfoBytes) return {};
   std::string why_not;
-  CopcChunks nodes = read_copc_nodes(*extras.file, info->content, points, why_not);
+  CopcChunks nodes = read_copc_nodes(*parts.file, info->content, points, why_not);
   if (!why_not.empty()) warnings.push_back(fmt::format("the hierarchy of the COPC file was ignored: {}.", why_not));
   return nodes;
 }
@@ -177,9 +190,9 @@ CopcChunks copc_nodes(const LasExtras& extras, const LazPoints& points, std::vec
 /// The chunks are those of the file.
 class LazReader final : public Reader {
  public:
-  LazReader(const std::shared_ptr<const LasExtras>& extras, std::vector<std::string> warnings)
-      : points_(open_compressed(*extras)), nodes_(copc_nodes(*extras, points_, warnings)) {
-    info_ = info_of(extras, std::move(warnings));
+  LazReader(const LasParts& parts, std::vector<std::string> warnings)
+      : points_(open_compressed(parts)), nodes_(copc_nodes(parts, points_, warnings)) {
+    info_ = info_of(parts, std::move(warnings));
     constexpr std::uint64_t kDecoderBytes =
         3 << 20;  // buffers, layers and models; an estimate from the peak memory of runs
     info_.decoder_bytes = kDecoderBytes;
@@ -224,11 +237,22 @@ class LazReader final : public Reader {
 
 }  // namespace
 
+bool LasExtras::is_like(const FormatExtras& other) const {
+  const auto& las = static_cast<const LasExtras&>(other);
+  return minor == las.minor && point_format == las.point_format && unnamed_bytes == las.unnamed_bytes &&
+         extra_bytes == las.extra_bytes;
+}
+
+std::shared_ptr<const LasParts> LasExtras::parts() const {
+  std::vector<std::string> told;  // of the reader
+  return read_parts(file, told);
+}
+
 std::unique_ptr<Reader> open_las(const std::filesystem::path& path) {
   std::vector<std::string> warnings;
-  const std::shared_ptr<const LasExtras> extras = read_extras(path, warnings);
-  if (extras->header.is_compressed) return std::make_unique<LazReader>(extras, std::move(warnings));
-  return std::make_unique<LasReader>(extras, std::move(warnings));
+  const std::shared_ptr<const LasParts> parts = read_parts(std::make_shared<const InputFile>(path), warnings);
+  if (parts->header.is_compressed) return std::make_unique<LazReader>(*parts, std::move(warnings));
+  return std::make_unique<LasReader>(*parts, std::move(warnings));
 }
 
 }  // namespace pointsweep

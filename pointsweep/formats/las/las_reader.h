@@ -17,12 +17,9 @@
 
 namespace pointsweep {
 
-/// All of a LAS file that is not points, for a LAS writer. Only the header is in memory; VLRs, EVLRs and bytes of
-/// unknown meaning are copied from the file, which stays open for that.
-struct LasExtras final : FormatExtras {
-  static constexpr std::string_view kFormat = "las";
-  std::string_view format() const override { return kFormat; }
-
+/// All of a LAS file that is not points. Only the header is in memory; VLRs, EVLRs and bytes of unknown meaning are
+/// copied from the file.
+struct LasParts {
   std::shared_ptr<const InputFile> file;
   LasHeader header;
   Schema schema;                        ///< of the point records
@@ -33,6 +30,21 @@ struct LasExtras final : FormatExtras {
   std::optional<Crs> crs;               ///< what VLRs or extended VLRs state
   bool crs_in_evlrs = false;            ///< an extended VLR states a system
   std::vector<std::string> provenance;  ///< lines of its VLRs that say how the file was made
+};
+
+/// The part of a LAS input that its writer is told of. There may be very many inputs, so parts() reads most of it when
+/// it is asked for.
+struct LasExtras final : FormatExtras {
+  static constexpr std::string_view kFormat = "las";
+  std::string_view format() const override { return kFormat; }
+  bool is_like(const FormatExtras& other) const override;
+
+  std::shared_ptr<const LasParts> parts() const;
+
+  std::shared_ptr<const InputFile> file;
+  std::uint8_t minor = 4, point_format = 0;  ///< as in LasHeader
+  std::uint32_t unnamed_bytes = 0;           ///< at the end of a record, which nothing describes
+  std::vector<std::byte> extra_bytes;        ///< LasParts::extra_bytes
 };
 
 /// Throws Error in one sentence for a file that is not LAS, truncated, or contradicts itself, and for a compressed one

@@ -89,25 +89,46 @@ bool are_double(const PositionFields& p) {
   return is_double(p.x) && is_double(p.y) && is_double(p.z);
 }
 
+/// The facts about all points that an output needs to know before its first record.
+struct Sought {
+  std::vector<std::size_t> fields;  ///< whose values decide where they are stored
+  Look::For coordinates = Look::For::nothing;
+};
+
+bool all_are_las(const InputCloud& cloud) {
+  return std::all_of(cloud.readers().begin(), cloud.readers().end(), is_las);
+}
+
+Sought sought_in(const InputCloud& cloud, const FileLayout& layout) {
+  Sought sought;
+  const bool from_las = cloud.las() != nullptr;
+  const PositionFields positions = position_fields(cloud.schema(), "the input");
+  const std::shared_ptr<const FormatExtras> extras = cloud.extras();
+  const auto* const first = extras_as<LasExtras>(extras);
+  if (first == nullptr || !las_keeps_records(*first->parts(), cloud.schema(), layout))
+    sought.fields = undecided_las_fields(cloud.schema(), cloud.ranges(), las_choice(layout, from_las));
+  if (las_keeps_scale(positions)) return sought;
+  if (!from_las && are_double(positions)) sought.coordinates = Look::For::decimals;
+  if (from_las && !all_are_las(cloud)) sought.coordinates = Look::For::grid;
+  return sought;
+}
+
 }  // namespace
+
+bool las_values_need_points(const InputCloud& cloud, const FileLayout& layout) {
+  const Sought sought = sought_in(cloud, layout);
+  return !sought.fields.empty() || sought.coordinates != Look::For::nothing;
+}
 
 KnownValues las_values(InputCloud& cloud, const FileLayout& layout,
                        const std::function<void(std::uint64_t)>& progress) {
   KnownValues values{cloud.ranges()};
-  const bool from_las = cloud.las() != nullptr;
+  const Sought sought = sought_in(cloud, layout);
   const PositionFields positions = position_fields(cloud.schema(), "the input");
   const bool real = !las_keeps_scale(positions);
-  values.rounds = real && std::all_of(cloud.readers().begin(), cloud.readers().end(), is_las);
-  values.by_decimals = real && !from_las && are_double(positions);
-  std::vector<std::size_t> fields;
-  const std::shared_ptr<const FormatExtras> extras = cloud.extras();
-  const auto* const first = extras_as<LasExtras>(extras);
-  if (first == nullptr || !las_keeps_records(*first, cloud.schema(), layout))
-    fields = undecided_las_fields(cloud.schema(), values.ranges, las_choice(layout, from_las));
-  const auto coordinates = values.by_decimals                   ? Look::For::decimals
-                           : real && from_las && !values.rounds ? Look::For::grid
-                                                                : Look::For::nothing;
-  Look look(cloud, values, fields, coordinates);
+  values.rounds = real && all_are_las(cloud);
+  values.by_decimals = sought.coordinates == Look::For::decimals;
+  Look look(cloud, values, sought.fields, sought.coordinates);
   look.run(progress);
   values.grid = !real ? grid_of(positions) : values.rounds ? cloud.las()->grid : look.grid();
   return values;

@@ -41,6 +41,9 @@ struct PcdHeader {
 struct PcdExtras final : FormatExtras {
   static constexpr std::string_view kFormat = "pcd";
   std::string_view format() const override { return kFormat; }
+  bool is_like(const FormatExtras& other) const override {
+    return viewpoint == static_cast<const PcdExtras&>(other).viewpoint;
+  }
 
   std::string viewpoint;  ///< PcdHeader::viewpoint if it is whole
 };

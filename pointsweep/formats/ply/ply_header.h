@@ -41,6 +41,7 @@ struct PlyElement {
 struct PlyExtras final : FormatExtras {
   static constexpr std::string_view kFormat = "ply";
   std::string_view format() const override { return kFormat; }
+  bool is_like(const FormatExtras&) const override { return true; }  // the lines of the first input are kept
 
   std::vector<std::string> lines;
   std::vector<std::string> provenance;  ///< what of them says how the file was made

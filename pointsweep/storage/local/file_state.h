@@ -22,7 +22,7 @@ class FileState {
   std::string text() const;
 
  private:
-  std::filesystem::path path_;
+  std::string path_;  ///< a fourth of the memory of a path
   bool known_ = false;
   std::uint64_t device_ = 0, inode_ = 0, size_ = 0;
   std::int64_t seconds_ = 0, nanoseconds_ = 0;  ///< of the last change of its content

@@ -119,7 +119,7 @@ void InputFile::reopen() const {
   if (!known || static_cast<std::uint64_t>(status.st_dev) != device_ ||
       static_cast<std::uint64_t>(status.st_ino) != inode_)
     fail("{}: was replaced by another file while it was read; run again when no other program writes there.",
-         path_.string());
+         path_);
   ::posix_fadvise(file.number(), 0, 0, POSIX_FADV_SEQUENTIAL);
   file_ = std::move(file);
   place_ = open_files().files.insert(open_files().files.begin(), this);
@@ -134,7 +134,7 @@ InputFile::~InputFile() {
 void InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
   if (read_some(offset, bytes) < bytes.size()) {
     fail("{}: ends before byte {}; it has become shorter since it was opened, so run again once it is complete.",
-         path_.string(), offset + bytes.size());
+         path_, offset + bytes.size());
   }
 }
 
@@ -143,7 +143,7 @@ std::size_t InputFile::read_some(std::uint64_t offset, std::span<std::byte> byte
   const Lease lease(*this);
   const auto [done, error] = file_.read_at(offset, bytes);
   if (error != 0)
-    fail("{}: cannot be read at byte {}: {}; check the disk or the network it lies on.", path_.string(), offset + done,
+    fail("{}: cannot be read at byte {}: {}; check the disk or the network it lies on.", path_, offset + done,
          std::generic_category().message(error));
   return done;
 }
