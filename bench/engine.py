@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The engine against itself, file to file: threads, memory, orders, chains, instruction sets, files, the paper's algorithm.
+"""The engine against itself, file to file: threads, memory, orders, chains, statistics, instruction sets, files, the paper's algorithm.
 
 Whole processes taken in turn. Rows of one answer must have the same bytes before their times count. Ratios are medians
 of those of each turn, to the row named. Search and operators: their sum over threads, divided by the threads."""
@@ -77,12 +77,21 @@ def instruction_sets(options, cloud):
     return [Case("normals", tool(options, "normals", cloud, "-k", 8), timed=False), *cases]
 
 
+def statistics(options, cloud):
+    """Statistics of the neighbours, beside the normals that find as many."""
+    every = ["z_mean", "z_median", "z_range", "z_deviation", "z_majority", "count"]
+    return [Case("normals -k 16", tool(options, "normals", cloud, "-k", 16), answer="normals"),
+            *(Case(f"statistics({one}) -k 16", tool(options, "run", cloud, "--pipeline", f"knn(k=16) | statistics({one})"), over="normals -k 16", answer=one) for one in every)]
+
+
 def copies(options, cloud):
-    """The files as bytes, which is the measure, and point by point, which must come to the same bytes."""
-    program, plain = options.build / "bench/copy_points", f"{cloud.suffix[1:]}: bytes, 4 MB at a time"
+    """The files as bytes, and point by point, which must come to the same bytes. `convert` is compared with the reader and the writer alone."""
+    program, suffix = options.build / "bench/copy_points", cloud.suffix[1:]
+    plain, alone = f"{suffix}: bytes, 4 MB at a time", f"{suffix}: reader and writer"
     return [Case(plain, lambda output: [program, "--plain", cloud, output], tool=False),
-            Case(f"{cloud.suffix[1:]}: cp", lambda output: ["cp", cloud, output], over=plain, tool=False),
-            Case(f"{cloud.suffix[1:]}: reader and writer", lambda output: [program, cloud, output], over=plain, tool=False)]
+            Case(f"{suffix}: cp", lambda output: ["cp", cloud, output], over=plain, tool=False),
+            Case(alone, lambda output: [program, cloud, output], over=plain, tool=False),
+            Case(f"{suffix}: convert", tool(options, "convert", cloud, "--no-provenance"), over=alone)]
 
 
 def reference(options, cloud):
@@ -94,7 +103,7 @@ def reference(options, cloud):
                  check=turns.compare_normals(options))]
 
 
-PARTS = {"threads": threads, "memory": memory, "chains": chains, "sets": instruction_sets, "copies": copies, "reference": reference}
+PARTS = {"threads": threads, "memory": memory, "chains": chains, "statistics": statistics, "sets": instruction_sets, "copies": copies, "reference": reference}
 
 
 def measure(options, part, size):
