@@ -46,7 +46,7 @@ enum class Nonfinite : std::uint8_t {
 
 struct Progress {
   const char* phase;   ///< "checking" (for nonfinite points), "decoding", "ordering", "sweeping", "updating" (from one
-                       ///< sweep to the next) or "writing"
+                       ///< sweep to the next), "writing" or "completing" (of an output that is divided among files)
   std::uint64_t done;  ///< points
   std::uint64_t total;
   std::uint64_t active;  ///< points in the window, while sweeping

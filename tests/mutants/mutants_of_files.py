@@ -102,7 +102,7 @@ MUTANTS = [
     Mutant("a run ended at once leaves its unfinished output", "files", "pointsweep/storage/local/output_file.cpp",
            "leftover_.emplace(part_);", "", ("cli:Interrupt.*", "storage:OutputFile.*")),
     Mutant("the folder of many outputs is listed for each of them", "files", "pointsweep/storage/local/unfinished_output.cpp",
-           "if (cleared().targets.contains(target)) return;", "", ("storage:ManyOutputs.*", "pipeline:Tiles.*")),
+           "if (is_cleared(folder, own)) return;", "", ("storage:ManyOutputs.*", "pipeline:Tiles.*")),
     Mutant("a run ended at once leaves its temporary folder", "files", "pointsweep/storage/local/temp_folder.cpp",
            "leftover_.emplace(path_);", "", ("cli:Interrupt.*", "storage:TempFolders.*")),
 

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 /// Inputs that are decoded once: whatever a run does, each row is decoded once, and results do not change.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <filesystem>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <random>
@@ -189,6 +193,72 @@ TEST_F(InputDecodedOnce, LeavesNothingInTheFolderOfARunThatIsResumed) {
   plainly.provenance = false;
   EXPECT_EQ(bytes_of(slow, "normals", resuming, ".ply"), bytes_of(plain, "normals", plainly, ".ply"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "work"));
+}
+
+TEST_F(InputDecodedOnce, OfManyFilesTakesOneOpenFile) {
+  SlowReader::Counts once, often;
+  std::vector<std::unique_ptr<Reader>> slow, plain;
+  for (int i = 0; i < 50; ++i) {
+    slow.push_back(std::make_unique<SlowReader>(once, Decoding::once, i % 2 == 0));
+    plain.push_back(std::make_unique<SlowReader>(often, Decoding::each_time, true));
+  }
+  InputCloud slow_cloud(std::move(slow)), plain_cloud(std::move(plain));
+  const auto open_files = [] {
+    const std::filesystem::directory_iterator all("/proc/self/fd");
+    return std::distance(begin(all), end(all));
+  };
+  const auto before = open_files();
+  std::ptrdiff_t most = 0;
+  Watching watching([&](const Progress& progress) {
+    if (progress.phase == std::string("decoding")) most = std::max(most, open_files() - before);
+  });
+  EngineOptions options;
+  options.observer = &watching;
+  const std::string bytes = bytes_of(slow_cloud, "unique", options, ".ply");
+  EXPECT_GT(most, 0);
+  EXPECT_LT(most, 10);
+  EXPECT_EQ(once.decoded, 50 * kRows);
+  options.observer = nullptr;
+  EXPECT_EQ(bytes, bytes_of(plain_cloud, "unique", options, ".ply"));
+}
+
+TEST_F(InputDecodedOnce, OfSeveralDamagedFilesNamesTheFirst) {
+  for (int turn = 0; turn < 20; ++turn) {
+    std::vector<SlowReader::Counts> counts(10);
+    std::vector<std::unique_ptr<Reader>> readers;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      if (i > 2) counts[i].fail_at = 100 * i;
+      readers.push_back(std::make_unique<SlowReader>(counts[i], Decoding::once, i % 3 != 0));
+    }
+    InputCloud cloud(std::move(readers));
+    EXPECT_THAT(sentence_of<Error>([&] { bytes_of(cloud, "normals", {}, ".ply"); }), testing::HasSubstr("row 300 is"));
+  }
+}
+
+TEST_F(InputDecodedOnce, IsNotPutAsideWhereItsRowsAreOnlyCopied) {
+  for (const bool side_by_side : {false, true})
+    for (const std::uint64_t memory : {0u, 40u << 20}) {
+      SlowReader::Counts once, often;
+      InputCloud slow = cloud_of(once, Decoding::once, side_by_side);
+      InputCloud plain = cloud_of(often, Decoding::each_time, side_by_side);
+      EngineOptions options;
+      options.overwrite = true;
+      options.resources.memory_bytes = memory;
+      const Outputs of_slow{.points = folder_ / "slow.ply"}, of_plain{.points = folder_ / "plain.ply"};
+      const Statistics copied = run(slow, Chain{}, of_slow, options);
+      run(plain, Chain{}, of_plain, options);
+      EXPECT_EQ(copied.bytes_spilled_decoding, 0u);
+      EXPECT_EQ(once.decoded, 2 * kRows);
+      EXPECT_EQ(content_of(of_slow.points), content_of(of_plain.points));
+      EXPECT_EQ(to_text(preview(slow, Chain{}, options, of_slow)).find("decoding"), std::string::npos);
+    }
+}
+
+TEST_F(InputDecodedOnce, IsPutAsideForACopyWhoseFormatNeedsTheBounds) {
+  SlowReader::Counts once;
+  InputCloud slow = cloud_of(once, Decoding::once, true);
+  const Statistics copied = run(slow, Chain{}, {.points = folder_ / "out.las"}, EngineOptions());
+  EXPECT_EQ(copied.bytes_spilled_decoding, 2 * kRows * 32);
 }
 
 TEST_F(InputDecodedOnce, IsNamedInADryRun) {

@@ -18,6 +18,7 @@
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/support/scratch_in_memory.h"
+#include "tests/support/watching.h"
 
 namespace pointsweep {
 namespace {
@@ -245,6 +246,26 @@ TEST_F(Division, WaitsInTheTemporaryFolderForTheSameFiles) {
     if (first.empty()) first = files;
     EXPECT_TRUE(files == first) << bytes;
     fs::remove_all(folder_ / "out");
+  }
+}
+
+TEST_F(Division, TellsHowManyPointsAreOnTheirWayIntoFilesWithAndWithoutBuffers) {
+  const fs::path file = input(false);
+  for (const double buffer : {0.0, 20.0}) {
+    std::vector<std::uint64_t> told;
+    Watching watching([&](const Progress& progress) {
+      if (progress.phase != std::string("completing")) return;
+      told.push_back(progress.done);
+      EXPECT_EQ(progress.total, points_);
+    });
+    EngineOptions options;
+    options.observer = &watching;
+    options.overwrite = true;
+    options.division = {.tile = kSize, .tile_buffer = buffer};
+    divide(file, "out/*.ply", options);
+    EXPECT_GT(told.size(), 10u);
+    EXPECT_TRUE(std::ranges::is_sorted(told));
+    EXPECT_EQ(told.back(), points_);
   }
 }
 

@@ -156,7 +156,8 @@ TEST(ManyOutputs, RemoveOnceWhatAKilledRunLeftAndTheirFilesDoNotLookForMore) {
   const auto is_left = [&](const std::string& output) { return std::filesystem::exists(left(output)); };
   for (const char* output : {"one", "b/two", "b/other"}) std::ofstream(left(output)) << "half";
   {
-    const ManyOutputs outputs({folder / "one", folder / "b/two", folder / "b/three.las"});
+    const std::vector<std::filesystem::path> files = {folder / "one", folder / "b/two", folder / "b/three.las"};
+    const ManyOutputs outputs(files.size(), [&](std::size_t i) { return files[i]; });
     EXPECT_FALSE(is_left("one"));
     EXPECT_FALSE(is_left("b/two"));
     EXPECT_TRUE(is_left("b/other"));

@@ -270,6 +270,32 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
   return fitting;
 }
 
+std::uint64_t open_input_bytes(const InputCloud& cloud) {
+  constexpr std::size_t kInFixedBytes = 100;  // inputs
+  constexpr std::uint64_t kInput = 4000;      // reader, path in several places, mapping; measured
+  constexpr std::uint64_t kFacts = 1300;      // of FileInfo, without what its vectors and texts hold
+  std::uint64_t bytes = 0;
+  for (std::size_t i = kInFixedBytes; i < cloud.readers().size(); ++i) {
+    const FileInfo& info = cloud.readers()[i]->info();
+    std::uint64_t held = info.schema.fields.size() * sizeof(Field);
+    for (const std::string& line : info.provenance) held += sizeof line + line.size();
+    if (info.crs) held += 2 * info.crs->wkt.size();
+    // The reader of decoded records has facts of its own.
+    bytes += kInput + held + (info.decode_once ? kFacts + held : 0);
+  }
+  return bytes;
+}
+
+void require_room_for_inputs(std::uint64_t budget, std::uint64_t open_bytes, const InputCloud& cloud) {
+  constexpr std::uint64_t kMega = 1 << 20;
+  const std::uint64_t needed = kFixedBytes + open_bytes;
+  if (open_bytes == 0 || needed <= budget) return;
+  fail(
+      "A memory budget of {} MB is too small for {} inputs, which take {} MB while they are open: give --memory {}M or "
+      "more.",
+      budget / kMega, cloud.readers().size(), open_bytes / kMega, (needed + kMega - 1) / kMega);
+}
+
 std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const RunOptions& options,
                           std::uint64_t record_bytes, unsigned threads) {
   std::uint64_t decoders = 0;  // a thread reads one input at a time
@@ -278,6 +304,13 @@ std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const
       decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));
   const std::uint64_t division = options.division.divides() ? kLeastDivisionBytes : 0;
   return decoders + encoder_bytes(outputs, record_bytes, threads) + division;
+}
+
+std::uint64_t once_decoder_bytes(const InputCloud& cloud, unsigned threads) {
+  std::uint64_t bytes = 0;
+  for (const auto& reader : cloud.readers())
+    if (reader->info().decode_once) bytes = std::max(bytes, reader->info().decoder_bytes * threads);
+  return bytes;
 }
 
 unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget) {

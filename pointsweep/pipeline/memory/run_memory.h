@@ -60,6 +60,12 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs = {},
                           const OnDemandOrder& on_demand = {"it was not looked for", {}});
 
+/// Returns the bytes that the inputs take while they are open, beyond those for which kFixedBytes has room: some kB for
+/// each file. To be called before they are decoded (DecodedInput).
+std::uint64_t open_input_bytes(const InputCloud& cloud);
+/// Throws Error if the budget has no room for so many bytes of open_input_bytes().
+void require_room_for_inputs(std::uint64_t budget, std::uint64_t open_bytes, const InputCloud& cloud);
+
 /// Returns the number of threads that the user asks for; without a wish, that of the machine.
 unsigned threads_asked_for(const EngineOptions& options);
 
@@ -71,6 +77,10 @@ unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, s
 /// threads, and the least that dividing them among files takes.
 std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const RunOptions& options,
                           std::uint64_t record_bytes, unsigned threads);
+
+/// Returns the bytes that decoding inputs of FileInfo::decode_once takes on `threads` threads, in a run that reads
+/// their rows once.
+std::uint64_t once_decoder_bytes(const InputCloud& cloud, unsigned threads);
 
 /// The part of it for encoding one output.
 std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, unsigned threads);

@@ -124,6 +124,7 @@ void DividedWriter::put(Key key, const std::byte* record, bool is_own) {
   if (is_new) files_.push_back({key});
   File& file = files_[known->second];
   ++file.all;
+  ++put_;
   if (is_own && file.own++ == 0 && ++with_points_ > kMostFiles && !plan_.overwrite)
     fail_usage("{}: more than {} files would be written; choose {}, or allow it (--force).",
                folder_of(plan_.path).string(), kMostFiles,
@@ -197,6 +198,13 @@ void DividedWriter::write_together(std::vector<Waiting>& waiting) {
   waiting.clear();
 }
 
+/// Reports how many of the points are done if so many of the records are, among which are those of buffers.
+void DividedWriter::report(std::uint64_t records) const {
+  if (!room_.progress) return;
+  const double share = static_cast<double>(records) / static_cast<double>(put_);
+  room_.progress(static_cast<std::uint64_t>(share * static_cast<double>(came_)));
+}
+
 void DividedWriter::write_files() {
   const std::uint64_t most_waiting = std::min(kMostWaitingBytes, room_.bytes / 4);
   const std::size_t record_bytes = plan_.schema.stride;
@@ -204,7 +212,9 @@ void DividedWriter::write_files() {
   std::uint64_t waiting_bytes = 0;
   std::unique_ptr<Writer> large;  // a file that is written as its records come
   std::uint64_t left = 0;         // records of the present file that have not come
+  std::uint64_t done = 0;
   records_->for_each([&](std::uint32_t number, std::span<const std::byte> records) {
+    report(done += records.size() / record_bytes);
     const File& file = files_[number];
     if (file.own == 0) return;  // there is no tile of nothing but a buffer
     const std::uint64_t bytes = file.all * record_bytes;
@@ -232,10 +242,8 @@ void DividedWriter::finish() {
   if (came_ != plan_.count)
     fail("{}: {} points were announced, but {} came; nothing was written.", plan_.path.string(), plan_.count, came_);
   require_possible();
-  std::vector<fs::path> paths;
-  for (std::uint32_t file = 0; file < files_.size(); ++file)
-    if (files_[file].own > 0) paths.push_back(path_of(file));
-  const ManyOutputs outputs(paths);
+  const ManyOutputs outputs(files_.size(),
+                            [this](std::size_t file) { return path_of(static_cast<std::uint32_t>(file)); });
   try {
     write_files();
   } catch (const UsageError&) {
@@ -244,7 +252,7 @@ void DividedWriter::finish() {
     throw;
   } catch (const Error& error) {
     if (complete_ == 0) throw;
-    fail("{} {} of {} outputs are complete and stay.", error.what(), complete_.load(), paths.size());
+    fail("{} {} of {} outputs are complete and stay.", error.what(), complete_.load(), with_points_);
   }
   for (const std::string& sentence : file_warnings_.sentences()) add_warning(sentence);
   const auto unplaced = file_of_.find({kUnplaced, 0});

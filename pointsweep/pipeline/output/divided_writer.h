@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -32,6 +33,8 @@ inline constexpr std::size_t kMostFiles = 10'000;
 struct DivisionRoom {
   std::uint64_t bytes = 0;   ///< memory, without what the encoders of the files take
   MakeScratch scratch = {};  ///< for what does not fit
+  /// Gets the number of points whose files are written, or about to be; may be empty, and may throw.
+  std::function<void(std::uint64_t points)> progress = {};
 };
 
 /// The least DivisionRoom::bytes.
@@ -82,6 +85,7 @@ class DividedWriter final : public Writer {
   OutputPlan plan_of(std::uint32_t file) const;
   void require_possible() const;
   void write_files();
+  void report(std::uint64_t records) const;
   void write_together(std::vector<Waiting>& waiting);
   void complete_large(Writer& writer, std::uint32_t file);
 
@@ -98,7 +102,7 @@ class DividedWriter final : public Writer {
   std::vector<Key> keys_;  ///< of the records that came last
   std::vector<File> files_;
   std::unordered_map<Key, std::uint32_t, KeyHash> file_of_;
-  std::uint64_t came_ = 0;
+  std::uint64_t came_ = 0, put_ = 0;  ///< records that came; those and their copies in buffers
   std::size_t with_points_ = 0;  ///< files that have points of their own
   std::atomic<std::size_t> complete_ = 0;
   OutputWarnings file_warnings_;

@@ -69,8 +69,8 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
                         .encoder_bytes = place.encoder_bytes,
                         .scratch = place.scratch};
   if (options.division.divides()) {
-    auto divided =
-        std::make_unique<DividedWriter>(plan, options.division, DivisionRoom{place.division_bytes, place.scratch});
+    auto divided = std::make_unique<DividedWriter>(
+        plan, options.division, DivisionRoom{place.division_bytes, place.scratch, place.completing});
     divided_ = divided.get();
     points_.add(std::move(divided));
   } else if (!outputs.points.empty()) {
@@ -140,13 +140,26 @@ void OutputSet::write_records(std::span<const std::byte> records) {
 }
 
 void OutputSet::write_inputs(std::uint64_t first_row, std::span<const std::byte> records) {
-  const std::size_t rows = records.size() / input_stride_;
-  inputs_.resize(rows * layout_.schema().stride);
-  for_each_task(rows, [&](std::size_t row, std::size_t n) {
-    layout_.assemble(records.data() + row * input_stride_, nullptr, n, inputs_.data() + row * layout_.schema().stride,
-                     {first_row + row});
-  });
+  assemble_inputs(first_row, records, inputs_);
   write_records(inputs_);
+}
+
+void OutputSet::write_piece(std::uint64_t first_row, std::vector<std::byte>& records) {
+  if (filled_ != 0) return write_inputs(first_row, records);
+  if (layout_.passes_inputs())
+    assembled_.swap(records);
+  else
+    assemble_inputs(first_row, records, assembled_);
+  write_assembled();
+}
+
+void OutputSet::assemble_inputs(std::uint64_t first_row, std::span<const std::byte> records,
+                                std::vector<std::byte>& to) const {
+  const std::size_t rows = records.size() / input_stride_, stride = layout_.schema().stride;
+  to.resize(rows * stride);
+  for_each_task(rows, [&](std::size_t row, std::size_t n) {
+    layout_.assemble(records.data() + row * input_stride_, nullptr, n, to.data() + row * stride, {first_row + row});
+  });
 }
 
 void OutputSet::write_filled() {

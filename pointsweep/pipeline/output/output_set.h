@@ -25,6 +25,7 @@ struct OutputPlace {
   std::uint64_t encoder_bytes = 0;            ///< OutputPlan::encoder_bytes
   std::uint64_t division_bytes = 0;           ///< DivisionRoom::bytes
   MakeScratch scratch = {};                   ///< OutputPlan::scratch
+  std::function<void(std::uint64_t)> completing = {};  ///< DivisionRoom::progress
 };
 
 class OutputSet {
@@ -43,6 +44,9 @@ class OutputSet {
   void write_records(std::span<const std::byte> records);
   /// Appends records of the input without made attributes. They are rows from `first_row` on, for messages.
   void write_inputs(std::uint64_t first_row, std::span<const std::byte> records);
+  /// Appends records like write_inputs(), as one piece that is large enough to be written by itself. The bytes that are
+  /// left in `records` have no meaning.
+  void write_piece(std::uint64_t first_row, std::vector<std::byte>& records);
   /// Returns when all rows that have come are in the files.
   void flush();
   /// Gives the files their names, unless the inputs have changed meanwhile.
@@ -58,6 +62,7 @@ class OutputSet {
     std::vector<std::byte> column;
   };
   std::size_t chunk_rows() const;
+  void assemble_inputs(std::uint64_t first_row, std::span<const std::byte> records, std::vector<std::byte>& to) const;
   void write_filled();
   void write_assembled();
 

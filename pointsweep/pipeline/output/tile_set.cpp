@@ -178,7 +178,9 @@ struct TileSet::Tile {
 };
 
 TileSet::TileSet(const TileRequest& request, FinishedTiles finished)
-    : request_(request), outputs_(request.outputs.tiles), finished_(std::move(finished)) {
+    : request_(request),
+      outputs_(request.outputs.tiles.size(), [&](std::size_t i) { return request.outputs.tiles[i]; }),
+      finished_(std::move(finished)) {
   std::uint64_t row = 0;
   for (const auto& reader : request.cloud.readers()) {
     first_row_.push_back(row);

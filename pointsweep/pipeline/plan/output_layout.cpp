@@ -178,6 +178,12 @@ void OutputLayout::require_held(const std::byte* inputs, const std::byte* result
   refused.throw_if_any();
 }
 
+bool OutputLayout::passes_inputs() const {
+  const bool whole = passed_.size() == 1 && passed_[0].from == 0 && passed_[0].to == 0 &&
+                     passed_[0].bytes == input_stride_ && input_stride_ == schema_.stride;
+  return whole && copies_.empty() && conversions_.empty() && retyped_.empty();
+}
+
 void OutputLayout::assemble(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs,
                             RowNumbers rows) const {
   require_held(inputs, results, n, rows);

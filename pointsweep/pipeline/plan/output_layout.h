@@ -36,6 +36,8 @@ class OutputLayout {
                std::optional<Type> positions = std::nullopt);
 
   const Schema& schema() const { return schema_; }
+  /// Returns whether records of the input are those of schema(), and nothing is made.
+  bool passes_inputs() const;
   /// `inputs` holds n records of the input, `results` n result records, `outputs` receives n records of schema().
   /// Throws RowError for the lowest row with a value that its field cannot hold.
   void assemble(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs,

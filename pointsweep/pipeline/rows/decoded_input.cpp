@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <mutex>
-#include <tuple>
+#include <span>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
@@ -15,26 +16,20 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kBatchBytes = 1 << 20;  ///< that a thread decodes before it writes them
+constexpr std::size_t kBatchBytes = 1 << 20;   ///< that a thread decodes before it writes them
+constexpr std::size_t kPiecesAtOnce = 1 << 12;  ///< that are listed before threads decode them
 
-/// The records of another reader, from a temporary file.
+std::uint64_t decoded_bytes(const FileInfo& info) { return info.decode_once ? info.count * info.schema.stride : 0; }
+
+/// The records of another reader, from their place in a temporary file.
 class DecodedReader final : public Reader {
  public:
-  using Progress = std::function<void(std::uint64_t rows)>;
-
-  /// Decodes all rows of `encoded` with up to `threads` threads; progress is told by one thread at a time how many rows
-  /// are done.
-  DecodedReader(Reader& encoded, const SpillPlace& place, unsigned threads, const Progress& progress)
-      : encoded_(encoded), file_(place) {
+  /// The records begin at byte `begin` of `file`, which lives as long as this object, as `encoded` does (DecodedInput).
+  DecodedReader(const Reader& encoded, const SpillFile& file, std::uint64_t begin)
+      : encoded_(encoded), file_(file), begin_(begin) {
     info_ = encoded.info();
     info_.decode_once = false;
     info_.decoder_bytes = 0;
-    file_.reserve(info_.count * info_.schema.stride);
-    if (encoded.has_decoders())
-      decode_side_by_side(encoded, threads, progress);
-    else
-      store(
-          0, info_.count, [&](std::uint64_t row, auto records) { return encoded.read(row, records); }, progress);
   }
 
   bool has_decoders() const override { return true; }
@@ -53,7 +48,7 @@ class DecodedReader final : public Reader {
     explicit Decoder(const DecodedReader& reader) : reader_(reader) {}
     std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
       const std::size_t rows = reader_.rows_for(row, records), stride = reader_.info_.schema.stride;
-      if (rows != 0) reader_.file_.read(row * stride, records.first(rows * stride));
+      if (rows != 0) reader_.file_.read(reader_.begin_ + row * stride, records.first(rows * stride));
       return rows;
     }
 
@@ -61,89 +56,132 @@ class DecodedReader final : public Reader {
     const DecodedReader& reader_;
   };
 
-  void decode_side_by_side(const Reader& encoded, unsigned threads, const Progress& progress) {
-    std::mutex taking;
-    std::uint64_t next = 0, done = 0;
-    const auto take = [&] {
-      const std::lock_guard lock(taking);
-      const std::uint64_t first = next;
-      if (first < info_.count) next = encoded.chunk_of(first).end_row();
-      return std::pair(first, next);
-    };
-    const auto note = [&](std::uint64_t rows) {
-      const std::lock_guard lock(taking);
-      progress(done += rows);
-    };
-    parallel_for(threads, [&](std::size_t, unsigned) {
-      const std::unique_ptr<RowDecoder> decoder = encoded.decoder();
-      for (auto [first, end] = take(); first < info_.count; std::tie(first, end) = take()) {
-        const auto read = [&](std::uint64_t row, auto records) { return decoder->read(row, records); };
-        store(first, end, read, [](std::uint64_t) {});
-        note(end - first);
-      }
-    });
-  }
-
-  template <class Read>
-  void store(std::uint64_t first, std::uint64_t end, const Read& read, const Progress& progress) {
-    const std::size_t stride = info_.schema.stride;
-    std::vector<std::byte> batch(std::max(stride, kBatchBytes / stride * stride));
-    while (first < end) {
-      stop_if_cancelled();
-      const std::size_t most = std::min<std::uint64_t>(batch.size(), (end - first) * stride);
-      const std::size_t rows = read(first, std::span(batch).first(most));
-      if (rows == 0) fail("{}: ends before its last point; run again once it is complete.", info_.path.string());
-      file_.write(first * stride, std::span(batch).first(rows * stride));
-      first += rows;
-      progress(first);
-    }
-  }
-
-  const Reader& encoded_;  ///< lives as long (DecodedInput)
-  SpillFile file_;
+  const Reader& encoded_;
+  const SpillFile& file_;
+  std::uint64_t begin_;
 };
 
-/// So many that they take at most half of the memory budget.
-unsigned threads_for(const FileInfo& info, const EngineOptions& options) {
+/// Rows of an input that one thread decodes: a chunk, or all rows where the input has no decoders.
+struct Piece {
+  std::size_t input;
+  std::uint64_t first, end;
+  std::uint64_t at;  ///< byte of the temporary file
+};
+
+/// Lists the pieces of all inputs that are decoded once, in order. The records of these inputs follow each other in the
+/// temporary file.
+class Pieces {
+ public:
+  explicit Pieces(const InputCloud& cloud) : cloud_(cloud) {}
+
+  /// Returns the next pieces, at most kPiecesAtOnce; none at the end.
+  std::vector<Piece> next() {
+    std::vector<Piece> pieces;
+    while (input_ < cloud_.readers().size() && pieces.size() < kPiecesAtOnce) {
+      const Reader& reader = *cloud_.readers()[input_];
+      const FileInfo& info = reader.info();
+      if (decoded_bytes(info) == 0 || row_ == info.count) {
+        begin_ += decoded_bytes(info);
+        row_ = 0;
+        ++input_;
+        continue;
+      }
+      const std::uint64_t end = reader.has_decoders() ? reader.chunk_of(row_).end_row() : info.count;
+      pieces.push_back({input_, row_, end, begin_ + row_ * info.schema.stride});
+      row_ = end;
+    }
+    return pieces;
+  }
+
+ private:
+  const InputCloud& cloud_;
+  std::size_t input_ = 0;
+  std::uint64_t row_ = 0, begin_ = 0;  ///< of that input, and its place
+};
+
+/// Decodes pieces for one thread.
+class PieceDecoder {
+ public:
+  /// Calls `note(rows)` after each batch.
+  template <class Note>
+  void decode(Reader& encoded, const Piece& piece, SpillFile& file, const Note& note) {
+    const std::size_t stride = encoded.info().schema.stride;
+    if (encoded.has_decoders() && (!decoder_ || input_ != piece.input)) decoder_ = encoded.decoder();
+    input_ = piece.input;
+    std::uint64_t at = piece.at;
+    for (std::uint64_t row = piece.first; row < piece.end;) {
+      stop_if_cancelled();
+      const std::uint64_t most = std::max<std::size_t>(1, kBatchBytes / stride);
+      const std::uint64_t rows = std::min(piece.end - row, most);
+      if (batch_.size() < rows * stride) batch_.resize(rows * stride);
+      const std::span<std::byte> records = std::span(batch_).first(rows * stride);
+      const std::size_t n = encoded.has_decoders() ? decoder_->read(row, records) : encoded.read(row, records);
+      if (n == 0) fail("{}: ends before its last point; run again once it is complete.", encoded.info().path.string());
+      file.write(at, records.first(n * stride));
+      at += n * stride;
+      row += n;
+      note(n);
+    }
+    if (!encoded.has_decoders()) encoded.rest();
+  }
+
+ private:
+  std::unique_ptr<RowDecoder> decoder_;
+  std::size_t input_ = 0;  ///< of decoder_
+  std::vector<std::byte> batch_;
+};
+
+/// Returns how many threads decode: so many that they take at most half of the memory budget.
+unsigned decoding_threads(const InputCloud& cloud, const EngineOptions& options) {
+  std::uint64_t bytes = kBatchBytes;
+  for (const auto& reader : cloud.readers())
+    if (const FileInfo& info = reader->info(); info.decode_once)
+      bytes = std::max(bytes, info.decoder_bytes + std::max<std::uint64_t>(kBatchBytes, info.schema.stride));
   const std::uint64_t budget = memory_budget(options.resources.memory_bytes);
-  const std::uint64_t most =
-      budget / 2 / (info.decoder_bytes + std::max<std::uint64_t>(kBatchBytes, info.schema.stride));
-  return static_cast<unsigned>(std::clamp<std::uint64_t>(most, 1, thread_count()));
+  return static_cast<unsigned>(std::clamp<std::uint64_t>(budget / 2 / bytes, 1, thread_count()));
 }
 
-std::uint64_t decoded_bytes(const FileInfo& info) { return info.decode_once ? info.count * info.schema.stride : 0; }
+/// Decodes all inputs that are decoded once, and calls `progress` with the rows that are done, one thread at a time.
+void decode_inputs(const InputCloud& cloud, const EngineOptions& options, SpillFile& file,
+                   const std::function<void(std::uint64_t rows)>& progress) {
+  std::mutex noting;
+  std::uint64_t done = 0;
+  const auto note = [&](std::uint64_t rows) {
+    const std::lock_guard lock(noting);
+    progress(done += rows);
+  };
+  with_threads(decoding_threads(cloud, options), [&] {
+    Pieces pieces(cloud);
+    std::vector<PieceDecoder> decoders(thread_count());
+    for (std::vector<Piece> some = pieces.next(); !some.empty(); some = pieces.next())
+      parallel_for(some.size(), [&](std::size_t i, unsigned worker) {
+        decoders[worker].decode(*cloud.readers()[some[i].input], some[i], file, note);
+      });
+  });
+}
 
 }  // namespace
 
-DecodedInput::DecodedInput(InputCloud& cloud, const EngineOptions& options,
-                           const std::function<SpillPlace(std::size_t input)>& place)
-    : cloud_(cloud), bytes_(decoded_input_bytes(cloud)) {
-  std::uint64_t before = 0;  // rows of the inputs in front
-  try {
-    for (std::size_t i = 0; i < cloud.readers().size(); ++i) {
-      Reader& encoded = *cloud.readers()[i];
-      const auto progress = [&](std::uint64_t rows) {
-        if (options.observer != nullptr) options.observer->on_progress({"decoding", before + rows, cloud.count(), 0});
-      };
-      if (decoded_bytes(encoded.info()) != 0) {
-        auto decoded =
-            std::make_unique<DecodedReader>(encoded, place(i), threads_for(encoded.info(), options), progress);
-        encoded.rest();
-        originals_.emplace_back(i, cloud.exchange_reader(i, std::move(decoded)));
-      }
-      before += cloud.readers()[i]->info().count;
-    }
-  } catch (...) {
-    put_back();
-    throw;
+DecodedInput::DecodedInput(InputCloud& cloud, const EngineOptions& options, const SpillPlace& place)
+    : cloud_(cloud), file_(place) {
+  file_.reserve(decoded_input_bytes(cloud));
+  decode_inputs(cloud, options, file_, [&](std::uint64_t rows) {
+    if (options.observer != nullptr) options.observer->on_progress({"decoding", rows, cloud.count(), 0});
+  });
+  std::uint64_t begin = 0;
+  for (std::size_t i = 0; i < cloud.readers().size(); ++i) {
+    const Reader& encoded = *cloud.readers()[i];
+    const std::uint64_t bytes = decoded_bytes(encoded.info());
+    if (bytes != 0) readers_.emplace_back(i, std::make_unique<DecodedReader>(encoded, file_, begin));
+    begin += bytes;
   }
+  exchange();
 }
 
-DecodedInput::~DecodedInput() { put_back(); }
+DecodedInput::~DecodedInput() { exchange(); }
 
-void DecodedInput::put_back() {
-  for (auto& [input, reader] : originals_) cloud_.exchange_reader(input, std::move(reader));
-  originals_.clear();
+void DecodedInput::exchange() {
+  for (auto& [input, reader] : readers_) reader = cloud_.exchange_reader(input, std::move(reader));
 }
 
 std::uint64_t decoded_input_bytes(const InputCloud& cloud) {

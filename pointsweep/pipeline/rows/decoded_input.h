@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -17,30 +16,30 @@
 namespace pointsweep {
 
 /// A run reads its input two or three times, after what FiniteInput reads. While this object lives, the cloud reads the
-/// records of each input with FileInfo::decode_once from a temporary file, `schema.stride` bytes for each point, that
+/// records of each input with FileInfo::decode_once from one temporary file, `schema.stride` bytes for each point, that
 /// the constructor has filled with all threads.
 class DecodedInput {
  public:
-  /// `place` says where the temporary file of an input goes. Throws Error where an input cannot be decoded or the place
-  /// has no space. Reports the phase "decoding".
-  DecodedInput(InputCloud& cloud, const EngineOptions& options,
-               const std::function<SpillPlace(std::size_t input)>& place);
+  /// `place` is that of the temporary file. Throws Error where an input cannot be decoded or the place has no space; of
+  /// several such inputs, the error names the first one. Reports the phase "decoding".
+  DecodedInput(InputCloud& cloud, const EngineOptions& options, const SpillPlace& place);
   ~DecodedInput();
   DecodedInput(const DecodedInput&) = delete;
   DecodedInput& operator=(const DecodedInput&) = delete;
 
-  /// Bytes of the temporary files.
-  std::uint64_t bytes() const { return bytes_; }
+  /// Returns the bytes of the temporary file.
+  std::uint64_t bytes() const { return file_.end(); }
 
  private:
-  void put_back();
+  void exchange();
 
   InputCloud& cloud_;
-  std::vector<std::pair<std::size_t, std::unique_ptr<Reader>>> originals_;  ///< by number of the input
-  std::uint64_t bytes_ = 0;
+  SpillFile file_;
+  /// By number of the input: its own reader, while the cloud has the other one.
+  std::vector<std::pair<std::size_t, std::unique_ptr<Reader>>> readers_;
 };
 
-/// Returns the bytes that the temporary files of a run over `cloud` will take.
+/// Returns the bytes that the temporary file of a run over `cloud` will take.
 std::uint64_t decoded_input_bytes(const InputCloud& cloud);
 /// Returns the line of a dry run that states these bytes; empty for 0 bytes.
 std::string decoded_input_text(std::uint64_t bytes);

@@ -60,6 +60,11 @@ bool Context::makes_output(std::size_t p) const {
   return leaves_in_order(plan, options) && p + 1 == plan.passes.size();
 }
 
+std::uint64_t Context::codec_bytes(std::uint64_t record_bytes, unsigned threads) const {
+  return input_bytes + (copies_rows ? once_decoder_bytes(cloud, threads) : 0) +
+         pointsweep::codec_bytes(cloud, outputs, options, record_bytes, threads);
+}
+
 PointSource Context::cloud_source() const {
   return source_of(cloud, [&read = statistics().bytes_read, stride = cloud.schema().stride](std::size_t n) {
     std::atomic_ref(read) += n * stride;

@@ -27,8 +27,8 @@ class RunPlaces {
   RunPlaces(const EngineOptions& options, const std::optional<std::string>& identity);
   /// Null for a run that cannot be resumed.
   Checkpoints* checkpoints() { return checkpoints_ ? &*checkpoints_ : nullptr; }
-  /// Returns the place for the "decoded" records of an input, or for a spilled "stream", "results", "rows" or "mask" of
-  /// pass `number`.
+  /// Returns the place for the "decoded" records of all inputs, or for a spilled "stream", "results", "rows" or "mask"
+  /// of pass `number`.
   SpillPlace place(const char* kind, std::size_t number, bool spills);
   /// The temporary folder, for data that no later pass needs and a resumed run does not look for. Thread-safe.
   const TempFolder& folder();
@@ -68,10 +68,15 @@ struct Context {
   const NonfiniteRows& dropped;  ///< the rows that the run does not see
   RunPlaces& places;
   const RunReport& report;
+  std::uint64_t input_bytes = 0;       ///< open_input_bytes() before inputs are decoded
+  bool copies_rows = false;            ///< copies_rows() of the request
   std::optional<PartOfRun> part = {};  ///< absent: the run has all points
 
   Statistics& statistics() const { return report.statistics; }
   bool is_empty() const { return cloud.count() == 0; }  ///< a select has left no row
+  /// Returns the bytes that the open inputs, decoding them and encoding records of `record_bytes` take on `threads`
+  /// threads, and the least that dividing the output takes.
+  std::uint64_t codec_bytes(std::uint64_t record_bytes, unsigned threads) const;
   /// Returns whether pass `p` makes whole output records in the order of its stream.
   bool makes_output(std::size_t p) const;
   /// The rows of the cloud that are left, as a source that counts the bytes read.

@@ -201,7 +201,7 @@ TileRequest tiles_of(const Context& context, int axis) {
 struct EncoderMemory {
   EncoderMemory(const Context& context, const WorkPlan& work) : threads(work.memory.threads) {
     const std::uint64_t record = work.layout ? work.layout->schema().stride : context.cloud.schema().stride;
-    const std::uint64_t codecs = codec_bytes(context.cloud, context.outputs, context.options, record, threads);
+    const std::uint64_t codecs = context.codec_bytes(record, threads);
     one_output = encoder_bytes(context.outputs, record, threads);
     spare = work.budget - std::min(work.budget, std::max(work.memory.expected_bytes, kFixedBytes + codecs));
   }
@@ -299,7 +299,8 @@ void OutputFiles::open_files(const Context& context, const WorkPlan& work, const
   }
   OutputPlace place{bounds_if_known(context, survey, rows.values),
                     values_if_needed(context, format_of_output(context.outputs.points)),
-                    memory.encoding(context.options), memory.division(context.options), context.places.scratch()};
+                    memory.encoding(context.options), memory.division(context.options), context.places.scratch(),
+                    context.progress_of("completing")};
   files_.emplace(context.cloud, context.names.made, context.names.kept, context.outputs, context.options,
                  std::move(place), provenance_of(context.cloud, said_of(context, survey.axis)));
 }

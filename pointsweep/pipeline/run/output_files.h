@@ -38,6 +38,8 @@ class OutputFiles {
   void write_tiled_inputs(std::uint64_t first, std::uint64_t rows) { tiles_->write_inputs(first, rows); }
   /// Of one set: writes the next records of the input, for which no results were made.
   void write_inputs(std::uint64_t first, std::span<const std::byte> records) { files_->write_inputs(first, records); }
+  /// Of one set: writes the next records of the input as one piece (OutputSet::write_piece).
+  void write_piece(std::uint64_t first, std::vector<std::byte>& records) { files_->write_piece(first, records); }
   /// Of one set: writes the next whole output records.
   void write_records(std::span<const std::byte> records) { files_->write_records(records); }
 

@@ -171,16 +171,22 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   out.tiles = outputs.tiles.size();
   out.is_divided = options.division.divides();
   out.points = cloud.count();
-  out.decoded_bytes = decoded_input_bytes(cloud);
+  const bool copies = copies_rows({cloud, outputs, options, out.planned});
+  out.decoded_bytes = copies ? 0 : decoded_input_bytes(cloud);
   out.axis = options.axis;
   out.budget = memory_budget(options.resources.memory_bytes);
+  const std::uint64_t inputs = open_input_bytes(cloud);
+  require_room_for_inputs(out.budget, inputs, cloud);
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
   const OutputLayout layout(cloud.schema(), out.names.made, out.names.kept,
                             type_of_positions(out.names.made, outputs.points, options));
   out.memory = plan_run_memory(
       out.budget, out.planned, out.points, survey(source, options.axis, false), options, layout.schema().stride,
-      [&](unsigned threads) { return codec_bytes(cloud, outputs, options, layout.schema().stride, threads); },
+      [&](unsigned threads) {
+        return inputs + (copies ? once_decoder_bytes(cloud, threads) : 0) +
+               codec_bytes(cloud, outputs, options, layout.schema().stride, threads);
+      },
       on_demand_order(cloud, out.planned, options));
   out.aside_bytes = bytes_aside({cloud, outputs, options, out.planned}, out.names);
   if (!out.memory.threads_note.empty()) out.notes.push_back(out.memory.threads_note);
@@ -236,7 +242,9 @@ SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output,
   only_sorts.reorders = true;
   RunMemory memory = plan_run_memory(
       out.budget, only_sorts, out.points, seen, options, out.record_bytes,
-      [&](unsigned threads) { return codec_bytes(cloud, {.points = output}, options, out.output_bytes, threads); });
+      [&, inputs = open_input_bytes(cloud)](unsigned threads) {
+        return inputs + codec_bytes(cloud, {.points = output}, options, out.output_bytes, threads);
+      });
   out.memory = memory.reordering;
   out.note = std::move(memory.threads_note);
   return out;

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/checkpoint/run_identity.h"
 #include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
@@ -59,11 +60,26 @@ void note_neighborhoods(const Request& request, const RunReport& report) {
   }
 }
 
+/// Returns whether the chain has no stages and keeps the order of the rows.
+bool has_no_work(const ChainPlan& plan) {
+  if (plan.passes.size() != 1 || plan.reorders || plan.opens_late()) return false;
+  const PlannedPass& pass = plan.passes.front();
+  return pass.kind == PassKind::rows && pass.plan.stages.empty() && pass.values.empty();
+}
+
+/// Returns whether the format of the output needs bounds or values of the points before the first record.
+bool needs_points_before(const InputCloud& cloud, const Outputs& outputs, const FileLayout& layout) {
+  const Format* const format = format_of_output(outputs.points);
+  if (format == nullptr) return false;
+  return (format->needs_bounds != nullptr && format->needs_bounds(cloud.schema(), layout)) ||
+         (format->values_need_points != nullptr && format->values_need_points(cloud, layout));
+}
+
 /// Throws Error unless the temporary folder has room for what is put there in any case.
 void require_room_aside(const Request& request, const OutputNames& names) {
   const std::uint64_t aside = bytes_aside(request, names);
   if (aside == 0) return;
-  const std::uint64_t needed = aside + decoded_input_bytes(request.cloud);
+  const std::uint64_t needed = aside + (copies_rows(request) ? 0 : decoded_input_bytes(request.cloud));
   const std::filesystem::path folder = temp_parent(request.options.resources.temp_folder);
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(folder, error);
@@ -76,6 +92,14 @@ void require_room_aside(const Request& request, const OutputNames& names) {
 }
 
 }  // namespace
+
+bool copies_rows(const Request& request) {
+  const auto& [cloud, outputs, options, plan] = request;
+  const bool plain = outputs.tiles.empty() && options.resume_folder.empty() && options.order == Order::input &&
+                     engine_of(options.engine) == nullptr;
+  if (!plain || !has_no_work(plan) || needs_points_before(cloud, outputs, options.layout)) return false;
+  return once_decoder_bytes(cloud, threads_asked_for(options)) <= memory_budget(options.resources.memory_bytes) / 2;
+}
 
 void require_own_files(const Request& request) {
   std::vector<std::filesystem::path> read;
@@ -133,6 +157,7 @@ OutputNames check_request(const Request& request, const RunReport& report) {
   report.warn(kept_system_warning(plan, cloud, outputs));
   if (const SweepEngine* engine = engine_of(options.engine)) engine->require_can(plan, options);
   note_neighborhoods(request, report);
+  require_room_for_inputs(memory_budget(options.resources.memory_bytes), open_input_bytes(cloud), cloud);
   require_room_aside(request, names);
   return names;
 }

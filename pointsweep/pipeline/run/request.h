@@ -19,6 +19,11 @@ struct Request {
   const ChainPlan& plan;
 };
 
+/// Returns whether the run reads each row once, to write it: it makes nothing, leaves nothing out, and its output needs
+/// to know nothing of the points before. Then nothing is surveyed, and no input is decoded into a temporary file. False
+/// where the decoders of all threads take more than half of the memory budget.
+bool copies_rows(const Request& request);
+
 /// The other clouds that passes read, by pass.
 using OtherClouds = std::vector<std::optional<OtherCloud>>;
 

@@ -218,7 +218,8 @@ Statistics run_request(const Request& request) {
   OtherClouds others = open_other_clouds(request, report);
   RunPlaces places(request.options, identity_of(request, others));
   take_over(places, request.options, report);
-  perform({request.cloud, request.outputs, request.options, request.plan, names, input.dropped(), places, report},
+  perform({request.cloud, request.outputs, request.options, request.plan, names, input.dropped(), places, report,
+           open_input_bytes(request.cloud), copies_rows(request)},
           others);
   // Rows are numbered as in the input, whose nonfinite points may have been dropped.
   for (DegenerateResults& results : statistics.degenerate_results)

@@ -20,11 +20,10 @@ bool needs_exact_survey(const Context& context) {
 }  // namespace
 
 void decode_input(const Context& context, OutputFiles& files, std::optional<DecodedInput>& decoded) {
-  if (decoded_input_bytes(context.cloud) == 0) return;
+  if (context.copies_rows || decoded_input_bytes(context.cloud) == 0) return;
   if (!context.outputs.writer) files.require_writable(context, {});
   const auto start = std::chrono::steady_clock::now();
-  decoded.emplace(context.cloud, context.options,
-                  [&](std::size_t input) { return context.places.place("decoded", input, true); });
+  decoded.emplace(context.cloud, context.options, context.places.place("decoded", 0, true));
   context.statistics().bytes_spilled += decoded->bytes();
   context.statistics().bytes_spilled_decoding = decoded->bytes();
   context.statistics().order_seconds += seconds_since(start);
@@ -38,6 +37,7 @@ Survey survey_points(const Context& context, const PointSource& source, bool exa
 }
 
 Survey survey_input(const Context& context) {
+  if (context.copies_rows) return {};
   const Checkpoints* const checkpoints = context.places.checkpoints();
   Survey found = checkpoints != nullptr && checkpoints->found()
                      ? checkpoints->last().survey
@@ -47,14 +47,18 @@ Survey survey_input(const Context& context) {
 }
 
 WorkPlan plan_work(const Context& context, Surveyed& input) {
-  const auto& [cloud, outputs, options, plan, names, dropped, places, report, part] = context;
+  const InputCloud& cloud = context.cloud;
+  const ChainPlan& plan = context.plan;
+  const RunReport& report = context.report;
   WorkPlan work{.layout = {}, .budget = report.statistics.memory_budget_bytes, .memory = {}};
-  OnDemandOrder on_demand = on_demand_order(cloud, plan, options);
+  OnDemandOrder on_demand = on_demand_order(cloud, plan, context.options);
   if (!plan.passes.empty())
-    work.layout.emplace(cloud.schema(), names.made, names.kept, type_of_positions(names.made, outputs.points, options));
+    work.layout.emplace(cloud.schema(), context.names.made, context.names.kept,
+                        type_of_positions(context.names.made, context.outputs.points, context.options));
   const std::uint64_t record = work.layout ? work.layout->schema().stride : cloud.schema().stride;
-  const auto codecs = [&](unsigned threads) { return codec_bytes(cloud, outputs, options, record, threads); };
-  work.memory = plan_run_memory(work.budget, plan, cloud.count(), input.survey, options, record, codecs, on_demand);
+  const auto codecs = [&](unsigned threads) { return context.codec_bytes(record, threads); };
+  work.memory =
+      plan_run_memory(work.budget, plan, cloud.count(), input.survey, context.options, record, codecs, on_demand);
   input.boxes = std::move(on_demand.boxes);
   report.statistics.threads = work.memory.threads;
   if (!work.memory.threads_note.empty()) report.note(work.memory.threads_note);

@@ -45,17 +45,18 @@ void write_rows(const Context& context, const Rows& rows, OutputFiles& files) {
   std::vector<std::byte> records;
   for (std::uint64_t first = 0; first < count; first += chunk) {
     stop_if_cancelled();
-    records.resize(std::min(chunk, count - first) * stride);
+    const std::uint64_t n = std::min(chunk, count - first);
+    records.resize(n * stride);
     if (bytes != 0) {
       rows.carried->read(first, records);
       files.write_results(context.cloud, first, records);
     } else if (files.are_tiles()) {
-      files.write_tiled_inputs(first, records.size() / stride);
+      files.write_tiled_inputs(first, n);
     } else {
       inputs.read(first, records);
-      files.write_inputs(first, records);
+      files.write_piece(first, records);
     }
-    context.progress("writing", first + records.size() / stride);
+    context.progress("writing", first + n);
   }
 }
 

@@ -7,9 +7,9 @@
 #include <sys/types.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -50,25 +50,36 @@ bool is_abandoned(const fs::path& part, pid_t owner) {
   return file && lock(file) != EWOULDBLOCK;
 }
 
-/// Removes the abandoned parts of the outputs of these names.
-void remove_abandoned(const fs::path& folder, const std::set<std::string>& outputs) {
+/// Removes the abandoned parts of those outputs in the folder for which `is_output(name)` is true.
+template <class IsOutput>
+void remove_abandoned(const fs::path& folder, const IsOutput& is_output) {
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const auto part = parse_part(entry->path().filename().string());
     std::error_code ignored;
-    if (part && outputs.contains(part->output) && is_abandoned(entry->path(), part->owner))
+    if (part && is_output(part->output) && is_abandoned(entry->path(), part->owner))
       fs::remove(entry->path(), ignored);
   }
 }
 
-/// The targets of all ManyOutputs that there are.
+std::size_t hash_of(const fs::path& folder, const std::string& name) {
+  return std::hash<std::string>{}(folder.string() + '/' + name);
+}
+
+/// All ManyOutputs that there are.
 struct Cleared {
   std::mutex mutex;
-  std::multiset<fs::path> targets;
+  std::set<const ManyOutputs*> outputs;
 };
 Cleared& cleared() {
   static Cleared instance;
   return instance;
+}
+
+/// Returns whether ManyOutputs has removed what is left of the file of this name in the folder.
+bool is_cleared(const fs::path& folder, const std::string& name) {
+  const std::lock_guard lock(cleared().mutex);
+  return std::ranges::any_of(cleared().outputs, [&](const ManyOutputs* many) { return many->has(folder, name); });
 }
 
 }  // namespace
@@ -87,27 +98,34 @@ fs::path part_of(const fs::path& target) {
 }
 
 void remove_abandoned_parts(const fs::path& target) {
-  {
-    const std::lock_guard lock(cleared().mutex);
-    if (cleared().targets.contains(target)) return;
-  }
-  remove_abandoned(folder_of(target), {target.filename().string()});
+  const fs::path folder = folder_of(target);
+  const std::string own = target.filename().string();
+  if (is_cleared(folder, own)) return;
+  remove_abandoned(folder, [&](const std::string& name) { return name == own; });
 }
 
-ManyOutputs::ManyOutputs(const std::vector<fs::path>& destinations) {
-  std::map<fs::path, std::set<std::string>> names;  // by folder
-  for (const fs::path& destination : destinations) {
-    targets_.push_back(target_of(destination));
-    names[folder_of(targets_.back())].insert(targets_.back().filename().string());
+ManyOutputs::ManyOutputs(std::size_t count, const std::function<fs::path(std::size_t)>& destination) {
+  std::set<fs::path> folders;
+  targets_.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const fs::path target = target_of(destination(i)), folder = folder_of(target);
+    targets_.push_back(hash_of(folder, target.filename().string()));
+    folders.insert(folder);
   }
-  for (const auto& [folder, outputs] : names) remove_abandoned(folder, outputs);
+  std::ranges::sort(targets_);
+  for (const fs::path& folder : folders)
+    remove_abandoned(folder, [&](const std::string& name) { return has(folder, name); });
   const std::lock_guard lock(cleared().mutex);
-  cleared().targets.insert(targets_.begin(), targets_.end());
+  cleared().outputs.insert(this);
 }
 
 ManyOutputs::~ManyOutputs() {
   const std::lock_guard lock(cleared().mutex);
-  for (const fs::path& target : targets_) cleared().targets.erase(cleared().targets.find(target));
+  cleared().outputs.erase(this);
+}
+
+bool ManyOutputs::has(const fs::path& folder, const std::string& name) const {
+  return std::ranges::binary_search(targets_, hash_of(folder, name));
 }
 
 }  // namespace pointsweep

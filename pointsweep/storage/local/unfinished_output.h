@@ -2,7 +2,10 @@
 /// Outputs that are not complete: where they are, and what becomes of those whose process was killed.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <string>
 #include <vector>
 
 namespace pointsweep {
@@ -18,16 +21,22 @@ std::filesystem::path part_of(const std::filesystem::path& target);
 void remove_abandoned_parts(const std::filesystem::path& target);
 
 /// The outputs of a run that writes many files into a folder. Lists each folder once, and removes what killed processes
-/// have left of any of the outputs. While it lives, remove_abandoned_parts() of one of them does nothing.
+/// have left of any of the outputs. While it lives, remove_abandoned_parts() of one of them does nothing. Memory: 8
+/// bytes for each output.
 class ManyOutputs {
  public:
-  explicit ManyOutputs(const std::vector<std::filesystem::path>& destinations);
+  /// `destination(i)` is output `i` < `count`.
+  ManyOutputs(std::size_t count, const std::function<std::filesystem::path(std::size_t i)>& destination);
   ~ManyOutputs();
   ManyOutputs(const ManyOutputs&) = delete;
   ManyOutputs& operator=(const ManyOutputs&) = delete;
 
+  /// Returns whether the file of this name in the folder is the target of an output. Of one file in 2^64 others it is
+  /// wrong: names are told apart by hashes.
+  bool has(const std::filesystem::path& folder, const std::string& name) const;
+
  private:
-  std::vector<std::filesystem::path> targets_;
+  std::vector<std::size_t> targets_;  ///< hashes, ascending
 };
 
 }  // namespace pointsweep
