@@ -62,7 +62,7 @@ TEST_F(CompressedFiles, AreVerifiedAndMergedWithLas) {
 TEST_F(CompressedFiles, GoOnAfterAnInterruption) {
   const std::string options = "--pipeline 'knn(k=8) | normals' --memory 64M";
   const std::string expected = out_of("a.laz", "whole.laz", options);
-  tool_under("timeout -s KILL 0.15", "run a.laz r.laz --quiet --no-provenance --resume work " + options);
+  tool_under("timeout --foreground -s KILL 0.15", "run a.laz r.laz --quiet --no-provenance --resume work " + options);
   const Result again = tool("run a.laz r.laz --quiet --no-provenance --resume work --force " + options);
   EXPECT_EQ(again.status, 0) << again.err;
   EXPECT_TRUE(contents(folder_ / "r.laz") == expected);
