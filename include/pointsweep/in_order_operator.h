@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,9 +35,10 @@ struct OrderedPoints {
 /// The results of a call to an InOrderWork. A run names each row at most once. A row that is named nowhere stays, and
 /// has Attribute::fill of what the operator makes.
 struct Findings {
-  std::vector<std::uint64_t> dropped;  ///< rows that are left out from here on
-  std::vector<std::uint64_t> rows;     ///< rows whose values are known
-  std::vector<std::byte> values;       ///< what the operator makes of `rows`, of one row after another
+  std::vector<std::uint64_t> dropped;    ///< rows that are left out from here on
+  std::vector<std::uint64_t> rows;       ///< rows whose values are known
+  std::vector<std::byte> values;         ///< what the operator makes of `rows`, of one row after another
+  std::vector<std::uint64_t> undecided;  ///< rows about which points decide that may be missing (Reach::is_guess)
 };
 
 /// One run of an operator over all points. Its findings depend only on the set of points, not on how they are divided
@@ -72,6 +74,9 @@ struct InOrderSetup {
   std::uint64_t memory_bytes = 0;  ///< that the work may hold
   MakeScratch make_scratch = {};
   GiveOtherPoints other_points = {};  ///< of InOrderOperator::other_cloud()
+  /// Returns whether points of the cloud within a distance of a position may be missing; empty: none is. For operators
+  /// whose Reach is a guess.
+  std::function<bool(Vec3 position, double distance)> may_lack = {};
 };
 
 /// An estimate of the cloud that an InOrderWork will take, from a survey.
@@ -96,6 +101,16 @@ enum class Places : std::uint8_t {
   positions,    ///< the positions of the points
   of_operator,  ///< InOrderOperator::place_of() of the positions
   in_plane,     ///< InOrderOperator::place_of() of the positions, with z = 0: points ascend along x or y
+};
+
+/// Which points an operator has to know for what it finds about a point, where these are not all of the cloud: then the
+/// cloud may be divided into parts.
+struct Reach {
+  double distance = 0;      ///< all points whose places differ by no more along any axis from the place of the point,
+  std::size_t nearest = 0;  ///< or, if not 0, so many nearest ones no farther away, in the plane with Places::in_plane
+  /// The distance is only likely to do: a part with Findings::undecided about its rows is done again with twice as
+  /// much.
+  bool is_guess = false;
 };
 
 struct InOrderContract {
@@ -125,11 +140,20 @@ class POINTSWEEP_EXPORT InOrderOperator : public Operator {
     (void)cloud;
     return {};
   }
+  /// Returns the reach of the operator among the points of the cloud; empty: it may have to know any of them. Places
+  /// then ascend along each axis with the positions.
+  virtual std::optional<Reach> reach() const { return std::nullopt; }
+  /// Returns the numbers of those of some points that parts of the cloud have to know where they do not hold them,
+  /// rather too many than too few; empty: all of them. Called from many threads at once.
+  using ChoosePoints = std::function<std::vector<std::uint32_t>(const OrderedPoints& points)>;
+  virtual ChoosePoints for_other_parts() const { return {}; }
   /// Returns the path, folder or pattern of the other cloud that the operator reads; empty: it reads none.
   virtual std::string other_cloud() const { return {}; }
   /// Returns the attributes that the operator reads of the points of the other cloud, beside their positions: after
   /// bound_to_other() with the names and types of its fields.
   virtual std::vector<Attribute> other_reads() const { return {}; }
+  /// Returns the reach of the operator among the points of the other cloud; see reach().
+  virtual std::optional<Reach> other_reach() const { return std::nullopt; }
   /// Returns the operator for another cloud with these fields. It is called before bound(), and only where
   /// other_reads() names attributes. Throws UsageError for a name that no field has.
   virtual std::shared_ptr<const InOrderOperator> bound_to_other(const Schema& other) const {

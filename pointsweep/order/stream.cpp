@@ -115,7 +115,7 @@ struct PiecedSlab {
 /// Returns the indices of the source fields that working records carry; empty for all fields.
 std::vector<std::size_t> wanted_fields(const Schema& schema, const StreamOptions& options) {
   std::vector<std::size_t> wanted;
-  if (options.whole_records) return wanted;
+  if (options.whole_records || options.numbered) return wanted;
   wanted.assign(options.payload.begin(), options.payload.end());
   for (const char* axis : {"x", "y", "z"})
     if (const auto field = schema.find(axis)) wanted.push_back(*field);
@@ -126,7 +126,8 @@ std::vector<std::size_t> wanted_fields(const Schema& schema, const StreamOptions
 
 struct Stream::State {
   State(const PointSource& source, const StreamOptions& options)
-      : record(source.schema, options.whole_records, options.payload, source.count) {
+      : record(options.numbered ? WorkingRecord(source.schema)
+                                : WorkingRecord(source.schema, options.whole_records, options.payload, source.count)) {
     split.axis = options.axis;
     split.most = most_points(options);
     split.aim = std::clamp<std::uint64_t>(options.slab_points, 1, split.most);

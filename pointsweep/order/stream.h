@@ -40,10 +40,12 @@ struct StreamOptions {
   /// read them.
   bool canonical = true;
   bool whole_records = false;  ///< working records carry the whole input record, otherwise the position and `payload`
-  std::vector<std::size_t> payload;  ///< indices of source fields to carry when not whole_records
+  /// Records of the source are working records, which end with their row: it is not their place in the source.
+  bool numbered = false;
+  std::vector<std::size_t> payload = {};  ///< indices of source fields to carry when not whole_records
   SpillPlace spill = nullptr;
   std::size_t buffer_bytes = 64 << 20;  ///< bytes of the buffers of the distribution when spilling
-  std::function<void(std::uint64_t rows_read)> progress;
+  std::function<void(std::uint64_t rows_read)> progress = {};
 };
 
 /// Options for making slabs from the input when they are read.

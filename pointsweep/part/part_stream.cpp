@@ -2,127 +2,25 @@
 #include "pointsweep/part/part_stream.h"
 
 #include <algorithm>
-#include <cstring>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <utility>
+#include <vector>
 
-#include "pointsweep/fail.h"
 #include "pointsweep/math/box.h"
 
 namespace pointsweep {
 namespace {
 
-constexpr Encoding kCatalogueEncoding{"tiles", 1};
-constexpr std::size_t kMostRegions = 16;  ///< of a tile in the catalogue
 /// The halo of a part is made narrower while it has more points than this and more than half of those of the tile,
 /// but not for ever: tiles may overlap.
 constexpr std::uint64_t kSmallHalo = 1000;
 constexpr int kMostTries = 6;
 
-std::vector<TileRegion> regions_of(const TileIndex& tile) {
-  std::vector<TileRegion> regions;
-  const std::size_t slabs = tile.slab_ends.size(), each = (slabs + kMostRegions - 1) / kMostRegions;
-  for (std::size_t s = 0; s < slabs; s += each) {
-    TileRegion region;
-    region.first_block = s == 0 ? 0 : tile.slab_ends[s - 1];
-    region.end_block = tile.slab_ends[std::min(slabs, s + each) - 1];
-    region.least_row = ~std::uint64_t{0};
-    for (std::uint32_t b = region.first_block; b < region.end_block; ++b) {
-      region.count += tile.blocks[b].count;
-      region.box.include(tile.blocks[b].box);
-      region.least_row = std::min(region.least_row, tile.blocks[b].least_row);
-    }
-    regions.push_back(region);
-  }
-  return regions;
-}
-
-/// Successive blocks of a tile.
-struct BlockRange {
-  std::uint32_t first, end;
-};
-
 /// Blocks of a tile that are one slab of a part. A cloud has so many that the ranges of all slabs are in one list.
 struct BlocksOfTile {
   std::size_t tile;
   std::size_t first_range, ranges;
-};
-
-/// Reads blocks of tiles. Thread-safe.
-class TileReader {
- public:
-  TileReader(const Storage& scratch, const TileCatalogue& tiles, std::uint32_t record_bytes)
-      : scratch_(scratch), tiles_(tiles), record_bytes_(record_bytes) {}
-
-  /// The index of a tile, which is read once.
-  const TileIndex& index(std::size_t tile) { return opened(tile).index; }
-
-  /// Fills `out` with the records of the blocks of a tile; their rows become those of the cloud.
-  void read(std::size_t tile_number, std::span<const BlockRange> ranges, std::span<std::byte> out) {
-    const Opened& tile = opened(tile_number);
-    for (const BlockRange& range : ranges) {
-      if (range.end > tile.index.blocks.size()) fail("{}.index: is of another run.", tiles_.tiles[tile_number].name);
-      const std::uint64_t first = tile.first[range.first], count = tile.first[range.end] - first;
-      const std::span<std::byte> records = out.first(count * record_bytes_);
-      tile.points->read_at(first * record_bytes_, records);
-      for (std::uint32_t b = range.first; b < range.end; ++b) {
-        const std::size_t at = (tile.first[b] - first) * record_bytes_;
-        require_whole(tile_number, records.subspan(at, tile.index.blocks[b].count * record_bytes_),
-                      tile.index.blocks[b].checksum);
-      }
-      number(tile_number, records);
-      out = out.subspan(records.size());
-    }
-  }
-  void read_nonfinite(std::size_t tile, std::uint64_t first, std::span<std::byte> out) {
-    const Opened& from = opened(tile);
-    from.points->read_at((from.first.back() + first) * record_bytes_, out);
-    if (out.size() == from.index.nonfinite * record_bytes_) require_whole(tile, out, from.index.nonfinite_checksum);
-    number(tile, out);
-  }
-
- private:
-  struct Opened {
-    TileIndex index;
-    std::unique_ptr<Source> points;
-    std::vector<std::uint64_t> first;  ///< by block: its first record, and the end of the last one
-  };
-
-  const Opened& opened(std::size_t tile) {
-    const std::scoped_lock lock(mutex_);
-    std::unique_ptr<Opened>& place = opened_[tile];
-    if (place) return *place;
-    const std::string& name = tiles_.tiles[tile].name;
-    place = std::make_unique<Opened>(Opened{tile_index(scratch_, name), scratch_.open(name + ".points"), {0}});
-    for (const TileBlock& block : place->index.blocks) place->first.push_back(place->first.back() + block.count);
-    if (place->index.record_bytes != record_bytes_ || place->index.rows != tiles_.tiles[tile].rows)
-      fail("{}.index: is of another run.", name);
-    return *place;
-  }
-
-  void require_whole(std::size_t tile, std::span<const std::byte> records, std::uint64_t checksum) const {
-    if (checksum_of(records) != checksum) fail("{}.points: is damaged.", tiles_.tiles[tile].name);
-  }
-
-  /// The last field of a record is its row, in 64 bits.
-  void number(std::size_t tile, std::span<std::byte> records) const {
-    std::byte* row_at = records.data() + record_bytes_ - sizeof(std::uint64_t);
-    for (std::size_t i = 0; i < records.size() / record_bytes_; ++i, row_at += record_bytes_) {
-      std::uint64_t row;
-      std::memcpy(&row, row_at, sizeof row);
-      row += tiles_.tiles[tile].first_row;
-      std::memcpy(row_at, &row, sizeof row);
-    }
-  }
-
-  const Storage& scratch_;
-  const TileCatalogue& tiles_;
-  std::uint32_t record_bytes_;
-  std::mutex mutex_;
-  std::map<std::size_t, std::unique_ptr<Opened>> opened_;
 };
 
 /// What a part holds of the cloud.
@@ -232,63 +130,6 @@ class PartCutter {
 };
 
 }  // namespace
-
-void TileCatalogue::encode(Encoder& out) const {
-  out.begin(kCatalogueEncoding);
-  out.put_list(tiles, [&](const TileSummary& tile) {
-    out.put_text(tile.name);
-    out.put<std::uint64_t>(tile.first_row);
-    out.put<std::uint64_t>(tile.rows);
-    out.put_list(tile.regions, [&](const TileRegion& region) {
-      out.put<std::uint32_t>(region.first_block);
-      out.put<std::uint32_t>(region.end_block);
-      out.put<std::uint64_t>(region.count);
-      out.put_box(region.box);
-      out.put<std::uint64_t>(region.least_row);
-    });
-  });
-}
-
-TileCatalogue TileCatalogue::decode(Decoder& in) {
-  in.begin(kCatalogueEncoding);
-  TileCatalogue catalogue;
-  catalogue.tiles = in.get_list<TileSummary>([&] {
-    TileSummary tile;
-    tile.name = in.get_text();
-    tile.first_row = in.get<std::uint64_t>();
-    tile.rows = in.get<std::uint64_t>();
-    tile.regions = in.get_list<TileRegion>([&] {
-      TileRegion region;
-      region.first_block = in.get<std::uint32_t>();
-      region.end_block = in.get<std::uint32_t>();
-      region.count = in.get<std::uint64_t>();
-      region.box = in.get_box();
-      region.least_row = in.get<std::uint64_t>();
-      return region;
-    });
-    return tile;
-  });
-  return catalogue;
-}
-
-TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string>& names,
-                           const std::vector<std::string>& paths) {
-  TileCatalogue catalogue;
-  std::uint64_t rows = 0;
-  std::string layout;
-  for (std::size_t t = 0; t < names.size(); ++t) {
-    const TileIndex tile = tile_index(scratch, names[t]);
-    if (layout.empty()) layout = tile.layout;
-    if (tile.rows > 0 && tile.layout != layout)
-      fail(
-          "{}: stores an attribute that the stages read in another type than {}; write all tiles with one run of "
-          "'pointsweep convert' first.",
-          paths[t], paths[0]);
-    catalogue.tiles.push_back({names[t], rows, tile.rows, regions_of(tile)});
-    rows += tile.rows;
-  }
-  return catalogue;
-}
 
 PartStream part_stream(const Storage& scratch, const TileCatalogue& tiles, std::size_t number, const Schema& working,
                        const Neighborhood& what, std::size_t steps) {

@@ -9,7 +9,9 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -22,7 +24,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr Encoding kTileEncoding{"tile", 1};
+constexpr Encoding kTileEncoding{"tile", 2};
 constexpr std::uint32_t kBlockPoints = 1024;  ///< at most
 /// Records that are read and written together where no slab holds them.
 constexpr std::uint64_t kRecordsAtOnce = 1 << 16;
@@ -89,27 +91,28 @@ std::vector<Vec3> positions_of(const ScratchRecord& record, std::span<const std:
   return places;
 }
 
-/// The blocks of a slab, and its records in their order.
-struct StoredSlab {
+/// Blocks, and their records in their order.
+struct StoredBlocks {
   std::vector<TileBlock> blocks;
   std::vector<std::byte> records;
 };
 
-StoredSlab cut_into_blocks(const ScratchRecord& record, const Slab& slab, std::span<const std::byte> working,
-                           const Schema& schema) {
+/// Cuts some of the records of a slab, those with the numbers `chosen`, into blocks of points that lie close together.
+StoredBlocks cut_into_blocks(const ScratchRecord& record, const Slab& slab, std::span<const std::byte> working,
+                             const Schema& schema, const std::vector<std::uint32_t>& chosen) {
   const std::vector<Vec3> places = positions_of(record, working);
   const Vec3 middle = slab.box.center();
   std::vector<CutPoint> points;
-  points.reserve(places.size());
-  for (std::uint32_t i = 0; i < places.size(); ++i) {
+  points.reserve(chosen.size());
+  for (const std::uint32_t i : chosen) {
     const Vec3 p = places[i] - middle;
     points.push_back({{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}, i});
   }
   std::vector<std::uint32_t> begin;
   const auto row = [&](std::uint32_t i) { return row_of(schema, working.data() + i * schema.stride); };
   cut_into_cells(points, kBlockPoints, row, begin);
-  StoredSlab stored;
-  stored.records.reserve(places.size() * record.schema().stride);
+  StoredBlocks stored;
+  stored.records.reserve(chosen.size() * record.schema().stride);
   for (std::size_t b = 0; b + 1 < begin.size(); ++b) {
     TileBlock& block = stored.blocks.emplace_back();
     block.least_row = ~std::uint64_t{0};
@@ -126,6 +129,65 @@ StoredSlab cut_into_blocks(const ScratchRecord& record, const Slab& slab, std::s
   }
   return stored;
 }
+
+/// Stores the slabs of a tile, and copies of what is for others, which follow the slabs as they come.
+class SlabsToTile {
+ public:
+  SlabsToTile(const Stream& stream, const ChooseForOthers& choose, Unsealed& points)
+      : stream_(stream),
+        choose_(choose),
+        record_(stream.record_schema()),
+        points_(points),
+        own_(stream.slabs().size()) {
+    for (const Slab& slab : stream.slabs()) end_ += slab.count;
+  }
+
+  void store() {
+    parallel_for(own_.size(), [&](std::size_t s, unsigned) { store(s); });
+  }
+  void add_blocks_to(TileIndex& index) const {
+    for (const std::vector<TileBlock>& of_slab : own_) {
+      index.blocks.insert(index.blocks.end(), of_slab.begin(), of_slab.end());
+      index.slab_ends.push_back(static_cast<std::uint32_t>(index.blocks.size()));
+    }
+    index.blocks.insert(index.blocks.end(), for_others_.begin(), for_others_.end());
+    index.for_others = static_cast<bool>(choose_);
+  }
+  const ScratchRecord& record() const { return record_; }
+  std::uint64_t end() const { return end_; }  ///< records of all blocks
+
+ private:
+  void store(std::size_t s) {
+    const Slab& slab = stream_.slabs()[s];
+    const Schema& schema = stream_.record_schema();
+    std::vector<std::byte> working(slab.count * schema.stride);
+    stream_.read(s, working);
+    std::vector<std::uint32_t> all(slab.count);
+    std::iota(all.begin(), all.end(), 0u);
+    StoredBlocks own = cut_into_blocks(record_, slab, working, schema, all);
+    points_.write_at(slab.first * record_.schema().stride, own.records);
+    own_[s] = std::move(own.blocks);
+    if (!choose_) return;
+    const StoredBlocks chosen = cut_into_blocks(record_, slab, working, schema, choose_(working));
+    points_.write_at(place_for_others(chosen) * record_.schema().stride, chosen.records);
+  }
+
+  /// Notes the blocks, and returns the number of their first record.
+  std::uint64_t place_for_others(const StoredBlocks& chosen) {
+    const std::scoped_lock lock(mutex_);
+    for_others_.insert(for_others_.end(), chosen.blocks.begin(), chosen.blocks.end());
+    return std::exchange(end_, end_ + chosen.records.size() / record_.schema().stride);
+  }
+
+  const Stream& stream_;
+  const ChooseForOthers& choose_;
+  ScratchRecord record_;
+  Unsealed& points_;
+  std::vector<std::vector<TileBlock>> own_;  ///< by slab
+  std::mutex mutex_;
+  std::vector<TileBlock> for_others_;
+  std::uint64_t end_ = 0;
+};
 
 std::vector<std::byte> nonfinite_records(const Stream& stream, const ScratchRecord& record) {
   std::vector<std::byte> all;
@@ -148,6 +210,13 @@ double reach_in(const TileBlock& block, std::size_t k) {
   std::array<double, 3> side{size.x, size.y, size.z};
   std::ranges::sort(side);
   return std::sqrt(static_cast<double>(k) / static_cast<double>(block.count) * side[2] * side[1] / std::numbers::pi);
+}
+
+std::uint64_t points_of(const TileIndex& index, std::uint32_t blocks) {
+  std::uint64_t points = 0;
+  for (std::uint32_t b = 0; b < std::min<std::size_t>(blocks, index.blocks.size()); ++b)
+    points += index.blocks[b].count;
+  return points;
 }
 
 }  // namespace
@@ -181,6 +250,7 @@ void TileIndex::encode(Encoder& out) const {
     out.put<std::uint64_t>(block.checksum);
   });
   out.put_numbers(std::span<const std::uint32_t>(slab_ends));
+  out.put<std::uint8_t>(for_others);
 }
 
 TileIndex TileIndex::decode(Decoder& in) {
@@ -201,32 +271,22 @@ TileIndex TileIndex::decode(Decoder& in) {
     return block;
   });
   index.slab_ends = in.get_numbers<std::uint32_t>();
-  std::uint64_t points = index.nonfinite;
-  for (const TileBlock& block : index.blocks) {
+  index.for_others = in.get<std::uint8_t>() != 0;
+  for (const TileBlock& block : index.blocks)
     if (block.count == 0 || block.count > kBlockPoints) fail("a block of a tile has {} points.", block.count);
-    points += block.count;
-  }
-  const bool ascend = std::ranges::is_sorted(index.slab_ends);
-  const std::size_t blocks = index.slab_ends.empty() ? 0 : index.slab_ends.back();
-  if (points != index.rows || !ascend || blocks != index.blocks.size())
+  const std::uint32_t own = index.own_blocks();
+  const bool are_all = index.for_others ? own <= index.blocks.size() : own == index.blocks.size();
+  if (!are_all || !std::ranges::is_sorted(index.slab_ends) || points_of(index, own) + index.nonfinite != index.rows)
     fail("the blocks of a tile do not hold its {} rows.", index.rows);
   return index;
 }
 
 TileIndex store_tile(const Stream& stream, const Survey& survey, std::uint64_t rows, Storage& scratch,
-                     const std::string& name) {
-  const ScratchRecord record(stream.record_schema());
+                     const std::string& name, const ChooseForOthers& choose) {
   const std::unique_ptr<Unsealed> points = scratch.create(name + ".points");
-  const std::size_t slabs = stream.slabs().size(), stride = record.schema().stride;
-  std::vector<std::vector<TileBlock>> blocks(slabs);
-  parallel_for(slabs, [&](std::size_t s, unsigned) {
-    const Slab& slab = stream.slabs()[s];
-    std::vector<std::byte> working(slab.count * stream.record_schema().stride);
-    stream.read(s, working);
-    StoredSlab stored = cut_into_blocks(record, slab, working, stream.record_schema());
-    points->write_at(slab.first * stride, stored.records);
-    blocks[s] = std::move(stored.blocks);
-  });
+  SlabsToTile slabs(stream, choose, *points);
+  slabs.store();
+  const ScratchRecord& record = slabs.record();
   TileIndex index;
   index.layout = layout_of(record.schema());
   index.record_bytes = record.schema().stride;
@@ -234,13 +294,10 @@ TileIndex store_tile(const Stream& stream, const Survey& survey, std::uint64_t r
   index.nonfinite = stream.nonfinite_count();
   index.survey = survey;
   index.survey.sample.clear();
-  for (const std::vector<TileBlock>& of_slab : blocks) {
-    index.blocks.insert(index.blocks.end(), of_slab.begin(), of_slab.end());
-    index.slab_ends.push_back(static_cast<std::uint32_t>(index.blocks.size()));
-  }
+  slabs.add_blocks_to(index);
   const std::vector<std::byte> nonfinite = nonfinite_records(stream, record);
   index.nonfinite_checksum = checksum_of(nonfinite);
-  points->write_at((rows - index.nonfinite) * stride, nonfinite);
+  points->write_at(slabs.end() * record.schema().stride, nonfinite);
   points->seal();
   seal_bytes(scratch, name + ".index", encoded(std::as_const(index)));
   return index;

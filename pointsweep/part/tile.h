@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,7 +26,8 @@ struct TileBlock {
 };
 
 /// What is known of the points of a tile in the scratch. Two objects hold them: NAME.points the records, slab by slab,
-/// and behind them those without a place; NAME.index this value.
+/// then copies of those that other tiles have to know, if they need not know all, and behind them those without a
+/// place; NAME.index this value.
 struct TileIndex {
   /// The records as text: two tiles with the same text have records that one run can read.
   std::string layout;
@@ -36,6 +38,10 @@ struct TileIndex {
   Survey survey;
   std::vector<TileBlock> blocks;
   std::vector<std::uint32_t> slab_ends;  ///< by slab: the number of blocks up to its end
+  bool for_others = false;  ///< blocks after those of the slabs hold what other tiles have to know, and else all do
+
+  /// Returns the number of blocks of the slabs, which are the first ones.
+  std::uint32_t own_blocks() const { return slab_ends.empty() ? 0 : slab_ends.back(); }
 
   void encode(Encoder& out) const;
   static TileIndex decode(Decoder& in);
@@ -45,10 +51,14 @@ struct TileIndex {
 /// grid a tile has, the other fields, and the row in 64 bits.
 Schema schema_in_scratch(const Schema& working);
 
-/// Stores the points of a tile, whose rows count from 0, under `name`. `survey`: of its points. On all threads. Throws
-/// Error where the storage fails.
+/// Returns the numbers of those of some working records that other tiles have to know. Called from many threads at
+/// once.
+using ChooseForOthers = std::function<std::vector<std::uint32_t>(std::span<const std::byte> records)>;
+
+/// Stores the points of a tile, whose rows count from 0, under `name`. `survey`: of its points. `choose`: empty where
+/// other tiles have to know all of them. On all threads. Throws Error where the storage fails.
 TileIndex store_tile(const Stream& stream, const Survey& survey, std::uint64_t rows, Storage& scratch,
-                     const std::string& name);
+                     const std::string& name, const ChooseForOthers& choose = {});
 
 /// Stores a tile that has no rows under `name`.
 void store_no_points(Storage& scratch, const std::string& name);

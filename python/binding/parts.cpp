@@ -3,6 +3,7 @@
 
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
 #include <array>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/pipeline/language/absolute_files.h"
 #include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/run/part_run.h"
 #include "pointsweep/storage/local/shared_folder.h"
@@ -23,7 +25,7 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-constexpr std::array<const char*, 5> kRoundNames{"look", "order", "sweep", "rows", "write"};
+constexpr std::array<const char*, 6> kRoundNames{"look", "other", "order", "sweep", "rows", "write"};
 
 /// The arguments that all tasks of a run share, as run_pipeline() takes them; `to` has a file for each input.
 struct PartRequest {
@@ -48,8 +50,8 @@ PartRound round_of(const nb::tuple& round) {
   return {static_cast<PartRoundKind>(kind), nb::cast<std::size_t>(round[1]), nb::cast<bool>(round[2])};
 }
 
-/// (rounds, rows by tile, the option `nonfinite` for the tasks, notes, bytes of a point in the scratch). A round:
-/// (kind, pass, has values).
+/// (rounds, rows by tile, the option `nonfinite` for the tasks, notes, bytes of a point in the scratch, files of other
+/// clouds by pass, stages for the record). A round: (kind, pass, has values). Files: (paths, points of each).
 nb::tuple plan_of_parts(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                         const nb::dict& given, std::vector<std::filesystem::path> to) {
   PartRequest request(source, pipeline, keep, given, std::move(to));
@@ -57,9 +59,12 @@ nb::tuple plan_of_parts(const nb::list& source, const nb::list& pipeline, const 
   nb::list rounds;
   for (const PartRound& round : planned.rounds)
     rounds.append(nb::make_tuple(kRoundNames[static_cast<std::size_t>(round.kind)], round.pass, round.has_values));
+  nb::dict others;
+  for (const OtherFiles& files : planned.others)
+    others[nb::int_(files.pass)] = nb::make_tuple(files.paths, files.counts);
   constexpr std::array<const char*, 4> kRules{"", "keep", "drop", "refuse"};
   return nb::make_tuple(rounds, planned.rows, kRules[static_cast<std::size_t>(planned.nonfinite)], planned.notes,
-                        planned.scratch_bytes);
+                        planned.scratch_bytes, others, planned.record);
 }
 
 /// Performs a task: (rows left, points of the tile, points swept, statistics as JSON).
@@ -77,6 +82,9 @@ nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, 
                         .before = text("before"),
                         .catalogue = text("catalogue"),
                         .values = text("values"),
+                        .other_catalogue = text("other_catalogue"),
+                        .other_file = text("other_file"),
+                        .record = nb::cast<std::vector<std::string>>(task["record"]),
                         .after = text("after")};
   SharedFolder folder(scratch);
   PartDone done;
@@ -125,6 +133,7 @@ void bind_parts(nb::module_& module) {
   module.def("join_tiles", &join_the_tiles, "scratch"_a, "left"_a, "paths"_a, "key"_a);
   module.def("join_values", &join_the_values, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a,
              "round"_a, "before"_a, "left"_a, "key"_a);
+  module.def("with_absolute_files", &with_absolute_files, "pipeline"_a);
   module.def("forget_part", &forget_task, "scratch"_a, "left"_a);
 }
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """A run over a folder of tiles on the workers of Dask, with the bytes of a run of one process.
 
-The run goes on in rounds (`_core.plan_parts`). A round has a task for each tile, and a task needs nothing but what the
+The run goes on in rounds (`_core.plan_parts`). A round has a task for each tile, or for each file of another cloud that a
+stage reads, and a task needs nothing but what the
 rounds before have left in the scratch, so no task waits for another one. The client hands out tasks, and notes replies in
 the scratch: a client that is killed, or that has lost its scheduler, goes on where it was when it is given the same command.
 """
@@ -24,7 +25,7 @@ from ._part import Done, Request, build, perform, state_of
 from ._scratch import Scratch
 
 _MOST_TRIES = 4  # of a task whose workers end, or whose objects are damaged
-_PHASES = {"look": "checking", "order": "ordering", "sweep": "sweeping", "rows": "updating", "write": "writing"}
+_PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep": "sweeping", "rows": "updating", "write": "writing"}
 _WAIT_SECONDS = 30.0
 _SLOW_SECONDS = 60.0  # a task may hang if it takes longer than this and ten times as long as the longest one before
 
@@ -69,10 +70,11 @@ def run_on_cluster(
     start = time.perf_counter()
     inputs = [os.path.abspath(path) for path in source]
     outputs = [os.path.abspath(path) for path in outputs]
+    absolute = [_core.with_absolute_files(stage) if isinstance(stage, str) else stage for stage in stages]
     identity = {
         "inputs": [[path, *state_of(path)] for path in inputs],
         "outputs": outputs,
-        "stages": _core.canonical_stages(stages) if stages else [],
+        "stages": _core.canonical_stages(absolute) if stages else [],
         "attributes to keep": keep,
         "options": {name: value for name, value in options.items() if name not in ("memory", "threads", "temp_folder")},
         "versions of pointsweep": build(),
@@ -82,17 +84,20 @@ def run_on_cluster(
     try:
         begun = place.request.exists()
         given = {**options, "overwrite": "yes" if begun else options["overwrite"]}
-        rounds, rows, nonfinite, notes, bytes_of_point = _core.plan_parts(inputs, stages, keep, given, outputs)
+        rounds, rows, nonfinite, notes, bytes_of_point, others, record = _core.plan_parts(inputs, stages, keep, given, outputs)
+        others = {number: ([os.path.abspath(path) for path in paths], counts) for number, (paths, counts) in others.items()}
+        other_states = {path: state_of(path) for paths, _ in others.values() for path in paths}
+        place.require_unchanged(other_states)
         for note in notes:
             warn(note)
         place.require_room(bytes_of_point * sum(rows))
         with _connected(client) as connected:
             request = Request(
-                build(), inputs, [state_of(path) for path in inputs], outputs, stages, keep, {**options, "nonfinite": nonfinite},
-                _workers_of_a_machine(connected),
+                build(), inputs, [state_of(path) for path in inputs], outputs, {number: paths for number, (paths, _) in others.items()},
+                other_states, absolute, record, keep, {**options, "nonfinite": nonfinite}, _workers_of_a_machine(connected),
             )
             _seal_request(place, request)
-            run = _Run(connected, place, request, rounds, rows, progress)
+            run = _Run(connected, place, request, rounds, rows, {number: counts for number, (_, counts) in others.items()}, progress)
             run.perform()
             finished = True
             return run.statistics(time.perf_counter() - start)
@@ -124,10 +129,11 @@ class _Run:
     """The rounds of a run, and what is known between them."""
 
     def __init__(
-        self, client: Any, place: Scratch, request: Request, rounds: list[Any], rows: list[int], progress: Progress
+        self, client: Any, place: Scratch, request: Request, rounds: list[Any], rows: list[int], other_rows: dict[int, list[int]],
+        progress: Progress,
     ) -> None:
         self._client, self._place, self._request, self._rounds, self._rows = client, place, request, rounds, rows
-        self._progress = progress
+        self._progress, self._other_rows = progress, other_rows
         self._tiles = len(rows)
         self._first_row = _sums_before(rows)
         self._done: list[dict[int, Done]] = [{} for _ in rounds]
@@ -146,7 +152,7 @@ class _Run:
         """Performs the tasks that are not done, and joins what they have left. Returns the number of an earlier round of
         which a task is to be performed again, since what it has left is damaged."""
         kind = self._rounds[number][0]
-        todo = [tile for tile in range(self._tiles) if tile not in self._done[number]]
+        todo = [task for task in range(len(self._rows_of(number))) if task not in self._done[number]]
         damaged = self._hand_out(number, todo) or self._join(number, is_new=bool(todo))
         if damaged is not None:
             return self._go_back(*damaged)
@@ -154,17 +160,22 @@ class _Run:
             self._forget_before(number)
         return None
 
+    def _rows_of(self, number: int) -> list[int]:
+        """The rows of what each task of a round takes: a tile, or a file of another cloud."""
+        kind, number_of_pass, _ = self._rounds[number]
+        return self._other_rows[number_of_pass] if kind == "other" else self._rows
+
     def _join(self, number: int, is_new: bool) -> tuple[int, int] | None:
         """Joins what the tasks of a round have left, unless an earlier process has. Returns what is damaged."""
-        kind, _, has_values = self._rounds[number]
+        kind, number_of_pass, has_values = self._rounds[number]
         objects, r = str(self._place.objects), self._request
-        names = [self._done[number][tile].left for tile in range(self._tiles)]
+        names = [self._done[number][task].left for task in range(len(self._rows_of(number)))]
         try:
             key = _joined_by(number)
             if not is_new and (self._place.objects / key).exists():
                 return None
-            if kind == "order":
-                _core.join_tiles(objects, names, r.inputs, key)
+            if kind in ("order", "other"):
+                _core.join_tiles(objects, names, r.inputs if kind == "order" else r.others[number_of_pass], key)
             if has_values:
                 _core.join_values(
                     objects, r.inputs[:1], r.stages, r.keep, r.options, r.outputs[:1], self._rounds[number],
@@ -194,8 +205,9 @@ class _Run:
         kind = self._rounds[number][0]
         left, tries = list(reversed(todo)), Counter[int]()
         running: dict[Any, tuple[int, float]] = {}
-        points = sum(self._rows[tile] for tile in self._done[number])
-        self._tell(kind, points)
+        rows = self._rows_of(number)
+        points = sum(rows[tile] for tile in self._done[number])
+        self._tell(kind, points, sum(rows))
         while left or running:
             self._place.require_lease()
             window = 2 * max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
@@ -222,7 +234,7 @@ class _Run:
                     raise
                 if tries[tile] >= _MOST_TRIES:
                     raise Error(
-                        f"{self._request.inputs[tile]}: its task has failed {tries[tile]} times ({type(error).__name__}: {error}); give"
+                        f"{self._path_of(number, tile)}: its task has failed {tries[tile]} times ({type(error).__name__}: {error}); give"
                         " workers more memory than memory= says, or look at their logs."
                     ) from None
                 if damaged is not None:
@@ -234,8 +246,8 @@ class _Run:
             self._longest = max(self._longest, time.monotonic() - since)
             self._done[number][tile] = done
             self._place.note(round=number, tile=tile, done=list(done))
-            points += self._rows[tile]
-            self._tell(kind, points)
+            points += rows[tile]
+            self._tell(kind, points, sum(rows))
         return None
 
     def _next(self, running: dict[Any, Any]) -> Any:
@@ -253,21 +265,28 @@ class _Run:
         return next(future for future in running if future.done())
 
     def _submit(self, number: int, tile: int) -> Any:
-        before = next((self._done[n][tile].left for n in reversed(range(number)) if tile in self._done[n] and self._rounds[n][0] != "look"), "")
+        kind, number_of_pass, _ = self._rounds[number]
+        rounds = [n for n in reversed(range(number)) if self._rounds[n][0] not in ("look", "other")]
+        before = "" if kind == "other" else next((self._done[n][tile].left for n in rounds if tile in self._done[n]), "")
         look = sum(done.dropped for done in self._done[0].values()) if self._rounds[0][0] == "look" else 0
         task = {
             "round": self._rounds[number],
             "round_number": number,
             "tile": tile,
             "tiles": self._tiles,
-            "first_row": self._first_row[tile],
+            "first_row": 0 if kind == "other" else self._first_row[tile],
             "dropped": look,
             "before": before,
             "catalogue": self._joined_before(number, lambda round: round[0] == "order"),
             "values": self._joined_before(number, lambda round: round[2]),
+            "other_catalogue": self._joined_before(number, lambda round: round[0] == "other" and round[1] == number_of_pass),
         }
-        key = f"{_PHASES[self._rounds[number][0]]}-{number}-{tile}-{time.monotonic_ns()}"
+        key = f"{_PHASES[kind]}-{number}-{tile}-{time.monotonic_ns()}"
         return self._client.submit(perform, str(self._place.request), str(self._place.objects), task, key=key, pure=False)
+
+    def _path_of(self, number: int, task: int) -> str:
+        kind, number_of_pass, _ = self._rounds[number]
+        return self._request.others[number_of_pass][task] if kind == "other" else self._request.inputs[task]
 
     def _joined_before(self, number: int, is_wanted: Callable[[Any], bool]) -> str:
         """The name of what the last of these rounds before round `number` has left of all tiles; empty: there is none."""
@@ -287,9 +306,9 @@ class _Run:
                 _core.forget_part(str(self._place.objects), done.left)
         self._forgotten = number
 
-    def _tell(self, kind: str, points: int) -> None:
+    def _tell(self, kind: str, points: int, of: int) -> None:
         if self._progress is not None:
-            self._progress(_PHASES[kind], points, sum(self._rows))
+            self._progress(_PHASES[kind], points, of)
 
     def statistics(self, seconds: float) -> str:
         """What a report of the run says, as the library writes it for a run of one process, and what each worker did."""

@@ -26,7 +26,10 @@ class Request(NamedTuple):
     inputs: list[str]
     states: list[tuple[int, int]]  #: (bytes, time of change) of each input
     outputs: list[str]
+    others: dict[int, list[str]]  #: by pass: the files of the other cloud that it reads
+    other_states: dict[str, tuple[int, int]]  #: of these files
     stages: list[Any]
+    record: list[str]  #: the stages, as the outputs tell of them
     keep: list[str]
     options: dict[str, Any]
     processes: int  #: workers that share a machine, at most
@@ -77,14 +80,15 @@ def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
     request = _request(request_path, os.stat(request_path).st_mtime_ns)
     if build() != request.build:
         raise Error(f"{worker}: has pointsweep {build()}, the client {request.build}; install one version on all machines.")
+    kind, number, _ = task["round"]
     tile = task["tile"]
-    path = request.inputs[tile]
-    try:
-        state = state_of(path)
-    except OSError as error:
-        raise Error(f"{path}: {worker} cannot read it: {error.strerror}; put the files where all workers see them.") from None
-    if state != request.states[tile]:
-        raise Error(f"{path}: has changed since the run began ({request.states[tile][0]} bytes then, {state[0]} now).")
+    others = request.others.get(number, [])
+    if kind == "other":
+        path, other_file = request.inputs[0], others[tile]
+        _require_unchanged(other_file, request.other_states[other_file], worker)
+    else:
+        path, other_file = request.inputs[tile], others[0] if others else ""
+        _require_unchanged(path, request.states[tile], worker)
     left = f"{task['round_number']:02d}-{tile:06d}-{uuid.uuid4().hex[:12]}"
     options = dict(request.options)
     options["threads"] = options["threads"] or str(threads)
@@ -92,7 +96,8 @@ def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
     with _one_at_a_time:
         start = time.perf_counter()
         rows, own, swept, text = _core.perform_part(
-            objects, [path], request.stages, request.keep, options, [request.outputs[tile]], {**task, "after": left}, None
+            objects, [path], request.stages, request.keep, options, [request.outputs[0 if kind == "other" else tile]],
+            {**task, "other_file": other_file, "record": request.record, "after": left}, None,
         )
         seconds = time.perf_counter() - start
     counts = json.loads(text) if text else {}
@@ -111,6 +116,15 @@ def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
         worker,
         list(counts.get("warnings", [])),
     )
+
+
+def _require_unchanged(path: str, then: tuple[int, int], worker: str) -> None:
+    try:
+        now = state_of(path)
+    except OSError as error:
+        raise Error(f"{path}: {worker} cannot read it: {error.strerror}; put the files where all workers see them.") from None
+    if now != then:
+        raise Error(f"{path}: has changed since the run began ({then[0]} bytes then, {now[0]} now).")
 
 
 def _bytes_left(objects: str, left: str) -> int:

@@ -17,7 +17,7 @@ from ._errors import Error, UsageError
 
 STALE_SECONDS = 120.0  #: after which a lease that nobody renews may be taken over
 _RENEWAL_SECONDS = 10.0
-_OBJECTS, _LEASE, _RUN, _REQUEST, _DONE = "objects", "lease.json", "run.json", "request.pickle", "done.jsonl"
+_OBJECTS, _LEASE, _RUN, _OTHERS, _REQUEST, _DONE = "objects", "lease.json", "run.json", "others.json", "request.pickle", "done.jsonl"
 
 
 class Scratch:
@@ -70,6 +70,17 @@ class Scratch:
             self.objects.mkdir()
             _write(run, json.dumps(identity))
 
+    def require_unchanged(self, states: dict[str, tuple[int, int]]) -> None:
+        """Notes the states of files that the run reads beside its inputs. Raises `Error` if one has changed since it began."""
+        others = self.path / _OTHERS
+        found = {path: list(state) for path, state in states.items()}
+        if not others.exists():
+            return _write(others, json.dumps(found))
+        before = json.loads(others.read_text())
+        changed = next((path for path in {**before, **found} if before.get(path) != found.get(path)), None)
+        if changed is not None:
+            raise Error(f"{changed}: has changed since the run began; remove {self.path}, and begin again.")
+
     def done(self) -> Iterator[dict[str, Any]]:
         """What earlier processes have noted, in their order."""
         try:
@@ -108,7 +119,7 @@ class Scratch:
     def remove(self) -> None:
         """After the run: nothing of it stays."""
         self.close()
-        for name in (_RUN, _REQUEST, _DONE):
+        for name in (_RUN, _OTHERS, _REQUEST, _DONE):
             (self.path / name).unlink(missing_ok=True)
         shutil.rmtree(self.objects, ignore_errors=True)
         if self._made:

@@ -129,6 +129,61 @@ def test_same_bytes(tiles: Path, tmp_path: Path, client: Any, pipeline: str) -> 
     assert report.points > 10_000
 
 
+@pytest.fixture
+def before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Another cloud of three files, in a folder that pipelines name from where the test works."""
+    rng = np.random.default_rng(6)
+    folder = tmp_path / "before"
+    folder.mkdir()
+    for i in range(3):
+        xyz = np.column_stack([10 * i + rng.uniform(0, 10, 2_000), rng.uniform(0, 30, 2_000), rng.uniform(-1, 1, 2_000)])
+        ps.write(folder / f"{i}.ply", {"xyz": xyz, "classification": rng.integers(1, 9, 2_000).astype("u1")})
+    monkeypatch.chdir(tmp_path)
+    return folder
+
+
+IN_ORDER = [
+    "unique | ground(cell=0.5, window=2) | height",
+    "voxel(0.4, keep=centroid) | normals | where(row > 100) | poisson(0.7)",
+    "normals | m3c2(before, cylinder=1, depth=2) | take('before/?.ply', attributes=classification, k=3)",
+]
+
+
+@pytest.mark.parametrize("pipeline", IN_ORDER)
+def test_same_bytes_of_operators_in_order(tiles: Path, tmp_path: Path, client: Any, before: Path, pipeline: str) -> None:
+    one_process(tiles, pipeline, tmp_path / "one")
+    report = many(tiles, pipeline, tmp_path / "many", client)
+    assert_same(tmp_path / "one", tmp_path / "many")
+    assert not (tmp_path / "scratch").exists()
+    assert report.statistics["points_swept_over_own"] > 1
+
+
+def test_another_cloud_may_not_change(tiles: Path, tmp_path: Path, before: Path, immediate: None) -> None:
+    pipeline = "distance_to(before)"
+    one_process(tiles, pipeline, tmp_path / "one")
+
+    def stop(task: Any) -> None:
+        if task["round"][0] == "sweep":
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        many(tiles, pipeline, tmp_path / "many", Immediate(stop))
+    (before / "1.ply").touch()
+    with pytest.raises(ps.Error, match="1.ply: has changed since the run began"):
+        many(tiles, pipeline, tmp_path / "many", Immediate())
+    _remove(tmp_path / "scratch")
+
+    def change(task: Any) -> None:
+        if task["round"][0] == "other" and task["tile"] == 1:
+            (before / "2.ply").touch()
+
+    with pytest.raises(ps.Error, match="2.ply: has changed since the run began"):
+        many(tiles, pipeline, tmp_path / "many", Immediate(change))
+    _remove(tmp_path / "scratch")
+    many(tiles, pipeline, tmp_path / "many", Immediate())
+    assert_same(tmp_path / "one", tmp_path / "many")
+
+
 def test_a_worker_is_killed(tiles: Path, tmp_path: Path, client: Any) -> None:
     pipeline = CHAINS[0]
     one_process(tiles, pipeline, tmp_path / "one")
@@ -191,7 +246,7 @@ def test_says_what_is_wrong(tiles: Path, tmp_path: Path, immediate: None, monkey
     with pytest.raises(ps.UsageError, match="name a folder"):
         ps.open(tiles).run("normals", to=to / "all.ply", client=client, scratch=tmp_path / "scratch")
     with pytest.raises(ps.UsageError, match="one process"):
-        many(tiles, "voxel(size=1)", to, client)
+        many(tiles, "components", to, client)
     with pytest.raises(ps.UsageError, match="is for the workers of a client"):
         ps.open(tiles).run("normals", to=f"{to}/", scratch=tmp_path / "scratch")
     assert not (tmp_path / "scratch").exists()

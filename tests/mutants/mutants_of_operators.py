@@ -333,7 +333,7 @@ MUTANTS = [
     Mutant("heights between centres of cells are those of the cell before", "rasters", OPS + "ground/ground_work.cpp",
            "Between{0, fraction - 0.5}", "Between{0, 0}", ("pipeline:Ground.*",)),
     Mutant("all returns take part in ground", "rasters", OPS + "ground/ground_work.cpp",
-           "return !(values[*numbers_.return_number] < values[*numbers_.number_of_returns]);", "return true;",
+           "return !(values[*numbers.return_number] < values[*numbers.number_of_returns]);", "return true;",
            ("pipeline:Ground.*",)),
     Mutant("what was ground and is not keeps its class", "rasters", OPS + "ground/ground_work.cpp", " && c != kGround;", ";",
            ("pipeline:Ground.*",)),

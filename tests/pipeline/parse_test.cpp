@@ -2,7 +2,6 @@
 #include "pointsweep/pipeline/language/parse.h"
 
 #include <fmt/format.h>
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
@@ -10,6 +9,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "pointsweep/pipeline/language/absolute_files.h"
+#include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/refusal.h"
 #include "tests/support/fixed_seed.h"
 
@@ -187,6 +188,18 @@ TEST(Parse, AnyTextIsAPipelineOrAUsageError) {
     } catch (const UsageError&) {
     }
   }));
+}
+
+TEST(AbsoluteFiles, AreThoseOfOptionsThatNameFiles) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("a b.las", "").string(), pattern = (folder / "*.las").string();
+  const auto relative = [](const std::string& path) { return std::filesystem::relative(path).string(); };
+  const auto absolute = [](const std::string& text) { return with_absolute_files(text); };
+  EXPECT_EQ(absolute("knn(k=8) | distance_to('" + relative(file) + "')"), "knn(k=8) | distance_to(\"" + file + "\")");
+  EXPECT_EQ(absolute("take('" + relative(pattern) + "', attributes=z)"), "take(\"" + pattern + "\", attributes=z)");
+  for (const std::string text : {"distance_to(nowhere.las)", "crop(polygon=\"POLYGON ((0 0, 1 0, 1 1, 0 0))\")",
+                                 "set(a = b * c)", "none(x=1)", "transform(matrix=[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1])"})
+    EXPECT_EQ(parse_pipeline(absolute(text)), parse_pipeline(text)) << text;
 }
 
 }  // namespace

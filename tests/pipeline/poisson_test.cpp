@@ -305,14 +305,14 @@ TEST(UndecidedPoints, HoldASliceBehindTheFront) {
   std::ranges::sort(points, {}, &Vec3::x);
   for (const double radius : {0.01, 0.05, 0.1}) {
     UndecidedPoints held(0, radius, points.size());
-    std::vector<std::uint64_t> dropped;
+    Findings findings;
     std::uint64_t most = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       held.hold({points[i], disk_hash(points[i]), i, radius * radius});
-      held.decide(dropped);
+      held.decide(findings);
       most = std::max(most, held.held());
     }
-    held.finish(dropped);
+    held.finish(findings);
     EXPECT_EQ(held.held(), 0u);
     EXPECT_LT(static_cast<double>(most), 30'000 * 2 * radius + 256) << radius;
     UndecidedPoints few(0, radius, most - 1);
@@ -320,39 +320,47 @@ TEST(UndecidedPoints, HoldASliceBehindTheFront) {
         {
           for (std::size_t i = 0; i < points.size(); ++i) {
             few.hold({points[i], disk_hash(points[i]), i, radius * radius});
-            few.decide(dropped);
+            few.decide(findings);
           }
         },
         Error);
   }
 }
 
-TEST(UndecidedPoints, GoOnInAnotherProcess) {
-  std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 20'000, 59);
-  std::ranges::sort(points, {}, &Vec3::x);
-  const double radius = 0.05;
-  std::vector<std::uint64_t> expected, dropped;
-  UndecidedPoints whole(0, radius, points.size());
-  auto held = std::make_unique<UndecidedPoints>(0, radius, points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const DiskPoint point{points[i], disk_hash(points[i]), i, radius * radius};
-    whole.hold(point);
-    held->hold(point);
-    whole.decide(expected);
-    held->decide(dropped);
-    if (i % 1111 != 0) continue;
-    const std::vector<std::byte> bytes = encoded(*held);
-    held = std::make_unique<UndecidedPoints>(0, radius, points.size());
-    Decoder in(bytes);
-    held->load(in);
-    in.finish();
-    EXPECT_EQ(encoded(*held), bytes);
+/// What is decided of a slice of the cloud is what the whole cloud decides.
+TEST(UndecidedPoints, StayOpenWhereMissingPointsMayDecide) {
+  for (const double radius : {0.01, 0.03, 0.06}) {
+    std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 30'000, 59);
+    std::ranges::sort(points, {}, &Vec3::x);
+    Findings of_all, of_slice;
+    UndecidedPoints all(0, radius, points.size()), slice(0, radius, points.size());
+    const double low = 0.3, high = 0.7;
+    std::uint64_t held = 0, near_the_rim = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const DiskPoint point{points[i], disk_hash(points[i]), i, radius * radius};
+      all.hold(point);
+      all.decide(of_all);
+      if (points[i].x < low || points[i].x > high) continue;
+      const double rim = std::min(points[i].x - low, high - points[i].x);
+      ++held, near_the_rim += rim <= 2 * radius;
+      slice.hold(point, rim <= radius);
+      slice.decide(of_slice);
+    }
+    all.finish(of_all);
+    slice.finish(of_slice);
+    EXPECT_TRUE(of_all.undecided.empty());
+    EXPECT_GT(of_slice.undecided.size(), 0u);
+    EXPECT_LT(of_slice.undecided.size(), near_the_rim) << "of " << held;
+    const auto is_in = [](std::vector<std::uint64_t>& rows, std::uint64_t row) {
+      return std::ranges::binary_search(rows, row);
+    };
+    for (std::vector<std::uint64_t>* rows : {&of_all.dropped, &of_slice.dropped, &of_slice.undecided})
+      std::ranges::sort(*rows);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (points[i].x >= low && points[i].x <= high && !is_in(of_slice.undecided, i)) {
+        EXPECT_EQ(is_in(of_slice.dropped, i), is_in(of_all.dropped, i)) << i;
+      }
   }
-  whole.finish(expected);
-  held->finish(dropped);
-  std::ranges::sort(expected);
-  std::ranges::sort(dropped);
-  EXPECT_EQ(dropped, expected);
 }
 
 TEST(UndecidedPoints, StopWhenTheRunIsCancelled) {
@@ -361,8 +369,8 @@ TEST(UndecidedPoints, StopWhenTheRunIsCancelled) {
   CancellationToken token;
   token.cancel();
   const CancellationScope scope(&token);
-  std::vector<std::uint64_t> dropped;
-  EXPECT_THROW(held.finish(dropped), Cancelled);
+  Findings findings;
+  EXPECT_THROW(held.finish(findings), Cancelled);
 }
 
 }  // namespace

@@ -87,6 +87,10 @@ std::unique_ptr<InOrderWork> DistanceTo::start(const InOrderSetup& setup) const 
   return std::make_unique<DistanceToWork>(options_.most.value_or(std::numeric_limits<double>::infinity()), setup);
 }
 
+std::optional<Reach> DistanceTo::other_reach() const {
+  return Reach{.distance = options_.most.value_or(std::numeric_limits<double>::infinity()), .nearest = 1};
+}
+
 std::uint64_t DistanceTo::least_bytes(const CloudEstimate&) const { return PointCells::least_bytes(); }
 
 }  // namespace pointsweep

@@ -25,6 +25,8 @@ class DistanceTo final : public InOrderOperator {
   std::string name() const override { return "distance_to"; }
   InOrderContract in_order_contract() const override;
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
+  std::optional<Reach> reach() const override { return Reach{}; }
+  std::optional<Reach> other_reach() const override;
   std::string other_cloud() const override { return options_.cloud; }
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
 

@@ -214,6 +214,11 @@ std::unique_ptr<InOrderWork> M3c2::start(const InOrderSetup& setup) const {
   return std::make_unique<M3c2Work>(options_, setup);
 }
 
+/// The ends of the rim of a cylinder are the farthest from its centre.
+std::optional<Reach> M3c2::reach() const {
+  return Reach{.distance = std::hypot(options_.cylinder / 2, options_.depth) * (1 + 1e-6)};
+}
+
 std::uint64_t M3c2::least_bytes(const CloudEstimate&) const { return 2 * PointCells::least_bytes(); }
 
 }  // namespace pointsweep

@@ -27,6 +27,8 @@ class M3c2 final : public InOrderOperator {
   std::string name() const override { return "m3c2"; }
   InOrderContract in_order_contract() const override;
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
+  std::optional<Reach> reach() const override;
+  std::optional<Reach> other_reach() const override { return reach(); }
   std::string other_cloud() const override { return options_.cloud; }
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
 

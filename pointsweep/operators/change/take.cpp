@@ -123,6 +123,10 @@ InOrderContract Take::in_order_contract() const {
   return contract;
 }
 
+std::optional<Reach> Take::other_reach() const {
+  return Reach{options_.most.value_or(std::numeric_limits<double>::infinity()), static_cast<std::size_t>(options_.k)};
+}
+
 std::vector<Attribute> Take::other_reads() const {
   std::vector<Attribute> reads;
   for (const TakenAttribute& taken : taken_) reads.push_back(taken.source);

@@ -35,6 +35,8 @@ class Take final : public InOrderOperator {
   InOrderContract in_order_contract() const override;
   std::string other_cloud() const override { return options_.cloud; }
   std::vector<Attribute> other_reads() const override;
+  std::optional<Reach> reach() const override { return Reach{}; }
+  std::optional<Reach> other_reach() const override;
   /// Throws UsageError for an attribute that the other cloud does not have, with the nearest that it has.
   std::shared_ptr<const InOrderOperator> bound_to_other(const Schema& other) const override;
   /// Throws UsageError where points without a value would have none that their attribute can hold.

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/option_table.h"
@@ -164,6 +167,31 @@ Vec3 Ground::place_of(Vec3 position) const {
 
 std::unique_ptr<InOrderWork> Ground::start(const InOrderSetup& setup) const {
   return std::make_unique<GroundWork>(options_, rule(), numbers_, reads_.size(), setup);
+}
+
+/// In cells: the surface at a point comes from the two cells next to it along each axis and their slopes, a hole in it
+/// from cells at most 3R + 3 away, and what is cut off from the disks of all radii up to R one after another, over a
+/// raster whose holes were filled from 3R + 3 cells away.
+std::optional<Reach> Ground::reach() const {
+  const auto radius = static_cast<double>(rule().radius);
+  return Reach{.distance = radius * (radius + 1) + 2 * (3 * radius + 3) + 4};
+}
+
+/// The lowest of each cell among those that take part.
+InOrderOperator::ChoosePoints Ground::for_other_parts() const {
+  return [this](const OrderedPoints& points) {
+    std::map<std::pair<double, double>, std::uint32_t> lowest;
+    const std::size_t values = reads_.size();
+    for (std::uint32_t i = 0; i < points.rows.size(); ++i) {
+      if (!takes_part_in_ground(options_, numbers_, points.values.data() + i * values)) continue;
+      const Vec3 cell = place_of(points.positions[i]);
+      const auto [known, is_new] = lowest.try_emplace({cell.x, cell.y}, i);
+      if (!is_new && points.positions[i].z < points.positions[known->second].z) known->second = i;
+    }
+    std::vector<std::uint32_t> chosen;
+    for (const auto& [cell, i] : lowest) chosen.push_back(i);
+    return chosen;
+  };
 }
 
 std::uint64_t Ground::least_bytes(const CloudEstimate& cloud) const {

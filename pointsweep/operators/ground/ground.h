@@ -35,6 +35,8 @@ class Ground final : public InOrderOperator {
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   Vec3 place_of(Vec3 position) const override;
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
+  std::optional<Reach> reach() const override;
+  ChoosePoints for_other_parts() const override;
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   InOrderEffort effort(const CloudEstimate& cloud) const override;
 

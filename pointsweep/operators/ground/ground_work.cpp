@@ -36,6 +36,15 @@ double bilinear(const double (&corners)[2][2], double x, double y) {
 
 }  // namespace
 
+bool takes_part_in_ground(const GroundOptions& options, const Ground::ValueNumbers& numbers, const double* values) {
+  if (numbers.classification && !options.noise) {
+    const double c = values[*numbers.classification];
+    if (c == kLowNoise || c == kHighNoise) return false;
+  }
+  if (!numbers.return_number || !numbers.number_of_returns) return true;
+  return !(values[*numbers.return_number] < values[*numbers.number_of_returns]);
+}
+
 GroundWork::GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& numbers,
                        std::size_t values, const InOrderSetup& setup)
     : options_(options),
@@ -61,15 +70,6 @@ void GroundWork::open_band(std::size_t number) {
   opened_ = number;
   band_.emplace(lowest_, number);
   surface_.emplace(ground_surface(*band_, rule_, setup_.memory_bytes, setup_.make_scratch), kRowsAround);
-}
-
-bool GroundWork::takes_part(const double* values) const {
-  if (numbers_.classification && !options_.noise) {
-    const double c = values[*numbers_.classification];
-    if (c == kLowNoise || c == kHighNoise) return false;
-  }
-  if (!numbers_.return_number || !numbers_.number_of_returns) return true;
-  return !(values[*numbers_.return_number] < values[*numbers_.number_of_returns]);
 }
 
 std::uint8_t GroundWork::class_of_others(const double* values) const {

@@ -12,6 +12,9 @@
 
 namespace pointsweep {
 
+/// Returns whether a point with these values can be ground.
+bool takes_part_in_ground(const GroundOptions& options, const Ground::ValueNumbers& numbers, const double* values);
+
 class GroundWork final : public InOrderWork {
  public:
   /// `values`: how many each point has; `numbers` says which of them are which attributes.
@@ -30,7 +33,7 @@ class GroundWork final : public InOrderWork {
     std::uint64_t row;
     std::size_t column;
   };
-  bool takes_part(const double* values) const;
+  bool takes_part(const double* values) const { return takes_part_in_ground(options_, numbers_, values); }
   std::uint8_t class_of_others(const double* values) const;
   void add_lowest(const OrderedPoints& points);
   void classify(const OrderedPoints& points, Findings& findings);

@@ -123,6 +123,20 @@ std::unique_ptr<InOrderWork> Height::start(const InOrderSetup& setup) const {
   return std::make_unique<HeightWork>(static_cast<std::size_t>(options_.k), setup);
 }
 
+std::optional<Reach> Height::reach() const {
+  return Reach{std::numeric_limits<double>::infinity(), static_cast<std::size_t>(options_.k)};
+}
+
+/// Those of the ground, among which the nearest ones are looked for.
+InOrderOperator::ChoosePoints Height::for_other_parts() const {
+  return [](const OrderedPoints& points) {
+    std::vector<std::uint32_t> ground;
+    for (std::uint32_t i = 0; i < points.rows.size(); ++i)
+      if (points.values[i] == kGroundClass) ground.push_back(i);
+    return ground;
+  };
+}
+
 std::uint64_t Height::least_bytes(const CloudEstimate&) const { return PointCells::least_bytes(); }
 
 }  // namespace pointsweep

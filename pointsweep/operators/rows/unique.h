@@ -21,6 +21,7 @@ class Unique final : public InOrderOperator {
   std::string name() const override { return "unique"; }
   InOrderContract in_order_contract() const override { return {.drops_rows = true, .arrival = "equal ones together"}; }
   std::unique_ptr<InOrderWork> start(const InOrderSetup&) const override;
+  std::optional<Reach> reach() const override { return Reach{}; }
 };
 
 }  // namespace pointsweep

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "pointsweep/fail.h"
@@ -25,6 +26,7 @@ class PoissonFront final : public InOrderWork {
   /// `values`: components of what is read of each point, of which number `component` is its radius; 0: nothing is read.
   PoissonFront(const InOrderSetup& setup, double radius, std::size_t values, std::size_t component)
       : points_(setup.axis, radius, setup.memory_bytes / UndecidedPoints::kPointBytes),
+        may_lack_(setup.may_lack),
         radius_(radius),
         values_(values),
         component_(component) {}
@@ -33,15 +35,16 @@ class PoissonFront final : public InOrderWork {
     for (std::size_t i = 0; i < points.rows.size(); ++i) {
       const double r = values_ == 0 ? radius_ : own_radius(points.values[i * values_ + component_], radius_);
       const Vec3 p = points.positions[i];
-      points_.hold({p, coordinate_hash(p, kPoissonSeed), points.rows[i], r * r});
-      if (++since_decision_ == kHeldAtMost) points_.decide(findings.dropped), since_decision_ = 0;
+      points_.hold({p, coordinate_hash(p, kPoissonSeed), points.rows[i], r * r}, may_lack_ && may_lack_(p, r));
+      if (++since_decision_ == kHeldAtMost) points_.decide(findings), since_decision_ = 0;
     }
-    points_.decide(findings.dropped);
+    points_.decide(findings);
   }
-  void end(unsigned, Findings& findings) override { points_.finish(findings.dropped); }
+  void end(unsigned, Findings& findings) override { points_.finish(findings); }
 
  private:
   UndecidedPoints points_;
+  std::function<bool(Vec3, double)> may_lack_;
   double radius_;
   std::size_t values_, component_;
   std::size_t since_decision_ = 0;
@@ -98,6 +101,9 @@ Poisson::Poisson(PoissonOptions options) : options_(std::move(options)) {
 InOrderContract Poisson::in_order_contract() const {
   return {.reads = reads_, .drops_rows = true, .arrival = "each held until all points within the radius have come"};
 }
+
+/// Chains of points that decide about each other are seldom longer.
+std::optional<Reach> Poisson::reach() const { return Reach{.distance = 8 * options_.radius, .is_guess = true}; }
 
 std::uint64_t Poisson::least_bytes(const CloudEstimate& cloud) const {
   const std::uint64_t near = cloud.slice_points(2 * options_.radius) + kHeldAtMost;

@@ -27,6 +27,7 @@ class Poisson final : public InOrderOperator {
   std::string name() const override { return "poisson"; }
   InOrderContract in_order_contract() const override;
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
+  std::optional<Reach> reach() const override;
   /// Returns the memory for the points that are undecided at a time (undecided_points.h): all points within the radius
   /// of the newest point, and the points that wait for one of them.
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;

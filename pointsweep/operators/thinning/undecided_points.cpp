@@ -11,11 +11,6 @@
 #include "pointsweep/math/mix.h"
 
 namespace pointsweep {
-namespace {
-
-constexpr Encoding kUndecidedEncoding{"undecided points", 1};
-
-}  // namespace
 
 bool DiskPoint::operator<(const DiskPoint& other) const {
   const auto key = [](const DiskPoint& p) {
@@ -102,60 +97,25 @@ UndecidedPoints::Slot UndecidedPoints::place(const DiskPoint& point) {
   return slot;
 }
 
-void UndecidedPoints::hold(const DiskPoint& point) {
+void UndecidedPoints::hold(const DiskPoint& point, bool lacks_some) {
   incomplete_.push_back(place(point));
+  slots_[incomplete_.back()].lacks_some = lacks_some;
   front_ = point.position[axis_];
   ++come_;
 }
 
-/// Which points wait for which follows from the points: all complete ones are to be decided again.
-void UndecidedPoints::encode(Encoder& out) const {
-  const auto put = [&](Slot slot) {
-    const DiskPoint& point = slots_[slot].point;
-    out.put_point(point.position);
-    out.put<std::uint64_t>(point.hash);
-    out.put<std::uint64_t>(point.row);
-    out.put<double>(point.radius2);
-  };
-  std::vector<Slot> incomplete, complete;
-  std::vector<bool> is_incomplete(slots_.size());
-  for (const Slot slot : incomplete_) {
-    is_incomplete[slot] = true;
-    if (!slots_[slot].is_decided) incomplete.push_back(slot);
-  }
-  for (Slot slot = 0; slot < slots_.size(); ++slot)
-    if (!slots_[slot].is_decided && !is_incomplete[slot]) complete.push_back(slot);
-  std::ranges::sort(complete, {}, [&](Slot slot) { return slots_[slot].point.row; });
-  out.begin(kUndecidedEncoding);
-  out.put<double>(front_);
-  out.put<std::uint64_t>(come_);
-  out.put_list(incomplete, put);
-  out.put_list(complete, put);
-}
-
-void UndecidedPoints::load(Decoder& in) {
-  const auto get = [&] {
-    return DiskPoint{in.get_point(), in.get<std::uint64_t>(), in.get<std::uint64_t>(), in.get<double>()};
-  };
-  in.begin(kUndecidedEncoding);
-  front_ = in.get<double>();
-  come_ = in.get<std::uint64_t>();
-  for (std::uint64_t left = in.get_count(); left > 0; --left) incomplete_.push_back(place(get()));
-  for (std::uint64_t left = in.get_count(); left > 0; --left) to_decide_.push_back(place(get()));
-}
-
 /// Cells are put in order again each time, so that a share of what is held must have come.
-void UndecidedPoints::decide(std::vector<std::uint64_t>& dropped) {
+void UndecidedPoints::decide(Findings& findings) {
   constexpr std::uint64_t kShare = 16, kLeast = 256;
   if (come_ < std::max(held() / kShare, kLeast)) return;
   come_ = 0;
   take_complete(front_);
-  decide_waiting(dropped);
+  decide_waiting(findings);
 }
 
-void UndecidedPoints::finish(std::vector<std::uint64_t>& dropped) {
+void UndecidedPoints::finish(Findings& findings) {
   take_complete(std::numeric_limits<double>::infinity());
-  decide_waiting(dropped);
+  decide_waiting(findings);
   assert(held() == 0);
 }
 
@@ -169,7 +129,7 @@ void UndecidedPoints::take_complete(double front) {
   }
 }
 
-void UndecidedPoints::decide_waiting(std::vector<std::uint64_t>& dropped) {
+void UndecidedPoints::decide_waiting(Findings& findings) {
   while (!to_decide_.empty()) {
     stop_if_cancelled();
     const Slot slot = to_decide_.back();
@@ -181,7 +141,7 @@ void UndecidedPoints::decide_waiting(std::vector<std::uint64_t>& dropped) {
       slots_[lesser].first_waiter = slot;
       continue;
     }
-    if (!held.is_decided) keep(slot, dropped);
+    if (!held.is_decided) held.lacks_some ? leave_open(slot, findings) : keep(slot, findings);
     release(slot);
   }
 }
@@ -204,21 +164,27 @@ UndecidedPoints::Slot UndecidedPoints::lesser_within(const DiskPoint& point) {
   return found;
 }
 
-void UndecidedPoints::keep(Slot slot, std::vector<std::uint64_t>& dropped) {
-  const DiskPoint& kept = slots_[slot].point;
+/// Uses the slots of greater points that are not decided and have this one, which is decided now, within their radius.
+template <class Use>
+void UndecidedPoints::decide_for_greater(Slot slot, Use use) {
+  const DiskPoint& decided = slots_[slot].point;
   slots_[slot].is_decided = true;
-  visit_cells_around(kept.position, [&](Cell& cell) {
+  visit_cells_around(decided.position, [&](Cell& cell) {
     for (const Member& m : cell.members) {
-      Held& other = slots_[m.slot];
+      const Held& other = slots_[m.slot];
       if (m.slot == slot) ++cell.decided;
-      if (other.is_decided || !(kept < other.point)) continue;
-      if (distance2(other.point.position, kept.position) > other.point.radius2) continue;
-      leave_out(m.slot, dropped);
-      ++cell.decided;
+      if (other.is_decided || !(decided < other.point)) continue;
+      if (distance2(other.point.position, decided.position) > other.point.radius2) continue;
+      use(m.slot);
+      cell.decided += other.is_decided;
     }
     forget_decided(cell);
     return false;
   });
+}
+
+void UndecidedPoints::keep(Slot slot, Findings& findings) {
+  decide_for_greater(slot, [&](Slot greater) { leave_out(greater, findings); });
   // Points that waited for this one have it within their radius, so that they are left out by now.
   for (Slot waiter = slots_[slot].first_waiter; waiter != kNone;) {
     const Slot next = slots_[waiter].next_waiter;
@@ -228,13 +194,22 @@ void UndecidedPoints::keep(Slot slot, std::vector<std::uint64_t>& dropped) {
   }
 }
 
-void UndecidedPoints::leave_out(Slot slot, std::vector<std::uint64_t>& dropped) {
-  Held& held = slots_[slot];
-  held.is_decided = true;
-  dropped.push_back(held.point.row);
-  for (Slot waiter = held.first_waiter; waiter != kNone; waiter = slots_[waiter].next_waiter)
+void UndecidedPoints::leave_out(Slot slot, Findings& findings) {
+  slots_[slot].is_decided = true;
+  findings.dropped.push_back(slots_[slot].point.row);
+  let_waiters_decide(slot);
+}
+
+void UndecidedPoints::leave_open(Slot slot, Findings& findings) {
+  findings.undecided.push_back(slots_[slot].point.row);
+  decide_for_greater(slot, [&](Slot greater) { slots_[greater].lacks_some = true; });
+  let_waiters_decide(slot);
+}
+
+void UndecidedPoints::let_waiters_decide(Slot slot) {
+  for (Slot waiter = slots_[slot].first_waiter; waiter != kNone; waiter = slots_[waiter].next_waiter)
     to_decide_.push_back(waiter);
-  held.first_waiter = kNone;
+  slots_[slot].first_waiter = kNone;
 }
 
 void UndecidedPoints::forget_decided(Cell& cell) {

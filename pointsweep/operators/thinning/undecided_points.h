@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "pointsweep/geometry.h"
-#include "pointsweep/storage/encoding.h"
+#include "pointsweep/in_order_operator.h"
 
 namespace pointsweep {
 
@@ -31,6 +31,9 @@ struct DiskPoint {
 /// - A point is complete when the front is farther ahead of it than the largest radius: all that concerns it has come.
 /// - A complete point waits for any lesser undecided point within its radius. Without one it is kept, and what has it
 ///   within its own radius is left out, complete or not; then it concerns no point to come and is forgotten.
+/// - Where points are missing, a complete point that may lack lesser ones, and that no kept one leaves out, stays open,
+/// and
+///   so do those for which it would be the one that leaves them out.
 /// So memory holds the points that are not complete, and complete points that wait for one of them. Chains of waiting
 /// points are short, about the logarithm of the number of points.
 class UndecidedPoints {
@@ -38,17 +41,14 @@ class UndecidedPoints {
   /// `axis`: along which points ascend. `most`: points that may be held at once.
   UndecidedPoints(int axis, double largest_radius, std::uint64_t most);
 
-  /// A point that does not come before the last one along the axis; its radius is at most the largest one. Throws Error
-  /// if there are more to hold than allowed.
-  void hold(const DiskPoint& point);
-  /// Decides what can be decided by now, if enough points have come since the last time; appends the rows left out.
-  void decide(std::vector<std::uint64_t>& dropped);
+  /// A point that does not come before the last one along the axis; its radius is at most the largest one.
+  /// `lacks_some`: lesser points within its radius may never come. Throws Error if there are more to hold than allowed.
+  void hold(const DiskPoint& point, bool lacks_some = false);
+  /// Decides what can be decided by now, if enough points have come since the last time; appends the rows left out, and
+  /// those of which missing points decide.
+  void decide(Findings& findings);
   /// Decides the remaining points; called after the last point.
-  void finish(std::vector<std::uint64_t>& dropped);
-  /// Encodes the points that are not decided yet.
-  void encode(Encoder& out) const;
-  /// Takes over encoded points of the same radius and axis. To be called before the first hold().
-  void load(Decoder& in);
+  void finish(Findings& findings);
   std::uint64_t held() const { return slots_.size() - free_.size(); }
 
   /// Bytes of memory for each point held, including containers that grow in steps.
@@ -62,7 +62,8 @@ class UndecidedPoints {
     Slot first_waiter = kNone;  ///< first of the points that wait for this one
     Slot next_waiter = kNone;   ///< beside this one in the list of the point that it waits for
     bool is_decided = false;
-    std::uint8_t uses = 0;  ///< lists that hold the slot
+    bool lacks_some = false;  ///< a lesser point within the radius may be missing, or is open
+    std::uint8_t uses = 0;    ///< lists that hold the slot
   };
   struct Member {
     std::uint64_t hash;
@@ -85,10 +86,14 @@ class UndecidedPoints {
   void sort(Cell& cell) const;
   Slot place(const DiskPoint& point);
   void take_complete(double front);
-  void decide_waiting(std::vector<std::uint64_t>& dropped);
+  void decide_waiting(Findings& findings);
   Slot lesser_within(const DiskPoint& point);
-  void keep(Slot slot, std::vector<std::uint64_t>& dropped);
-  void leave_out(Slot slot, std::vector<std::uint64_t>& dropped);
+  template <class Use>
+  void decide_for_greater(Slot slot, Use use);
+  void keep(Slot slot, Findings& findings);
+  void leave_out(Slot slot, Findings& findings);
+  void leave_open(Slot slot, Findings& findings);
+  void let_waiters_decide(Slot slot);
   void forget_decided(Cell& cell);
   void release(Slot slot);
 

@@ -33,6 +33,7 @@ class Voxel final : public InOrderOperator {
   std::unique_ptr<InOrderWork> start(const InOrderSetup&) const override;
   /// The numbers of the voxel along the axes.
   Vec3 place_of(Vec3 position) const override;
+  std::optional<Reach> reach() const override { return Reach{}; }
   std::uint64_t least_bytes(const CloudEstimate&) const override;
 
  private:

@@ -86,9 +86,16 @@ ReadRows placing(ReadRows read, std::shared_ptr<const Placement> placement) {
 /// Makes the arguments of an InOrderWork out of working records.
 class OrderedBatch {
  public:
-  OrderedBatch(const Schema& record, const PlannedPass& pass)
-      : schema_(record), place_(position_fields(record, "the stream")), position_(place_) {
-    if (pass.has_places()) {
+  /// `are_placed`: the records begin with a place, which is not their position. Values of rows that are not among
+  /// `rows` from `first_row` on may be ones that the stage cannot read.
+  OrderedBatch(const Schema& record, const PlannedPass& pass, bool are_placed, std::uint64_t first_row,
+               std::uint64_t rows)
+      : schema_(record),
+        place_(position_fields(record, "the stream")),
+        position_(place_),
+        first_row_(first_row),
+        own_rows_(rows) {
+    if (are_placed) {
       const auto field = [&](const char* axis) { return record.fields[record.find(position_name(axis)).value()]; };
       position_ = {field("x"), field("y"), field("z")};
     }
@@ -112,8 +119,10 @@ class OrderedBatch {
       places_.push_back(place);
       positions_.push_back(vector_at(position_, record));
       rows_.push_back(row_of(schema_, record));
+      FirstRowError of_others;
+      FirstRowError& refused = rows_.back() - first_row_ < own_rows_ ? refused_ : of_others;
       for (const Value& value : values_of_)
-        values_.push_back(value.of(record, rows_.back(), words_.emplace_back(), refused_));
+        values_.push_back(value.of(record, rows_.back(), words_.emplace_back(), refused));
     }
     return {places_, positions_, rows_, values_, words_};
   }
@@ -139,6 +148,7 @@ class OrderedBatch {
 
   const Schema& schema_;
   PositionFields place_, position_;
+  std::uint64_t first_row_, own_rows_;
   std::vector<Value> values_of_;
   std::vector<Vec3> places_, positions_;
   std::vector<std::uint64_t> rows_;
@@ -151,7 +161,7 @@ class OrderedBatch {
 template <class Use>
 void for_each_batch(const InOrderPass& run, Use use) {
   const std::size_t stride = run.stream.record_schema().stride;
-  OrderedBatch batch(run.stream.record_schema(), run.pass);
+  OrderedBatch batch(run.stream.record_schema(), run.pass, run.pass.has_places(), run.first_row, run.rows);
   const auto take = [&](std::span<const std::byte> records) {
     for (std::size_t at = 0; at < records.size(); at += kOrderedBatch * stride) {
       stop_if_cancelled();
@@ -166,11 +176,12 @@ void for_each_batch(const InOrderPass& run, Use use) {
 /// Result records of what a work finds, which hold the attributes that the pass keeps, in the order of the pass.
 class FoundRecords {
  public:
-  FoundRecords(const InOrderOperator& op, const PlannedPass& pass) : filled_(pass.fill_record()), dropped_(filled_) {
+  FoundRecords(const InOrderOperator& op, const InOrderPass& run)
+      : run_(run), filled_(run.pass.fill_record()), dropped_(filled_) {
     const std::vector<Attribute> made = op.in_order_contract().makes;
     for (const Attribute& a : made) value_bytes_ += a.bytes();
     std::size_t to = 0;
-    for (const Attribute& kept : pass.made) {
+    for (const Attribute& kept : run.pass.made) {
       if (kept.name == selection_attribute().name)
         dropped_[to] = std::byte{0};
       else
@@ -179,7 +190,9 @@ class FoundRecords {
     }
   }
 
-  void put(Findings& found, RowStore& results) {
+  void put(Findings& found) {
+    RowStore& results = run_.results;
+    keep_own_rows(found);
     records_.clear();
     for (std::size_t i = 0; i < found.dropped.size(); ++i)
       records_.insert(records_.end(), dropped_.begin(), dropped_.end());
@@ -198,6 +211,25 @@ class FoundRecords {
     return at;
   }
 
+  /// Rows become those of the results.
+  void keep_own_rows(Findings& found) const {
+    if (!run_.is_part) return;
+    const auto is_other = [&](std::uint64_t row) { return row - run_.first_row >= run_.rows; };
+    std::erase_if(found.dropped, is_other);
+    std::erase_if(found.undecided, is_other);
+    if (run_.undecided != nullptr) *run_.undecided += found.undecided.size();
+    found.undecided.clear();
+    for (std::uint64_t& row : found.dropped) row -= run_.first_row;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < found.rows.size(); ++i) {
+      if (is_other(found.rows[i])) continue;
+      found.rows[kept] = found.rows[i] - run_.first_row;
+      std::memmove(found.values.data() + kept++ * value_bytes_, found.values.data() + i * value_bytes_, value_bytes_);
+    }
+    found.rows.resize(kept);
+    found.values.resize(kept * value_bytes_);
+  }
+
   std::span<const std::byte> values_of(const Findings& found) {
     const bool keeps_all =
         filled_.size() == value_bytes_ && std::ranges::all_of(pieces_, [](const Piece& p) { return p.from == p.to; });
@@ -212,6 +244,7 @@ class FoundRecords {
     return records_;
   }
 
+  const InOrderPass& run_;
   std::vector<Piece> pieces_;
   std::size_t value_bytes_ = 0;
   std::vector<std::byte> filled_, dropped_, records_;
@@ -234,18 +267,26 @@ PlacedSource::PlacedSource(const PointSource& from, const std::vector<std::size_
   for (std::size_t f = kAxisNames.size(); f < source.schema.fields.size(); ++f) payload.push_back(f);
 }
 
+std::vector<std::uint32_t> for_other_parts(const InOrderOperator::ChoosePoints& choose, const PlannedPass& pass,
+                                           const Schema& record, std::span<const std::byte> records) {
+  OrderedBatch batch(record, pass, false, 0, ~std::uint64_t{0});
+  const OrderedPoints points = batch.of(records.data(), records.size() / record.stride);
+  batch.require_values();
+  return choose(points);
+}
+
 void run_in_order(const InOrderPass& run) {
   const InOrderOperator& op = *run.pass.in_order();
   const std::unique_ptr<InOrderWork> work = op.start(run.setup);
-  FoundRecords records(op, run.pass);
+  FoundRecords records(op, run);
   Findings found;
   for (unsigned round = 0; round < work->rounds(); ++round) {
     for_each_batch(run, [&](const OrderedPoints& points) {
       work->add(round, points, found);
-      records.put(found, run.results);
+      records.put(found);
     });
     work->end(round, found);
-    records.put(found, run.results);
+    records.put(found);
   }
 }
 

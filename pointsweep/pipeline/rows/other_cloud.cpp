@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "pointsweep/fail.h"
@@ -62,6 +63,28 @@ std::vector<std::filesystem::path> OtherCloud::files() const {
   return all;
 }
 
+std::vector<std::uint64_t> OtherCloud::counts() const {
+  std::vector<std::uint64_t> all;
+  for (const auto& reader : cloud_->readers()) all.push_back(reader->info().count);
+  return all;
+}
+
+void OtherCloud::require_same_types() const {
+  const FileInfo& first = cloud_->readers().front()->info();
+  for (const auto& reader : cloud_->readers()) {
+    for (const Attribute& a : reads_) {
+      const auto of_first = first.schema.find(a.name), of_file = reader->info().schema.find(a.name);
+      const auto stored = [](const Field& f) { return std::tuple(f.type, f.count, f.scale, f.bias, f.bit_width); };
+      const bool same = of_first && of_file &&
+                        stored(first.schema.fields[*of_first]) == stored(reader->info().schema.fields[*of_file]);
+      if (!same)
+        fail_usage(
+            "{}: stores '{}' in another way than {}; write all files of {} with one run of 'pointsweep convert' first.",
+            reader->info().path.string(), a.name, first.path.string(), name_);
+    }
+  }
+}
+
 std::string OtherCloud::identity() const {
   std::string text;
   for (std::size_t i = 0; i < cloud_->readers().size(); ++i) {
@@ -82,22 +105,42 @@ std::uint64_t OtherCloud::working_bytes(unsigned threads, std::uint64_t value_by
 void OtherCloud::give_in_order(int axis, const SpillPlace& spill,
                                const std::function<void(std::uint64_t rows)>& progress,
                                const std::function<void(const OtherPoints&)>& take) {
-  const PointSource source = source_of(*cloud_, [](std::size_t) {});
-  const Survey sample = survey(source, axis, false);
-  const Stream stream(source, sample,
-                      {.axis = axis,
-                       .slab_points = kSlabPoints,
-                       .canonical = true,
-                       .payload = fields_of(reads_, source.schema, name_),
-                       .spill = spill,
-                       .buffer_bytes = kBufferBytes,
-                       .progress = progress});
+  const Stream stream = in_order(*cloud_, name_, reads_, axis, spill, progress);
   cloud_->require_unchanged();
+  give(stream, name_, reads_, progress, take);
+}
+
+Stream OtherCloud::in_order(InputCloud& cloud, const std::string& name, const std::vector<Attribute>& reads, int axis,
+                            const SpillPlace& spill, const std::function<void(std::uint64_t rows)>& progress) {
+  const PointSource source = source_of(cloud, [](std::size_t) {});
+  return Stream(source, survey(source, axis, false),
+                {.axis = axis,
+                 .slab_points = kSlabPoints,
+                 .canonical = true,
+                 .payload = fields_of(reads, source.schema, name),
+                 .spill = spill,
+                 .buffer_bytes = kBufferBytes,
+                 .progress = progress});
+}
+
+Stream OtherCloud::in_order(const PointSource& numbered, int axis, const SpillPlace& spill) {
+  return Stream(numbered, survey(numbered, axis, false),
+                {.axis = axis,
+                 .slab_points = kSlabPoints,
+                 .canonical = true,
+                 .numbered = true,
+                 .spill = spill,
+                 .buffer_bytes = kBufferBytes});
+}
+
+void OtherCloud::give(const Stream& stream, const std::string& name, const std::vector<Attribute>& reads,
+                      const std::function<void(std::uint64_t rows)>& progress,
+                      const std::function<void(const OtherPoints&)>& take) {
   const Schema& schema = stream.record_schema();
-  const PositionFields fields = position_fields(schema, name_);
+  const PositionFields fields = position_fields(schema, name);
   std::vector<PromisedType> values_of;
-  for (const Attribute& a : reads_) values_of.emplace_back(schema.fields[schema.find(a.name).value()], a.type);
-  const std::size_t value_bytes = bytes_of(reads_);
+  for (const Attribute& a : reads) values_of.emplace_back(schema.fields[schema.find(a.name).value()], a.type);
+  const std::size_t value_bytes = bytes_of(reads);
   FirstRowError none;  // types are those of the values
   std::vector<double> x, y, z;
   std::vector<Vec3> positions;
@@ -116,7 +159,7 @@ void OtherCloud::give_in_order(int axis, const SpillPlace& spill,
       rows.push_back(row_of(schema, record));
       values.resize(values.size() + value_bytes);
       std::byte* to = values.data() + values.size() - value_bytes;
-      for (std::size_t v = 0; v < values_of.size(); to += size_of(reads_[v++].type))
+      for (std::size_t v = 0; v < values_of.size(); to += size_of(reads[v++].type))
         values_of[v].convert(record, rows.back(), to, none);
     }
     take({positions, rows, values});

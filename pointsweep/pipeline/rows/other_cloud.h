@@ -12,6 +12,8 @@
 
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/in_order_operator.h"
+#include "pointsweep/order/source.h"
+#include "pointsweep/order/stream.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/storage/local/spill_file.h"
 
@@ -36,6 +38,19 @@ class OtherCloud {
   /// since it was opened. Needs working_bytes() of memory beside the file.
   void give_in_order(int axis, const SpillPlace& spill, const std::function<void(std::uint64_t rows)>& progress,
                      const std::function<void(const OtherPoints&)>& take);
+  /// Puts the points of a cloud in order along the axis, into a temporary file, with their values of `reads`.
+  static Stream in_order(InputCloud& cloud, const std::string& name, const std::vector<Attribute>& reads, int axis,
+                         const SpillPlace& spill, const std::function<void(std::uint64_t rows)>& progress);
+  /// Puts working records of such points in the order (StreamOptions::numbered).
+  static Stream in_order(const PointSource& numbered, int axis, const SpillPlace& spill);
+  /// Gives the finite points of such a stream.
+  static void give(const Stream& stream, const std::string& name, const std::vector<Attribute>& reads,
+                   const std::function<void(std::uint64_t rows)>& progress,
+                   const std::function<void(const OtherPoints&)>& take);
+  /// Throws UsageError where its files store what is read in different types, so that they cannot be tiles of one
+  /// cloud.
+  void require_same_types() const;
+  std::vector<std::uint64_t> counts() const;  ///< points, by file
   /// `value_bytes`: of what is read of a point.
   static std::uint64_t working_bytes(unsigned threads, std::uint64_t value_bytes);
 

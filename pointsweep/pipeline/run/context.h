@@ -55,8 +55,9 @@ struct RunReport {
 
 /// One tile of a run that other processes perform for the other tiles.
 struct PartOfRun {
-  std::size_t tile = 0, tiles = 0;  ///< the first is 0
-  bool drops_nonfinite = false;     ///< points of this or another tile have been dropped
+  std::size_t tile = 0, tiles = 0;       ///< the first is 0
+  bool drops_nonfinite = false;          ///< points of this or another tile have been dropped
+  std::vector<std::string> stages = {};  ///< for the record of the run
 };
 
 struct Context {

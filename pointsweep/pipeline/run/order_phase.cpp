@@ -22,10 +22,11 @@ struct PointsInOrder {
   const MemoryPlan& memory;
   bool canonical = false;  ///< ties, too
   bool whole = false;      ///< whole records travel, not only what the stages read
+  bool numbered = false;   ///< the source has working records
   std::vector<std::size_t> payload = {};
 };
 
-bool is_in_order(const Context& context) {
+bool is_resumed_in_order(const Context& context) {
   Checkpoints* const checkpoints = context.places.checkpoints();
   return checkpoints != nullptr && checkpoints->last().is_in_order();
 }
@@ -38,6 +39,7 @@ StreamOptions stream_options(const Context& context, const PointsInOrder& how, c
           .max_slab_points = 0,
           .canonical = how.canonical,
           .whole_records = how.whole,
+          .numbered = how.numbered,
           .payload = how.payload,
           .spill = context.places.place("stream", number, memory.spill_stream),
           .buffer_bytes = memory.stream_buffer_bytes,
@@ -95,10 +97,11 @@ Ordered distributed(const Context& context, const WorkPlan& work, PointsInOrder 
 Ordered put_in_order(const Context& context, const WorkPlan& work, PointsInOrder how) {
   const auto start = std::chrono::steady_clock::now();
   const MemoryPlan& memory = how.memory;
-  Ordered made =
-      is_in_order(context) ? restored(context, std::move(how), memory) : distributed(context, work, std::move(how));
+  const bool numbered = how.numbered;
+  Ordered made = is_resumed_in_order(context) ? restored(context, std::move(how), memory)
+                                              : distributed(context, work, std::move(how));
   free_memory_of(made.survey.sample);
-  note_nonfinite(context, made.stream);
+  if (!numbered) note_nonfinite(context, made.stream);
   if (context.statistics().ordering.empty()) context.statistics().ordering = work.memory.order_text;
   context.statistics().order_seconds += seconds_since(start);
   return made;
@@ -125,19 +128,20 @@ Ordered order_output(const Context& context, const WorkPlan& work, const Rows& r
 
 /// Puts the points in order by the places that an operator gives them. The survey stays that of their positions.
 Ordered order_places(const Context& context, const WorkPlan& work, std::size_t p, const PointSource& source,
-                     Survey of_positions) {
+                     const std::vector<std::size_t>& payload, bool numbered, Survey of_positions) {
   const PlannedPass& pass = context.plan.passes[p];
-  const PlacedSource placed(source, pass.payload(), *pass.in_order());
+  const PlacedSource placed(source, payload, *pass.in_order());
   Surveyed of_places;
   const bool in_plane = pass.in_order()->in_order_contract().places == Places::in_plane;
   const std::optional<int> axis = in_plane && context.options.axis == 2 ? std::nullopt : context.options.axis;
-  if (!is_in_order(context)) of_places.survey = survey(placed.source, axis, false);
+  if (!is_resumed_in_order(context)) of_places.survey = survey(placed.source, axis, false);
   Ordered made = put_in_order(context, work,
                               {.source = placed.source,
                                .points = std::move(of_places),
                                .pass = p,
                                .memory = work.memory.passes[p],
                                .canonical = true,
+                               .numbered = numbered,
                                .payload = placed.payload});
   made.survey = std::move(of_positions);
   free_memory_of(made.survey.sample);
@@ -153,10 +157,12 @@ Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, 
   if (p == context.plan.passes.size()) return order_output(context, work, rows, std::move(points), files);
   const PlannedPass& pass = context.plan.passes[p];
   const PointSource source = source_of_pass(context, p, rows);
-  if (pass.has_places()) return order_places(context, work, p, source, std::move(points.survey));
+  const bool is_in_order = pass.kind == PassKind::order && !context.part;  // order_numbered() puts parts in order
+  if (pass.has_places() && is_in_order)
+    return order_places(context, work, p, source, pass.payload(), false, std::move(points.survey));
   const bool whole = context.makes_output(p);
-  const bool canonical = pass.kind == PassKind::order || whole || engine_of(context.options.engine) != nullptr;
-  if (p > 0 && !is_in_order(context)) points.survey = survey_points(context, source, canonical);
+  const bool canonical = is_in_order || whole || engine_of(context.options.engine) != nullptr;
+  if (p > 0 && !is_resumed_in_order(context)) points.survey = survey_points(context, source, canonical);
   return put_in_order(context, work,
                       {.source = source,
                        .points = std::move(points),
@@ -165,6 +171,23 @@ Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, 
                        .canonical = canonical,
                        .whole = whole,
                        .payload = pass.payload()});
+}
+
+Ordered order_numbered(const Context& context, const WorkPlan& work, std::size_t p, const PointSource& numbered,
+                       Survey of_part, std::uint64_t first_row) {
+  const PlannedPass& pass = context.plan.passes[p];
+  std::vector<std::size_t> payload;
+  for (std::size_t f = kAxisNames.size(); f < numbered.schema.fields.size(); ++f) payload.push_back(f);
+  Ordered made = pass.has_places() ? order_places(context, work, p, numbered, payload, true, std::move(of_part))
+                                   : put_in_order(context, work,
+                                                  {.source = numbered,
+                                                   .points = {survey(numbered, of_part.axis, false), {}},
+                                                   .pass = p,
+                                                   .memory = work.memory.passes[p],
+                                                   .canonical = true,
+                                                   .numbered = true});
+  made.first_row = first_row;
+  return made;
 }
 
 }  // namespace pointsweep

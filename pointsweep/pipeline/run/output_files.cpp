@@ -123,13 +123,6 @@ bool searches_nothing(const Chain& chain) {
   });
 }
 
-/// The stages of a record. A chain that searches no neighbours has no neighbourhood there.
-std::vector<std::string> recorded_stages(const ChainPlan& plan) {
-  std::vector<std::string> stages = canonical_stages(plan, Presets::left_out);
-  if (searches_nothing(plan.chain)) stages.erase(stages.begin());
-  return stages;
-}
-
 /// Returns the names of Chain::keep for a record, in the given order if columns stand in that order, else sorted.
 /// Returns none if the run leaves nothing out.
 std::vector<std::string> recorded_keep(const Context& context) {
@@ -143,7 +136,7 @@ std::vector<std::string> recorded_keep(const Context& context) {
 
 /// Returns the record of the run for its outputs.
 RunRecord said_of(const Context& context, int axis) {
-  return {.stages = recorded_stages(context.plan),
+  return {.stages = context.part ? context.part->stages : recorded_stages(context.plan),
           .keep = recorded_keep(context),
           .options = context.options,
           .axis = axis,
@@ -246,6 +239,12 @@ std::string boxes_of_crop(const Context& context, Box cloud) {
 
 }  // namespace
 
+std::vector<std::string> recorded_stages(const ChainPlan& plan) {
+  std::vector<std::string> stages = canonical_stages(plan, Presets::left_out);
+  if (searches_nothing(plan.chain)) stages.erase(stages.begin());
+  return stages;
+}
+
 bool needs_bounds(const Context& context) {
   const Format* const format = format_of_output(context.outputs.points);
   return format != nullptr && format->needs_bounds != nullptr && !context.plan.graph.moved_bounds &&
@@ -299,7 +298,9 @@ void OutputFiles::open_files(const Context& context, const WorkPlan& work, const
   }
   OutputPlace place{bounds_if_known(context, survey, rows.values),
                     values_if_needed(context, format_of_output(context.outputs.points)),
-                    memory.encoding(context.options), memory.division(context.options), context.places.scratch(),
+                    memory.encoding(context.options),
+                    memory.division(context.options),
+                    context.places.scratch(),
                     context.progress_of("completing")};
   files_.emplace(context.cloud, context.names.made, context.names.kept, context.outputs, context.options,
                  std::move(place), provenance_of(context.cloud, said_of(context, survey.axis)));

@@ -19,6 +19,9 @@ namespace pointsweep {
 /// hold these integers already.
 bool needs_bounds(const Context& context);
 
+/// Returns the stages of the record of a run. A chain that searches no neighbours has no neighbourhood there.
+std::vector<std::string> recorded_stages(const ChainPlan& plan);
+
 /// One set of files, or a tile for each input.
 class OutputFiles {
  public:

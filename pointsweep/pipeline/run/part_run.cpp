@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -11,12 +12,17 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/free_memory.h"
+#include "pointsweep/order/survey.h"
 #include "pointsweep/order/working_record.h"
+#include "pointsweep/part/needed_points.h"
 #include "pointsweep/part/part_stream.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
+#include "pointsweep/pipeline/rows/cloud_source.h"
 #include "pointsweep/pipeline/rows/cropped_input.h"
+#include "pointsweep/pipeline/rows/in_order_pass.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/pipeline/rows/numbered_input.h"
+#include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
@@ -90,6 +96,35 @@ CloudValues values_in(const Storage& scratch, const std::string& key) {
 /// Plans the chain for a tile, as the run of all of them does.
 ChainPlan plan_of(const InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
   return plan_chain(chain, cloud.schema(), needs_of(outputs, options));
+}
+
+/// The working records of a file of another cloud.
+Schema working_of_other(const InputCloud& file, const std::vector<Attribute>& reads) {
+  std::vector<std::size_t> fields;
+  for (const Attribute& a : reads) fields.push_back(file.schema().find(a.name).value());
+  return WorkingRecord(file.schema(), false, fields, file.count()).schema();
+}
+
+/// Stores a file of the other cloud that a pass reads.
+PartDone store_other(const ChainPlan& plan, const EngineOptions& options, const PartTask& task, Storage& scratch) {
+  const InOrderOperator& op = *plan.passes.at(task.round.pass).in_order();
+  InputCloud file({task.other_file});
+  PartDone done;
+  done.rows = file.count();
+  if (file.count() == 0) {
+    store_no_points(scratch, task.after);
+    return done;
+  }
+  RunPlaces places(options, {});
+  const auto progress = [&](std::uint64_t rows) {
+    if (options.observer != nullptr) options.observer->on_progress({"ordering", rows, file.count(), 0});
+  };
+  const PointSource source = source_of(file, [](std::size_t) {});
+  const int axis = survey(source, std::nullopt, false).axis;
+  const Stream stream = OtherCloud::in_order(file, task.other_file, op.other_reads(), axis, &places.folder(), progress);
+  file.require_unchanged();
+  store_tile(stream, Survey{}, file.count(), scratch, task.after);
+  return done;
 }
 
 /// A task while it is performed.
@@ -206,13 +241,25 @@ class TaskOfTile {
       const Ordered ordered =
           order_pass(context_, work, task_.round.pass, rows_, {surveyed.survey, std::move(surveyed.boxes)}, files);
       return_free_memory();
-      store_tile(ordered.stream, ordered.survey, context_.cloud.count(), scratch_, task_.after);
+      store_tile(ordered.stream, ordered.survey, context_.cloud.count(), scratch_, task_.after,
+                 chosen_for_others(ordered.stream));
       done_.own_points = context_.cloud.count() - ordered.stream.nonfinite_count();
     } else {
       store_no_points(scratch_, task_.after);
     }
     state.saved_values.clear();
     seal_bytes(scratch_, task_.after + ".state", encoded(std::as_const(state)));
+  }
+
+  /// Chooses what other tiles have to know of a tile; empty: all.
+  ChooseForOthers chosen_for_others(const Stream& stream) const {
+    const PlannedPass& pass = context_.plan.passes[task_.round.pass];
+    const InOrderOperator* const op = pass.in_order();
+    const InOrderOperator::ChoosePoints choose = op != nullptr ? op->for_other_parts() : nullptr;
+    if (!choose) return {};
+    return [choose, &pass, &stream](std::span<const std::byte> records) {
+      return for_other_parts(choose, pass, stream.record_schema(), records);
+    };
   }
 
   std::unique_ptr<RowStore> sweep(const Survey& of_input, WorkPlan& work) {
@@ -222,19 +269,51 @@ class TaskOfTile {
     const Schema working =
         WorkingRecord(source_of_pass(context_, p, rows_).schema, false, pass.payload(), context_.cloud.count())
             .schema();
+    if (pass.kind == PassKind::order) return take_in_order(of_input, work, tiles, working);
     PartStream part = part_stream(scratch_, tiles, task_.tile, working, pass.plan.neighborhood, pass.plan.step_count());
-    done_.own_points = part.own_points;
-    done_.swept_points = part.swept_points;
+    plan_memory(of_input, work, part.own_points, part.swept_points);
+    auto ordered = std::make_unique<Ordered>(
+        Ordered{std::move(part.stream), {}, std::move(part.survey), work.memory.passes[p], part.first_row});
+    return sweep_pass(context_, work, p, std::move(ordered), rows_.values, InOrderSupport{});
+  }
+
+  std::unique_ptr<RowStore> take_in_order(const Survey& of_input, WorkPlan& work, const TileCatalogue& tiles,
+                                          const Schema& working) {
+    const std::size_t p = task_.round.pass;
+    const InOrderOperator& op = *context_.plan.passes[p].in_order();
+    for (Reach reach = *op.reach();; reach.distance *= 2) {
+      const NeededPoints needed = needed_points(scratch_, tiles, task_.tile, working, op, reach);
+      plan_memory(of_input, work, needed.own_points, needed.points);
+      auto ordered =
+          std::make_unique<Ordered>(order_numbered(context_, work, p, needed.source, of_input, needed.first_row));
+      const auto other = [&](int axis, const auto& take) { give_other(op, tiles, axis, take); };
+      std::uint64_t undecided = 0;
+      std::unique_ptr<RowStore> results =
+          sweep_pass(context_, work, p, std::move(ordered), rows_.values, {other, needed.may_lack, &undecided});
+      if (undecided == 0) return results;
+    }
+  }
+
+  void give_other(const InOrderOperator& op, const TileCatalogue& tiles, int axis,
+                  const std::function<void(const OtherPoints&)>& take) {
+    const auto others = sealed_value<TileCatalogue>(scratch_, task_.other_catalogue);
+    const Schema working = working_of_other(InputCloud({task_.other_file}), op.other_reads());
+    const NeededPoints needed = needed_of_other(scratch_, tiles, task_.tile, others, working, op);
+    const Stream stream = OtherCloud::in_order(needed.source, axis, &context_.places.folder());
+    OtherCloud::give(stream, task_.other_file, op.other_reads(), context_.progress_of("ordering"), take);
+  }
+
+  /// Plans the memory of a sweep, now that it is known how many points it takes.
+  void plan_memory(const Survey& of_input, WorkPlan& work, std::uint64_t own_points, std::uint64_t points) {
+    done_.own_points = own_points;
+    done_.swept_points = points;
     const EngineOptions& options = context_.options;
     const std::uint64_t record = work.layout->schema().stride;
     const auto codecs = [&](unsigned threads) {
       return codec_bytes(context_.cloud, context_.outputs, options, record, threads);
     };
-    work.memory = plan_run_memory(work.budget, context_.plan, std::max(part.swept_points, context_.cloud.count()),
-                                  of_input, options, record, codecs);
-    auto ordered = std::make_unique<Ordered>(
-        Ordered{std::move(part.stream), {}, std::move(part.survey), work.memory.passes[p], part.first_row});
-    return sweep_pass(context_, work, p, std::move(ordered), rows_.values, nullptr);
+    work.memory = plan_run_memory(work.budget, context_.plan, std::max(points, context_.cloud.count()), of_input,
+                                  options, record, codecs);
   }
 
   const Context& context_;
@@ -254,7 +333,8 @@ void require_divisible(const ChainPlan& plan, const Outputs& outputs, const Engi
   if (!options.resume_folder.empty()) refuse("A run of many processes goes on from its scratch, not from checkpoints");
   if (options.engine != Engine::exact) refuse("The reference engine needs all points in one process");
   for (const PlannedPass& pass : plan.passes) {
-    if (pass.in_order() != nullptr)
+    const InOrderOperator* const op = pass.in_order();
+    if (op != nullptr && (!op->reach() || (!op->other_cloud().empty() && !op->other_reach())))
       refuse(fmt::format("'{}' cannot be divided among tiles yet", pass.in_order()->name()));
     if (const Stage* const connecting = pass.connecting_stage())
       refuse(fmt::format("'{}' cannot be divided among tiles yet", connecting->connects()->name()));
@@ -274,6 +354,18 @@ void require_common_grid(const InputCloud& cloud, const ChainPlan& plan, const E
         "--offset.");
 }
 
+std::vector<OtherFiles> other_files(const Request& request, const RunReport& report) {
+  std::vector<OtherFiles> files;
+  const OtherClouds others = open_other_clouds(request, report);
+  for (std::size_t p = 0; p < others.size(); ++p) {
+    if (!others[p]) continue;
+    others[p]->require_same_types();
+    files.push_back({.pass = p, .counts = others[p]->counts()});
+    for (const std::filesystem::path& path : others[p]->files()) files.back().paths.push_back(path.string());
+  }
+  return files;
+}
+
 }  // namespace
 
 PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
@@ -291,11 +383,16 @@ PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& output
   const Context context{cloud, outputs, options, plan, names, {}, places, report};
   OutputFiles().require_writable(context, {});
   PartPlan made;
+  made.others = other_files(request, report);
+  made.record = recorded_stages(plan);
   made.nonfinite = nonfinite_rule(cloud, outputs, options.nonfinite);
   if (made.nonfinite != Nonfinite::keep) made.rounds.push_back({PartRoundKind::look});
   for (const Phase& phase : phases_of(plan)) {
     const bool is_pass = phase.pass < plan.passes.size();
     const bool values = is_pass && !plan.passes[phase.pass].values.empty() && plan.leaves_rows(phase.pass);
+    const auto reads_it = [&](const OtherFiles& other) { return other.pass == phase.pass; };
+    if (phase.kind == PhaseKind::order && std::ranges::any_of(made.others, reads_it))
+      made.rounds.push_back({PartRoundKind::other, phase.pass, false});
     if (phase.kind == PhaseKind::order) made.rounds.push_back({PartRoundKind::order, phase.pass, false});
     if (phase.kind == PhaseKind::sweep) made.rounds.push_back({PartRoundKind::sweep, phase.pass, values});
     const bool ends = phase.kind == PhaseKind::update || phase.kind == PhaseKind::write;
@@ -321,6 +418,7 @@ PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, 
   options.overwrite = true;
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
   const ChainPlan plan = plan_of(tile, chain, outputs, options);
+  if (task.round.kind == PartRoundKind::other) return store_other(plan, options, task, scratch);
   const CroppedInput cropped(tile, plan);
   const NumberedInput numbered(tile, plan, task.first_row);
   const FiniteInput input(tile, outputs, options);
@@ -337,7 +435,7 @@ PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, 
   RunPlaces places(options, {});
   const RunReport report{statistics, options.observer};
   Context context{tile, outputs, options, plan, names, input.dropped(), places, report};
-  context.part = PartOfRun{task.tile, task.tiles, task.dropped > 0};
+  context.part = PartOfRun{task.tile, task.tiles, task.dropped > 0, task.record};
   PartDone done;
   const unsigned threads = survey_threads(tile, options, memory_budget(options.resources.memory_bytes));
   try {

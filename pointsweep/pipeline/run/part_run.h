@@ -15,24 +15,34 @@ namespace pointsweep {
 
 enum class PartRoundKind : std::uint8_t {
   look,   ///< counts the points without a place, where they are dropped
+  other,  ///< stores the points of a file of the other cloud that a pass reads
   order,  ///< puts the points of a tile in order and stores them for the other tiles
   sweep,  ///< takes the points of a tile, with those around it, through the stages of a pass, and ends the pass
   rows,   ///< takes the rows of a tile through the stages of a pass that looks at no neighbour, and ends the pass
   write,  ///< writes the rows that the last pass has left
 };
 
-/// A task of each tile. After an order round the catalogue of the tiles is to be made, after a round that has values
-/// these.
+/// A task of each tile, or of each file of another cloud. After such a round, and after an order round, the catalogue
+/// of the tiles or files is to be made, after a round that has values these.
 struct PartRound {
   PartRoundKind kind;
   std::size_t pass = 0;
   bool has_values = false;
 };
 
+/// The files of the other cloud that a pass reads.
+struct OtherFiles {
+  std::size_t pass = 0;
+  std::vector<std::string> paths = {};
+  std::vector<std::uint64_t> counts = {};  ///< points, by file
+};
+
 struct PartPlan {
   std::vector<PartRound> rounds;
+  std::vector<OtherFiles> others;
   std::vector<std::uint64_t> rows;  ///< by tile: how many rows its file has
   Nonfinite nonfinite = Nonfinite::keep;
+  std::vector<std::string> record;  ///< the stages, as the outputs tell of them
   std::uint64_t scratch_bytes = 0;  ///< of a point in the scratch, at most
   std::vector<std::string> notes;   ///< what a run of one process would say before its work
 };
@@ -44,11 +54,14 @@ PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& output
 struct PartTask {
   PartRound round;
   std::size_t tile = 0, tiles = 0;
-  std::uint64_t first_row = 0;    ///< rows of the files of the tiles before
-  std::uint64_t dropped = 0;      ///< points of all tiles that the look round has found
-  std::string before;             ///< name of what the task before has left of this tile; empty before the first
-  std::string catalogue, values;  ///< of the rounds before; empty: there is none
-  std::string after;              ///< name for what this task leaves; no other task has it
+  std::uint64_t first_row = 0;           ///< rows of the files of the tiles before
+  std::uint64_t dropped = 0;             ///< points of all tiles that the look round has found
+  std::string before;                    ///< name of what the task before has left of this tile; empty before the first
+  std::string catalogue, values;         ///< of the rounds before; empty: there is none
+  std::string other_catalogue;           ///< of the other cloud that the pass reads; empty: it reads none
+  std::string other_file;                ///< of that cloud: the one to store, or else any of them
+  std::vector<std::string> record = {};  ///< PartPlan::record
+  std::string after;                     ///< name for what this task leaves; no other task has it
 };
 
 struct PartDone {
@@ -57,11 +70,13 @@ struct PartDone {
   Statistics statistics;
 };
 
-/// Performs a task. `tile`: the input of the tile. `outputs.tiles` has one path, which may be replaced.
+/// Performs a task. `tile`: the input of the tile, in a round over another cloud any of the inputs. `outputs.tiles` has
+/// one path, which may be replaced.
 PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
                   const PartTask& task, Storage& scratch);
 
-/// After an order round: seals the catalogue `key` of what the tasks have left, by tile. `paths`: of the inputs.
+/// After an order round, or one over another cloud: seals the catalogue `key` of what the tasks have left, by tile or
+/// file. `paths`: of these.
 void join_tiles(Storage& scratch, const std::vector<std::string>& left, const std::vector<std::string>& paths,
                 const std::string& key);
 

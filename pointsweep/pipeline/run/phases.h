@@ -87,13 +87,27 @@ Survey survey_points(const Context& context, const PointSource& source, bool exa
 Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, Surveyed points,
                    OutputFiles& files);
 
+/// Puts the points of a pass that takes them in order into its order, in a part of a cloud. `numbered`: their working
+/// records, at their positions (StreamOptions::numbered). `survey`: of the part. `first_row`: of its rows.
+Ordered order_numbered(const Context& context, const WorkPlan& work, std::size_t p, const PointSource& numbered,
+                       Survey survey, std::uint64_t first_row);
+
 /// Returns a place for the results of pass `p`, with those that a checkpoint has kept.
 std::unique_ptr<RowStore> results_of_pass(const Context& context, const WorkPlan& work, const MemoryPlan& memory,
                                           std::size_t p);
 
-/// Makes the results of a pass from its points in order. `other`: the other cloud that the pass reads; null if none.
+/// What an in-order operator gets beside the points of its pass.
+struct InOrderSupport {
+  /// Gives the points of the other cloud that it reads in order along an axis; empty if it reads none.
+  std::function<void(int axis, const std::function<void(const OtherPoints&)>& take)> other = {};
+  std::function<bool(Vec3 position, double distance)> may_lack = {};  ///< InOrderSetup::may_lack
+  std::uint64_t* undecided = nullptr;  ///< gets the number of rows that are undecided, where points may be missing
+};
+
+/// Makes the results of a pass from its points in order.
 std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& work, std::size_t p,
-                                     std::unique_ptr<Ordered> points, const CloudValues& values, OtherCloud* other);
+                                     std::unique_ptr<Ordered> points, const CloudValues& values,
+                                     const InOrderSupport& support);
 
 /// The sweep of a pass in which one stage emits edges, and what the components of their graph tell of each point. Fills
 /// `results` for all points that are in slabs. A sweep that is interrupted begins again.

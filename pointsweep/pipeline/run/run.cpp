@@ -129,8 +129,10 @@ class Phases {
   }
 
   void sweep(std::size_t p) {
-    OtherCloud* const other = others_[p] ? &*others_[p] : nullptr;
-    results_ = sweep_pass(context_, work_, p, std::move(ordered_), rows_.values, other);
+    const auto other = [&](int axis, const auto& take) {
+      others_[p]->give_in_order(axis, &context_.places.folder(), context_.progress_of("ordering"), take);
+    };
+    results_ = sweep_pass(context_, work_, p, std::move(ordered_), rows_.values, {.other = other});
     if (checkpoints_ != nullptr) checkpoints_->swept(*results_, context_.statistics());
   }
 

@@ -127,21 +127,27 @@ void sweep_stages(const SweepOfPass& s) {
   s.context.number_degenerate_rows(before);
 }
 
-void take_in_order(const SweepOfPass& s, OtherCloud* other) {
+void take_in_order(const SweepOfPass& s, const InOrderSupport& support) {
   const auto start = std::chrono::steady_clock::now();
   const Context& context = s.context;
   const int axis = s.points.stream.axis();
-  const auto other_points = [&](const auto& take) {
-    other->give_in_order(axis, &context.places.folder(), context.progress_of("ordering"), take);
-  };
-  run_in_order({.stream = s.points.stream,
-                .pass = s.pass,
-                .setup = {.axis = axis,
-                          .memory_bytes = s.points.memory.in_order_bytes,
-                          .make_scratch = context.places.scratch(),
-                          .other_points = other_points},
-                .results = s.results,
-                .progress = context.progress_of("updating")});
+  FirstRowError refused;
+  refused.note_from([&] {
+    run_in_order({.stream = s.points.stream,
+                  .pass = s.pass,
+                  .setup = {.axis = axis,
+                            .memory_bytes = s.points.memory.in_order_bytes,
+                            .make_scratch = context.places.scratch(),
+                            .other_points = [&](const auto& take) { support.other(axis, take); },
+                            .may_lack = support.may_lack},
+                  .is_part = context.part.has_value(),
+                  .first_row = s.points.first_row,
+                  .rows = context.cloud.count(),
+                  .results = s.results,
+                  .undecided = support.undecided,
+                  .progress = context.progress_of("updating")});
+  });
+  throw_refused(refused, s.points.first_row);
   put_nonfinite(s);
   context.statistics().operator_seconds.emplace_back(s.pass.in_order()->name(), seconds_since(start));
 }
@@ -165,7 +171,8 @@ std::unique_ptr<RowStore> results_of_pass(const Context& context, const WorkPlan
 }
 
 std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& work, std::size_t p,
-                                     std::unique_ptr<Ordered> points, const CloudValues& values, OtherCloud* other) {
+                                     std::unique_ptr<Ordered> points, const CloudValues& values,
+                                     const InOrderSupport& support) {
   const auto& passes = context.plan.passes;
   const PlannedPass pass = ready_pass(passes[p], values, points->stream.record_schema());
   std::unique_ptr<RowStore> results = results_of_pass(context, work, points->memory, p);
@@ -173,7 +180,7 @@ std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& wor
       std::ranges::find(passes, PassKind::sweep, &PlannedPass::kind) - passes.begin() == static_cast<std::ptrdiff_t>(p);
   const SweepOfPass s{context,  work,    pass, *points, context.makes_output(p) ? &*work.layout : nullptr,
                       is_first, *results};
-  pass.kind == PassKind::order ? take_in_order(s, other) : sweep_stages(s);
+  pass.kind == PassKind::order ? take_in_order(s, support) : sweep_stages(s);
   context.statistics().bytes_spilled += points->stream.spilled_bytes();
   context.statistics().bytes_spilled_ordering += points->stream.spilled_bytes();
   return results;

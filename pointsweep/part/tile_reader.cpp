@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/part/tile_reader.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "pointsweep/fail.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr Encoding kCatalogueEncoding{"tiles", 1};
+constexpr std::size_t kMostRegions = 16;  ///< of a tile in the catalogue
+
+TileRegion region_of(const TileIndex& tile, std::uint32_t first, std::uint32_t end) {
+  TileRegion region{first, end, 0, {}, ~std::uint64_t{0}};
+  for (std::uint32_t b = first; b < end; ++b) {
+    region.count += tile.blocks[b].count;
+    region.box.include(tile.blocks[b].box);
+    region.least_row = std::min(region.least_row, tile.blocks[b].least_row);
+  }
+  return region;
+}
+
+/// Of the blocks that are stored for others, or else of whole slabs.
+std::vector<TileRegion> regions_of(const TileIndex& tile) {
+  std::vector<std::uint32_t> ends;
+  std::uint32_t begin = 0;
+  if (tile.for_others) {
+    begin = tile.own_blocks();
+    for (std::uint32_t b = begin; b < tile.blocks.size(); ++b) ends.push_back(b + 1);
+  } else {
+    ends = tile.slab_ends;
+  }
+  std::vector<TileRegion> regions;
+  const std::size_t each = (ends.size() + kMostRegions - 1) / kMostRegions;
+  for (std::size_t e = 0; e < ends.size(); e += each) {
+    const std::uint32_t end = ends[std::min(ends.size(), e + each) - 1];
+    regions.push_back(region_of(tile, begin, end));
+    begin = end;
+  }
+  return regions;
+}
+
+}  // namespace
+
+void TileCatalogue::encode(Encoder& out) const {
+  out.begin(kCatalogueEncoding);
+  out.put_list(tiles, [&](const TileSummary& tile) {
+    out.put_text(tile.name);
+    out.put<std::uint64_t>(tile.first_row);
+    out.put<std::uint64_t>(tile.rows);
+    out.put_list(tile.regions, [&](const TileRegion& region) {
+      out.put<std::uint32_t>(region.first_block);
+      out.put<std::uint32_t>(region.end_block);
+      out.put<std::uint64_t>(region.count);
+      out.put_box(region.box);
+      out.put<std::uint64_t>(region.least_row);
+    });
+  });
+}
+
+TileCatalogue TileCatalogue::decode(Decoder& in) {
+  in.begin(kCatalogueEncoding);
+  TileCatalogue catalogue;
+  catalogue.tiles = in.get_list<TileSummary>([&] {
+    TileSummary tile;
+    tile.name = in.get_text();
+    tile.first_row = in.get<std::uint64_t>();
+    tile.rows = in.get<std::uint64_t>();
+    tile.regions = in.get_list<TileRegion>([&] {
+      TileRegion region;
+      region.first_block = in.get<std::uint32_t>();
+      region.end_block = in.get<std::uint32_t>();
+      region.count = in.get<std::uint64_t>();
+      region.box = in.get_box();
+      region.least_row = in.get<std::uint64_t>();
+      return region;
+    });
+    return tile;
+  });
+  return catalogue;
+}
+
+TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string>& names,
+                           const std::vector<std::string>& paths) {
+  TileCatalogue catalogue;
+  std::uint64_t rows = 0;
+  std::string layout;
+  for (std::size_t t = 0; t < names.size(); ++t) {
+    const TileIndex tile = tile_index(scratch, names[t]);
+    if (layout.empty()) layout = tile.layout;
+    if (tile.rows > 0 && tile.layout != layout)
+      fail(
+          "{}: stores an attribute that the stages read in another type than {}; write all tiles with one run of "
+          "'pointsweep convert' first.",
+          paths[t], paths[0]);
+    catalogue.tiles.push_back({names[t], rows, tile.rows, regions_of(tile)});
+    rows += tile.rows;
+  }
+  return catalogue;
+}
+
+void TileReader::read(std::size_t tile_number, std::span<const BlockRange> ranges, std::span<std::byte> out) {
+  const Opened& tile = opened(tile_number);
+  for (const BlockRange& range : ranges) {
+    if (range.end > tile.index.blocks.size()) fail("{}.index: is of another run.", tiles_.tiles[tile_number].name);
+    const std::uint64_t first = tile.first[range.first], count = tile.first[range.end] - first;
+    const std::span<std::byte> records = out.first(count * record_bytes_);
+    tile.points->read_at(first * record_bytes_, records);
+    for (std::uint32_t b = range.first; b < range.end; ++b) {
+      const std::size_t at = (tile.first[b] - first) * record_bytes_;
+      require_whole(tile_number, records.subspan(at, tile.index.blocks[b].count * record_bytes_),
+                    tile.index.blocks[b].checksum);
+    }
+    number(tile_number, records);
+    out = out.subspan(records.size());
+  }
+}
+
+void TileReader::read_nonfinite(std::size_t tile, std::uint64_t first, std::span<std::byte> out) {
+  const Opened& from = opened(tile);
+  from.points->read_at((from.first.back() + first) * record_bytes_, out);
+  if (out.size() == from.index.nonfinite * record_bytes_) require_whole(tile, out, from.index.nonfinite_checksum);
+  number(tile, out);
+}
+
+const TileReader::Opened& TileReader::opened(std::size_t tile) {
+  const std::scoped_lock lock(mutex_);
+  std::unique_ptr<Opened>& place = opened_[tile];
+  if (place) return *place;
+  const std::string& name = tiles_.tiles[tile].name;
+  place = std::make_unique<Opened>(Opened{tile_index(scratch_, name), scratch_.open(name + ".points"), {0}});
+  for (const TileBlock& block : place->index.blocks) place->first.push_back(place->first.back() + block.count);
+  const bool has_none = place->index.rows == 0;  // and no layout
+  if ((place->index.record_bytes != record_bytes_ && !has_none) || place->index.rows != tiles_.tiles[tile].rows)
+    fail("{}.index: is of another run.", name);
+  return *place;
+}
+
+void TileReader::require_whole(std::size_t tile, std::span<const std::byte> records, std::uint64_t checksum) const {
+  if (checksum_of(records) != checksum) fail("{}.points: is damaged.", tiles_.tiles[tile].name);
+}
+
+/// The last field of a record is its row, in 64 bits.
+void TileReader::number(std::size_t tile, std::span<std::byte> records) const {
+  std::byte* row_at = records.data() + record_bytes_ - sizeof(std::uint64_t);
+  for (std::size_t i = 0; i < records.size() / record_bytes_; ++i, row_at += record_bytes_) {
+    std::uint64_t row;
+    std::memcpy(&row, row_at, sizeof row);
+    row += tiles_.tiles[tile].first_row;
+    std::memcpy(row_at, &row, sizeof row);
+  }
+}
+
+}  // namespace pointsweep
