@@ -42,9 +42,11 @@ FinishedComponent component_in(const std::byte* record) {
   return component;
 }
 
-/// Returns the numbers of the components that count.
-Numbers numbers_of(const ScratchRecords& components, const ComponentsSetup& setup) {
-  SortedRecords<FirstOfComponent, ByFirst> sorted(setup.make_scratch, setup.memory_bytes / 2, components.count());
+using ByFirstPoint = SortedRecords<FirstOfComponent, ByFirst>;
+
+/// Returns the components that count in the order of their first points.
+ByFirstPoint by_first_point(const ScratchRecords& components, const ComponentsSetup& setup) {
+  ByFirstPoint sorted(setup.make_scratch, setup.memory_bytes / 2, components.count());
   std::uint64_t component = components.count();
   components.for_each_backwards([&](const std::byte* record) {
     --component;
@@ -52,6 +54,12 @@ Numbers numbers_of(const ScratchRecords& components, const ComponentsSetup& setu
       sorted.add({component_in(record).first, component});
   });
   sorted.finish();
+  return sorted;
+}
+
+/// Returns the numbers of the components that count.
+Numbers numbers_of(const ScratchRecords& components, const ComponentsSetup& setup) {
+  ByFirstPoint sorted = by_first_point(components, setup);
   Numbers numbers(setup.make_scratch, setup.memory_bytes / 2, sorted.count());
   std::uint64_t next = 0;
   while (const auto first = sorted.next()) numbers.add({first->component, next++});
@@ -134,6 +142,17 @@ void Components::for_each_point(const std::function<void(std::uint64_t, const Co
     use(row, label);
     if (setup_.progress && ++done % (1 << 16) == 0) setup_.progress(done);
   });
+}
+
+void Components::for_each_component(
+    const std::function<void(const FinishedComponent& component, const std::byte* result)>& use) const {
+  ByFirstPoint sorted = by_first_point(log_.components(), setup_);
+  std::vector<std::byte> record(log_.components().record_bytes());
+  while (const auto next = sorted.next()) {
+    stop_if_cancelled();
+    log_.components().read(next->component, record);
+    use(component_in(record.data()), record.data() + sizeof(FinishedComponent));
+  }
 }
 
 }  // namespace pointsweep

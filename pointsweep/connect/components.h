@@ -28,6 +28,9 @@ class Components {
 
   /// Calls use(row, label) once for each point. Components are numbered from 0 by their first point.
   void for_each_point(const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
+  /// Calls use(component, result of its votes) once for each component, in the order of their first points.
+  void for_each_component(
+      const std::function<void(const FinishedComponent& component, const std::byte* result)>& use) const;
   std::uint64_t count() const { return count_; }
   /// Returns the bytes of the log of the forest in the temporary folder.
   std::uint64_t log_bytes() const { return log_.bytes(); }

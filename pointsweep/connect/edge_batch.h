@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -48,6 +49,17 @@ class EdgeBatch {
   std::vector<Edge> edges_, sorted_;
   std::vector<std::pair<double, double>> order_;  ///< weight and index of an edge
   std::vector<std::uint32_t> parents_;
+};
+
+/// Takes the edges that points emit, batch by batch.
+class EdgeSink {
+ public:
+  virtual ~EdgeSink() = default;
+  /// Returns whether weights and signs of edges matter.
+  virtual bool weighted() const = 0;
+  /// Takes the edges of a batch, and its first `own` points with their ballots. Thread-safe. A point may come more than
+  /// once.
+  virtual void put(const EdgeBatch& batch, std::size_t own, std::span<const std::byte> ballots) = 0;
 };
 
 }  // namespace pointsweep

@@ -11,8 +11,6 @@
 namespace pointsweep {
 namespace {
 
-constexpr Encoding kBucketsEncoding{"edge buckets", 1};
-
 template <class T>
 void append_bytes(std::vector<std::byte>& bytes, const std::vector<T>& values) {
   const auto* from = reinterpret_cast<const std::byte*>(values.data());
@@ -106,50 +104,6 @@ void EdgeBuckets::read(std::size_t bucket, std::size_t chunk, Chunk& out) const 
     for (const auto& [a, b] : rows) out.edges.push_back({0, {{}, a}, {{}, b}, false});
   }
   take_bytes(at, place.marks, out.marks);
-}
-
-/// Returns, as bytes, all that two sets of buckets must have in common.
-std::vector<std::byte> EdgeBuckets::form() const {
-  Encoder out;
-  out.put<std::uint8_t>(static_cast<std::uint8_t>(axis_));
-  out.put_bool(weighted_);
-  out.put<std::uint64_t>(ballot_bytes_);
-  out.put_list(begins_, [&](const PointKey& point) { point.encode(out); });
-  return out.take();
-}
-
-void EdgeBuckets::encode(Encoder& out) const {
-  out.begin(kBucketsEncoding);
-  out.put_bytes(form());
-  Chunk chunk;
-  for (std::size_t b = 0; b < buckets(); ++b) {
-    out.put<std::uint64_t>(chunks(b));
-    for (std::size_t c = 0; c < chunks(b); ++c) {
-      read(b, c, chunk);
-      out.put_list(chunk.points, [&](const PointKey& point) { point.encode(out); });
-      out.put_bytes(chunk.ballots);
-      out.put_list(chunk.edges, [&](const ForestEdge& edge) { edge.encode(out); });
-      out.put_list(chunk.marks, [&](const OpenUntil& mark) {
-        out.put<std::uint64_t>(mark.row);
-        out.put<std::uint64_t>(mark.last);
-      });
-    }
-  }
-}
-
-void EdgeBuckets::add(Decoder& in) {
-  in.begin(kBucketsEncoding);
-  if (in.get_bytes() != form()) fail("Edges cannot be added to those of other buckets.");
-  for (std::size_t b = 0; b < buckets(); ++b) {
-    for (std::uint64_t left = in.get_count(); left > 0; --left) {
-      put(b, {.points = in.get_list<PointKey>([&] { return PointKey::decode(in); }),
-              .ballots = in.get_bytes(),
-              .edges = in.get_list<ForestEdge>([&] { return ForestEdge::decode(in); }),
-              .marks = in.get_list<OpenUntil>([&] {
-                return OpenUntil{in.get<std::uint64_t>(), in.get<std::uint64_t>()};
-              })});
-    }
-  }
 }
 
 }  // namespace pointsweep

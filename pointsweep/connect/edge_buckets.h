@@ -18,7 +18,6 @@
 #include "pointsweep/connect/edge_batch.h"
 #include "pointsweep/connect/forest_edge.h"
 #include "pointsweep/points/scratch.h"
-#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 
@@ -28,16 +27,14 @@ struct OpenUntil {
   std::uint64_t last;
 };
 
-class EdgeBuckets {
+class EdgeBuckets final : public EdgeSink {
  public:
   /// `begins`: the keys at which all buckets except the first begin, in any order. If not `weighted`, only the rows of
   /// an edge are kept.
   EdgeBuckets(std::vector<PointKey> begins, int axis, bool weighted, std::size_t ballot_bytes,
               const MakeScratch& make_scratch);
 
-  /// Adds the edges of a batch, and its first `own` points with their ballots. Thread-safe. A point may be added more
-  /// than once.
-  void put(const EdgeBatch& batch, std::size_t own, std::span<const std::byte> ballots);
+  void put(const EdgeBatch& batch, std::size_t own, std::span<const std::byte> ballots) override;
 
   /// Some points, edges and marks of one bucket.
   struct Chunk {
@@ -51,12 +48,7 @@ class EdgeBuckets {
   std::size_t chunks(std::size_t bucket) const { return places_[bucket].size(); }
   void read(std::size_t bucket, std::size_t chunk, Chunk& out) const;
 
-  /// Encodes all points, edges and marks, and the buckets in which they lie. No thread may call put() meanwhile.
-  void encode(Encoder& out) const;
-  /// Adds what encoded buckets hold. Throws Error if their begins, axis, weights or ballots are others.
-  void add(Decoder& in);
-
-  bool weighted() const { return weighted_; }
+  bool weighted() const override { return weighted_; }
   std::uint64_t bytes() const { return bytes_; }
 
  private:
@@ -67,7 +59,6 @@ class EdgeBuckets {
   };
   std::size_t bucket_of(const PointKey& point) const;
   void put(std::size_t bucket, const Chunk& chunk);
-  std::vector<std::byte> form() const;
   std::size_t edge_bytes() const { return weighted_ ? sizeof(ForestEdge) : 2 * sizeof(std::uint64_t); }
 
   int axis_;

@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "pointsweep/geometry.h"
-#include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 
@@ -14,12 +13,6 @@ namespace pointsweep {
 struct PointKey {
   Vec3 position;
   std::uint64_t row = 0;
-
-  void encode(Encoder& out) const {
-    out.put_point(position);
-    out.put<std::uint64_t>(row);
-  }
-  static PointKey decode(Decoder& in) { return {in.get_point(), in.get<std::uint64_t>()}; }
 };
 
 inline bool operator<(const PointKey& a, const PointKey& b) {
@@ -41,16 +34,6 @@ struct ForestEdge {
   double weight = 0;   ///< not NaN
   PointKey a, b;       ///< a < b
   bool flips = false;  ///< the signs of a and b differ
-
-  void encode(Encoder& out) const {
-    out.put<double>(weight);
-    a.encode(out);
-    b.encode(out);
-    out.put_bool(flips);
-  }
-  static ForestEdge decode(Decoder& in) {
-    return {in.get<double>(), PointKey::decode(in), PointKey::decode(in), in.get_bool()};
-  }
 };
 
 /// Total: by weight, then by the points.

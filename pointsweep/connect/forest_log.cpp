@@ -10,7 +10,6 @@
 namespace pointsweep {
 namespace {
 
-constexpr Encoding kLogEncoding{"forest log", 1};
 constexpr std::size_t kScratchBlock = 1 << 20;
 constexpr std::uint32_t kFinished = ~std::uint32_t{0};
 
@@ -92,42 +91,6 @@ void ForestLog::append(const FinishedComponent& component, const std::byte* resu
 void ForestLog::finish() {
   merges_.finish();
   components_.finish();
-}
-
-void ForestLog::encode(Encoder& out) {
-  finish();
-  out.begin(kLogEncoding);
-  out.put<std::uint32_t>(slots_);
-  out.put<std::uint64_t>(merges_.count());
-  merges_.for_each([&](const std::byte* record) {
-    Merge merge;
-    std::memcpy(&merge, record, sizeof merge);
-    out.put<std::uint64_t>(merge.row);
-    out.put<std::uint32_t>(merge.slot);
-    out.put<std::uint32_t>(merge.to_and_flips);
-  });
-  out.put<std::uint64_t>(components_.count());
-  components_.for_each([&](const std::byte* record) {
-    FinishedComponent component;
-    std::memcpy(&component, record, sizeof component);
-    component.encode(out);
-    out.put_bytes({record + sizeof component, record_.size() - sizeof component});
-  });
-}
-
-void ForestLog::load(Decoder& in) {
-  in.begin(kLogEncoding);
-  slots_ = in.get<std::uint32_t>();
-  for (std::uint64_t left = in.get_count(); left > 0; --left) {
-    const Merge merge{in.get<std::uint64_t>(), in.get<std::uint32_t>(), in.get<std::uint32_t>()};
-    merges_.append(&merge);
-  }
-  std::vector<std::byte> result(record_.size() - sizeof(FinishedComponent));
-  for (std::uint64_t left = in.get_count(); left > 0; --left) {
-    const FinishedComponent component = FinishedComponent::decode(in);
-    in.get_bytes(result);
-    append(component, result.data());
-  }
 }
 
 std::uint64_t ForestLog::bytes() const {

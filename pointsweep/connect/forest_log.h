@@ -19,12 +19,6 @@ namespace pointsweep {
 struct FinishedComponent {
   PointKey first;  ///< the first point of the component by key
   std::uint64_t points = 0;
-
-  void encode(Encoder& out) const {
-    first.encode(out);
-    out.put<std::uint64_t>(points);
-  }
-  static FinishedComponent decode(Decoder& in) { return {PointKey::decode(in), in.get<std::uint64_t>()}; }
 };
 
 /// Records of one size, appended one by one and read back in both directions.
@@ -82,11 +76,6 @@ class ForestLog {
   void finished(std::uint64_t row, std::uint32_t slot, const FinishedComponent& component, const std::byte* result);
   /// Ends the writing. To be called after the last merged() and finished().
   void finish();
-
-  /// Encodes all records so far; more may follow.
-  void encode(Encoder& out);
-  /// Takes over the records of an encoded log. To be called before the first merged() and finished().
-  void load(Decoder& in);
 
   std::uint64_t bytes() const;
   /// Returns the records of components: a FinishedComponent and the result of its votes each.

@@ -56,14 +56,6 @@ class RowTable {
     for (Entry& entry : entries_)
       if (entry.row != kNone) use(entry.row, entry.value);
   }
-  /// Returns all rows, ascending.
-  std::vector<std::uint64_t> rows() const {
-    std::vector<std::uint64_t> rows;
-    for (const Entry& entry : entries_)
-      if (entry.row != kNone) rows.push_back(entry.row);
-    std::ranges::sort(rows);
-    return rows;
-  }
 
  private:
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();

@@ -8,11 +8,6 @@
 #include "pointsweep/connect/disjoint_sets.h"
 
 namespace pointsweep {
-namespace {
-
-constexpr Encoding kForestEncoding{"forest", 1};
-
-}  // namespace
 
 SpanningForest::SpanningForest(bool weighted, const VoteRule* votes, ForestLog& log)
     : weighted_(weighted),
@@ -146,53 +141,6 @@ void SpanningForest::let_go() {
     free_.push_back(slot);
     return true;
   });
-}
-
-void SpanningForest::encode(Encoder& out) const {
-  out.begin(kForestEncoding);
-  out.put<std::uint64_t>(supernodes_.size());
-  for (std::uint32_t slot = 0; slot < supernodes_.size(); ++slot) {
-    const Supernode& s = supernodes_[slot];
-    out.put<std::uint64_t>(s.row);
-    s.sums.encode(out);
-    out.put<std::uint64_t>(s.open);
-    out.put<std::uint32_t>(s.parent);
-    out.put_bool(s.flips);
-    out.put_bytes(votes_of(slot));
-  }
-  out.put_numbers<std::uint32_t>(live_);
-  out.put_numbers<std::uint32_t>(free_);
-  out.put_list(candidates_, [&](const Candidate& c) {
-    c.edge.encode(out);
-    out.put<std::uint32_t>(c.a);
-    out.put<std::uint32_t>(c.b);
-    out.put_bool(c.flips);
-  });
-  out.put_list(open_.rows(), [&](std::uint64_t row) {
-    const OpenPoint& point = *open_.find(row);
-    out.put<std::uint64_t>(row);
-    out.put<std::uint32_t>(point.slot);
-    out.put_bool(point.flips);
-  });
-}
-
-void SpanningForest::load(Decoder& in) {
-  in.begin(kForestEncoding);
-  for (std::uint64_t left = in.get_count(); left > 0; --left) {
-    const std::uint32_t slot = new_slot();
-    supernodes_[slot] = {in.get<std::uint64_t>(), FinishedComponent::decode(in), in.get<std::uint64_t>(),
-                         in.get<std::uint32_t>(), in.get_bool()};
-    in.get_bytes({votes_of(slot), vote_bytes_});
-  }
-  live_ = in.get_numbers<std::uint32_t>();
-  free_ = in.get_numbers<std::uint32_t>();
-  candidates_ = in.get_list<Candidate>([&] {
-    return Candidate{ForestEdge::decode(in), in.get<std::uint32_t>(), in.get<std::uint32_t>(), in.get_bool()};
-  });
-  for (std::uint64_t left = in.get_count(); left > 0; --left) {
-    OpenPoint& point = *open_.add(in.get<std::uint64_t>()).first;
-    point = {in.get<std::uint32_t>(), in.get_bool()};
-  }
 }
 
 }  // namespace pointsweep

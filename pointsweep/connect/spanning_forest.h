@@ -37,11 +37,6 @@ class SpanningForest {
   /// Closes open points: no edge that names one of these points comes later.
   void close(std::span<const std::uint64_t> rows);
 
-  /// Encodes the open points, the supernodes with their votes, and the candidates. ForestLog encodes the log.
-  void encode(Encoder& out) const;
-  /// Takes over an encoded forest with the same votes. To be called before the first open().
-  void load(Decoder& in);
-
   std::size_t open_points() const { return open_.size(); }
   std::size_t supernodes() const { return live_.size(); }
   std::size_t candidates() const { return candidates_.size(); }

@@ -40,15 +40,15 @@ void EdgeEmitter::take(const ConnectOperator& op, const Neighborhoods& in, const
     const std::uint32_t other = graph_.number_of(key_in(batch.slots[slot_of(e.neighbor)], index_of(e.neighbor)));
     graph_.add(e.point, other, e.weight, e.flips);
   }
-  graph_.reduce(buckets_.weighted());
-  buckets_.put(graph_, batch.size, ballots_);
+  graph_.reduce(sink_.weighted());
+  sink_.put(graph_, batch.size, ballots_);
 }
 
 std::vector<PointKey> bucket_begins(const Stream& stream, std::span<const Vec3> places) {
   const int axis = stream.axis();
   std::vector<PointKey> begins;
   for (const Vec3& place : places) begins.push_back({place, 0});
-  for (const Slab& slab : stream.slabs()) {
+  for (const Slab& slab : std::span(stream.slabs()).first(stream.swept_slabs())) {
     const bool is_one_place = slab.box.lo == slab.box.hi;  // copies of a point are divided by their rows
     begins.push_back({slab.box.lo, is_one_place ? slab.least_row : 0});
     const double parts = std::ceil(static_cast<double>(slab.count) / static_cast<double>(kBucketPoints));

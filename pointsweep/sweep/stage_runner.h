@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/connect/edge_buckets.h"
+#include "pointsweep/connect/edge_batch.h"
 #include "pointsweep/operators/kinds/connect_operator.h"
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/points/degenerate_rows.h"
@@ -20,11 +20,11 @@ namespace pointsweep {
 
 struct Batch;
 
-/// Takes what a connecting stage emits for a batch to the buckets of a forest. Each thread has its own emitter, which
+/// Takes what a connecting stage emits for a batch to a sink. Each thread has its own emitter, which
 /// owns the memory that is reused from batch to batch, so it is not thread-safe.
 class EdgeEmitter {
  public:
-  explicit EdgeEmitter(EdgeBuckets& buckets) : buckets_(buckets) {}
+  explicit EdgeEmitter(EdgeSink& sink) : sink_(sink) {}
   void take(const ConnectOperator& op, const Neighborhoods& in, const Batch& batch);
 
   /// Bytes that the edges to one neighbour take while the batch is worked on.
@@ -34,7 +34,7 @@ class EdgeEmitter {
   }
 
  private:
-  EdgeBuckets& buckets_;
+  EdgeSink& sink_;
   EdgeBatch graph_;
   std::vector<NeighborEdge> edges_;
   std::vector<std::byte> ballots_;

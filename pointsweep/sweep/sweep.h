@@ -88,7 +88,7 @@ struct SweepOptions {
   /// size must be the number of rows of the input.
   std::vector<PointState>* half_way = nullptr;
   /// Takes the edges that a connecting stage emits. They are not part of a SweepProgress: with edges, no keeper.
-  EdgeBuckets* edges = nullptr;
+  EdgeSink* edges = nullptr;
   ProgressKeeper* keeper = nullptr;
   /// If not null, the sweep continues from this progress, which a keeper was given, perhaps in another process. Stream,
   /// plan and `cell_points` must be equal to those of that sweep, and the sink must hold the results that had been

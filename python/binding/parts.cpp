@@ -25,53 +25,65 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-constexpr std::array<const char*, 6> kRoundNames{"look", "other", "order", "sweep", "rows", "write"};
+constexpr std::array<const char*, 7> kRoundNames{"look", "other", "order", "sweep", "label", "rows", "write"};
+constexpr std::array<const char*, 4> kJoinNames{"", "tiles", "components", "values"};
 
-/// The arguments that all tasks of a run share, as run_pipeline() takes them; `to` has a file for each input.
+/// The arguments that all tasks of a run share, as run_pipeline() takes them; `to` has a file for each input. The facts
+/// are those of the whole cloud: (points, metres per unit).
 struct PartRequest {
   PartRequest(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
-              const nb::dict& given, std::vector<std::filesystem::path> to)
-      : options(run_options(given)), cloud(open_cloud(source, false, given)) {
-    chain = chain_to_run(pipeline, facts_of(cloud.inputs()));
+              const nb::dict& given, std::vector<std::filesystem::path> to, const nb::object& known = nb::none())
+      : options(run_options(given)), cloud(open_cloud(source, false, given)), facts(facts_of(cloud.inputs())) {
+    if (!known.is_none()) {
+      facts.points = nb::cast<std::uint64_t>(known[nb::int_(0)]);
+      facts.metres_per_unit = nb::cast<double>(known[nb::int_(1)]);
+    }
+    chain = chain_to_run(pipeline, facts);
     chain.keep = keep;
     outputs.tiles = std::move(to);
   }
 
   EngineOptions options;
   Cloud cloud;
+  Facts facts;
   PythonChain chain;
   Outputs outputs;
 };
 
 PartRound round_of(const nb::tuple& round) {
   const auto name = nb::cast<std::string>(round[0]);
-  std::size_t kind = 0;
+  const auto join_name = nb::cast<std::string>(round[2]);
+  std::size_t kind = 0, join = 0;
   while (name != kRoundNames.at(kind)) ++kind;
-  return {static_cast<PartRoundKind>(kind), nb::cast<std::size_t>(round[1]), nb::cast<bool>(round[2])};
+  while (join_name != kJoinNames.at(join)) ++join;
+  return {static_cast<PartRoundKind>(kind), nb::cast<std::size_t>(round[1]), static_cast<PartJoin>(join)};
 }
 
 /// (rounds, rows by tile, the option `nonfinite` for the tasks, notes, bytes of a point in the scratch, files of other
-/// clouds by pass, stages for the record). A round: (kind, pass, has values). Files: (paths, points of each).
+/// clouds by pass, stages for the record, facts). A round: (kind, pass, what is to be joined). Files: (paths, points of
+/// each).
 nb::tuple plan_of_parts(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                         const nb::dict& given, std::vector<std::filesystem::path> to) {
   PartRequest request(source, pipeline, keep, given, std::move(to));
   const PartPlan planned = plan_parts(request.cloud.inputs(), request.chain, request.outputs, request.options);
   nb::list rounds;
   for (const PartRound& round : planned.rounds)
-    rounds.append(nb::make_tuple(kRoundNames[static_cast<std::size_t>(round.kind)], round.pass, round.has_values));
+    rounds.append(nb::make_tuple(kRoundNames[static_cast<std::size_t>(round.kind)], round.pass,
+                                 kJoinNames[static_cast<std::size_t>(round.join)]));
   nb::dict others;
   for (const OtherFiles& files : planned.others)
     others[nb::int_(files.pass)] = nb::make_tuple(files.paths, files.counts);
   constexpr std::array<const char*, 4> kRules{"", "keep", "drop", "refuse"};
   return nb::make_tuple(rounds, planned.rows, kRules[static_cast<std::size_t>(planned.nonfinite)], planned.notes,
-                        planned.scratch_bytes, others, planned.record);
+                        planned.scratch_bytes, others, planned.record,
+                        nb::make_tuple(request.facts.points, request.facts.metres_per_unit));
 }
 
 /// Performs a task: (rows left, points of the tile, points swept, statistics as JSON).
 nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
                   const std::vector<std::string>& keep, const nb::dict& given, std::vector<std::filesystem::path> to,
-                  const nb::dict& task, const nb::object& progress) {
-  PartRequest request(source, pipeline, keep, given, std::move(to));
+                  const nb::object& facts, const nb::dict& task, const nb::object& progress) {
+  PartRequest request(source, pipeline, keep, given, std::move(to), facts);
   const auto text = [&](const char* name) { return nb::cast<std::string>(task[name]); };
   const auto number = [&](const char* name) { return nb::cast<std::uint64_t>(task[name]); };
   const PartTask wanted{.round = round_of(nb::cast<nb::tuple>(task["round"])),
@@ -82,6 +94,7 @@ nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, 
                         .before = text("before"),
                         .catalogue = text("catalogue"),
                         .values = text("values"),
+                        .components = text("components"),
                         .other_catalogue = text("other_catalogue"),
                         .other_file = text("other_file"),
                         .record = nb::cast<std::vector<std::string>>(task["record"]),
@@ -111,12 +124,22 @@ void join_the_tiles(const std::filesystem::path& scratch, const std::vector<std:
 
 void join_the_values(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
                      const std::vector<std::string>& keep, const nb::dict& given, std::vector<std::filesystem::path> to,
-                     const nb::tuple& round, const std::string& before, const std::vector<std::string>& left,
-                     const std::string& key) {
-  PartRequest request(source, pipeline, keep, given, std::move(to));
+                     const nb::object& facts, const nb::tuple& round, const std::string& before,
+                     const std::vector<std::string>& left, const std::string& key) {
+  PartRequest request(source, pipeline, keep, given, std::move(to), facts);
   SharedFolder folder(scratch);
   join_values(request.cloud.inputs(), request.chain, request.outputs, request.options, round_of(round), folder, before,
               left, key);
+}
+
+void join_the_components(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
+                         const std::vector<std::string>& keep, const nb::dict& given,
+                         std::vector<std::filesystem::path> to, const nb::object& facts, const nb::tuple& round,
+                         const std::string& catalogue, const std::vector<std::string>& left, const std::string& key) {
+  PartRequest request(source, pipeline, keep, given, std::move(to), facts);
+  SharedFolder folder(scratch);
+  join_components(request.cloud.inputs(), request.chain, request.outputs, request.options, round_of(round), folder,
+                  catalogue, left, key);
 }
 
 void forget_task(const std::filesystem::path& scratch, const std::string& left) {
@@ -128,11 +151,13 @@ void forget_task(const std::filesystem::path& scratch, const std::string& left) 
 
 void bind_parts(nb::module_& module) {
   module.def("plan_parts", &plan_of_parts, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a);
-  module.def("perform_part", &perform, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a, "task"_a,
-             "progress"_a.none());
+  module.def("perform_part", &perform, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a, "facts"_a,
+             "task"_a, "progress"_a.none());
   module.def("join_tiles", &join_the_tiles, "scratch"_a, "left"_a, "paths"_a, "key"_a);
   module.def("join_values", &join_the_values, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a,
-             "round"_a, "before"_a, "left"_a, "key"_a);
+             "facts"_a, "round"_a, "before"_a, "left"_a, "key"_a);
+  module.def("join_components", &join_the_components, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a,
+             "to"_a, "facts"_a, "round"_a, "catalogue"_a, "left"_a, "key"_a);
   module.def("with_absolute_files", &with_absolute_files, "pipeline"_a);
   module.def("forget_part", &forget_task, "scratch"_a, "left"_a);
 }

@@ -25,7 +25,7 @@ from ._part import Done, Request, build, perform, state_of
 from ._scratch import Scratch
 
 _MOST_TRIES = 4  # of a task whose workers end, or whose objects are damaged
-_PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep": "sweeping", "rows": "updating", "write": "writing"}
+_PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep": "sweeping", "label": "updating", "rows": "updating", "write": "writing"}
 _WAIT_SECONDS = 30.0
 _SLOW_SECONDS = 60.0  # a task may hang if it takes longer than this and ten times as long as the longest one before
 
@@ -84,7 +84,7 @@ def run_on_cluster(
     try:
         begun = place.request.exists()
         given = {**options, "overwrite": "yes" if begun else options["overwrite"]}
-        rounds, rows, nonfinite, notes, bytes_of_point, others, record = _core.plan_parts(inputs, stages, keep, given, outputs)
+        rounds, rows, nonfinite, notes, bytes_of_point, others, record, facts = _core.plan_parts(inputs, stages, keep, given, outputs)
         others = {number: ([os.path.abspath(path) for path in paths], counts) for number, (paths, counts) in others.items()}
         other_states = {path: state_of(path) for paths, _ in others.values() for path in paths}
         place.require_unchanged(other_states)
@@ -94,7 +94,7 @@ def run_on_cluster(
         with _connected(client) as connected:
             request = Request(
                 build(), inputs, [state_of(path) for path in inputs], outputs, {number: paths for number, (paths, _) in others.items()},
-                other_states, absolute, record, keep, {**options, "nonfinite": nonfinite}, _workers_of_a_machine(connected),
+                other_states, absolute, record, facts, keep, {**options, "nonfinite": nonfinite}, _workers_of_a_machine(connected),
             )
             _seal_request(place, request)
             run = _Run(connected, place, request, rounds, rows, {number: counts for number, (_, counts) in others.items()}, progress)
@@ -156,7 +156,7 @@ class _Run:
         damaged = self._hand_out(number, todo) or self._join(number, is_new=bool(todo))
         if damaged is not None:
             return self._go_back(*damaged)
-        if kind in ("sweep", "rows"):
+        if kind in ("sweep", "label", "rows") and self._rounds[number][2] != "components":
             self._forget_before(number)
         return None
 
@@ -165,22 +165,22 @@ class _Run:
         kind, number_of_pass, _ = self._rounds[number]
         return self._other_rows[number_of_pass] if kind == "other" else self._rows
 
-    def _join(self, number: int, is_new: bool) -> tuple[int, int] | None:
+    def _join(self, number: int, is_new: bool) -> tuple[int, int | None] | None:
         """Joins what the tasks of a round have left, unless an earlier process has. Returns what is damaged."""
-        kind, number_of_pass, has_values = self._rounds[number]
+        kind, number_of_pass, joins = self._rounds[number]
         objects, r = str(self._place.objects), self._request
         names = [self._done[number][task].left for task in range(len(self._rows_of(number)))]
         try:
             key = _joined_by(number)
             if not is_new and (self._place.objects / key).exists():
                 return None
-            if kind in ("order", "other"):
+            shared = (objects, r.inputs[:1], r.stages, r.keep, r.options, r.outputs[:1], r.facts, self._rounds[number])
+            if joins == "tiles":
                 _core.join_tiles(objects, names, r.inputs if kind == "order" else r.others[number_of_pass], key)
-            if has_values:
-                _core.join_values(
-                    objects, r.inputs[:1], r.stages, r.keep, r.options, r.outputs[:1], self._rounds[number],
-                    self._joined_before(number, lambda round: round[2]), names, key,
-                )
+            if joins == "components":
+                _core.join_components(*shared, self._joined_before(number, _is_order), names, key)
+            if joins == "values":
+                _core.join_values(*shared, self._joined_before(number, _has_values), names, key)
         except Error as error:
             damaged = _damaged_by(error)
             if damaged is None:
@@ -188,8 +188,8 @@ class _Run:
             return damaged
         return None
 
-    def _go_back(self, number: int, tile: int) -> int:
-        """Forgets that a task is done, whose objects are damaged. If what the task needs is gone, all tasks begin again."""
+    def _go_back(self, number: int, tile: int | None) -> int:
+        """Forgets that a task is done, or a round is joined, whose objects are damaged. If what the task needs is gone, all tasks begin again."""
         self._damages += 1
         if self._damages > _MOST_TRIES * len(self._rounds):
             raise Error(f"{self._place.path}: objects there are damaged again and again; name another folder as the scratch.")
@@ -197,10 +197,13 @@ class _Run:
             self._done = [{} for _ in self._rounds]
             self._forgotten = 0
             return 0
-        self._done[number].pop(tile, None)
+        if tile is None:
+            (self._place.objects / _joined_by(number)).unlink(missing_ok=True)
+        else:
+            self._done[number].pop(tile, None)
         return number
 
-    def _hand_out(self, number: int, todo: list[int]) -> tuple[int, int] | None:
+    def _hand_out(self, number: int, todo: list[int]) -> tuple[int, int | None] | None:
         """Keeps every worker busy, with one more task each at hand."""
         kind = self._rounds[number][0]
         left, tries = list(reversed(todo)), Counter[int]()
@@ -277,8 +280,9 @@ class _Run:
             "first_row": 0 if kind == "other" else self._first_row[tile],
             "dropped": look,
             "before": before,
-            "catalogue": self._joined_before(number, lambda round: round[0] == "order"),
-            "values": self._joined_before(number, lambda round: round[2]),
+            "catalogue": self._joined_before(number, _is_order),
+            "values": self._joined_before(number, _has_values),
+            "components": self._joined_before(number, lambda round: round[2] == "components"),
             "other_catalogue": self._joined_before(number, lambda round: round[0] == "other" and round[1] == number_of_pass),
         }
         key = f"{_PHASES[kind]}-{number}-{tile}-{time.monotonic_ns()}"
@@ -339,6 +343,14 @@ class _Run:
         )
 
 
+def _is_order(round: Any) -> bool:
+    return bool(round[0] == "order")
+
+
+def _has_values(round: Any) -> bool:
+    return bool(round[2] == "values")
+
+
 def _joined_by(number: int) -> str:
     return f"joined-{number:02d}"
 
@@ -351,12 +363,15 @@ def _sums_before(rows: list[int]) -> list[int]:
     return sums
 
 
-def _damaged_by(error: BaseException) -> tuple[int, int] | None:
-    """(round, tile) of the task that has left what the sentence calls damaged."""
+def _damaged_by(error: BaseException) -> tuple[int, int | None] | None:
+    """(round, tile) of the task that has left what the sentence calls damaged; no tile: it was made of what all have left."""
     text = str(error)
-    name = text.split(".", 1)[0]
-    parts = name.split("-")
-    if not text.endswith(": is damaged.") or len(parts) != 3 or not (parts[0].isdigit() and parts[1].isdigit()):
+    parts = text.removesuffix(": is damaged.").split(".", 1)[0].split("-")
+    if not text.endswith(": is damaged."):
+        return None
+    if parts[0] == "joined" and len(parts) > 1 and parts[1].isdigit():
+        return int(parts[1]), None
+    if len(parts) != 3 or not (parts[0].isdigit() and parts[1].isdigit()):
         return None
     return int(parts[0]), int(parts[1])
 

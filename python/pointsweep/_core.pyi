@@ -120,11 +120,11 @@ def summarize(path: str, format: str, spacing: bool, progress: Progress) -> tupl
 def statistics(source: list[Any], options: dict[str, Any], progress: Progress, warn: Warn) -> str: ...
 def verify(inputs: list[str], output: str, options: dict[str, Any], progress: Progress) -> dict[str, Any]: ...
 
-PartRound = tuple[str, int, bool]  # kind, pass, has values
+PartRound = tuple[str, int, str]  # kind, pass, what is to be joined
 
 def plan_parts(
     source: list[Any], pipeline: list[Any], keep: list[str], options: dict[str, Any], to: list[str]
-) -> tuple[list[PartRound], list[int], str, list[str], int, dict[int, tuple[list[str], list[int]]], list[str]]: ...
+) -> tuple[list[PartRound], list[int], str, list[str], int, dict[int, tuple[list[str], list[int]]], list[str], tuple[int, float]]: ...
 def perform_part(
     scratch: str,
     source: list[Any],
@@ -132,6 +132,7 @@ def perform_part(
     keep: list[str],
     options: dict[str, Any],
     to: list[str],
+    facts: tuple[int, float],
     task: dict[str, Any],
     progress: Progress,
 ) -> tuple[int, int, int, str]: ...
@@ -143,8 +144,22 @@ def join_values(
     keep: list[str],
     options: dict[str, Any],
     to: list[str],
+    facts: tuple[int, float],
     round: PartRound,
     before: str,
+    left: list[str],
+    key: str,
+) -> None: ...
+def join_components(
+    scratch: str,
+    source: list[Any],
+    pipeline: list[Any],
+    keep: list[str],
+    options: dict[str, Any],
+    to: list[str],
+    facts: tuple[int, float],
+    round: PartRound,
+    catalogue: str,
     left: list[str],
     key: str,
 ) -> None: ...

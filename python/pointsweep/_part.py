@@ -30,6 +30,7 @@ class Request(NamedTuple):
     other_states: dict[str, tuple[int, int]]  #: of these files
     stages: list[Any]
     record: list[str]  #: the stages, as the outputs tell of them
+    facts: tuple[int, float]  #: of the whole cloud: points, and metres in a unit
     keep: list[str]
     options: dict[str, Any]
     processes: int  #: workers that share a machine, at most
@@ -96,7 +97,7 @@ def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
     with _one_at_a_time:
         start = time.perf_counter()
         rows, own, swept, text = _core.perform_part(
-            objects, [path], request.stages, request.keep, options, [request.outputs[0 if kind == "other" else tile]],
+            objects, [path], request.stages, request.keep, options, [request.outputs[0 if kind == "other" else tile]], request.facts,
             {**task, "other_file": other_file, "record": request.record, "after": left}, None,
         )
         seconds = time.perf_counter() - start
@@ -129,7 +130,7 @@ def _require_unchanged(path: str, then: tuple[int, int], worker: str) -> None:
 
 def _bytes_left(objects: str, left: str) -> int:
     """The bytes of what a task has left in the scratch."""
-    paths = (os.path.join(objects, left + suffix) for suffix in (".points", ".index", ".state", ".rows"))
+    paths = (os.path.join(objects, left + suffix) for suffix in (".points", ".index", ".state", ".rows", ".results", ".labels", ".components", ".crossings"))
     return sum(os.stat(path).st_size for path in paths if os.path.exists(path))
 
 

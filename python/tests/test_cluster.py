@@ -142,9 +142,12 @@ def before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
+SUFFIXES = [".points", ".index", ".state", ".rows", ".results", ".labels", ".components", ".crossings"]
 IN_ORDER = [
     "unique | ground(cell=0.5, window=2) | height",
     "voxel(0.4, keep=centroid) | normals | where(row > 100) | poisson(0.7)",
+    "knn(k=6) | components | where(component_size > 5) | reneighbor | normals | segments(angle=20)",
+    "knn(radius=0.3) | dbscan(eps=0.3, min_points=5) | where(cluster >= 0)",
     "normals | m3c2(before, cylinder=1, depth=2) | take('before/?.ply', attributes=classification, k=3)",
 ]
 
@@ -221,21 +224,31 @@ def test_goes_on_where_a_client_was_stopped(tiles: Path, tmp_path: Path, immedia
 
 
 def test_damaged_objects_are_made_again(tiles: Path, tmp_path: Path, immediate: None) -> None:
-    one_process(tiles, CHAINS[1], tmp_path / "one")
+    pipeline = CHAINS[1] + " | segments(angle=20) | where(segment_size > 2)"
+    one_process(tiles, pipeline, tmp_path / "one")
     damaged: set[str] = set()
 
     def after(task: Any, done: Any) -> None:
-        for suffix in (".points", ".index", ".state", ".rows"):
-            path = tmp_path / "scratch" / "objects" / f"{done.left}{suffix}"
-            key = f"{task['round_number']}{suffix}"
-            if task["tile"] == 4 and path.exists() and path.stat().st_size > 100 and key not in damaged:
-                damaged.add(key)
-                content = bytearray(path.read_bytes())
-                content[len(content) // 2] ^= 1
-                path.write_bytes(content)
+        if task["tile"] == 4:
+            for suffix in SUFFIXES:
+                damage(f"{done.left}{suffix}", f"{task['round_number']}{suffix}")
 
-    many(tiles, CHAINS[1], tmp_path / "many", Immediate(after=after))
-    assert {".points", ".index", ".state"} <= {key[1:] for key in damaged}
+    def before(task: Any) -> None:
+        if task["tile"] == 7:
+            for name in ("joined-00", "joined-01.numbers", "joined-01-3"):
+                damage(name, f"{task['round_number']} {name}")
+
+    def damage(name: str, key: str) -> None:
+        path = tmp_path / "scratch" / "objects" / name
+        if key not in damaged and path.exists() and path.stat().st_size > 40:
+            damaged.add(key)
+            content = bytearray(path.read_bytes())
+            content[len(content) // 2] ^= 1
+            path.write_bytes(content)
+
+    many(tiles, pipeline, tmp_path / "many", Immediate(before, after))
+    assert set(SUFFIXES) <= {"." + key.split(".", 1)[1] for key in damaged if "joined" not in key}, damaged
+    assert sum("joined" in key for key in damaged) > 3, damaged
     assert_same(tmp_path / "one", tmp_path / "many")
 
 
@@ -246,7 +259,7 @@ def test_says_what_is_wrong(tiles: Path, tmp_path: Path, immediate: None, monkey
     with pytest.raises(ps.UsageError, match="name a folder"):
         ps.open(tiles).run("normals", to=to / "all.ply", client=client, scratch=tmp_path / "scratch")
     with pytest.raises(ps.UsageError, match="one process"):
-        many(tiles, "components", to, client)
+        many(tiles, "normals | orient", to, client)
     with pytest.raises(ps.UsageError, match="is for the workers of a client"):
         ps.open(tiles).run("normals", to=f"{to}/", scratch=tmp_path / "scratch")
     assert not (tmp_path / "scratch").exists()

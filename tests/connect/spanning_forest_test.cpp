@@ -115,31 +115,18 @@ struct Streamed {
   std::size_t peak_supernodes = 0, most_open = 0, most_candidates = 0;
 };
 
-/// A forest with its log, which can move to another process.
-struct TravellingForest {
-  TravellingForest(bool weighted, const VoteRule& rule)
+struct LoggedForest {
+  LoggedForest(bool weighted, const VoteRule& rule)
       : log([]() -> std::unique_ptr<Scratch> { return std::make_unique<ScratchInMemory>(); }, rule.result_bytes()),
         forest(weighted, &rule, log) {}
-  std::vector<std::byte> bytes() {
-    Encoder out;
-    forest.encode(out);
-    log.encode(out);
-    return out.take();
-  }
-  void load(const std::vector<std::byte>& bytes) {
-    Decoder in(bytes);
-    forest.load(in);
-    log.load(in);
-    in.finish();
-  }
 
   ForestLog log;
   SpanningForest forest;
 };
 
 /// Edge e comes in batch `batch_of[e]`. A point is open from the batch of its first edge to that of its last; points
-/// without edges, for one batch. If `travels`, another forest takes over after every batch.
-Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, bool weighted, bool travels = false) {
+/// without edges, for one batch.
+Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, bool weighted) {
   const std::size_t n = graph.points.size();
   const std::size_t batches = batch_of.empty() ? 1 : *std::ranges::max_element(batch_of) + 1;
   constexpr std::size_t kNever = ~std::size_t{0};
@@ -150,18 +137,12 @@ Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, 
   for (std::size_t i = 0; i < n; ++i)
     if (from[i] == kNever) from[i] = to[i] = i % batches;
   const SumOfRows rule;
-  auto made = std::make_unique<TravellingForest>(weighted, rule);
+  const auto made = std::make_unique<LoggedForest>(weighted, rule);
   Streamed out;
   std::vector<std::vector<std::size_t>> opened(batches), closed(batches), edges(batches);
   for (std::size_t i = 0; i < n; ++i) opened[from[i]].push_back(i), closed[to[i]].push_back(i);
   for (std::size_t e = 0; e < batch_of.size(); ++e) edges[batch_of[e]].push_back(e);
   for (std::size_t b = 0; b < batches; ++b) {
-    if (travels) {
-      const std::vector<std::byte> bytes = made->bytes();
-      made = std::make_unique<TravellingForest>(weighted, rule);
-      made->load(bytes);
-      EXPECT_EQ(made->bytes(), bytes);
-    }
     SpanningForest& forest = made->forest;
     std::vector<PointKey> points;
     std::vector<std::byte> ballots;
@@ -289,7 +270,7 @@ TEST(SpanningForest, GoesOnInAnotherProcess) {
       if (!weighted)
         for (ForestEdge& edge : graph.edges) edge.flips = false;
       for (const auto& batch_of : divisions(graph, random))
-        ASSERT_EQ(streamed(graph, batch_of, weighted, true).results, in_memory(graph, weighted)) << name;
+        ASSERT_EQ(streamed(graph, batch_of, weighted).results, in_memory(graph, weighted)) << name;
     }
   }
 }

@@ -13,6 +13,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/language/length_units.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/support/examples.h"
@@ -30,7 +31,8 @@ class RunInParts {
 
   void perform() {
     InputCloud all(inputs_);
-    const PartPlan plan = plan_parts(all, chain(all), {.tiles = outputs(inputs_)}, options_);
+    facts_ = facts_of(all);
+    const PartPlan plan = plan_parts(all, chain(), {.tiles = outputs(inputs_)}, options_);
     options_.nonfinite = plan.nonfinite;
     std::vector<std::string> paths;
     for (const auto& path : inputs_) paths.push_back(path.string());
@@ -57,17 +59,21 @@ class RunInParts {
         if (!looks) left[t] = task.after;
       }
       if (looks) task.dropped = dropped;
-      if (task.round.kind == PartRoundKind::order) join_tiles(scratch_, left, paths, task.catalogue = "tiles");
-      if (!task.round.has_values) continue;
+      if (task.round.join == PartJoin::tiles) join_tiles(scratch_, left, paths, task.catalogue = "tiles");
       InputCloud first({inputs_.front()});
+      if (task.round.join == PartJoin::components)
+        join_components(first, chain(), {.tiles = outputs({inputs_.front()})}, options_, task.round, scratch_,
+                        task.catalogue, left, task.components = "components-" + std::to_string(r));
+      if (task.round.join != PartJoin::values) continue;
       const std::string before = std::exchange(task.values, "values-" + std::to_string(r));
-      join_values(first, chain(first), {.tiles = outputs({inputs_.front()})}, options_, task.round, scratch_, before,
-                  left, task.values);
+      join_values(first, chain(), {.tiles = outputs({inputs_.front()})}, options_, task.round, scratch_, before, left,
+                  task.values);
     }
   }
   std::uint64_t points_swept() const { return points_swept_; }
 
-  Chain chain(const InputCloud& cloud) const { return build_chain(parse_pipeline(pipeline_), cloud); }
+  /// Whatever tile a task has, the facts are those of the whole cloud.
+  Chain chain() const { return build_chain(parse_pipeline(pipeline_), facts_); }
   std::vector<std::filesystem::path> outputs(const std::vector<std::filesystem::path>& inputs) const {
     std::vector<std::filesystem::path> paths;
     for (const auto& input : inputs) paths.push_back(folder_ / input.filename());
@@ -90,13 +96,14 @@ class RunInParts {
   }
   PartDone perform(const PartTask& task) {
     InputCloud tile({inputs_[task.tile]});
-    return run_part(tile, chain(tile), {.tiles = outputs({inputs_[task.tile]})}, options_, task, scratch_);
+    return run_part(tile, chain(), {.tiles = outputs({inputs_[task.tile]})}, options_, task, scratch_);
   }
 
   std::vector<std::filesystem::path> inputs_;
   std::string pipeline_;
   std::filesystem::path folder_;
   EngineOptions options_;
+  Facts facts_;
   MemoryStorage scratch_;
   std::uint64_t points_swept_ = 0;
 };
@@ -179,7 +186,7 @@ std::vector<std::vector<Vec3>> squares_of(const std::vector<Vec3>& cloud) {
 class PartRunOf : public PartRun, public testing::WithParamInterface<std::string> {};
 
 /// Operators whose points have to know more of the whole cloud than what is near them. docs/cluster.md lists them.
-const std::set<std::string> kUndivided = {"components", "dbscan", "level", "orient", "sample", "segments"};
+const std::set<std::string> kUndivided = {"level", "orient", "sample"};
 
 TEST_P(PartRunOf, HasTheBytesOfOneRunOrIsRefused) {
   const std::string other = (folder_ / "other.ply").string();
@@ -208,6 +215,9 @@ const std::vector<std::string> kChains = {
     "knn(radius=0.8) | statistics(classification_mean, count) | density",
     "unique | where(row >= 100) | voxel(0.7) | normals | voxel(2, keep=centroid)",
     "poisson(0.1) | voxel(0.3) | poisson(0.5)",
+    "knn(k=4) | components | where(component_size > 3) | reneighbor | components",
+    "knn(radius=0.2) | dbscan(eps=0.2, min_points=4) | density",
+    "knn(k=8) | normals | segments(angle=20) | where(segment_residual < 0.1)",
     "ground(cell=0.02, window=0.04, threshold=0.01) | height(k=3) | where(height < 1)",
     "distance_to(OTHER) | take(OTHER, attributes=[classification, tree_id], k=5, most=0.3, missing=9)",
     "knn(k=6) | normals | m3c2(OTHER, cylinder=0.3, depth=0.2) | take(OTHER, attributes=tree_id)",
@@ -274,8 +284,10 @@ TEST_P(PartRunOfTiles, TakesLittleMoreThanTheirPoints) {
 
 INSTANTIATE_TEST_SUITE_P(InOrder, PartRunOfTiles,
                          testing::Values("unique", "voxel(3)", "voxel(1, keep=centroid)", "ground(cell=1, window=2)",
-                                         "poisson(1.5)", "knn(k=10) | normals | curvature | simplify(0.05, most=2)",
-                                         "height(k=3)", "distance_to(OTHER)", "distance_to(OTHER, most=0.5)",
+                                         "poisson(1.5)", "knn(k=6) | components",
+                                         "knn(radius=1.5) | dbscan(eps=1.5, min_points=6)",
+                                         "knn(k=10) | normals | curvature | simplify(0.05, most=2)", "height(k=3)",
+                                         "distance_to(OTHER)", "distance_to(OTHER, most=0.5)",
                                          "take(OTHER, attributes=tree_id, k=4, vote=mean)",
                                          "take(OTHER, attributes=tree_id, most=0.2, missing=1)"));
 

@@ -10,6 +10,8 @@
 #include "pointsweep/connect/edge_buckets.h"
 #include "pointsweep/free_memory.h"
 #include "pointsweep/order/row_file.h"
+#include "pointsweep/part/record_list.h"
+#include "pointsweep/part/tile_graph.h"
 #include "pointsweep/pipeline/output/result_sinks.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/sweep/stage_runner.h"
@@ -39,6 +41,13 @@ ResultPart connected_part(const SweepPlan& plan, const Stage& stage) {
     part.bytes += plan.column_bytes[column];
   }
   return part;
+}
+
+/// Leaves out of the results of `plan` what the stage makes.
+void leave_out_connected(SweepPlan& plan, const Stage& stage) {
+  std::erase_if(plan.results, [&](const ResultColumn& result) {
+    return std::ranges::find(stage.makes, result.column) != stage.makes.end();
+  });
 }
 
 /// Returns the part that the sweep itself makes. Leaves only this part in the results of `plan`.
@@ -162,6 +171,61 @@ SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pas
   context.statistics().bytes_spilled += edges.bytes() + components.log_bytes();
   done.stage_seconds[static_cast<std::size_t>(&stage - pass.plan.stages.data())] += seconds_since(start);
   return done;
+}
+
+SweepStatistics sweep_and_leave_graph(const Context& context, const PlannedPass& pass, const Ordered& points,
+                                      SweepOptions options, const PlaceOfTile& graph, RowStore& results) {
+  const Stage& stage = *pass.connecting_stage();
+  const ConnectOperator& op = *stage.connects();
+  RunPlaces& places = context.places;
+  EdgeBuckets among(bucket_begins(points.stream, points.bucket_places), points.stream.axis(), op.weighted(),
+                    op.votes() != nullptr ? op.votes()->ballot_bytes() : 0, places.scratch());
+  const RowsOfTile rows{points.first_row, context.cloud.count()};
+  const std::uint64_t memory = points.memory.recall_bytes / 2;
+  TileEdges edges(among, rows, places.scratch(), memory / 4);
+  options.edges = &edges;
+  SweepPlan plan = pass.plan;
+  leave_out_connected(plan, stage);
+  InputOrderSink sink(results, plan.result_bytes, points.first_row);
+  const SweepStatistics done = sweep(points.stream, plan, sink, options);
+  return_free_memory();
+  const TileGraphSetup setup{op.votes(), places.scratch(), &places.folder(), memory, context.progress_of("connecting")};
+  leave_graph(among, edges, rows, setup, *graph.scratch, graph.name);
+  return done;
+}
+
+void label_points(const Context& context, const PlannedPass& pass, const MemoryPlan& memory, const LabelledTile& tile,
+                  RowStore& results) {
+  const Stage& stage = *pass.connecting_stage();
+  const ConnectOperator& op = *stage.connects();
+  const ResultPart part = connected_part(pass.plan, stage);
+  const std::size_t bytes = pass.plan.result_bytes, told_bytes = 1 + part.bytes;  // the first says whether it is told
+  RunPlaces& places = context.places;
+  const TileGraphSetup setup{op.votes(), places.scratch(), &places.folder(), memory.recall_bytes / 2, {}};
+  RowStore told(context.cloud.count(), std::vector<std::byte>(told_bytes), setup.spill,
+                std::max<std::size_t>(memory.result_buffer_bytes / 2, 1 << 20));
+  BatchedRows put(told, told_bytes);
+  for_each_label(*tile.graph.scratch, tile.graph.name, tile.joined, context.part->tile, setup,
+                 [&](std::uint64_t row, const ComponentLabel& label) {
+                   std::byte* const record = put.add(row);
+                   *record = std::byte{1};
+                   op.put_values(label, record + 1);
+                 });
+  put.flush();
+  std::vector<std::byte> records;
+  BatchedRows rows(results, bytes);
+  told.drain([&](std::uint64_t first, std::span<const std::byte> some) {
+    const std::size_t n = some.size() / told_bytes;
+    records.resize(n * bytes);
+    tile.swept.read(first, records);
+    for (std::size_t i = 0; i < n; ++i) {
+      std::byte* const record = records.data() + i * bytes;
+      const std::byte* const from = some.data() + i * told_bytes;
+      if (*from == std::byte{1}) part.copy(from + 1, record);
+      std::memcpy(rows.add(first + i), record, bytes);
+    }
+  });
+  rows.flush();
 }
 
 }  // namespace pointsweep

@@ -16,6 +16,8 @@
 #include "pointsweep/order/working_record.h"
 #include "pointsweep/part/needed_points.h"
 #include "pointsweep/part/part_stream.h"
+#include "pointsweep/part/record_list.h"
+#include "pointsweep/part/tile_graph.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/rows/cloud_source.h"
 #include "pointsweep/pipeline/rows/cropped_input.h"
@@ -151,6 +153,8 @@ class TaskOfTile {
     if (task_.round.kind == PartRoundKind::order) return order(state, surveyed, work, files);
     std::unique_ptr<RowStore> results;
     if (task_.round.kind == PartRoundKind::sweep && !context_.is_empty()) results = sweep(surveyed.survey, work);
+    if (task_.round.join == PartJoin::components) return keep_swept(state, results.get());
+    if (task_.round.kind == PartRoundKind::label && !context_.is_empty()) results = label(work);
     if (task_.round.kind == PartRoundKind::write || !plan.leaves_rows(p)) {
       files.open(context_, work, surveyed.survey, rows_);  // where rows are left out, only makes the folder
       if (plan.opens_late()) files.open_late(context_, work, surveyed.survey, rows_);
@@ -168,6 +172,28 @@ class TaskOfTile {
       state.saved_values = PassValues(plan.passes[p], context_.cloud.schema()).save();
     }
     keep(state);
+  }
+
+  /// Leaves the results of a sweep that has left a graph, and the state as it was before.
+  void keep_swept(TileState& state, RowStore* results) {
+    const PlannedPass& pass = context_.plan.passes[task_.round.pass];
+    if (results != nullptr) {
+      RecordListWriter list(scratch_, task_.after + ".results", pass.plan.result_bytes);
+      results->drain([&](std::uint64_t, std::span<const std::byte> records) { list.append(records); });
+      list.seal();
+    } else {
+      leave_no_graph(pass.connecting_stage()->connects()->votes(), scratch_, task_.after);
+    }
+    seal_bytes(scratch_, task_.after + ".state", encoded(std::as_const(state)));
+  }
+
+  std::unique_ptr<RowStore> label(const WorkPlan& work) {
+    const std::size_t p = task_.round.pass;
+    const PlannedPass& pass = context_.plan.passes[p];
+    std::unique_ptr<RowStore> results = results_of_pass(context_, work, work.memory.passes[p], p);
+    RecordList swept(scratch_, task_.before + ".results", pass.plan.result_bytes);
+    label_points(context_, pass, work.memory.passes[p], {{&scratch_, task_.before}, task_.components, swept}, *results);
+    return results;
   }
 
   /// Goes back to where the task before has ended.
@@ -193,16 +219,16 @@ class TaskOfTile {
     std::size_t last = task_.round.pass;  // the pass that has carried them
     if (task_.round.kind == PartRoundKind::write) last = context_.plan.passes.size();
     const std::size_t bytes = update_after(context_.plan, last - 1).record_bytes();
-    const std::unique_ptr<Source> source = scratch_.open(name + ".rows");
-    const std::uint64_t size = context_.cloud.count() * bytes;
-    if (source->size() != size) fail("{}.rows: has {} bytes, not {}.", name, source->size(), size);
-    auto rows = std::make_unique<RowFile>(context_.cloud.count(), bytes, context_.places.place("rows", last, true));
-    const std::size_t at_once = std::max<std::size_t>(1, kBytesAtOnce / std::max<std::size_t>(bytes, 1)) * bytes;
+    RecordList list(scratch_, name + ".rows", bytes);
+    const std::uint64_t count = context_.cloud.count();
+    if (list.count() != count) fail("{}.rows: is damaged.", name);
+    auto rows = std::make_unique<RowFile>(count, bytes, context_.places.place("rows", last, true));
+    const std::uint64_t at_once = std::max<std::size_t>(1, kBytesAtOnce / bytes);
     std::vector<std::byte> records;
-    for (std::uint64_t at = 0; at < size; at += records.size()) {
+    for (std::uint64_t row = 0; row < count; row += at_once) {
       stop_if_cancelled();
-      records.resize(std::min<std::uint64_t>(at_once, size - at));
-      source->read_at(at, records);
+      records.resize(std::min(at_once, count - row) * bytes);
+      list.read(row, records);
       rows->append(records);
     }
     return rows;
@@ -212,17 +238,17 @@ class TaskOfTile {
   void keep(TileState& state) {
     state.carried.clear();
     if (rows_.carried && rows_.carried->record_bytes() > 0) {
-      const std::unique_ptr<Unsealed> object = scratch_.create(task_.after + ".rows");
       const std::size_t bytes = rows_.carried->record_bytes();
+      RecordListWriter list(scratch_, task_.after + ".rows", bytes);
       const std::uint64_t count = context_.cloud.count(), at_once = std::max<std::size_t>(1, kBytesAtOnce / bytes);
       std::vector<std::byte> records;
       for (std::uint64_t row = 0; row < count; row += at_once) {
         stop_if_cancelled();
         records.resize(std::min(at_once, count - row) * bytes);
         rows_.carried->read(row, records);
-        object->append(records);
+        list.append(records);
       }
-      object->seal();
+      list.seal();
       state.carried = task_.after;
     }
     if (const RowSelection* const selection = context_.cloud.selection()) {
@@ -274,7 +300,8 @@ class TaskOfTile {
     plan_memory(of_input, work, part.own_points, part.swept_points);
     auto ordered = std::make_unique<Ordered>(
         Ordered{std::move(part.stream), {}, std::move(part.survey), work.memory.passes[p], part.first_row});
-    return sweep_pass(context_, work, p, std::move(ordered), rows_.values, InOrderSupport{});
+    return sweep_pass(context_, work, p, std::move(ordered), rows_.values,
+                      PassSupport{.graph = {&scratch_, task_.after}});
   }
 
   std::unique_ptr<RowStore> take_in_order(const Survey& of_input, WorkPlan& work, const TileCatalogue& tiles,
@@ -288,8 +315,8 @@ class TaskOfTile {
           std::make_unique<Ordered>(order_numbered(context_, work, p, needed.source, of_input, needed.first_row));
       const auto other = [&](int axis, const auto& take) { give_other(op, tiles, axis, take); };
       std::uint64_t undecided = 0;
-      std::unique_ptr<RowStore> results =
-          sweep_pass(context_, work, p, std::move(ordered), rows_.values, {other, needed.may_lack, &undecided});
+      std::unique_ptr<RowStore> results = sweep_pass(context_, work, p, std::move(ordered), rows_.values,
+                                                     PassSupport{other, needed.may_lack, &undecided});
       if (undecided == 0) return results;
     }
   }
@@ -336,7 +363,8 @@ void require_divisible(const ChainPlan& plan, const Outputs& outputs, const Engi
     const InOrderOperator* const op = pass.in_order();
     if (op != nullptr && (!op->reach() || (!op->other_cloud().empty() && !op->other_reach())))
       refuse(fmt::format("'{}' cannot be divided among tiles yet", pass.in_order()->name()));
-    if (const Stage* const connecting = pass.connecting_stage())
+    const Stage* const connecting = pass.connecting_stage();
+    if (connecting != nullptr && connecting->connects()->weighted())
       refuse(fmt::format("'{}' cannot be divided among tiles yet", connecting->connects()->name()));
   }
 }
@@ -390,15 +418,19 @@ PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& output
   for (const Phase& phase : phases_of(plan)) {
     const bool is_pass = phase.pass < plan.passes.size();
     const bool values = is_pass && !plan.passes[phase.pass].values.empty() && plan.leaves_rows(phase.pass);
+    const PartJoin join = values ? PartJoin::values : PartJoin::nothing;
     const auto reads_it = [&](const OtherFiles& other) { return other.pass == phase.pass; };
     if (phase.kind == PhaseKind::order && std::ranges::any_of(made.others, reads_it))
-      made.rounds.push_back({PartRoundKind::other, phase.pass, false});
-    if (phase.kind == PhaseKind::order) made.rounds.push_back({PartRoundKind::order, phase.pass, false});
-    if (phase.kind == PhaseKind::sweep) made.rounds.push_back({PartRoundKind::sweep, phase.pass, values});
+      made.rounds.push_back({PartRoundKind::other, phase.pass, PartJoin::tiles});
+    if (phase.kind == PhaseKind::order) made.rounds.push_back({PartRoundKind::order, phase.pass, PartJoin::tiles});
+    const bool connects = is_pass && plan.passes[phase.pass].connecting_stage() != nullptr;
+    if (phase.kind == PhaseKind::sweep)
+      made.rounds.push_back({PartRoundKind::sweep, phase.pass, connects ? PartJoin::components : join});
+    if (phase.kind == PhaseKind::sweep && connects) made.rounds.push_back({PartRoundKind::label, phase.pass, join});
     const bool ends = phase.kind == PhaseKind::update || phase.kind == PhaseKind::write;
     if (ends && is_pass && plan.passes[phase.pass].kind == PassKind::rows)
-      made.rounds.push_back({PartRoundKind::rows, phase.pass, values});
-    if (ends && !is_pass) made.rounds.push_back({PartRoundKind::write, phase.pass, false});
+      made.rounds.push_back({PartRoundKind::rows, phase.pass, join});
+    if (ends && !is_pass) made.rounds.push_back({PartRoundKind::write, phase.pass});
   }
   for (const auto& reader : cloud.readers()) made.rows.push_back(reader->info().count);
   for (std::size_t p = 0; p < plan.passes.size(); ++p) {
@@ -471,8 +503,23 @@ void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, c
   seal_bytes(scratch, key, out.bytes());
 }
 
+void join_components(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
+                     const PartRound& round, Storage& scratch, const std::string& catalogue,
+                     const std::vector<std::string>& left, const std::string& key) {
+  const ChainPlan plan = plan_of(tile, chain, outputs, options);
+  RunPlaces places(options, {});
+  const TileGraphSetup setup{plan.passes.at(round.pass).connecting_stage()->connects()->votes(),
+                             places.scratch(),
+                             &places.folder(),
+                             memory_budget(options.resources.memory_bytes) / 2,
+                             {}};
+  join_graphs(scratch, sealed_value<TileCatalogue>(scratch, catalogue), left, setup, key);
+}
+
 void forget(Storage& scratch, const std::string& left) {
-  for (const char* const object : {".points", ".index", ".state", ".rows"}) scratch.remove(left + object);
+  for (const char* const object :
+       {".points", ".index", ".state", ".rows", ".results", ".labels", ".components", ".crossings", ".numbers"})
+    scratch.remove(left + object);
 }
 
 }  // namespace pointsweep

@@ -18,16 +18,19 @@ enum class PartRoundKind : std::uint8_t {
   other,  ///< stores the points of a file of the other cloud that a pass reads
   order,  ///< puts the points of a tile in order and stores them for the other tiles
   sweep,  ///< takes the points of a tile, with those around it, through the stages of a pass, and ends the pass
+  label,  ///< ends a pass whose sweep has left a graph, when the components of all tiles are joined
   rows,   ///< takes the rows of a tile through the stages of a pass that looks at no neighbour, and ends the pass
   write,  ///< writes the rows that the last pass has left
 };
 
-/// A task of each tile, or of each file of another cloud. After such a round, and after an order round, the catalogue
-/// of the tiles or files is to be made, after a round that has values these.
+/// What is to be made of what all tasks of a round have left.
+enum class PartJoin : std::uint8_t { nothing, tiles, components, values };
+
+/// A task of each tile, or of each file of another cloud.
 struct PartRound {
   PartRoundKind kind;
   std::size_t pass = 0;
-  bool has_values = false;
+  PartJoin join = PartJoin::nothing;
 };
 
 /// The files of the other cloud that a pass reads.
@@ -58,6 +61,7 @@ struct PartTask {
   std::uint64_t dropped = 0;             ///< points of all tiles that the look round has found
   std::string before;                    ///< name of what the task before has left of this tile; empty before the first
   std::string catalogue, values;         ///< of the rounds before; empty: there is none
+  std::string components;                ///< of the round before; empty: there are none
   std::string other_catalogue;           ///< of the other cloud that the pass reads; empty: it reads none
   std::string other_file;                ///< of that cloud: the one to store, or else any of them
   std::vector<std::string> record = {};  ///< PartPlan::record
@@ -75,12 +79,18 @@ struct PartDone {
 PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
                   const PartTask& task, Storage& scratch);
 
-/// After an order round, or one over another cloud: seals the catalogue `key` of what the tasks have left, by tile or
+/// PartJoin::tiles: seals the catalogue `key` of what the tasks have left, by tile or
 /// file. `paths`: of these.
 void join_tiles(Storage& scratch, const std::vector<std::string>& left, const std::vector<std::string>& paths,
                 const std::string& key);
 
-/// After a round that has values: seals under `key` the values of the cloud of `before`, if that is not empty, and of
+/// PartJoin::components: joins the components of the tiles and seals them under `key`. `catalogue`: of the pass.
+/// `tile`: any input of the run.
+void join_components(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
+                     const PartRound& round, Storage& scratch, const std::string& catalogue,
+                     const std::vector<std::string>& left, const std::string& key);
+
+/// PartJoin::values: seals under `key` the values of the cloud of `before`, if that is not empty, and of
 /// the round, which the tasks have left, by tile. `tile`: any input of the run.
 void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
                  const PartRound& round, Storage& scratch, const std::string& before,

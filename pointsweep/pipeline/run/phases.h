@@ -13,12 +13,14 @@
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/survey.h"
+#include "pointsweep/part/record_list.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/plan/output_layout.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/rows/pass_update.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
 #include "pointsweep/pipeline/run/context.h"
+#include "pointsweep/storage/storage.h"
 #include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
@@ -96,23 +98,42 @@ Ordered order_numbered(const Context& context, const WorkPlan& work, std::size_t
 std::unique_ptr<RowStore> results_of_pass(const Context& context, const WorkPlan& work, const MemoryPlan& memory,
                                           std::size_t p);
 
-/// What an in-order operator gets beside the points of its pass.
-struct InOrderSupport {
-  /// Gives the points of the other cloud that it reads in order along an axis; empty if it reads none.
+/// Where a task leaves what it knows of a tile.
+struct PlaceOfTile {
+  Storage* scratch = nullptr;  ///< null: the run has all points
+  std::string name;            ///< of its objects
+};
+
+/// What a pass gets beside its points.
+struct PassSupport {
+  /// Gives the points of the other cloud that an in-order operator reads along an axis; empty if it reads none.
   std::function<void(int axis, const std::function<void(const OtherPoints&)>& take)> other = {};
   std::function<bool(Vec3 position, double distance)> may_lack = {};  ///< InOrderSetup::may_lack
   std::uint64_t* undecided = nullptr;  ///< gets the number of rows that are undecided, where points may be missing
+  PlaceOfTile graph = {};              ///< for what a connecting stage of a part finds (part/tile_graph.h)
 };
 
 /// Makes the results of a pass from its points in order.
 std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& work, std::size_t p,
                                      std::unique_ptr<Ordered> points, const CloudValues& values,
-                                     const InOrderSupport& support);
+                                     const PassSupport& support);
 
 /// The sweep of a pass in which one stage emits edges, and what the components of their graph tell of each point. Fills
 /// `results` for all points that are in slabs. A sweep that is interrupted begins again.
 SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pass, const Ordered& points,
                                   SweepOptions options, RowStore& results);
+/// In a part of a cloud: leaves the graph of its tile, and fills `results` but for what the components tell.
+SweepStatistics sweep_and_leave_graph(const Context& context, const PlannedPass& pass, const Ordered& points,
+                                      SweepOptions options, const PlaceOfTile& graph, RowStore& results);
+/// The results of a sweep that has left a graph, when the graphs of all tiles have been joined under the key `joined`.
+struct LabelledTile {
+  PlaceOfTile graph;
+  std::string joined;
+  RecordList& swept;  ///< results of the sweep, by row
+};
+/// Fills `results` with what the sweep has found and what the components tell of each point.
+void label_points(const Context& context, const PlannedPass& pass, const MemoryPlan& memory, const LabelledTile& tile,
+                  RowStore& results);
 
 /// Ends a pass: its results become the rows that the next pass begins with. The cloud then has those rows alone.
 /// `results` is null for a pass over rows, which makes them now.

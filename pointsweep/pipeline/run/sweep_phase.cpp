@@ -27,6 +27,7 @@ struct SweepOfPass {
   const OutputLayout* layout;
   bool is_first;  ///< of the sweeps of the run
   RowStore& results;
+  const PassSupport& support;
 };
 
 std::function<void(std::uint64_t, std::uint64_t)> sweep_progress(const Context& context) {
@@ -63,8 +64,11 @@ SweepStatistics sweep_by_cells(const SweepOfPass& s) {
   options.keeper = keeper ? &*keeper : nullptr;
   options.resume_from = from ? &*from : nullptr;
   Sink& sink = by_place ? static_cast<Sink&>(*by_place) : by_row;
-  const SweepStatistics done = connects ? sweep_and_connect(context, s.pass, s.points, options, s.results)
-                                        : sweep(s.points.stream, s.pass.plan, sink, options);
+  const auto connect = [&] {
+    if (s.support.graph.scratch == nullptr) return sweep_and_connect(context, s.pass, s.points, options, s.results);
+    return sweep_and_leave_graph(context, s.pass, s.points, options, s.support.graph, s.results);
+  };
+  const SweepStatistics done = connects ? connect() : sweep(s.points.stream, s.pass.plan, sink, options);
   if (notes) write_states(half_way, context.options.half_way_states, context.options.overwrite);
   return done;
 }
@@ -127,7 +131,7 @@ void sweep_stages(const SweepOfPass& s) {
   s.context.number_degenerate_rows(before);
 }
 
-void take_in_order(const SweepOfPass& s, const InOrderSupport& support) {
+void take_in_order(const SweepOfPass& s) {
   const auto start = std::chrono::steady_clock::now();
   const Context& context = s.context;
   const int axis = s.points.stream.axis();
@@ -138,13 +142,13 @@ void take_in_order(const SweepOfPass& s, const InOrderSupport& support) {
                   .setup = {.axis = axis,
                             .memory_bytes = s.points.memory.in_order_bytes,
                             .make_scratch = context.places.scratch(),
-                            .other_points = [&](const auto& take) { support.other(axis, take); },
-                            .may_lack = support.may_lack},
+                            .other_points = [&](const auto& take) { s.support.other(axis, take); },
+                            .may_lack = s.support.may_lack},
                   .is_part = context.part.has_value(),
                   .first_row = s.points.first_row,
                   .rows = context.cloud.count(),
                   .results = s.results,
-                  .undecided = support.undecided,
+                  .undecided = s.support.undecided,
                   .progress = context.progress_of("updating")});
   });
   throw_refused(refused, s.points.first_row);
@@ -172,15 +176,15 @@ std::unique_ptr<RowStore> results_of_pass(const Context& context, const WorkPlan
 
 std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& work, std::size_t p,
                                      std::unique_ptr<Ordered> points, const CloudValues& values,
-                                     const InOrderSupport& support) {
+                                     const PassSupport& support) {
   const auto& passes = context.plan.passes;
   const PlannedPass pass = ready_pass(passes[p], values, points->stream.record_schema());
   std::unique_ptr<RowStore> results = results_of_pass(context, work, points->memory, p);
   const bool is_first =
       std::ranges::find(passes, PassKind::sweep, &PlannedPass::kind) - passes.begin() == static_cast<std::ptrdiff_t>(p);
-  const SweepOfPass s{context,  work,    pass, *points, context.makes_output(p) ? &*work.layout : nullptr,
-                      is_first, *results};
-  pass.kind == PassKind::order ? take_in_order(s, support) : sweep_stages(s);
+  const SweepOfPass s{context,  work,     pass,   *points, context.makes_output(p) ? &*work.layout : nullptr,
+                      is_first, *results, support};
+  pass.kind == PassKind::order ? take_in_order(s) : sweep_stages(s);
   context.statistics().bytes_spilled += points->stream.spilled_bytes();
   context.statistics().bytes_spilled_ordering += points->stream.spilled_bytes();
   return results;

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+/// Records of one size as an object: appended one after another, read at any place, with a checksum for every few of
+/// them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/storage/storage.h"
+
+namespace pointsweep {
+
+/// Writes a list, which is there when it is sealed.
+class RecordListWriter {
+ public:
+  /// `record_bytes`: greater than 0.
+  RecordListWriter(Storage& storage, const std::string& key, std::size_t record_bytes);
+  /// Appends whole records.
+  void append(std::span<const std::byte> records);
+  std::uint64_t count() const { return count_; }
+  void seal();
+
+ private:
+  void write_chunk();
+
+  std::unique_ptr<Unsealed> object_;
+  std::size_t record_bytes_;
+  std::uint64_t count_ = 0;
+  std::vector<std::byte> chunk_;
+};
+
+/// Reads a list. Not thread-safe.
+class RecordList {
+ public:
+  /// Throws Error if it has not `record_bytes` for each record.
+  RecordList(const Storage& storage, const std::string& key, std::size_t record_bytes);
+  std::uint64_t count() const { return count_; }
+  /// Fills `records` from number `first` on. Throws Error, which calls the object damaged, where they are not what was
+  /// written.
+  void read(std::uint64_t first, std::span<std::byte> records);
+
+ private:
+  void read_chunk(std::uint64_t chunk);
+
+  std::string key_;
+  std::unique_ptr<Source> source_;
+  std::size_t record_bytes_;
+  std::uint64_t count_ = 0;
+  std::uint64_t chunk_number_ = ~std::uint64_t{0};
+  std::vector<std::byte> chunk_;  ///< of that number
+};
+
+}  // namespace pointsweep
