@@ -14,6 +14,11 @@ RowFile::RowFile(std::uint64_t rows, std::size_t record_bytes, const SpillPlace&
     memory_ = PageMemory(rows * record_bytes);
 }
 
+RowFile::RowFile(std::uint64_t rows, std::size_t record_bytes, ReadRecords read) : RowFile(record_bytes) {
+  rows_ = rows;
+  elsewhere_ = std::move(read);
+}
+
 RowFile RowFile::kept(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& kept) {
   RowFile file(record_bytes);
   file.rows_ = rows;
@@ -45,7 +50,9 @@ void RowFile::read(std::uint64_t row, std::span<std::byte> records) const {
   if (records.empty()) return;
   const std::uint64_t first = row * record_bytes_;
   assert(first + records.size() <= rows_ * record_bytes_);
-  if (file_)
+  if (elsewhere_)
+    elsewhere_(row, records);
+  else if (file_)
     file_->read(first, records);
   else
     std::memcpy(records.data(), memory_.data() + first, records.size());

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -16,6 +17,9 @@ class RowFile {
  public:
   /// Room for `rows` records of `record_bytes`: in memory or spilled.
   RowFile(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& spill);
+  /// Records that are kept elsewhere: read(row, records) fills them, and is thread-safe.
+  using ReadRecords = std::function<void(std::uint64_t row, std::span<std::byte> records)>;
+  RowFile(std::uint64_t rows, std::size_t record_bytes, ReadRecords read);
   /// A kept file to which `rows` records had been appended.
   static RowFile kept(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& kept);
 
@@ -37,6 +41,7 @@ class RowFile {
   std::uint64_t rows_ = 0;  ///< appended
   PageMemory memory_;
   std::unique_ptr<SpillFile> file_;
+  ReadRecords elsewhere_;
 };
 
 }  // namespace pointsweep

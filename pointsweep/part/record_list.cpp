@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::uint64_t kChunkRecords = 1024;
 constexpr std::size_t kChecksumBytes = sizeof(std::uint64_t);
+constexpr std::size_t kBytesAtOnce = 1 << 20;  ///< of whole chunks
 
 }  // namespace
 
@@ -49,29 +50,51 @@ RecordList::RecordList(const Storage& storage, const std::string& key, std::size
   count_ += (rest - kChecksumBytes) / record_bytes_;
 }
 
-void RecordList::read(std::uint64_t first, std::span<std::byte> records) {
-  for (std::uint64_t n = records.size() / record_bytes_; n > 0;) {
-    if (first >= count_) fail("{}: is damaged.", key_);
-    if (first / kChunkRecords != chunk_number_) read_chunk(first / kChunkRecords);
-    const std::uint64_t at = first % kChunkRecords;
-    const std::uint64_t taken = std::min<std::uint64_t>(n, chunk_.size() / record_bytes_ - at);
-    std::memcpy(records.data(), chunk_.data() + at * record_bytes_, taken * record_bytes_);
-    records = records.subspan(taken * record_bytes_);
-    first += taken;
-    n -= taken;
+void RecordList::read(std::uint64_t first, std::span<std::byte> records) const {
+  while (!records.empty()) {
+    if (first + records.size() / record_bytes_ > count_) fail("{}: is damaged.", key_);
+    const bool holds_chunk = first % kChunkRecords == 0 && records.size() >= kChunkRecords * record_bytes_;
+    const std::size_t n = holds_chunk ? read_whole_chunks(first, records) : read_in_chunk(first, records);
+    records = records.subspan(n * record_bytes_);
+    first += n;
   }
 }
 
-void RecordList::read_chunk(std::uint64_t number) {
+std::size_t RecordList::read_whole_chunks(std::uint64_t first, std::span<std::byte> records) const {
+  const std::size_t records_bytes = kChunkRecords * record_bytes_, chunk_bytes = records_bytes + kChecksumBytes;
+  const std::size_t most = std::max<std::size_t>(1, kBytesAtOnce / chunk_bytes);
+  const std::size_t chunks = std::min(most, records.size() / records_bytes);
+  std::vector<std::byte> bytes(chunks * chunk_bytes);
+  source_->read_at(first / kChunkRecords * chunk_bytes, bytes);
+  for (std::size_t c = 0; c < chunks; ++c) {
+    const std::span<const std::byte> chunk = std::span(bytes).subspan(c * chunk_bytes, chunk_bytes);
+    require_whole(chunk);
+    std::memcpy(records.data() + c * records_bytes, chunk.data(), records_bytes);
+  }
+  return chunks * kChunkRecords;
+}
+
+std::size_t RecordList::read_in_chunk(std::uint64_t first, std::span<std::byte> records) const {
+  const std::uint64_t number = first / kChunkRecords, at = first % kChunkRecords;
   const std::uint64_t count = std::min(kChunkRecords, count_ - number * kChunkRecords);
-  chunk_.resize(count * record_bytes_ + kChecksumBytes);
-  chunk_number_ = ~std::uint64_t{0};
-  source_->read_at(number * (kChunkRecords * record_bytes_ + kChecksumBytes), chunk_);
+  const std::lock_guard lock(mutex_);
+  if (number != chunk_number_) {
+    chunk_number_ = ~std::uint64_t{0};
+    chunk_.resize(count * record_bytes_ + kChecksumBytes);
+    source_->read_at(number * (kChunkRecords * record_bytes_ + kChecksumBytes), chunk_);
+    require_whole(chunk_);
+    chunk_number_ = number;
+  }
+  const std::size_t n = std::min<std::size_t>(records.size() / record_bytes_, count - at);
+  std::memcpy(records.data(), chunk_.data() + at * record_bytes_, n * record_bytes_);
+  return n;
+}
+
+void RecordList::require_whole(std::span<const std::byte> chunk) const {
+  const std::span<const std::byte> records = chunk.first(chunk.size() - kChecksumBytes);
   std::uint64_t checksum;
-  std::memcpy(&checksum, chunk_.data() + count * record_bytes_, kChecksumBytes);
-  chunk_.resize(count * record_bytes_);
-  if (checksum_of(chunk_) != checksum) fail("{}: is damaged.", key_);
-  chunk_number_ = number;
+  std::memcpy(&checksum, records.data() + records.size(), kChecksumBytes);
+  if (checksum_of(records) != checksum) fail("{}: is damaged.", key_);
 }
 
 }  // namespace pointsweep

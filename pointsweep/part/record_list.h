@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,7 +34,7 @@ class RecordListWriter {
   std::vector<std::byte> chunk_;
 };
 
-/// Reads a list. Not thread-safe.
+/// Reads a list. Thread-safe.
 class RecordList {
  public:
   /// Throws Error if it has not `record_bytes` for each record.
@@ -41,17 +42,20 @@ class RecordList {
   std::uint64_t count() const { return count_; }
   /// Fills `records` from number `first` on. Throws Error, which calls the object damaged, where they are not what was
   /// written.
-  void read(std::uint64_t first, std::span<std::byte> records);
+  void read(std::uint64_t first, std::span<std::byte> records) const;
 
  private:
-  void read_chunk(std::uint64_t chunk);
+  std::size_t read_whole_chunks(std::uint64_t first, std::span<std::byte> records) const;
+  std::size_t read_in_chunk(std::uint64_t first, std::span<std::byte> records) const;
+  void require_whole(std::span<const std::byte> chunk) const;
 
   std::string key_;
   std::unique_ptr<Source> source_;
   std::size_t record_bytes_;
   std::uint64_t count_ = 0;
-  std::uint64_t chunk_number_ = ~std::uint64_t{0};
-  std::vector<std::byte> chunk_;  ///< of that number
+  mutable std::mutex mutex_;
+  mutable std::uint64_t chunk_number_ = ~std::uint64_t{0};
+  mutable std::vector<std::byte> chunk_;  ///< of that number, with its checksum
 };
 
 }  // namespace pointsweep

@@ -6,6 +6,7 @@
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <string>
@@ -25,8 +26,8 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-constexpr std::array<const char*, 7> kRoundNames{"look", "other", "order", "sweep", "label", "rows", "write"};
-constexpr std::array<const char*, 4> kJoinNames{"", "tiles", "components", "values"};
+const std::array<std::string, 7> kRoundNames{"look", "other", "order", "sweep", "label", "rows", "write"};
+const std::array<std::string, 4> kJoinNames{"", "tiles", "components", "values"};
 
 /// The arguments that all tasks of a run share, as run_pipeline() takes them; `to` has a file for each input. The facts
 /// are those of the whole cloud: (points, metres per unit).
@@ -50,17 +51,30 @@ struct PartRequest {
   Outputs outputs;
 };
 
-PartRound round_of(const nb::tuple& round) {
-  const auto name = nb::cast<std::string>(round[0]);
-  const auto join_name = nb::cast<std::string>(round[2]);
-  std::size_t kind = 0, join = 0;
-  while (name != kRoundNames.at(kind)) ++kind;
-  while (join_name != kJoinNames.at(join)) ++join;
-  return {static_cast<PartRoundKind>(kind), nb::cast<std::size_t>(round[1]), static_cast<PartJoin>(join)};
+template <class Enum>
+Enum named(const auto& names, const std::string& name) {
+  return static_cast<Enum>(std::ranges::find(names, name) - names.begin());
+}
+
+PartRound round_of(const nb::tuple& given) {
+  PartRound round;
+  for (const nb::handle step : nb::cast<nb::list>(given[0]))
+    round.steps.push_back(
+        {named<PartRoundKind>(kRoundNames, nb::cast<std::string>(step[0])), nb::cast<std::size_t>(step[1])});
+  round.join = named<PartJoin>(kJoinNames, nb::cast<std::string>(given[1]));
+  return round;
+}
+
+nb::tuple tuple_of(const PartRound& round) {
+  nb::list steps;
+  for (const PartStep& step : round.steps)
+    steps.append(nb::make_tuple(kRoundNames[static_cast<std::size_t>(step.kind)], step.pass));
+  return nb::make_tuple(steps, kJoinNames[static_cast<std::size_t>(round.join)]);
 }
 
 /// (rounds, rows by tile, the option `nonfinite` for the tasks, notes, bytes of a point in the scratch, files of other
-/// clouds by pass, stages for the record, facts). A round: (kind, pass, what is to be joined). Files: (paths, points of
+/// clouds by pass, stages for the record, facts). A round: (steps, what is to be
+/// joined). A step: (kind, pass). Files: (paths, points of
 /// each).
 nb::tuple plan_of_parts(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                         const nb::dict& given, std::vector<std::filesystem::path> to) {
@@ -68,8 +82,7 @@ nb::tuple plan_of_parts(const nb::list& source, const nb::list& pipeline, const 
   const PartPlan planned = plan_parts(request.cloud.inputs(), request.chain, request.outputs, request.options);
   nb::list rounds;
   for (const PartRound& round : planned.rounds)
-    rounds.append(nb::make_tuple(kRoundNames[static_cast<std::size_t>(round.kind)], round.pass,
-                                 kJoinNames[static_cast<std::size_t>(round.join)]));
+    rounds.append(tuple_of(round));
   nb::dict others;
   for (const OtherFiles& files : planned.others)
     others[nb::int_(files.pass)] = nb::make_tuple(files.paths, files.counts);

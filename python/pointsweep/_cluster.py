@@ -21,7 +21,7 @@ from typing import Any
 
 from . import _core
 from ._errors import Error, UsageError, warn
-from ._part import Done, Request, build, perform, state_of
+from ._part import Done, Request, Round, Step, build, perform, state_of
 from ._scratch import Scratch
 
 _MOST_TRIES = 4  # of a task whose workers end, or whose objects are damaged
@@ -84,7 +84,8 @@ def run_on_cluster(
     try:
         begun = place.request.exists()
         given = {**options, "overwrite": "yes" if begun else options["overwrite"]}
-        rounds, rows, nonfinite, notes, bytes_of_point, others, record, facts = _core.plan_parts(inputs, stages, keep, given, outputs)
+        planned, rows, nonfinite, notes, bytes_of_point, others, record, facts = _core.plan_parts(inputs, stages, keep, given, outputs)
+        rounds = [Round([Step(*step) for step in steps], join) for steps, join in planned]
         others = {number: ([os.path.abspath(path) for path in paths], counts) for number, (paths, counts) in others.items()}
         other_states = {path: state_of(path) for paths, _ in others.values() for path in paths}
         place.require_unchanged(other_states)
@@ -129,7 +130,7 @@ class _Run:
     """The rounds of a run, and what is known between them."""
 
     def __init__(
-        self, client: Any, place: Scratch, request: Request, rounds: list[Any], rows: list[int], other_rows: dict[int, list[int]],
+        self, client: Any, place: Scratch, request: Request, rounds: list[Round], rows: list[int], other_rows: dict[int, list[int]],
         progress: Progress,
     ) -> None:
         self._client, self._place, self._request, self._rounds, self._rows = client, place, request, rounds, rows
@@ -151,35 +152,35 @@ class _Run:
     def _perform_round(self, number: int) -> int | None:
         """Performs the tasks that are not done, and joins what they have left. Returns the number of an earlier round of
         which a task is to be performed again, since what it has left is damaged."""
-        kind = self._rounds[number][0]
+        kinds = {step.kind for step in self._rounds[number].steps}
         todo = [task for task in range(len(self._rows_of(number))) if task not in self._done[number]]
         damaged = self._hand_out(number, todo) or self._join(number, is_new=bool(todo))
         if damaged is not None:
             return self._go_back(*damaged)
-        if kind in ("sweep", "label", "rows") and self._rounds[number][2] != "components":
+        if kinds & {"sweep", "label", "rows"} and self._rounds[number].join != "components":
             self._forget_before(number)
         return None
 
     def _rows_of(self, number: int) -> list[int]:
         """The rows of what each task of a round takes: a tile, or a file of another cloud."""
-        kind, number_of_pass, _ = self._rounds[number]
-        return self._other_rows[number_of_pass] if kind == "other" else self._rows
+        this = self._rounds[number]
+        return self._other_rows[this.number] if this.kind == "other" else self._rows
 
     def _join(self, number: int, is_new: bool) -> tuple[int, int | None] | None:
         """Joins what the tasks of a round have left, unless an earlier process has. Returns what is damaged."""
-        kind, number_of_pass, joins = self._rounds[number]
+        this = self._rounds[number]
         objects, r = str(self._place.objects), self._request
         names = [self._done[number][task].left for task in range(len(self._rows_of(number)))]
         try:
             key = _joined_by(number)
             if not is_new and (self._place.objects / key).exists():
                 return None
-            shared = (objects, r.inputs[:1], r.stages, r.keep, r.options, r.outputs[:1], r.facts, self._rounds[number])
-            if joins == "tiles":
-                _core.join_tiles(objects, names, r.inputs if kind == "order" else r.others[number_of_pass], key)
-            if joins == "components":
-                _core.join_components(*shared, self._joined_before(number, _is_order), names, key)
-            if joins == "values":
+            shared = (objects, r.inputs[:1], r.stages, r.keep, r.options, r.outputs[:1], r.facts, this)
+            if this.join == "tiles":
+                _core.join_tiles(objects, names, r.others[this.number] if this.kind == "other" else r.inputs, key)
+            if this.join == "components":
+                _core.join_components(*shared, self._joined_before(number, _stores_tiles), names, key)
+            if this.join == "values":
                 _core.join_values(*shared, self._joined_before(number, _has_values), names, key)
         except Error as error:
             damaged = _damaged_by(error)
@@ -205,7 +206,7 @@ class _Run:
 
     def _hand_out(self, number: int, todo: list[int]) -> tuple[int, int | None] | None:
         """Keeps every worker busy, with one more task each at hand."""
-        kind = self._rounds[number][0]
+        kind = self._rounds[number].kind
         left, tries = list(reversed(todo)), Counter[int]()
         running: dict[Any, tuple[int, float]] = {}
         rows = self._rows_of(number)
@@ -268,31 +269,31 @@ class _Run:
         return next(future for future in running if future.done())
 
     def _submit(self, number: int, tile: int) -> Any:
-        kind, number_of_pass, _ = self._rounds[number]
-        rounds = [n for n in reversed(range(number)) if self._rounds[n][0] not in ("look", "other")]
-        before = "" if kind == "other" else next((self._done[n][tile].left for n in rounds if tile in self._done[n]), "")
-        look = sum(done.dropped for done in self._done[0].values()) if self._rounds[0][0] == "look" else 0
+        this = self._rounds[number]
+        rounds = [n for n in reversed(range(number)) if self._rounds[n].kind not in ("look", "other")]
+        before = "" if this.kind == "other" else next((self._done[n][tile].left for n in rounds if tile in self._done[n]), "")
+        look = sum(done.dropped for done in self._done[0].values()) if self._rounds[0].kind == "look" else 0
         task = {
-            "round": self._rounds[number],
+            "round": this,
             "round_number": number,
             "tile": tile,
             "tiles": self._tiles,
-            "first_row": 0 if kind == "other" else self._first_row[tile],
+            "first_row": 0 if this.kind == "other" else self._first_row[tile],
             "dropped": look,
             "before": before,
-            "catalogue": self._joined_before(number, _is_order),
+            "catalogue": self._joined_before(number, _stores_tiles),
             "values": self._joined_before(number, _has_values),
-            "components": self._joined_before(number, lambda round: round[2] == "components"),
-            "other_catalogue": self._joined_before(number, lambda round: round[0] == "other" and round[1] == number_of_pass),
+            "components": self._joined_before(number, lambda round: round.join == "components"),
+            "other_catalogue": self._joined_before(number, lambda round: (round.kind, round.number) == ("other", this.number)),
         }
-        key = f"{_PHASES[kind]}-{number}-{tile}-{time.monotonic_ns()}"
+        key = f"{_PHASES[this.kind]}-{number}-{tile}-{time.monotonic_ns()}"
         return self._client.submit(perform, str(self._place.request), str(self._place.objects), task, key=key, pure=False)
 
     def _path_of(self, number: int, task: int) -> str:
-        kind, number_of_pass, _ = self._rounds[number]
-        return self._request.others[number_of_pass][task] if kind == "other" else self._request.inputs[task]
+        this = self._rounds[number]
+        return self._request.others[this.number][task] if this.kind == "other" else self._request.inputs[task]
 
-    def _joined_before(self, number: int, is_wanted: Callable[[Any], bool]) -> str:
+    def _joined_before(self, number: int, is_wanted: Callable[[Round], bool]) -> str:
         """The name of what the last of these rounds before round `number` has left of all tiles; empty: there is none."""
         return next((_joined_by(n) for n in reversed(range(number)) if is_wanted(self._rounds[n])), "")
 
@@ -318,7 +319,7 @@ class _Run:
         """What a report of the run says, as the library writes it for a run of one process, and what each worker did."""
         last = self._done[-1].values()
         tasks = [done for of_round in self._done for done in of_round.values()]
-        sweeps = [d for of_round, r in zip(self._done, self._rounds) if r[0] == "sweep" for d in of_round.values()]
+        sweeps = [d for of_round, r in zip(self._done, self._rounds) if any(step.kind == "sweep" for step in r.steps) for d in of_round.values()]
         workers: dict[str, dict[str, float]] = {}
         for done in tasks:
             worker = workers.setdefault(done.worker, {"tasks": 0, "seconds": 0.0, "peak_rss_bytes": 0})
@@ -343,12 +344,12 @@ class _Run:
         )
 
 
-def _is_order(round: Any) -> bool:
-    return bool(round[0] == "order")
+def _stores_tiles(round: Round) -> bool:
+    return round.join == "tiles" and round.kind != "other"
 
 
-def _has_values(round: Any) -> bool:
-    return bool(round[2] == "values")
+def _has_values(round: Round) -> bool:
+    return round.join == "values"
 
 
 def _joined_by(number: int) -> str:

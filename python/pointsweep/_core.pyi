@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The extension module, binding/."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -120,7 +120,7 @@ def summarize(path: str, format: str, spacing: bool, progress: Progress) -> tupl
 def statistics(source: list[Any], options: dict[str, Any], progress: Progress, warn: Warn) -> str: ...
 def verify(inputs: list[str], output: str, options: dict[str, Any], progress: Progress) -> dict[str, Any]: ...
 
-PartRound = tuple[str, int, str]  # kind, pass, what is to be joined
+PartRound = tuple[Sequence[tuple[str, int]], str]  # steps of a kind, each for a pass; what is to be joined
 
 def plan_parts(
     source: list[Any], pipeline: list[Any], keep: list[str], options: dict[str, Any], to: list[str]

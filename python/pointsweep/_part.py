@@ -19,6 +19,29 @@ from ._errors import Error
 _one_at_a_time = threading.Lock()  # a task has the memory and the threads of its process
 
 
+class Step(NamedTuple):
+    """What a task does."""
+
+    kind: str
+    number: int  #: of the pass
+
+
+class Round(NamedTuple):
+    """A task of each tile, or of each file of another cloud, and what is made of what all of them leave."""
+
+    steps: list[Step]
+    join: str
+
+    @property
+    def kind(self) -> str:
+        return self.steps[0].kind
+
+    @property
+    def number(self) -> int:
+        """Of the first pass."""
+        return self.steps[0].number
+
+
 class Request(NamedTuple):
     """What all tasks of a run share. They read it from the scratch, so that it does not go through the scheduler."""
 
@@ -81,9 +104,8 @@ def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
     request = _request(request_path, os.stat(request_path).st_mtime_ns)
     if build() != request.build:
         raise Error(f"{worker}: has pointsweep {build()}, the client {request.build}; install one version on all machines.")
-    kind, number, _ = task["round"]
-    tile = task["tile"]
-    others = request.others.get(number, [])
+    kind, tile = task["round"].kind, task["tile"]
+    others = request.others.get(task["round"].number, [])
     if kind == "other":
         path, other_file = request.inputs[0], others[tile]
         _require_unchanged(other_file, request.other_states[other_file], worker)

@@ -166,7 +166,7 @@ def test_another_cloud_may_not_change(tiles: Path, tmp_path: Path, before: Path,
     one_process(tiles, pipeline, tmp_path / "one")
 
     def stop(task: Any) -> None:
-        if task["round"][0] == "sweep":
+        if task["round"].kind == "sweep":
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -177,7 +177,7 @@ def test_another_cloud_may_not_change(tiles: Path, tmp_path: Path, before: Path,
     _remove(tmp_path / "scratch")
 
     def change(task: Any) -> None:
-        if task["round"][0] == "other" and task["tile"] == 1:
+        if task["round"].kind == "other" and task["tile"] == 1:
             (before / "2.ply").touch()
 
     with pytest.raises(ps.Error, match="2.ply: has changed since the run began"):

@@ -50,7 +50,7 @@ MUTANTS = [
     Mutant("components are numbered tile by tile", "parts", PART + "tile_graph.cpp",
            "return other.first < first; }", "return other.tile < tile; }", TESTS),
     Mutant("a damaged list is taken for whole", "parts", PART + "record_list.cpp",
-           "if (checksum_of(chunk_) != checksum)", "if (false)", ("part:*",)),
+           "if (checksum_of(records) != checksum)", "if (false)", ("part:*",)),
     Mutant("no point is missing in a part", "parts", "pointsweep/operators/thinning/poisson.cpp",
            "may_lack_ && may_lack_(p, r)", "false", TESTS),
     Mutant("points wait for those of which missing points decide in vain", "parts", "pointsweep/operators/thinning/undecided_points.cpp",

@@ -42,11 +42,11 @@ class RunInParts {
     task.record = plan.record;
     for (std::size_t r = 0; r < plan.rounds.size(); ++r) {
       task.round = plan.rounds[r];
-      if (task.round.kind == PartRoundKind::other) {
+      if (task.round.kind() == PartRoundKind::other) {
         store_others(plan, task, r);
         continue;
       }
-      const bool looks = task.round.kind == PartRoundKind::look;
+      const bool looks = task.round.kind() == PartRoundKind::look;
       std::uint64_t dropped = 0;
       for (std::size_t t = 0; t < inputs_.size(); ++t) {
         task.tile = t;
@@ -82,7 +82,7 @@ class RunInParts {
 
  private:
   void store_others(const PartPlan& plan, PartTask& task, std::size_t round) {
-    const auto files = std::ranges::find(plan.others, task.round.pass, &OtherFiles::pass);
+    const auto files = std::ranges::find(plan.others, task.round.pass(), &OtherFiles::pass);
     ASSERT_NE(files, plan.others.end());
     std::vector<std::string> stored;
     for (std::size_t f = 0; f < files->paths.size(); ++f) {

@@ -109,7 +109,7 @@ Schema working_of_other(const InputCloud& file, const std::vector<Attribute>& re
 
 /// Stores a file of the other cloud that a pass reads.
 PartDone store_other(const ChainPlan& plan, const EngineOptions& options, const PartTask& task, Storage& scratch) {
-  const InOrderOperator& op = *plan.passes.at(task.round.pass).in_order();
+  const InOrderOperator& op = *plan.passes.at(task.round.pass()).in_order();
   InputCloud file({task.other_file});
   PartDone done;
   done.rows = file.count();
@@ -147,36 +147,49 @@ class TaskOfTile {
 
  private:
   void perform(TileState& state, Surveyed& surveyed, WorkPlan& work) {
+    for (const PartStep& step : task_.round.steps) {
+      stop_if_cancelled();
+      const bool is_last = &step == &task_.round.steps.back();
+      if (step.kind == PartRoundKind::order) return order(step.pass, state, surveyed, work);
+      std::unique_ptr<RowStore> results;
+      if (step.kind == PartRoundKind::sweep && !context_.is_empty()) results = sweep(step.pass, surveyed.survey, work);
+      if (task_.round.join == PartJoin::components) return keep_swept(step.pass, state, results.get());
+      if (step.kind == PartRoundKind::label && !context_.is_empty()) results = label(step.pass, work);
+      if (step.kind == PartRoundKind::write || !context_.plan.leaves_rows(step.pass))
+        return write(step.pass, surveyed.survey, work, results.get());
+      end_pass(step.pass, state, work, std::move(results));
+      if (is_last || (&step)[1].kind == PartRoundKind::order) keep_rows(state);
+    }
+    seal_state(state);
+  }
+
+  void write(std::size_t p, const Survey& of_input, WorkPlan& work, RowStore* results) {
     OutputFiles files;
-    const std::size_t p = task_.round.pass;
-    const ChainPlan& plan = context_.plan;
-    if (task_.round.kind == PartRoundKind::order) return order(state, surveyed, work, files);
-    std::unique_ptr<RowStore> results;
-    if (task_.round.kind == PartRoundKind::sweep && !context_.is_empty()) results = sweep(surveyed.survey, work);
-    if (task_.round.join == PartJoin::components) return keep_swept(state, results.get());
-    if (task_.round.kind == PartRoundKind::label && !context_.is_empty()) results = label(work);
-    if (task_.round.kind == PartRoundKind::write || !plan.leaves_rows(p)) {
-      files.open(context_, work, surveyed.survey, rows_);  // where rows are left out, only makes the folder
-      if (plan.opens_late()) files.open_late(context_, work, surveyed.survey, rows_);
-      write_output(context_, work, p, rows_, nullptr, results.get(), files);
-      files.finish(context_.cloud);
-      context_.statistics().bytes_written = files.bytes_written();
-      context_.statistics().files_written = files.files_written();
-      for (const std::string& warning : files.warnings()) context_.report.warn(warning);
+    files.open(context_, work, of_input, rows_);  // where rows are left out, only makes the folder
+    if (context_.plan.opens_late()) files.open_late(context_, work, of_input, rows_);
+    write_output(context_, work, p, rows_, nullptr, results, files);
+    files.finish(context_.cloud);
+    context_.statistics().bytes_written = files.bytes_written();
+    context_.statistics().files_written = files.files_written();
+    for (const std::string& warning : files.warnings()) context_.report.warn(warning);
+  }
+
+  void end_pass(std::size_t p, TileState& state, WorkPlan& work, std::unique_ptr<RowStore> results) {
+    if (context_.is_empty()) {
+      state.saved_values = PassValues(context_.plan.passes[p], context_.cloud.schema()).save();
       return;
     }
-    if (!context_.is_empty()) {
-      rows_ = update_pass(context_, work, p, std::move(rows_), std::move(results));
-      state.saved_values = std::move(rows_.saved_values);
-    } else {
-      state.saved_values = PassValues(plan.passes[p], context_.cloud.schema()).save();
-    }
-    keep(state);
+    rows_ = update_pass(context_, work, p, std::move(rows_), std::move(results));
+    state.saved_values = std::move(rows_.saved_values);
+  }
+
+  void seal_state(const TileState& state) const {
+    seal_bytes(scratch_, task_.after + ".state", encoded(state));
   }
 
   /// Leaves the results of a sweep that has left a graph, and the state as it was before.
-  void keep_swept(TileState& state, RowStore* results) {
-    const PlannedPass& pass = context_.plan.passes[task_.round.pass];
+  void keep_swept(std::size_t p, const TileState& state, RowStore* results) {
+    const PlannedPass& pass = context_.plan.passes[p];
     if (results != nullptr) {
       RecordListWriter list(scratch_, task_.after + ".results", pass.plan.result_bytes);
       results->drain([&](std::uint64_t, std::span<const std::byte> records) { list.append(records); });
@@ -184,11 +197,10 @@ class TaskOfTile {
     } else {
       leave_no_graph(pass.connecting_stage()->connects()->votes(), scratch_, task_.after);
     }
-    seal_bytes(scratch_, task_.after + ".state", encoded(std::as_const(state)));
+    seal_state(state);
   }
 
-  std::unique_ptr<RowStore> label(const WorkPlan& work) {
-    const std::size_t p = task_.round.pass;
+  std::unique_ptr<RowStore> label(std::size_t p, const WorkPlan& work) {
     const PlannedPass& pass = context_.plan.passes[p];
     std::unique_ptr<RowStore> results = results_of_pass(context_, work, work.memory.passes[p], p);
     RecordList swept(scratch_, task_.before + ".results", pass.plan.result_bytes);
@@ -216,26 +228,17 @@ class TaskOfTile {
   }
 
   std::unique_ptr<RowFile> carried_rows(const std::string& name) {
-    std::size_t last = task_.round.pass;  // the pass that has carried them
-    if (task_.round.kind == PartRoundKind::write) last = context_.plan.passes.size();
+    std::size_t last = task_.round.pass();  // the pass that has carried them
+    if (task_.round.kind() == PartRoundKind::write) last = context_.plan.passes.size();
     const std::size_t bytes = update_after(context_.plan, last - 1).record_bytes();
-    RecordList list(scratch_, name + ".rows", bytes);
-    const std::uint64_t count = context_.cloud.count();
-    if (list.count() != count) fail("{}.rows: is damaged.", name);
-    auto rows = std::make_unique<RowFile>(count, bytes, context_.places.place("rows", last, true));
-    const std::uint64_t at_once = std::max<std::size_t>(1, kBytesAtOnce / bytes);
-    std::vector<std::byte> records;
-    for (std::uint64_t row = 0; row < count; row += at_once) {
-      stop_if_cancelled();
-      records.resize(std::min(at_once, count - row) * bytes);
-      list.read(row, records);
-      rows->append(records);
-    }
-    return rows;
+    const auto list = std::make_shared<const RecordList>(scratch_, name + ".rows", bytes);
+    if (list->count() != context_.cloud.count()) fail("{}.rows: is damaged.", name);
+    return std::make_unique<RowFile>(
+        list->count(), bytes, [list](std::uint64_t row, std::span<std::byte> records) { list->read(row, records); });
   }
 
-  /// Leaves the state, and what the pass carries, for the next task.
-  void keep(TileState& state) {
+  /// Leaves what the pass carries for the next task, and notes which rows are left.
+  void keep_rows(TileState& state) {
     state.carried.clear();
     if (rows_.carried && rows_.carried->record_bytes() > 0) {
       const std::size_t bytes = rows_.carried->record_bytes();
@@ -259,27 +262,27 @@ class TaskOfTile {
         if (kept.has(row))
           state.mask[row / RowSelection::kBlockRows][row % RowSelection::kBlockRows / 8] |= std::byte{1} << row % 8;
     }
-    seal_bytes(scratch_, task_.after + ".state", encoded(std::as_const(state)));
   }
 
-  void order(TileState& state, Surveyed& surveyed, WorkPlan& work, OutputFiles& files) {
+  void order(std::size_t p, TileState& state, Surveyed& surveyed, WorkPlan& work) {
     if (!context_.is_empty()) {
+      OutputFiles files;
       const Ordered ordered =
-          order_pass(context_, work, task_.round.pass, rows_, {surveyed.survey, std::move(surveyed.boxes)}, files);
+          order_pass(context_, work, p, rows_, {surveyed.survey, std::move(surveyed.boxes)}, files);
       return_free_memory();
       store_tile(ordered.stream, ordered.survey, context_.cloud.count(), scratch_, task_.after,
-                 chosen_for_others(ordered.stream));
+                 chosen_for_others(p, ordered.stream));
       done_.own_points = context_.cloud.count() - ordered.stream.nonfinite_count();
     } else {
       store_no_points(scratch_, task_.after);
     }
     state.saved_values.clear();
-    seal_bytes(scratch_, task_.after + ".state", encoded(std::as_const(state)));
+    seal_state(state);
   }
 
   /// Chooses what other tiles have to know of a tile; empty: all.
-  ChooseForOthers chosen_for_others(const Stream& stream) const {
-    const PlannedPass& pass = context_.plan.passes[task_.round.pass];
+  ChooseForOthers chosen_for_others(std::size_t p, const Stream& stream) const {
+    const PlannedPass& pass = context_.plan.passes[p];
     const InOrderOperator* const op = pass.in_order();
     const InOrderOperator::ChoosePoints choose = op != nullptr ? op->for_other_parts() : nullptr;
     if (!choose) return {};
@@ -288,14 +291,13 @@ class TaskOfTile {
     };
   }
 
-  std::unique_ptr<RowStore> sweep(const Survey& of_input, WorkPlan& work) {
-    const std::size_t p = task_.round.pass;
+  std::unique_ptr<RowStore> sweep(std::size_t p, const Survey& of_input, WorkPlan& work) {
     const PlannedPass& pass = context_.plan.passes[p];
     const auto tiles = sealed_value<TileCatalogue>(scratch_, task_.catalogue);
     const Schema working =
         WorkingRecord(source_of_pass(context_, p, rows_).schema, false, pass.payload(), context_.cloud.count())
             .schema();
-    if (pass.kind == PassKind::order) return take_in_order(of_input, work, tiles, working);
+    if (pass.kind == PassKind::order) return take_in_order(p, of_input, work, tiles, working);
     PartStream part = part_stream(scratch_, tiles, task_.tile, working, pass.plan.neighborhood, pass.plan.step_count());
     plan_memory(of_input, work, part.own_points, part.swept_points);
     auto ordered = std::make_unique<Ordered>(
@@ -304,9 +306,8 @@ class TaskOfTile {
                       PassSupport{.graph = {&scratch_, task_.after}});
   }
 
-  std::unique_ptr<RowStore> take_in_order(const Survey& of_input, WorkPlan& work, const TileCatalogue& tiles,
-                                          const Schema& working) {
-    const std::size_t p = task_.round.pass;
+  std::unique_ptr<RowStore> take_in_order(std::size_t p, const Survey& of_input, WorkPlan& work,
+                                          const TileCatalogue& tiles, const Schema& working) {
     const InOrderOperator& op = *context_.plan.passes[p].in_order();
     for (Reach reach = *op.reach();; reach.distance *= 2) {
       const NeededPoints needed = needed_points(scratch_, tiles, task_.tile, working, op, reach);
@@ -382,6 +383,36 @@ void require_common_grid(const InputCloud& cloud, const ChainPlan& plan, const E
         "--offset.");
 }
 
+/// Adds a step. It is taken by the tasks of the last round where that is not joined and over the same tiles.
+void add_step(PartPlan& made, PartStep step, PartJoin join) {
+  const auto is_own = [](PartRoundKind kind) { return kind != PartRoundKind::look && kind != PartRoundKind::other; };
+  const bool begins = made.rounds.empty() || made.rounds.back().join != PartJoin::nothing ||
+                      !is_own(made.rounds.back().kind()) || !is_own(step.kind);
+  if (begins) made.rounds.push_back({});
+  made.rounds.back().steps.push_back(step);
+  made.rounds.back().join = join;
+}
+
+void add_phase(const ChainPlan& plan, const Phase& phase, PartPlan& made) {
+  const std::size_t p = phase.pass;
+  const bool is_pass = p < plan.passes.size();
+  const bool values = is_pass && !plan.passes[p].values.empty() && plan.leaves_rows(p);
+  const PartJoin join = values ? PartJoin::values : PartJoin::nothing;
+  if (phase.kind == PhaseKind::order) {
+    if (std::ranges::find(made.others, p, &OtherFiles::pass) != made.others.end())
+      add_step(made, {PartRoundKind::other, p}, PartJoin::tiles);
+    add_step(made, {PartRoundKind::order, p}, PartJoin::tiles);
+  }
+  if (phase.kind == PhaseKind::sweep) {
+    const bool connects = plan.passes[p].connecting_stage() != nullptr;
+    add_step(made, {PartRoundKind::sweep, p}, connects ? PartJoin::components : join);
+    if (connects) add_step(made, {PartRoundKind::label, p}, join);
+  }
+  const bool ends = phase.kind == PhaseKind::update || phase.kind == PhaseKind::write;
+  if (ends && is_pass && plan.passes[p].kind == PassKind::rows) add_step(made, {PartRoundKind::rows, p}, join);
+  if (ends && !is_pass) add_step(made, {PartRoundKind::write, p}, PartJoin::nothing);
+}
+
 std::vector<OtherFiles> other_files(const Request& request, const RunReport& report) {
   std::vector<OtherFiles> files;
   const OtherClouds others = open_other_clouds(request, report);
@@ -414,24 +445,8 @@ PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& output
   made.others = other_files(request, report);
   made.record = recorded_stages(plan);
   made.nonfinite = nonfinite_rule(cloud, outputs, options.nonfinite);
-  if (made.nonfinite != Nonfinite::keep) made.rounds.push_back({PartRoundKind::look});
-  for (const Phase& phase : phases_of(plan)) {
-    const bool is_pass = phase.pass < plan.passes.size();
-    const bool values = is_pass && !plan.passes[phase.pass].values.empty() && plan.leaves_rows(phase.pass);
-    const PartJoin join = values ? PartJoin::values : PartJoin::nothing;
-    const auto reads_it = [&](const OtherFiles& other) { return other.pass == phase.pass; };
-    if (phase.kind == PhaseKind::order && std::ranges::any_of(made.others, reads_it))
-      made.rounds.push_back({PartRoundKind::other, phase.pass, PartJoin::tiles});
-    if (phase.kind == PhaseKind::order) made.rounds.push_back({PartRoundKind::order, phase.pass, PartJoin::tiles});
-    const bool connects = is_pass && plan.passes[phase.pass].connecting_stage() != nullptr;
-    if (phase.kind == PhaseKind::sweep)
-      made.rounds.push_back({PartRoundKind::sweep, phase.pass, connects ? PartJoin::components : join});
-    if (phase.kind == PhaseKind::sweep && connects) made.rounds.push_back({PartRoundKind::label, phase.pass, join});
-    const bool ends = phase.kind == PhaseKind::update || phase.kind == PhaseKind::write;
-    if (ends && is_pass && plan.passes[phase.pass].kind == PassKind::rows)
-      made.rounds.push_back({PartRoundKind::rows, phase.pass, join});
-    if (ends && !is_pass) made.rounds.push_back({PartRoundKind::write, phase.pass});
-  }
+  if (made.nonfinite != Nonfinite::keep) made.rounds.push_back({{{PartRoundKind::look}}});
+  for (const Phase& phase : phases_of(plan)) add_phase(plan, phase, made);
   for (const auto& reader : cloud.readers()) made.rows.push_back(reader->info().count);
   for (std::size_t p = 0; p < plan.passes.size(); ++p) {
     const std::uint64_t before = p == 0 ? 0 : plan.passes[p - 1].carried_bytes();
@@ -450,11 +465,11 @@ PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, 
   options.overwrite = true;
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
   const ChainPlan plan = plan_of(tile, chain, outputs, options);
-  if (task.round.kind == PartRoundKind::other) return store_other(plan, options, task, scratch);
+  if (task.round.kind() == PartRoundKind::other) return store_other(plan, options, task, scratch);
   const CroppedInput cropped(tile, plan);
   const NumberedInput numbered(tile, plan, task.first_row);
   const FiniteInput input(tile, outputs, options);
-  if (task.round.kind == PartRoundKind::look) {
+  if (task.round.kind() == PartRoundKind::look) {
     PartDone done;
     done.statistics.dropped = input.dropped().count;
     return done;
@@ -493,7 +508,7 @@ void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, c
   CloudValues values = values_in(scratch, before);
   std::vector<std::vector<std::vector<std::byte>>> saved;
   for (const std::string& name : left) saved.push_back(state_left(scratch, name).saved_values);
-  finish_values(plan_of(tile, chain, outputs, options).passes.at(round.pass), saved, values);
+  finish_values(plan_of(tile, chain, outputs, options).passes.at(round.steps.back().pass), saved, values);
   Encoder out;
   out.begin(kValuesEncoding);
   out.put_list(values, [&](const auto& value) {
@@ -508,7 +523,7 @@ void join_components(InputCloud& tile, const Chain& chain, const Outputs& output
                      const std::vector<std::string>& left, const std::string& key) {
   const ChainPlan plan = plan_of(tile, chain, outputs, options);
   RunPlaces places(options, {});
-  const TileGraphSetup setup{plan.passes.at(round.pass).connecting_stage()->connects()->votes(),
+  const TileGraphSetup setup{plan.passes.at(round.steps.back().pass).connecting_stage()->connects()->votes(),
                              places.scratch(),
                              &places.folder(),
                              memory_budget(options.resources.memory_bytes) / 2,

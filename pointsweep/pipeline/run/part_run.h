@@ -13,6 +13,7 @@
 
 namespace pointsweep {
 
+/// A kind of step. A round is of the kind of its first step.
 enum class PartRoundKind : std::uint8_t {
   look,   ///< counts the points without a place, where they are dropped
   other,  ///< stores the points of a file of the other cloud that a pass reads
@@ -26,11 +27,18 @@ enum class PartRoundKind : std::uint8_t {
 /// What is to be made of what all tasks of a round have left.
 enum class PartJoin : std::uint8_t { nothing, tiles, components, values };
 
-/// A task of each tile, or of each file of another cloud.
-struct PartRound {
+struct PartStep {
   PartRoundKind kind;
   std::size_t pass = 0;
+};
+
+/// A task of each tile, or of each file of another cloud, which takes steps one after another.
+struct PartRound {
+  std::vector<PartStep> steps;
   PartJoin join = PartJoin::nothing;
+
+  PartRoundKind kind() const { return steps.front().kind; }
+  std::size_t pass() const { return steps.front().pass; }
 };
 
 /// The files of the other cloud that a pass reads.
