@@ -7,15 +7,30 @@ if(NOT POINTSWEEP_CODECS)
   return()
 endif()
 
+# POINTSWEEP_REMOTE: with inputs and outputs by URL. The crate codecs/remote, which holds the codecs, takes the place of theirs, since two
+# libraries of Rust cannot be linked into one program.
+option(POINTSWEEP_REMOTE "Build inputs and outputs by URL, which compile some hundred crates" OFF)
 set(codecs ${PROJECT_SOURCE_DIR}/codecs)
+set(manifest ${codecs}/Cargo.toml)
+set(codecs_name pointsweep_codecs)
+if(POINTSWEEP_REMOTE)
+  set(manifest ${codecs}/remote/Cargo.toml)
+  set(codecs_name pointsweep_remote)
+endif()
+set(POINTSWEEP_REMOTE_OPT_LEVEL "" CACHE STRING "Optimization of the crates for the network, 0 (default) to 3; 1 makes the library smaller and takes two minutes more")
+cmake_path(REPLACE_FILENAME manifest Cargo.lock OUTPUT_VARIABLE lock_file)
 set(crates ${PROJECT_BINARY_DIR}/codecs/crates)
 set(POINTSWEEP_CARGO_OPTIONS --locked --offline --config source.crates-io.replace-with="crates" --config source.crates.directory="${crates}"
-  --manifest-path ${codecs}/Cargo.toml --target-dir ${PROJECT_BINARY_DIR}/codecs)
+  --target-dir ${PROJECT_BINARY_DIR}/codecs)
+
+if(POINTSWEEP_REMOTE AND POINTSWEEP_REMOTE_OPT_LEVEL)
+  list(APPEND POINTSWEEP_CARGO_OPTIONS --config "profile.release.package.'*'.opt-level=${POINTSWEEP_REMOTE_OPT_LEVEL}")
+endif()
 
 # Copies the crates into the build folder and patches one of them there (patch_laz.cmake).
 function(pointsweep_fetch_crates why)
   set(${why} "" PARENT_SCOPE)
-  file(SHA256 ${codecs}/Cargo.lock lock)
+  file(SHA256 ${lock_file} lock)
   file(SHA256 ${PROJECT_SOURCE_DIR}/cmake/patch_laz.cmake patch)
   if(EXISTS ${crates}/made_of)
     file(READ ${crates}/made_of made_of)
@@ -25,7 +40,7 @@ function(pointsweep_fetch_crates why)
   endif()
   foreach(where --offline "")
     file(REMOVE_RECURSE ${crates})
-    execute_process(COMMAND ${POINTSWEEP_CARGO} vendor --quiet --locked ${where} --manifest-path ${codecs}/Cargo.toml ${crates}
+    execute_process(COMMAND ${POINTSWEEP_CARGO} vendor --quiet --locked ${where} --manifest-path ${manifest} ${crates}
       RESULT_VARIABLE failed ERROR_VARIABLE told OUTPUT_QUIET)
     if(NOT failed)
       execute_process(COMMAND ${CMAKE_COMMAND} -D VENDOR=${crates} -P ${PROJECT_SOURCE_DIR}/cmake/patch_laz.cmake
@@ -67,11 +82,12 @@ elseif(codecs_missing)
 endif()
 
 set(POINTSWEEP_HAS_CODECS ON)
-set(codecs_library ${PROJECT_BINARY_DIR}/codecs/release/${CMAKE_STATIC_LIBRARY_PREFIX}pointsweep_codecs${CMAKE_STATIC_LIBRARY_SUFFIX})
-file(GLOB codecs_sources CONFIGURE_DEPENDS ${codecs}/src/*.rs)
+set(codecs_library ${PROJECT_BINARY_DIR}/codecs/release/${CMAKE_STATIC_LIBRARY_PREFIX}${codecs_name}${CMAKE_STATIC_LIBRARY_SUFFIX})
+file(GLOB codecs_sources CONFIGURE_DEPENDS ${codecs}/src/*.rs ${codecs}/remote/src/*.rs)
 add_custom_command(OUTPUT ${codecs_library}
-  COMMAND ${CMAKE_COMMAND} -E env --unset=CARGO_TARGET_DIR ${POINTSWEEP_CARGO} build --quiet --release --lib ${POINTSWEEP_CARGO_OPTIONS}
-  DEPENDS ${codecs_sources} ${codecs}/Cargo.toml ${codecs}/Cargo.lock ${crates}/made_of
+  COMMAND ${CMAKE_COMMAND} -E env --unset=CARGO_TARGET_DIR ${POINTSWEEP_CARGO} build --quiet --release --lib
+    --manifest-path ${manifest} ${POINTSWEEP_CARGO_OPTIONS}
+  DEPENDS ${codecs_sources} ${codecs}/Cargo.toml ${manifest} ${lock_file} ${crates}/made_of
   COMMENT "Building the codecs with cargo" VERBATIM)
 add_custom_target(pointsweep_build_codecs DEPENDS ${codecs_library})
 add_library(pointsweep_codecs STATIC IMPORTED GLOBAL)
@@ -79,3 +95,6 @@ add_dependencies(pointsweep_codecs pointsweep_build_codecs)
 find_package(Threads REQUIRED)
 set_target_properties(pointsweep_codecs PROPERTIES IMPORTED_LOCATION ${codecs_library}
   INTERFACE_INCLUDE_DIRECTORIES ${codecs}/include INTERFACE_LINK_LIBRARIES "Threads::Threads;${CMAKE_DL_LIBS}")
+if(POINTSWEEP_REMOTE AND NOT APPLE) # most of what the crates for the network hold is not used
+  set_property(TARGET pointsweep_codecs PROPERTY INTERFACE_LINK_OPTIONS LINKER:--gc-sections)
+endif()

@@ -34,32 +34,36 @@ pub struct ErrorText {
     text: [c_char; ERROR_BYTES],
 }
 
-impl ErrorText {
-    fn set(&mut self, sentence: &str) {
-        let mut end = sentence.len().min(ERROR_BYTES - 1);
-        while !sentence.is_char_boundary(end) {
-            end -= 1;
-        }
-        for (to, from) in self.text.iter_mut().zip(&sentence.as_bytes()[..end]) {
-            *to = *from as c_char;
-        }
-        self.text[end] = 0;
+/// Copies a text with a final 0, cut off where it is too long.
+pub fn put_text(text: &str, into: &mut [c_char]) {
+    let mut end = text.len().min(into.len() - 1);
+    while !text.is_char_boundary(end) {
+        end -= 1;
     }
+    for (to, from) in into.iter_mut().zip(&text.as_bytes()[..end]) {
+        *to = *from as c_char;
+    }
+    into[end] = 0;
 }
 
 static QUIET: Once = Once::new();
+
+/// Returns nothing where the work panics, and prints nothing then.
+pub fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
+    QUIET.call_once(|| std::panic::set_hook(Box::new(|_| {})));
+    catch_unwind(AssertUnwindSafe(work)).ok()
+}
 
 /// Returns 0, or -1 with a sentence in `error`. A panic becomes a sentence too, and prints nothing.
 ///
 /// # Safety
 /// `error` points to an `ErrorText`.
 pub unsafe fn guarded(error: *mut ErrorText, work: impl FnOnce() -> Result<(), Error>) -> i32 {
-    QUIET.call_once(|| std::panic::set_hook(Box::new(|_| {})));
-    let sentence = match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(Ok(())) => return 0,
-        Ok(Err(Error(sentence))) => sentence,
-        Err(_) => "the compressed data contradict themselves".to_string(),
+    let sentence = match quietly(work) {
+        Some(Ok(())) => return 0,
+        Some(Err(Error(sentence))) => sentence,
+        None => "the compressed data contradict themselves".to_string(),
     };
-    (*error).set(&sentence);
+    put_text(&sentence, &mut (*error).text);
     -1
 }

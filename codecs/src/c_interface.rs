@@ -2,7 +2,7 @@
 //! The functions of `include/pointsweep_codecs.h`. Pointers are what that header says.
 #![allow(clippy::missing_safety_doc)]
 
-use crate::boundary::{guarded, ErrorText};
+use crate::boundary::{guarded, put_text, ErrorText};
 use crate::{
     encode, name_of, write_chunk_table, About, Attribute, Contents, Decoder, Error, File, Layout, ScanReader, ScanWriter, Source,
 };
@@ -178,18 +178,6 @@ fn source_of(read: ReadAt, context: *mut c_void, size: u64) -> FileSource {
     let caller = Caller { read, context };
     let read_at: ReadFile = Box::new(move |offset, into| caller.read(offset, into));
     BufReader::with_capacity(1 << 16, Source::new(read_at, 0, size))
-}
-
-/// With a final 0, cut off where it is too long.
-fn put_text(text: &str, into: &mut [c_char]) {
-    let mut end = text.len().min(into.len() - 1);
-    while !text.is_char_boundary(end) {
-        end -= 1;
-    }
-    for (to, from) in into.iter_mut().zip(&text.as_bytes()[..end]) {
-        *to = *from as c_char;
-    }
-    into[end] = 0;
 }
 
 #[no_mangle]

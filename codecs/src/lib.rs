@@ -11,7 +11,7 @@ mod laz_encoder;
 mod laz_layout;
 mod owned;
 
-pub use boundary::Error;
+pub use boundary::{put_text, quietly, Error};
 pub use e57_scan::{name_of, Contents, ScanReader};
 pub use e57_writer::{About, Attribute, File, ScanWriter};
 pub use laz_decoder::{Decoder, Source};
