@@ -6,7 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <new>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "cli/console/console.h"
 #include "cli/console/interrupt.h"
@@ -18,6 +20,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/free_memory.h"
 #include "pointsweep/storage/local/output_file.h"
+#include "pointsweep/url.h"
 #include "reference/engine.h"
 
 namespace pointsweep {
@@ -67,9 +70,24 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
   }
 }
 
+/// The arguments with known_place() in place of each URL: a password or a signature gets no farther.
+class KnownArguments {
+ public:
+  KnownArguments(int argc, char** argv) {
+    for (int i = 0; i < argc; ++i) texts_.push_back(with_known_places(argv[i]));
+    for (std::string& text : texts_) pointers_.push_back(text.data());
+    pointers_.push_back(nullptr);
+  }
+  char** argv() { return pointers_.data(); }
+
+ private:
+  std::vector<std::string> texts_;
+  std::vector<char*> pointers_;
+};
+
 }  // namespace
 
-int run_tool(int argc, char** argv) {
+int run_tool(int argc, char** given) {
   keep_little_free_memory();
   open_console();
   register_reference_engine();
@@ -87,6 +105,8 @@ int run_tool(int argc, char** argv) {
       "\nExample:\n"
       "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G");
   add_commands(app);
+  KnownArguments arguments(argc, given);
+  char** const argv = arguments.argv();
   keep_command_line(argc, argv);
 
   catch_interrupts();

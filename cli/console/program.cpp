@@ -8,6 +8,7 @@
 
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/math/batch.h"
+#include "pointsweep/url.h"
 
 namespace pointsweep {
 namespace {
@@ -51,7 +52,8 @@ std::string version_text() {
   std::string written;
   for (const std::string_view extension : writable_extensions()) written += fmt::format("{}, ", extension);
   text += fmt::format("  {:<16}{}{}\n", "writes", written, array_format().extensions.front());
-  return text + fmt::format("  {:<16}{}", "codecs", codecs());
+  text += fmt::format("  {:<16}{}\n", "codecs", codecs());
+  return text + fmt::format("  {:<16}{}", "URLs", reads_urls() ? "http, https, s3, gs, az" : "none");
 }
 
 void keep_command_line(int argc, const char* const* argv) {

@@ -17,6 +17,7 @@
 #include "pointsweep/files.h"
 #include "pointsweep/info.h"
 #include "pointsweep/info/summary_json.h"
+#include "pointsweep/url.h"
 
 namespace pointsweep {
 namespace {
@@ -134,8 +135,10 @@ void look_at_file(const LabelledFile& file, const InfoCommand& options, bool spa
     stop_if_cancelled();
     progress.report("info", done, total);
   };
+  // Points of a URL are read if something is asked for that only they tell.
+  const bool headers_only = options.quick || (is_url(file.path) && !options.has_statistics() && !options.check);
   FileSummary summary =
-      options.quick ? summarize_header(*reader) : summarize(*reader, {.spacing = spacing, .progress = show});
+      headers_only ? summarize_header(*reader) : summarize(*reader, {.spacing = spacing, .progress = show});
   const std::string path = file.path.string();
   for (const std::string& warning : summary.info.warnings)
     progress.say(Severity::warning, warning.starts_with(path) ? warning : fmt::format("{}: {}", path, warning));

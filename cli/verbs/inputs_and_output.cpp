@@ -18,6 +18,7 @@
 #include "pointsweep/points/lower_case.h"
 #include "pointsweep/storage/local/same_file.h"
 #include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/url.h"
 
 namespace pointsweep {
 
@@ -39,6 +40,7 @@ bool holds_point_files(const fs::path& folder) {
 /// Returns whether the last of several names may be an input, since a file of this name exists.
 bool may_be_input(const InputsAndOutput& named) {
   std::error_code error;
+  if (is_url(named.output())) return false;  // seen when it is written
   if (!named.named_output.empty() || named.inputs_named() <= 1 || is_standard_stream(named.output())) return false;
   if (fs::is_directory(named.output(), error)) return !named.resumes && holds_point_files(named.output());
   return fs::exists(fs::symlink_status(named.output(), error));
@@ -59,7 +61,10 @@ void require_no_folder_of_inputs(const InputsAndOutput& named, const fs::path& f
   std::error_code error;
   const fs::path output = fs::weakly_canonical(fs::absolute(folder / "", error), error);
   for (const fs::path& input : named.inputs()) {
-    if (!fs::is_directory(input, error)) continue;
+    if (is_url(input) && (input / "") == (folder / ""))
+      fail_usage("{}: is also the folder of inputs, so its files would be inputs of a later run; name another folder.",
+                 folder.string());
+    if (!fs::is_directory(input, error) || is_url(folder)) continue;
     const fs::path relative = output.lexically_relative(fs::canonical(input / "", error));
     const bool is_same = relative == "." || relative == "./" || relative.empty();
     if (is_same || (named.recursive && relative.begin()->string() != ".."))
@@ -70,7 +75,7 @@ void require_no_folder_of_inputs(const InputsAndOutput& named, const fs::path& f
 
 void require_written_format(const fs::path& input, const fs::path& output) {
   std::error_code error;
-  if (!fs::exists(input, error)) fail("{}: no such file; check the path.", input.string());
+  if (!is_url(input) && !fs::exists(input, error)) fail("{}: no such file; check the path.", input.string());
   const Format* const format = format_of_output(output);
   if (format != nullptr && format->content == Format::Content::points && format->is_built_in()) return;
   fail_usage("{}: files named {} are not written; choose a format for the outputs, e.g. --output-format laz.",
@@ -80,6 +85,7 @@ void require_written_format(const fs::path& input, const fs::path& output) {
 /// The folder of outputs is made, but not the folders that it is in.
 void require_place_of(const fs::path& folder) {
   std::error_code error;
+  if (is_url(folder)) return;
   const fs::path parent = (folder / "").parent_path().parent_path();
   if (!parent.empty() && !fs::is_directory(parent, error))
     fail("{}: the folder {} does not exist; create it first.", folder.string(), parent.string());
@@ -147,7 +153,8 @@ std::string parse_output_format(const std::string& text) {
 void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning) {
   verb.add_option(kInputsAndOutput, paths.files,
                   fmt::format("Input files (merged), then output {}. A folder or a quoted pattern such as "
-                              "'tiles/*.laz' stands for its point files; - is standard input or output (PLY)",
+                              "'tiles/*.laz' stands for its point files; - is standard input or output (PLY); a URL "
+                              "(https://, s3://, gs://, az://) takes the place of any path",
                               output_meaning))
       ->type_name("");
   add_recursive_option(verb, paths.recursive);

@@ -3,6 +3,7 @@
 ///   attribute.h     what points carry, and how a record holds it
 ///   reader.h        inputs: files, arrays, readers of your own
 ///   files.h         the files that folders and patterns stand for
+///   url.h           URLs in place of their paths
 ///   cloud.h         several inputs as one cloud
 ///   neighborhood.h  which points are neighbours, and a batch of points as operators see it
 ///   operator.h      operators of your own; in_order_operator.h: those that take all points in order
@@ -34,4 +35,5 @@
 #include "pointsweep/reader.h"
 #include "pointsweep/run.h"
 #include "pointsweep/statistics.h"
+#include "pointsweep/url.h"
 #include "pointsweep/writer.h"

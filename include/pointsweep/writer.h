@@ -76,6 +76,8 @@ struct OutputPlan {
   std::uint64_t encoder_bytes = 0;
   /// Makes files for what a writer that puts points in another order puts aside. Null: all of it stays in memory.
   std::function<std::unique_ptr<Scratch>()> scratch = {};
+  /// Where an output to a URL waits until it is complete; empty: the system's folder for temporary files.
+  std::filesystem::path temp_folder = {};
 };
 
 /// Takes the records of an output. The writers of files let the file grow under a hidden name beside its destination,

@@ -10,7 +10,9 @@
 #include "pointsweep/formats/chosen_chunks.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/storage/local/input_file.h"
+#include "pointsweep/storage/local/place.h"
 #include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 namespace {
@@ -134,8 +136,7 @@ std::string head_of(const InputFile& file) {
   return head;
 }
 
-std::string head_of(const std::filesystem::path& path) {
-  const InputFile file(path);
+std::string head_of(const std::filesystem::path& path, const InputFile& file) {
   if (file.size() == 0) fail("{}: is empty (0 bytes); it was perhaps not written or copied completely.", path.string());
   return head_of(file);
 }
@@ -176,6 +177,15 @@ bool is_foreign(const std::filesystem::path& path, std::string_view head) {
   }
 }
 
+/// Returns whether a file with this extension holds points. Objects of a bucket are not opened to find out, since each
+/// would cost a request.
+bool is_named_as_points(const std::string& extension, std::string_view format_name) {
+  if (format_asked_for(format_name) != nullptr && extension == ".bin") return true;
+  return std::ranges::any_of(kFormats, [&](const Format* format) {
+    return is_read_as_points(*format) && format->asked_for_as.empty() && has_extension(*format, extension);
+  });
+}
+
 void warn_of_lost_crs(const Format& format, const OutputPlan& plan, Writer& writer) {
   if (!plan.crs || format.holds_crs) return;
   const auto keeps = [](const Format& other) {
@@ -203,12 +213,13 @@ std::string row_of(const Format& format) {
 std::span<const Format* const> formats() { return kFormats; }
 
 std::string extension_of(const std::filesystem::path& path) {
-  const std::string name = in_lower_case(path.filename().string());
+  const std::filesystem::path file = file_name(path);
+  const std::string name = in_lower_case(file.string());
   for (const Format* format : kFormats)
     for (const std::string_view extension : format->extensions)
       if (std::ranges::count(extension, '.') > 1 && name.ends_with(extension) && name != extension)
         return std::string(extension);
-  return in_lower_case(path.extension().string());
+  return in_lower_case(file.extension().string());
 }
 
 const Format* format_of_output(const std::filesystem::path& path) {
@@ -258,10 +269,12 @@ void require_format_asked_for(std::string_view name) {
                formats_asked_for());
 }
 
-std::unique_ptr<Reader> open_reader(const std::filesystem::path& path, std::string_view format_name) {
+std::unique_ptr<Reader> open_reader(const std::filesystem::path& named, std::string_view format_name) {
+  const std::filesystem::path path = known_place(named);
   require_format_asked_for(format_name);
   if (chooses_levels(format_name)) return with_chosen_levels(open_reader(path), format_name);
-  const std::string head = head_of(path);
+  const InputFile file(path);  // open until the reader has opened it
+  const std::string head = head_of(path, file);
   if (const Format* const asked = format_asked_for(format_name); asked != nullptr && !names_another(path, *asked))
     return asked->open(path);
   for (const Format* format : kFormats)
@@ -277,10 +290,11 @@ std::unique_ptr<Reader> open_reader(const std::filesystem::path& path, std::stri
 }
 
 bool is_point_file(const std::filesystem::path& path, std::string_view format_name) {
+  const std::string extension = extension_of(path);
+  if (is_url(path)) return is_named_as_points(extension, format_name);
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return false;  // reading a pipe would wait
   const InputFile file(path);
-  const std::string extension = extension_of(path);
   if (format_asked_for(format_name) != nullptr && extension == ".bin") return true;
   for (const Format* format : kFormats)
     if (is_read_as_points(*format) && format->asked_for_as.empty() && has_extension(*format, extension) &&

@@ -28,7 +28,8 @@ void require_output_name(const std::filesystem::path& output);
 
 /// Returns whether a file in a folder is meant to be read: by the beginning of its content, or because it has the
 /// extension of a format with a signature, or the extension of any format and no content. Such files may be damaged
-/// tiles, which must not be left out like files of another kind. Throws Error if the file cannot be read.
+/// tiles, which must not be left out like files of another kind. A URL is told by its extension alone. Throws Error if
+/// the file cannot be read.
 bool is_point_file(const std::filesystem::path& path, std::string_view format_name = "");
 
 /// Returns whether a file of this name holds an array, not points.

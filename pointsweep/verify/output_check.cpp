@@ -25,6 +25,8 @@
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/points/input_row.h"
 #include "pointsweep/reader.h"
+#include "pointsweep/storage/local/place.h"
+#include "pointsweep/storage/remote/url.h"
 #include "pointsweep/verify/checked_stages.h"
 #include "pointsweep/verify/divided_output.h"
 #include "pointsweep/verify/outlier_threshold.h"
@@ -103,9 +105,9 @@ void take_record(OutputCheck& check, const ProvenanceRecord& record) {
 /// The output of an input in a folder of outputs, which may be of another format.
 fs::path tile_of(const ListedFile& input, const fs::path& folder) {
   fs::path tile = folder / tile_name(input.relative, "");
-  if (fs::exists(tile)) return tile;
+  if (exists_at(tile)) return tile;
   for (const std::string_view extension : writable_extensions())
-    if (const auto other = folder / tile_name(input.relative, std::string(extension)); fs::exists(other)) return other;
+    if (const auto other = folder / tile_name(input.relative, std::string(extension)); exists_at(other)) return other;
   fail("{}: is missing, the output for {}; was it moved, or is the run not complete?", tile.string(),
        input.path.string());
 }
@@ -115,7 +117,7 @@ void list_parts(OutputCheck& check) {
   const auto is_file = [](const fs::directory_entry& entry) {
     return !is_hidden(entry.path()) && entry.is_regular_file() && is_point_file(entry.path());
   };
-  if (std::ranges::none_of(entries_of(check.output), is_file)) return;
+  if (!is_url(check.output) && std::ranges::none_of(entries_of(check.output), is_file)) return;
   const InputList files = list_inputs({check.output}, false, "");
   OutputDivision& division = check.options.division;
   const std::optional<ProvenanceRecord> record = recorded_run(files.files.front().path);
@@ -127,7 +129,7 @@ void list_parts(OutputCheck& check) {
 /// Replaces folders, patterns and .vpc files among the inputs by what they stand for; the output may be a folder.
 void list_files(OutputCheck& check) {
   const fs::path& output = check.output;
-  const bool is_folder = fs::is_directory(output);
+  const bool is_folder = pointsweep::is_folder(output);
   if (is_folder) list_parts(check);
   if (check.inputs.empty() && is_folder && !check.is_divided())
     fail_usage("{}: is a folder; name the inputs too: pointsweep verify tiles/ {}.", output.string(), output.string());

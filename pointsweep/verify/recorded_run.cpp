@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// The run that made a file, as the file itself says, and where its inputs are now.
-#include <system_error>
+#include <cstdint>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/reader.h"
+#include "pointsweep/storage/local/place.h"
+#include "pointsweep/storage/remote/url.h"
 #include "pointsweep/verify/checked_stages.h"
 
 namespace pointsweep {
@@ -13,18 +15,20 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path found_input(const ProvenanceInput& input, const fs::path& file) {
-  const fs::path name = fs::path(input.name).filename();
-  std::error_code error;
+  const fs::path name = file_name(input.name);
+  const bool is_whole = fs::path(input.name).is_absolute() || is_url(input.name);
   std::optional<fs::path> other;  // of the name, but not of the size
-  for (const fs::path& place :
-       {fs::path(input.name).is_absolute() ? fs::path(input.name) : fs::path(), file.parent_path() / name, name}) {
-    if (place.empty() || !fs::is_regular_file(place, error)) continue;
-    if (fs::file_size(place, error) == input.bytes) return place;
+  std::uint64_t other_bytes = 0;
+  for (const fs::path& place : {is_whole ? fs::path(input.name) : fs::path(), file.parent_path() / name, name}) {
+    const std::optional<std::uint64_t> bytes = place.empty() ? std::nullopt : bytes_of_file(place);
+    if (!bytes) continue;
+    if (*bytes == input.bytes) return place;
     other = place;
+    other_bytes = *bytes;
   }
   if (other)
     fail("{}: has changed since {} was made from it: it had {} bytes and has {}; name the inputs as well.",
-         other->string(), file.string(), input.bytes, fs::file_size(*other, error));
+         other->string(), file.string(), input.bytes, other_bytes);
   fail("{}: was made from '{}', which is neither in its folder nor in this one; name the inputs as well.",
        file.string(), input.name);
 }

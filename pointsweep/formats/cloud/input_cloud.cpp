@@ -8,6 +8,8 @@
 #include "pointsweep/formats/cloud/numbered_rows.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/input_row.h"
+#include "pointsweep/storage/remote/url.h"
+#include "pointsweep/storage/remote/waiting_threads.h"
 
 namespace pointsweep {
 namespace {
@@ -23,15 +25,18 @@ bool decodes_side_by_side(const std::unique_ptr<Reader>& reader) {
   return reader->info().count == 0 || reader->decodes_any_range() || reader->chunk_of(0).rows <= kLongestChunk;
 }
 
-std::vector<std::unique_ptr<Reader>> open_all(const std::vector<std::filesystem::path>& paths,
-                                              std::string_view format) {
-  std::vector<std::unique_ptr<Reader>> readers;
-  for (const auto& path : paths) require_unnumbered(*readers.emplace_back(open_reader(path, format)));
+/// Calls work(i) for all inputs, for many at once where they are in the network.
+void for_each_input(std::size_t count, bool is_remote, const std::function<void(std::size_t i)>& work) {
+  if (is_remote) return for_each_waiting(count, work);
+  for (std::size_t i = 0; i < count; ++i) work(i);
+}
+
+/// Throws UsageError if columns of text are named and no input is text.
+void require_text_for_columns(const std::vector<std::unique_ptr<Reader>>& readers, std::string_view format) {
   if (format.starts_with("text:") && !readers.empty() &&
       std::ranges::none_of(readers, [&](const auto& reader) { return reader->info().asked_for_as == format; }))
-    fail_usage("--columns: no input is text ({} is {}); leave it out.", paths.front().string(),
+    fail_usage("--columns: no input is text ({} is {}); leave it out.", readers.front()->info().path.string(),
                readers.front()->info().format);
-  return readers;
 }
 
 using Extras = std::shared_ptr<const FormatExtras>;
@@ -39,10 +44,6 @@ using Extras = std::shared_ptr<const FormatExtras>;
 bool are_alike(const Extras& a, const Extras& b) {
   if (a == nullptr || b == nullptr) return a == b;
   return a->format() == b->format() && a->is_like(*b);
-}
-
-std::vector<FileState> states_of(const std::vector<std::filesystem::path>& paths) {
-  return {paths.begin(), paths.end()};
 }
 
 std::vector<FileState> states_of(const std::vector<std::unique_ptr<Reader>>& readers) {
@@ -53,8 +54,19 @@ std::vector<FileState> states_of(const std::vector<std::unique_ptr<Reader>>& rea
 
 }  // namespace
 
-InputCloud::InputCloud(const std::vector<std::filesystem::path>& paths, CloudOptions options)
-    : states_(states_of(paths)), readers_(open_all(paths, options.format)) {
+InputCloud::InputCloud(const std::vector<std::filesystem::path>& paths, CloudOptions options) {
+  std::vector<std::filesystem::path> places;
+  for (const std::filesystem::path& path : paths) places.push_back(known_place(path));
+  std::vector<std::optional<FileState>> states(places.size());
+  readers_.resize(places.size());
+  const bool is_remote = std::ranges::any_of(places, [](const auto& place) { return is_url(place); });
+  for_each_input(places.size(), is_remote, [&](std::size_t i) {
+    states[i].emplace(places[i]);
+    readers_[i] = open_reader(places[i], options.format);
+    require_unnumbered(*readers_[i]);
+  });
+  require_text_for_columns(readers_, options.format);
+  for (std::optional<FileState>& state : states) states_.push_back(std::move(*state));
   begin(options);
 }
 
@@ -315,7 +327,8 @@ const Reader* InputCloud::stated_boxes(std::vector<RowBox>& boxes) const {
 }
 
 void InputCloud::require_unchanged() const {
-  for (std::size_t i = 0; i < readers_.size(); ++i) require_unchanged(i);
+  const bool is_remote = std::ranges::any_of(readers_, [](const auto& r) { return is_url(r->info().path); });
+  for_each_input(readers_.size(), is_remote, [this](std::size_t i) { require_unchanged(i); });
 }
 
 void InputCloud::require_unchanged(std::size_t input) const {

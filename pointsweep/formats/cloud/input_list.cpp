@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -16,9 +17,13 @@
 #include "pointsweep/files.h"
 #include "pointsweep/formats/files/file_pattern.h"
 #include "pointsweep/formats/files/folder_entries.h"
+#include "pointsweep/formats/files/remote_pattern.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/storage/local/input_file.h"
+#include "pointsweep/storage/local/place.h"
 #include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/storage/remote/remote_service.h"
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 namespace {
@@ -59,28 +64,9 @@ std::optional<std::string> href_of(const Json& feature) {
   return (*data)["href"].get<std::string>();
 }
 
-/// "%20" is a space in addresses, not in paths.
-std::string unescaped(const std::string& text) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto digit = [&](std::size_t at) {
-      return at < text.size() ? std::string_view("0123456789abcdef").find(static_cast<char>(text[at] | 32))
-                              : std::string_view::npos;
-    };
-    const bool is_escape =
-        text[i] == '%' && digit(i + 1) != std::string_view::npos && digit(i + 2) != std::string_view::npos;
-    out += is_escape ? static_cast<char>(digit(i + 1) * 16 + digit(i + 2)) : text[i];
-    if (is_escape) i += 2;
-  }
-  return out;
-}
-
 fs::path path_of(const fs::path& collection, const std::string& href) {
-  constexpr std::string_view kFile = "file://";
-  if (href.starts_with(kFile)) return unescaped(href.substr(kFile.size()));
-  if (href.find("://") != href.npos)
-    fail("{}: names {}, which is in the network; download the files and make a .vpc of these.", collection.string(),
-         href);
+  if (is_url(href)) return known_place(href);
+  if (is_url(collection)) return resolved(collection.string(), href);
   return (collection.parent_path() / href).lexically_normal();
 }
 
@@ -88,14 +74,14 @@ fs::path path_of(const fs::path& collection, const std::string& href) {
 fs::path relative_name(const fs::path& collection, const fs::path& file) {
   const fs::path folder = collection.parent_path();
   const fs::path relative = file.lexically_relative(folder.empty() ? fs::path(".") : folder);
-  return relative.empty() || relative.begin()->string() == ".." ? file.filename() : relative;
+  return relative.empty() || relative.begin()->string() == ".." ? file_name(file) : relative;
 }
 
 void require_existing(const fs::path& collection, const std::vector<ListedFile>& files) {
   std::vector<fs::path> missing;
   std::error_code error;
   for (const ListedFile& file : files)
-    if (!fs::exists(file.path, error)) missing.push_back(file.path);
+    if (!is_url(file.path) && !fs::exists(file.path, error)) missing.push_back(file.path);
   if (missing.empty()) return;
   const std::string more = missing.size() == 1 ? "" : fmt::format(" (and {} more)", missing.size() - 1);
   fail("{}: names {}, which does not exist{}; put the files where it names them, or make it again.",
@@ -106,8 +92,8 @@ void require_existing(const fs::path& collection, const std::vector<ListedFile>&
 bool is_virtual_cloud(const fs::path& path) { return extension_of(path) == ".vpc"; }
 
 /// The asset "data" of each feature, or else its first asset with the role "data", in the order of the file. Relative
-/// names begin at the folder of the .vpc file. Throws Error for a file that is none, for addresses in the network, and
-/// for files that do not exist.
+/// names begin at the folder of the .vpc file. Throws Error for a file that is none, and for files that do not exist;
+/// objects in the network are looked for when they are opened.
 std::vector<ListedFile> files_of_virtual_cloud(const fs::path& path) {
   const Json collection = collection_in(path);
   std::vector<ListedFile> files;
@@ -129,10 +115,9 @@ namespace fs = std::filesystem;
 enum class ArgumentKind { file, folder, pattern, virtual_cloud };
 
 ArgumentKind kind_of(const fs::path& path) {
-  std::error_code error;
   if (is_standard_stream(path)) return ArgumentKind::file;
-  if (fs::is_directory(path, error)) return ArgumentKind::folder;
-  if (is_file_pattern(path)) return ArgumentKind::pattern;
+  if (is_folder(path)) return ArgumentKind::folder;
+  if (is_url(path) ? is_remote_pattern(path) : is_file_pattern(path)) return ArgumentKind::pattern;
   return is_virtual_cloud(path) ? ArgumentKind::virtual_cloud : ArgumentKind::file;
 }
 
@@ -142,6 +127,11 @@ fs::path below(const fs::path& folder, const fs::path& path) {
 }
 
 void add_files_of(const fs::path& folder, bool recursive, std::vector<fs::path>& files) {
+  if (is_url(folder)) {
+    for (const RemoteEntry& entry : list_remote(folder.string(), recursive))
+      if (!is_hidden(entry.url)) files.emplace_back(entry.url);
+    return;
+  }
   for (const fs::directory_entry& entry : entries_of(folder)) {
     std::error_code error;
     if (is_hidden(entry.path())) continue;
@@ -153,12 +143,24 @@ void add_files_of(const fs::path& folder, bool recursive, std::vector<fs::path>&
   }
 }
 
+/// Device and inode of a file, or a URL.
+using Identity = std::tuple<dev_t, ino_t, std::string>;
+
+/// Nothing if there is no such file.
+std::optional<Identity> identity_of(const fs::path& file) {
+  if (is_url(file)) return Identity{0, 0, file.string()};
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return std::nullopt;
+  return Identity{status.st_dev, status.st_ino, ""};
+}
+
 class Lister {
  public:
   Lister(bool recursive, const std::string& format) : recursive_(recursive), format_(format) {}
 
   InputList run(const std::vector<fs::path>& named) {
-    for (const fs::path& path : named) {
+    for (const fs::path& name : named) {
+      const fs::path path = known_place(name);
       list(path);
       require_each_once(path);
     }
@@ -170,7 +172,7 @@ class Lister {
     switch (kind_of(path)) {
       case ArgumentKind::file:
         if (path.empty()) fail_usage("an input has an empty name; name a point file, a folder or a pattern.");
-        return out_.files.push_back({path, path.filename()});
+        return out_.files.push_back({path, file_name(path)});
       case ArgumentKind::virtual_cloud:
         for (ListedFile& file : files_of_virtual_cloud(path)) out_.files.push_back(std::move(file));
         return;
@@ -193,13 +195,12 @@ class Lister {
 
   void list_pattern(const fs::path& pattern) {
     std::vector<fs::path> files;
-    for (const fs::path& match : matches_of(pattern)) {
-      std::error_code error;
-      fs::is_directory(match, error) ? add_files_of(match, recursive_, files) : files.push_back(match);
+    for (const fs::path& match : is_url(pattern) ? remote_matches_of(pattern) : matches_of(pattern)) {
+      is_folder(match) ? add_files_of(match, recursive_, files) : files.push_back(match);
     }
     if (files.empty())
       fail("{}: no file has a name of this pattern; check the folder and the pattern.", pattern.string());
-    if (!add_point_files(pattern, fixed_part(pattern), files))
+    if (!add_point_files(pattern, is_url(pattern) ? fixed_remote_part(pattern) : fixed_part(pattern), files))
       fail("{}: no file of this pattern is a point file, the first is {}; name others.", pattern.string(),
            std::ranges::min(files).string());
   }
@@ -230,9 +231,9 @@ class Lister {
     const bool by_own_name = kind_of(argument) == ArgumentKind::file;
     for (; checked_ < out_.files.size(); ++checked_) {
       const fs::path& file = out_.files[checked_].path;
-      struct stat status {};
-      if (::stat(file.c_str(), &status) != 0) continue;
-      const auto [other, is_new] = seen_.try_emplace({status.st_dev, status.st_ino}, Seen{file, by_own_name});
+      const std::optional<Identity> identity = identity_of(file);
+      if (!identity) continue;
+      const auto [other, is_new] = seen_.try_emplace(*identity, Seen{file, by_own_name});
       if (is_new || (by_own_name && other->second.by_own_name)) continue;
       if (other->second.path == file)
         fail_usage("{}: is listed twice, the second time by {}; name it once.", file.string(), argument.string());
@@ -249,7 +250,7 @@ class Lister {
   std::string format_;  ///< of --format
   InputList out_;
   std::size_t checked_ = 0;  ///< files of the list
-  std::map<std::pair<dev_t, ino_t>, Seen> seen_;
+  std::map<Identity, Seen> seen_;
 };
 
 }  // namespace
@@ -258,7 +259,7 @@ InputList list_inputs(const std::vector<fs::path>& named, bool recursive, const 
   return Lister(recursive, format).run(named);
 }
 
-bool stands_for_files(const fs::path& path) { return kind_of(path) != ArgumentKind::file; }
+bool stands_for_files(const fs::path& path) { return kind_of(known_place(path)) != ArgumentKind::file; }
 
 std::filesystem::path tile_name(const std::filesystem::path& relative, const std::string& format) {
   if (format.empty()) return relative;

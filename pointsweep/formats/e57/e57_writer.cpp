@@ -65,7 +65,7 @@ std::string lines_in_one(const std::vector<std::string>& lines) { return fmt::fo
 class E57Writer final : public Writer {
  public:
   explicit E57Writer(const OutputPlan& plan)
-      : plan_(plan), columns_(e57_columns(plan.schema)), file_(plan.path, plan.overwrite) {
+      : plan_(plan), columns_(e57_columns(plan.schema)), file_(plan.path, plan.overwrite, plan.temp_folder) {
     if (plan.crs && plan.crs->wkt.empty())
       add_warning(
           fmt::format("{}: E57 holds coordinate reference systems as WKT; {}, which the input states by GeoTIFF "

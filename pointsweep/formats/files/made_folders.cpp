@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 
@@ -17,7 +18,7 @@ MadeFolders::~MadeFolders() {
 
 void MadeFolders::make_for(const fs::path& file) {
   const fs::path folder = file.parent_path();
-  if (!folder.empty()) make(folder);
+  if (!folder.empty() && !is_url(folder)) make(folder);
 }
 
 void MadeFolders::make(const fs::path& folder) {

@@ -82,7 +82,7 @@ LasFrame::LasFrame(const OutputPlan& plan, LasPoints points)
       planned_(plan.count),
       extras_(plan.extras),
       layout_(lay_out_las(plan, points)),
-      out_(plan.path, plan.overwrite) {
+      out_(plan.path, plan.overwrite, plan.temp_folder) {
   put_header();
   put(layout_.header.header_size, layout_.first_vlrs);
   std::uint64_t at = copy(layout_.before, layout_.header.header_size + layout_.first_vlrs.size());

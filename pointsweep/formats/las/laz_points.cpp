@@ -47,6 +47,7 @@ class LazPoints::Decoder {
         return -1;
       }
     };
+    points.file_->will_read(points.first_byte_[chunk], points.first_byte_[chunk + 1]);
     psc_error error;
     if (psc_laz_decoder_open(points.layout_.codec(), read, this, points.first_byte_[chunk],
                              points.first_byte_[chunk + 1], &codec_, &error) != 0)

@@ -16,7 +16,7 @@ constexpr std::size_t kWrittenAtOnce = 256 << 10;  ///< that a thread writes at 
 
 RecordWriter::RecordWriter(const OutputPlan& plan, std::string_view header, const Schema& stored)
     : plan_(plan),
-      file_(plan.path, plan.overwrite),
+      file_(plan.path, plan.overwrite, plan.temp_folder),
       header_(header),
       header_bytes_(header.size()),
       stored_stride_(stored.stride),

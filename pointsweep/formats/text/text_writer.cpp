@@ -34,7 +34,9 @@ bool are_usual_pts_columns(const std::vector<std::string>& names) {
 class TextWriter final : public Writer {
  public:
   explicit TextWriter(const OutputPlan& plan)
-      : plan_(plan), separator_(extension_of(plan.path) == ".csv" ? ',' : ' '), file_(plan.path, plan.overwrite) {
+      : plan_(plan),
+        separator_(extension_of(plan.path) == ".csv" ? ',' : ' '),
+        file_(plan.path, plan.overwrite, plan.temp_folder) {
     for (const Field& field : plan.schema.fields) {
       decimals_.emplace_back(field);
       is_coordinate_.push_back(field.name == "x" || field.name == "y" || field.name == "z");

@@ -8,16 +8,13 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/language/run_options.h"
+#include "pointsweep/storage/local/place.h"
 
 namespace pointsweep {
 namespace {
 
 /// To be raised with every change to what checkpoints hold or to how points are cut into slabs and cells.
 constexpr int kCheckpointFormat = 9;
-
-std::string whole_path(const std::filesystem::path& path) {
-  return path.empty() ? "" : std::filesystem::absolute(path).lexically_normal().string();
-}
 
 std::string inputs_text(const InputCloud& cloud) {
   std::string text;
@@ -26,7 +23,7 @@ std::string inputs_text(const InputCloud& cloud) {
     const FileState& state = cloud.states()[i];
     if (!state.is_known())
       fail("Only files can be gone on with, and '{}' is none: leave out --resume.", info.path.string());
-    text += fmt::format("input '{}' with {} points, {}{}\n", whole_path(info.path), info.count, state.text(),
+    text += fmt::format("input '{}' with {} points, {}{}\n", whole_name(info.path), info.count, state.text(),
                         info.asked_for_as.empty() ? "" : ", read as " + info.asked_for_as);
   }
   return text;
@@ -34,9 +31,9 @@ std::string inputs_text(const InputCloud& cloud) {
 
 std::string outputs_text(const Outputs& outputs) {
   std::string text;
-  if (!outputs.points.empty()) text += fmt::format("output '{}'\n", whole_path(outputs.points));
-  for (const auto& tile : outputs.tiles) text += fmt::format("output '{}' of an input\n", whole_path(tile));
-  for (const auto& [name, path] : outputs.arrays) text += fmt::format("output '{}' of {}\n", whole_path(path), name);
+  if (!outputs.points.empty()) text += fmt::format("output '{}'\n", whole_name(outputs.points));
+  for (const auto& tile : outputs.tiles) text += fmt::format("output '{}' of an input\n", whole_name(tile));
+  for (const auto& [name, path] : outputs.arrays) text += fmt::format("output '{}' of {}\n", whole_name(path), name);
   return text;
 }
 

@@ -14,6 +14,8 @@
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/rows/row_mask.h"
+#include "pointsweep/storage/remote/remote_object.h"
+#include "pointsweep/storage/remote/url.h"
 #include "pointsweep/sweep/stage_runner.h"
 
 namespace pointsweep {
@@ -271,10 +273,13 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
 }
 
 std::uint64_t open_input_bytes(const InputCloud& cloud) {
-  constexpr std::size_t kInFixedBytes = 100;  // inputs
-  constexpr std::uint64_t kInput = 4000;      // reader, path in several places, mapping; measured
-  constexpr std::uint64_t kFacts = 1300;      // of FileInfo, without what its vectors and texts hold
+  constexpr std::size_t kInFixedBytes = 100;          // inputs
+  constexpr std::uint64_t kInput = 4000;              // reader, path in several places, mapping; measured
+  constexpr std::uint64_t kRemoteService = 16 << 20;  // certificates, connections, answers on their way; measured
+  constexpr std::uint64_t kFacts = 1300;              // of FileInfo, without what its vectors and texts hold
   std::uint64_t bytes = 0;
+  if (std::ranges::any_of(cloud.readers(), [](const auto& reader) { return is_url(reader->info().path); }))
+    bytes += kRemoteCacheBytes + kRemoteService;
   for (std::size_t i = kInFixedBytes; i < cloud.readers().size(); ++i) {
     const FileInfo& info = cloud.readers()[i]->info();
     std::uint64_t held = info.schema.fields.size() * sizeof(Field);

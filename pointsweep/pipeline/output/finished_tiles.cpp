@@ -8,6 +8,8 @@
 #include "pointsweep/pipeline/checkpoint/resume_folder.h"
 #include "pointsweep/pipeline/output/tile_set.h"
 #include "pointsweep/storage/local/output_file.h"
+#include "pointsweep/storage/remote/remote_service.h"
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 
@@ -21,6 +23,12 @@ FinishedTiles::FinishedTiles(const std::filesystem::path& resume_folder)
 }
 
 bool FinishedTiles::find(const std::filesystem::path& path, File& file) {
+  if (is_url(path)) {
+    const std::optional<RemoteVersion> object = look_at(path.native());
+    if (!object) return false;
+    file = {0, std::hash<std::string>{}(object->etag), object->size, object->seconds};
+    return true;
+  }
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return false;
   file = {status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size),
@@ -38,6 +46,7 @@ bool FinishedTiles::has(std::size_t tile, const std::filesystem::path& output) c
 }
 
 void FinishedTiles::begin(std::size_t tile, const std::filesystem::path& output) {
+  if (is_url(output)) return;  // it is visible when it is complete
   File file;
   if (list_.empty() || !find(OutputFile::unfinished_path(output), file)) return;
   add(tile, {file.device, file.inode, 0, 0});

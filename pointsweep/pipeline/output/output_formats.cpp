@@ -18,6 +18,8 @@
 #include "pointsweep/points/lower_case.h"
 #include "pointsweep/storage/local/standard_streams.h"
 #include "pointsweep/storage/local/unfinished_output.h"
+#include "pointsweep/storage/remote/remote_service.h"
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 namespace {
@@ -157,13 +159,18 @@ void require_layout_possible(const Outputs& outputs, const EngineOptions& option
     }
 }
 
+bool is_point_output(const std::filesystem::path& file) {
+  const Format* const format = is_hidden(file) ? nullptr : format_of_output(file);
+  return format != nullptr && format->content == Format::Content::points;
+}
+
 bool holds_point_files(const std::filesystem::path& folder) {
   std::error_code error;
+  if (is_url(folder))
+    return std::ranges::any_of(list_remote((folder / "").string(), false),
+                               [](const RemoteEntry& entry) { return is_point_output(entry.url); });
   if (!std::filesystem::is_directory(folder, error)) return false;
-  return std::ranges::any_of(entries_of(folder), [](const std::filesystem::directory_entry& entry) {
-    const Format* const format = is_hidden(entry.path()) ? nullptr : format_of_output(entry.path());
-    return format != nullptr && format->content == Format::Content::points;
-  });
+  return std::ranges::any_of(entries_of(folder), [](const auto& entry) { return is_point_output(entry.path()); });
 }
 
 void require_division_possible(const Outputs& outputs, const EngineOptions& options) {

@@ -67,7 +67,8 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
                         .provenance = std::move(provenance),
                         .layout = options.layout,
                         .encoder_bytes = place.encoder_bytes,
-                        .scratch = place.scratch};
+                        .scratch = place.scratch,
+                        .temp_folder = options.resources.temp_folder};
   if (options.division.divides()) {
     auto divided = std::make_unique<DividedWriter>(
         plan, options.division, DivisionRoom{place.division_bytes, place.scratch, place.completing});
@@ -87,7 +88,8 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
                              .count = cloud.count(),
                              .extras = nullptr,
                              .overwrite = options.overwrite,
-                             .made = {attribute}};
+                             .made = {attribute},
+                             .temp_folder = options.resources.temp_folder};
       arrays_.emplace_back().file.add(array_format().create(array));
       arrays_.back().offset = result_bytes_;
       arrays_.back().bytes = attribute.bytes();

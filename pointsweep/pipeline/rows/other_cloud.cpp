@@ -17,6 +17,7 @@
 #include "pointsweep/pipeline/rows/cloud_source.h"
 #include "pointsweep/pipeline/rows/ordered_output.h"
 #include "pointsweep/points/promised_type.h"
+#include "pointsweep/storage/local/place.h"
 
 namespace pointsweep {
 namespace {
@@ -89,8 +90,7 @@ std::string OtherCloud::identity() const {
   std::string text;
   for (std::size_t i = 0; i < cloud_->readers().size(); ++i) {
     const FileInfo& info = cloud_->readers()[i]->info();
-    text += fmt::format("other cloud '{}' with {} points, {}\n",
-                        std::filesystem::absolute(info.path).lexically_normal().string(), info.count,
+    text += fmt::format("other cloud '{}' with {} points, {}\n", whole_name(info.path), info.count,
                         cloud_->states()[i].text());
   }
   return text;

@@ -16,6 +16,7 @@
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/language/run_options.h"
 #include "pointsweep/pipeline/output/output_formats.h"
+#include "pointsweep/storage/local/place.h"
 
 namespace pointsweep {
 namespace {
@@ -61,9 +62,8 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
   for (std::size_t i = 0; i < cloud.readers().size(); ++i) {
     if (!cloud.states()[i].is_known()) continue;
     const FileInfo& info = cloud.readers()[i]->info();
-    const auto name =
-        options.input_paths ? std::filesystem::absolute(info.path).lexically_normal() : info.path.filename();
-    record.inputs.push_back({name.string(), info.count + info.left_out, info.bytes});
+    const std::string name = options.input_paths ? whole_name(info.path) : file_name(info.path).string();
+    record.inputs.push_back({name, info.count + info.left_out, info.bytes});
   }
   return record;
 }

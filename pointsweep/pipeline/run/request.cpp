@@ -18,9 +18,9 @@
 #include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/pipeline/sweep_engine.h"
+#include "pointsweep/storage/local/place.h"
 #include "pointsweep/storage/local/same_file.h"
 #include "pointsweep/storage/local/temp_folder.h"
-#include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
 namespace {
@@ -107,9 +107,8 @@ void require_own_files(const Request& request) {
     if (request.cloud.states()[i].is_known()) read.push_back(request.cloud.readers()[i]->info().path);
   require_separate_files(read, written_files(request.outputs, request.options));
   if (!request.options.division.divides()) return;
-  std::error_code error;
   for (const std::filesystem::path& input : read)
-    if (std::filesystem::equivalent(folder_of(input), folder_of(request.outputs.points), error))
+    if (share_folder(input, request.outputs.points))
       fail_usage("{}: is in the folder of the outputs, one of which might replace it; name another folder.",
                  input.string());
 }

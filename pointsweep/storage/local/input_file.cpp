@@ -14,6 +14,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 namespace {
@@ -86,6 +87,11 @@ void InputFile::close_idle_files() {
 }
 
 InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
+  if (is_url(path_)) {
+    object_ = RemoteObject::open(path_);
+    size_ = object_->version().size;
+    return;
+  }
   OpenFilesOfProcess& all = open_files();
   const std::lock_guard lock(all.mutex);
   close_idle_files();
@@ -126,6 +132,7 @@ void InputFile::reopen() const {
 }
 
 InputFile::~InputFile() {
+  if (object_) return;
   OpenFilesOfProcess& all = open_files();
   const std::lock_guard lock(all.mutex);
   if (file_) all.files.erase(place_);
@@ -138,8 +145,13 @@ void InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const 
   }
 }
 
+void InputFile::will_read(std::uint64_t begin, std::uint64_t end) const {
+  if (object_) object_->will_read(begin, end);
+}
+
 std::size_t InputFile::read_some(std::uint64_t offset, std::span<std::byte> bytes) const {
   stop_if_cancelled();
+  if (object_) return object_->read_some(offset, bytes);
   const Lease lease(*this);
   const auto [done, error] = file_.read_at(offset, bytes);
   if (error != 0)

@@ -14,7 +14,10 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/storage/local/temp_folder.h"
 #include "pointsweep/storage/local/unfinished_output.h"
+#include "pointsweep/storage/remote/remote_service.h"
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 namespace {
@@ -24,7 +27,17 @@ namespace fs = std::filesystem;
 std::atomic<bool> any_complete = false, any_streamed = false, reader_ended = false;
 std::atomic<int> incomplete_files = 0;  ///< standard output is not counted
 
-[[noreturn]] void fail_to_write(const fs::path& destination, int error) {
+/// Throws for an output to a URL. Looks for its object even if it may be replaced, so that a wrong bucket is found
+/// before the work; who may only write cannot see whether it exists.
+void check_url(const fs::path& destination, bool overwrite) {
+  const std::string& url = destination.native();
+  require_writable_url(url);
+  if (!destination.has_filename()) fail("'{}' names no file to write.", url);
+  if (overwrite) return;
+  if (look_at(url)) fail("{}: exists already; choose another name, or allow it to be replaced (--force).", url);
+}
+
+[[noreturn]] void fail_to_write_to(const fs::path& destination, int error) {
   const std::string name = destination.string();
   switch (error) {
     case ENOSPC:
@@ -87,6 +100,7 @@ int rename_to_new(const fs::path& from, const fs::path& to) {
 }  // namespace
 
 void OutputFile::require_possible(const fs::path& destination, bool overwrite) {
+  if (is_url(destination)) return check_url(destination, overwrite);
   check_destination(destination, overwrite);
   const fs::path target = target_of(destination);
   if (target != destination) check_destination(target, overwrite);
@@ -94,14 +108,21 @@ void OutputFile::require_possible(const fs::path& destination, bool overwrite) {
 
 fs::path OutputFile::unfinished_path(const fs::path& destination) { return part_of(target_of(destination)); }
 
-OutputFile::OutputFile(const fs::path& destination, bool overwrite)
-    : destination_(destination), overwrite_(overwrite), is_stream_(is_standard_output(destination)) {
+OutputFile::OutputFile(const fs::path& destination, bool overwrite, const fs::path& temp_folder)
+    : destination_(destination),
+      overwrite_(overwrite),
+      is_stream_(is_standard_output(destination)),
+      is_remote_(is_url(destination)) {
+  if (is_remote_) {
+    open_for_upload(temp_folder);
+    return;
+  }
   if (is_stream_) {
     destination_ = "-";
     if (::isatty(STDOUT_FILENO) != 0)
       fail("-: standard output is a terminal; redirect it to a file or to a program, or name a file.");
     file_ = FileDescriptor(::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0));
-    if (!file_) fail_to_write(destination_, errno);
+    if (!file_) fail_to_write(errno);
     return;
   }
   require_possible(destination, overwrite);
@@ -111,12 +132,34 @@ OutputFile::OutputFile(const fs::path& destination, bool overwrite)
   leftover_.emplace(part_);
   file_ = FileDescriptor(::open(part_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (!file_ && errno == EEXIST) fail("{}: is being written already.", destination_.string());
-  if (!file_) fail_to_write(destination_, errno);
+  if (!file_) fail_to_write(errno);
   ++incomplete_files;
   lock(file_);
 }
 
+/// No name: nothing is left behind, however the process ends.
+void OutputFile::open_for_upload(const fs::path& temp_folder) {
+  require_possible(destination_, overwrite_);
+  temp_folder_ = temp_parent(temp_folder);
+  std::string name = (temp_folder_ / "pointsweep-upload-XXXXXX").string();
+  file_ = FileDescriptor(::mkostemp(name.data(), O_CLOEXEC));
+  if (!file_) fail_to_write(errno);
+  ::unlink(name.c_str());
+  ++incomplete_files;
+  incomplete_ = true;
+}
+
+void OutputFile::fail_to_write(int error) const {
+  if (is_remote_)
+    fail(
+        "{}: cannot be prepared in the temporary folder '{}': {}; free space there, or name another folder with "
+        "--temp-dir.",
+        destination_.string(), temp_folder_.string(), std::generic_category().message(error));
+  fail_to_write_to(destination_, error);
+}
+
 OutputFile::~OutputFile() {
+  if (is_remote_ && incomplete_) --incomplete_files;
   if (part_.empty()) return;
   ::unlink(part_.c_str());
   --incomplete_files;
@@ -129,7 +172,7 @@ void OutputFile::append(std::span<const std::byte> bytes) {
 
 void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
   if (!is_stream_) {
-    if (const int error = file_.write_at(offset, bytes)) fail_to_write(destination_, error);
+    if (const int error = file_.write_at(offset, bytes)) fail_to_write(error);
     return;
   }
   assert(offset == streamed_ && "bytes come in sequence where the output is no file");
@@ -140,7 +183,7 @@ void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes
     if (written > 0)
       bytes = bytes.subspan(static_cast<std::size_t>(written));
     else if (written == 0 || (errno != EINTR && errno != EAGAIN))
-      fail_to_write(destination_, written == 0 ? ENOSPC : errno);
+      fail_to_write(written == 0 ? ENOSPC : errno);
   }
 }
 
@@ -152,16 +195,25 @@ void OutputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const
 }
 
 void OutputFile::seal() {
-  if (const int error = file_.close()) fail_to_write(destination_, error);
+  if (is_remote_) {
+    // A file without a name is opened again by its number.
+    upload(destination_.native(), fmt::format("/proc/self/fd/{}", file_.number()), overwrite_);
+    file_.close();
+    incomplete_ = false;
+    --incomplete_files;
+    any_complete = true;
+    return;
+  }
+  if (const int error = file_.close()) fail_to_write(error);
   if (is_stream_) {
     any_complete = true;
     return;
   }
   if (overwrite_) {
-    if (::rename(part_.c_str(), destination_.c_str()) != 0) fail_to_write(destination_, errno);
+    if (::rename(part_.c_str(), destination_.c_str()) != 0) fail_to_write(errno);
   } else if (const int error = rename_to_new(part_, destination_); error != 0) {
     if (error == EEXIST) fail_since_it_exists(destination_);
-    fail_to_write(destination_, error);
+    fail_to_write(error);
   }
   part_.clear();
   --incomplete_files;

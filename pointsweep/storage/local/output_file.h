@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A file that appears complete or not at all.
+/// A file, or an object in the network, that appears complete or not at all.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +17,15 @@ namespace pointsweep {
 /// Written as `.<name>.<pid>.part` beside its destination and renamed by seal(); removed by the destructor otherwise.
 /// Every failure is an Error that names the destination and says what to do (no space left, folder missing, read-only).
 ///
+/// An output to a URL is written to a file without a name in a folder for temporary files, and uploaded by seal().
+///
 /// A destination for which is_standard_output() is true is standard output. Bytes go there at once and in sequence, and
 /// what was written before an error stays written.
 class OutputFile final : public Unsealed {
  public:
   /// Throws before anything is written when the destination exists and `overwrite` is false, is a folder, or its folder
-  /// is missing.
-  OutputFile(const std::filesystem::path& destination, bool overwrite);
+  /// is missing. `temp_folder`: for what goes to a URL; empty: the system's.
+  OutputFile(const std::filesystem::path& destination, bool overwrite, const std::filesystem::path& temp_folder = {});
   ~OutputFile() override;
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -51,9 +53,15 @@ class OutputFile final : public Unsealed {
   static bool any_is_complete();
 
  private:
+  void open_for_upload(const std::filesystem::path& temp_folder);
+  [[noreturn]] void fail_to_write(int error) const;
+
   std::filesystem::path destination_, part_;
   bool overwrite_ = false;
   bool is_stream_ = false;
+  bool is_remote_ = false;
+  bool incomplete_ = false;            ///< an output to a URL that is being written
+  std::filesystem::path temp_folder_;  ///< of an output to a URL
   FileDescriptor file_;
   std::uint64_t size_ = 0;
   std::uint64_t streamed_ = 0;        ///< bytes written to standard output

@@ -10,6 +10,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 namespace {
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 
 /// Without links, `.` and `..`, as far as the path exists.
 fs::path canonical_form(const fs::path& path) {
+  if (is_url(path)) return path;
   std::error_code error;
   const fs::path canonical = fs::weakly_canonical(fs::absolute(path, error), error);
   return error ? path.lexically_normal() : canonical;

@@ -18,6 +18,7 @@
 #include <system_error>
 
 #include "pointsweep/storage/local/descriptor.h"
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 namespace {
@@ -108,6 +109,7 @@ ManyOutputs::ManyOutputs(std::size_t count, const std::function<fs::path(std::si
   std::set<fs::path> folders;
   targets_.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
+    if (is_url(destination(i))) continue;
     const fs::path target = target_of(destination(i)), folder = folder_of(target);
     targets_.push_back(hash_of(folder, target.filename().string()));
     folders.insert(folder);

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+/// Facts about files and folders that a path or a URL names.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace pointsweep {
+
+/// Returns whether this is a folder. The URL of a folder ends in '/', and none is asked for.
+bool is_folder(const std::filesystem::path& path);
+/// Returns whether there is anything of this name.
+bool exists_at(const std::filesystem::path& path);
+/// Returns the size of a regular file or of an object; nothing if there is none.
+std::optional<std::uint64_t> bytes_of_file(const std::filesystem::path& path);
+/// Returns the absolute path without `.` and `..`; a URL as it is.
+std::string whole_name(const std::filesystem::path& path);
+/// Returns the name of the file without its folders, and without the query of a URL.
+std::filesystem::path file_name(const std::filesystem::path& path);
+/// Returns whether both files are in the same folder.
+bool share_folder(const std::filesystem::path& a, const std::filesystem::path& b);
+
+}  // namespace pointsweep

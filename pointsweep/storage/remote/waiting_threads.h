@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+/// Threads for requests to servers: more than there are cores, since each waits most of the time.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace pointsweep {
+
+/// Calls body(i) for each i < count, up to 16 of them at once. Throws what the body of the lowest i has thrown.
+void for_each_waiting(std::size_t count, const std::function<void(std::size_t i)>& body);
+
+}  // namespace pointsweep
