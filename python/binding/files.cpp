@@ -23,7 +23,10 @@ namespace {
 
 /// (pairs of a path and its name in a folder of outputs, notices about files that are left out)
 nb::tuple list_files(const std::vector<std::filesystem::path>& named, bool recursive, const std::string& format) {
-  const InputList list = list_inputs(named, recursive, format);
+  const InputList list = [&] {
+    const nb::gil_scoped_release others_go_on;
+    return list_inputs(named, recursive, format);
+  }();
   nb::list files;
   for (const ListedFile& file : list.files) files.append(nb::make_tuple(file.path.string(), file.relative.string()));
   return nb::make_tuple(files, list.notices);

@@ -12,6 +12,7 @@
 #include "python/binding/pictures.h"
 #include "python/binding/point_batch.h"
 #include "python/binding/runs.h"
+#include "python/binding/urls.h"
 
 NB_MODULE(_core, module) {
   module.doc() = "The library behind the package pointsweep. Use the functions of the package.";
@@ -20,6 +21,7 @@ NB_MODULE(_core, module) {
   pointsweep::bind_point_batch(module);
   pointsweep::bind_runs(module);
   pointsweep::bind_files(module);
+  pointsweep::bind_urls(module);
   pointsweep::bind_generate(module);
   pointsweep::bind_crs(module);
   pointsweep::bind_checks(module);

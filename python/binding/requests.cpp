@@ -13,6 +13,7 @@
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/language/parse.h"
 #include "pointsweep/pipeline/language/run_options.h"
+#include "pointsweep/url.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/crs_values.h"
 
@@ -39,7 +40,11 @@ Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options
       how.crs = StatedCrs{is_none ? std::nullopt : crs_from(crs), option<bool>(options, "replace_crs")};
     }
   }
-  if (is_path(source[0])) return Cloud(nb::cast<std::vector<std::filesystem::path>>(source), how);
+  if (is_path(source[0])) {
+    const auto files = nb::cast<std::vector<std::filesystem::path>>(source);
+    const nb::gil_scoped_release others_go_on;  // a server may take its time
+    return Cloud(files, how);
+  }
   std::vector<ArrayColumn> columns;
   for (const nb::handle pair : source)
     columns.push_back(borrow_array(pair[1], nb::cast<std::vector<std::string>>(pair[0])));
@@ -55,7 +60,7 @@ PythonChain chain_of(const nb::list& pipeline, const Facts& facts) {
       may_begin = may_begin && !nb::cast<bool>(item.attr("sees_neighbors"));
       continue;
     }
-    const std::vector<StageText> stages = parse_pipeline(nb::cast<std::string>(item));
+    const std::vector<StageText> stages = parse_pipeline(with_known_places(nb::cast<std::string>(item)));
     if (may_begin) {
       const Chain rest = build_chain(stages, facts);
       chain.neighborhood = rest.neighborhood;

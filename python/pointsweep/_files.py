@@ -227,8 +227,8 @@ def open(
 
     Parameters
     ----------
-    files : a path, or several, whose points follow each other. A folder, or a pattern such as ``"tiles/*.laz"``, stands
-        for its point files, a .vpc file for those that it names.
+    files : a path or a URL (docs/urls.md), or several, whose points follow each other. A folder, or a pattern such as
+        ``"tiles/*.laz"``, stands for its point files, a .vpc file for those that it names.
     recursive : folders stand for the point files in their folders, too.
     format : of files without a signature: 'kitti' or 'float32-xyz'.
     columns : names of the columns of text files, in place of a header: ``["x", "y", "z", "intensity", "-", "red"]``; "-"

@@ -16,6 +16,7 @@ import numpy as np
 from . import _core
 from ._errors import UsageError
 from ._types import RunOptions
+from ._urls import known_place
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -79,7 +80,7 @@ def path(option: str, value: Any) -> str:
         raise UsageError(f"{option}: {value!r} is not a path.") from None
     if not text:
         raise UsageError(f"{option}: the path is empty; name a file or folder, or leave the option out.")
-    return text
+    return known_place(value, text)
 
 
 def names(option: str, value: Any) -> list[str]:

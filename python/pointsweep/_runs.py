@@ -74,10 +74,11 @@ def run(
         attributes; a structured array, a table of pandas or pyarrow with columns x, y, z; a laspy.LasData or an open
         reader of laspy; a table of geopandas with points that have heights, or such columns; a point cloud of Open3D; an
         array on the CPU of any library with DLPack; an iterator of blocks of these, which are put in temporary files
-        first; a `Cloud`; or paths as `open` takes them.
+        first; a `Cloud`; or paths and URLs as `open` takes them.
     pipeline : a text such as ``"knn(k=16) | normals | sor"`` (docs/pipelines.md), stages such as ``ps.knn(16)``, operators
         of your own, or these in a list or joined by ``|``; or the path of a text file.
-    to : the file to write, whose name says the format; a folder, with a file for each input file; None: arrays.
+    to : the file to write, a path or a URL whose name says the format; a folder, with a file for each input file; None:
+        arrays.
     keep : names of the attributes wanted. Without it arrays are returned of all that is made; where the pipeline leaves
         rows out, or the order is another one, also of everything that the input has, and of 'row', the number of the
         input row (of points in arrays).
@@ -88,8 +89,8 @@ def run(
         WKT (.prj), a `pyproj.CRS`, or the `crs` of a cloud. Of files `open` can also replace it. Default: what a laspy.LasData, a laspy reader or a table of geopandas states.
     client : divides the work on a folder of tiles, with a folder as the output, among the workers of Dask: a
         `distributed.Client`, the address of a scheduler, or 'local' for workers on this machine (docs/cluster.md).
-    scratch : with a client, the folder through which the workers, all of which see it, pass on points. It is empty in the
-        end; after a crash the same call goes on from there.
+    scratch : with a client, the folder, or the URL in a bucket, through which the workers, all of which see it, pass on
+        points. It is empty in the end; after a crash the same call goes on from there.
     take_over : with a client, goes on in a scratch whose process is gone, without waiting for two minutes.
     order : of the result's rows: 'input', or 'sweep', along the axis of the largest extent.
     axis : of the sweep: 'x', 'y', 'z' or 'auto', the longest.
