@@ -78,8 +78,8 @@ void add_cluster_options(CLI::App& verb, ClusterOptions& options) {
       ->group(kMachineGroup);
   verb.add_option(
           "--scratch", options.scratch,
-          "Folder that all workers see, through which they pass on points; after a crash the same command goes on "
-          "from there")
+          "Folder, or URL in a bucket, that all workers see, through which they pass on points; after a crash the same "
+          "command goes on from there")
       ->type_name("DIR")
       ->group(kMachineGroup);
   verb.add_flag("--take-over", options.take_over,

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -112,7 +113,8 @@ nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, 
                         .other_file = text("other_file"),
                         .record = nb::cast<std::vector<std::string>>(task["record"]),
                         .after = text("after")};
-  SharedFolder folder(scratch);
+  const std::unique_ptr<Storage> place = shared_storage(scratch);
+  Storage& folder = *place;
   PartDone done;
   try {
     watch({progress, nb::none()}, [&](Observer& observer) {
@@ -130,7 +132,8 @@ nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, 
 
 void join_the_tiles(const std::filesystem::path& scratch, const std::vector<std::string>& left,
                     const std::vector<std::string>& paths, const std::string& key) {
-  SharedFolder folder(scratch);
+  const std::unique_ptr<Storage> place = shared_storage(scratch);
+  Storage& folder = *place;
   const nb::gil_scoped_release others_go_on;
   join_tiles(folder, left, paths, key);
 }
@@ -140,7 +143,8 @@ void join_the_values(const std::filesystem::path& scratch, const nb::list& sourc
                      const nb::object& facts, const nb::tuple& round, const std::string& before,
                      const std::vector<std::string>& left, const std::string& key) {
   PartRequest request(source, pipeline, keep, given, std::move(to), facts);
-  SharedFolder folder(scratch);
+  const std::unique_ptr<Storage> place = shared_storage(scratch);
+  Storage& folder = *place;
   join_values(request.cloud.inputs(), request.chain, request.outputs, request.options, round_of(round), folder, before,
               left, key);
 }
@@ -150,13 +154,15 @@ void join_the_components(const std::filesystem::path& scratch, const nb::list& s
                          std::vector<std::filesystem::path> to, const nb::object& facts, const nb::tuple& round,
                          const std::string& catalogue, const std::vector<std::string>& left, const std::string& key) {
   PartRequest request(source, pipeline, keep, given, std::move(to), facts);
-  SharedFolder folder(scratch);
+  const std::unique_ptr<Storage> place = shared_storage(scratch);
+  Storage& folder = *place;
   join_components(request.cloud.inputs(), request.chain, request.outputs, request.options, round_of(round), folder,
                   catalogue, left, key);
 }
 
 void forget_task(const std::filesystem::path& scratch, const std::string& left) {
-  SharedFolder folder(scratch);
+  const std::unique_ptr<Storage> place = shared_storage(scratch);
+  Storage& folder = *place;
   forget(folder, left);
 }
 

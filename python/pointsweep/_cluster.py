@@ -10,7 +10,6 @@ the scratch: a client that is killed, or that has lost its scheduler, goes on wh
 from __future__ import annotations
 
 import json
-import os
 import pickle
 import time
 from collections import Counter
@@ -21,8 +20,9 @@ from typing import Any
 
 from . import _core
 from ._errors import Error, UsageError, warn
-from ._part import Done, Request, Round, Step, build, perform, state_of
+from ._part import Done, Request, Round, Step, build, perform
 from ._scratch import Scratch
+from ._urls import absolute, state_of
 
 _MOST_TRIES = 4  # of a task whose workers end, or whose objects are damaged
 _PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep": "sweeping", "label": "updating", "rows": "updating", "write": "writing"}
@@ -68,13 +68,13 @@ def run_on_cluster(
 ) -> str:
     """Runs `stages` over files that all workers see, each of which gets an output. Returns the statistics as JSON."""
     start = time.perf_counter()
-    inputs = [os.path.abspath(path) for path in source]
-    outputs = [os.path.abspath(path) for path in outputs]
-    absolute = [_core.with_absolute_files(stage) if isinstance(stage, str) else stage for stage in stages]
+    inputs = [absolute(path) for path in source]
+    outputs = [absolute(path) for path in outputs]
+    named = [_core.with_absolute_files(stage) if isinstance(stage, str) else stage for stage in stages]
     identity = {
         "inputs": [[path, *state_of(path)] for path in inputs],
         "outputs": outputs,
-        "stages": _core.canonical_stages(absolute) if stages else [],
+        "stages": _core.canonical_stages(named) if stages else [],
         "attributes to keep": keep,
         "options": {name: value for name, value in options.items() if name not in ("memory", "threads", "temp_folder")},
         "versions of pointsweep": build(),
@@ -82,11 +82,11 @@ def run_on_cluster(
     place = Scratch(scratch, identity, take_over)
     finished = False
     try:
-        begun = place.request.exists()
+        begun = place.has_request()
         given = {**options, "overwrite": "yes" if begun else options["overwrite"]}
         planned, rows, nonfinite, notes, bytes_of_point, others, record, facts = _core.plan_parts(inputs, stages, keep, given, outputs)
         rounds = [Round([Step(*step) for step in steps], join) for steps, join in planned]
-        others = {number: ([os.path.abspath(path) for path in paths], counts) for number, (paths, counts) in others.items()}
+        others = {number: ([absolute(path) for path in paths], counts) for number, (paths, counts) in others.items()}
         other_states = {path: state_of(path) for paths, _ in others.values() for path in paths}
         place.require_unchanged(other_states)
         for note in notes:
@@ -95,7 +95,7 @@ def run_on_cluster(
         with _connected(client) as connected:
             request = Request(
                 build(), inputs, [state_of(path) for path in inputs], outputs, {number: paths for number, (paths, _) in others.items()},
-                other_states, absolute, record, facts, keep, {**options, "nonfinite": nonfinite}, _workers_of_a_machine(connected),
+                other_states, named, record, facts, keep, {**options, "nonfinite": nonfinite}, _workers_of_a_machine(connected),
             )
             _seal_request(place, request)
             run = _Run(connected, place, request, rounds, rows, {number: counts for number, (_, counts) in others.items()}, progress)
@@ -111,9 +111,7 @@ def _seal_request(place: Scratch, request: Request) -> None:
         import cloudpickle as pickler
     except ImportError:
         pickler = pickle
-    beside = place.request.with_suffix(f".{os.getpid()}")
-    beside.write_bytes(pickler.dumps(request))
-    os.replace(beside, place.request)
+    place.seal_request(pickler.dumps(request))
 
 
 def _workers_of_a_machine(client: Any) -> int:
@@ -169,11 +167,11 @@ class _Run:
     def _join(self, number: int, is_new: bool) -> tuple[int, int | None] | None:
         """Joins what the tasks of a round have left, unless an earlier process has. Returns what is damaged."""
         this = self._rounds[number]
-        objects, r = str(self._place.objects), self._request
+        objects, r = self._place.objects, self._request
         names = [self._done[number][task].left for task in range(len(self._rows_of(number)))]
         try:
             key = _joined_by(number)
-            if not is_new and (self._place.objects / key).exists():
+            if not is_new and self._place.has_object(key):
                 return None
             shared = (objects, r.inputs[:1], r.stages, r.keep, r.options, r.outputs[:1], r.facts, this)
             if this.join == "tiles":
@@ -199,7 +197,7 @@ class _Run:
             self._forgotten = 0
             return 0
         if tile is None:
-            (self._place.objects / _joined_by(number)).unlink(missing_ok=True)
+            self._place.remove_object(_joined_by(number))
         else:
             self._done[number].pop(tile, None)
         return number
@@ -287,7 +285,7 @@ class _Run:
             "other_catalogue": self._joined_before(number, lambda round: (round.kind, round.number) == ("other", this.number)),
         }
         key = f"{_PHASES[this.kind]}-{number}-{tile}-{time.monotonic_ns()}"
-        return self._client.submit(perform, str(self._place.request), str(self._place.objects), task, key=key, pure=False)
+        return self._client.submit(perform, self._place.request, self._place.objects, task, key=key, pure=False)
 
     def _path_of(self, number: int, task: int) -> str:
         this = self._rounds[number]
@@ -306,9 +304,10 @@ class _Run:
                 running[self._submit(number, tile)] = tile, now
 
     def _forget_before(self, number: int) -> None:
+        self._place.flush()
         for earlier in range(self._forgotten, number):
             for done in self._done[earlier].values():
-                _core.forget_part(str(self._place.objects), done.left)
+                _core.forget_part(self._place.objects, done.left)
         self._forgotten = number
 
     def _tell(self, kind: str, points: int, of: int) -> None:

@@ -15,7 +15,10 @@ from typing import Any, NamedTuple
 
 from . import _core
 from ._errors import Error
+from ._options import bytes_of
+from ._urls import bytes_at, is_url, state_of
 
+_REMOTE_BYTES = 32 << 20  # what reading and writing objects of a bucket takes
 _one_at_a_time = threading.Lock()  # a task has the memory and the threads of its process
 
 
@@ -47,10 +50,10 @@ class Request(NamedTuple):
 
     build: str
     inputs: list[str]
-    states: list[tuple[int, int]]  #: (bytes, time of change) of each input
+    states: list[tuple[int, int | str]]  #: (bytes, time of change or ETag) of each input
     outputs: list[str]
     others: dict[int, list[str]]  #: by pass: the files of the other cloud that it reads
-    other_states: dict[str, tuple[int, int]]  #: of these files
+    other_states: dict[str, tuple[int, int | str]]  #: of these files
     stages: list[Any]
     record: list[str]  #: the stages, as the outputs tell of them
     facts: tuple[int, float]  #: of the whole cloud: points, and metres in a unit
@@ -85,23 +88,23 @@ def build() -> str:
 
 
 @functools.lru_cache(maxsize=2)
-def _request(path: str, _changed: int) -> Request:
-    with open(path, "rb") as file:
-        request = pickle.load(file)
+def _request(path: str, _changed: int | str) -> Request:
+    if is_url(path):
+        content = _core.get_object(path)
+        if content is None:
+            raise Error(f"{path}: is gone, the request of the run; was it finished by another process?")
+        request = pickle.loads(content)
+    else:
+        with open(path, "rb") as file:
+            request = pickle.load(file)
     assert isinstance(request, Request)
     return request
-
-
-def state_of(path: str) -> tuple[int, int]:
-    """What tells whether a file has changed."""
-    found = os.stat(path)
-    return found.st_size, found.st_mtime_ns
 
 
 def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
     """Performs a task. Run twice, it leaves two things of equal worth, and one reply is used."""
     worker, threads = _worker()
-    request = _request(request_path, os.stat(request_path).st_mtime_ns)
+    request = _request(request_path, state_of(request_path)[1])
     if build() != request.build:
         raise Error(f"{worker}: has pointsweep {build()}, the client {request.build}; install one version on all machines.")
     kind, tile = task["round"].kind, task["tile"]
@@ -115,7 +118,10 @@ def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
     left = f"{task['round_number']:02d}-{tile:06d}-{uuid.uuid4().hex[:12]}"
     options = dict(request.options)
     options["threads"] = options["threads"] or str(threads)
-    options["memory"] = options["memory"] or str(_share_of_memory(request.processes))
+    memory = bytes_of(options["memory"] or None) or _share_of_memory(request.processes)
+    if is_url(objects) and not is_url(path):  # of which the plan of a run knows
+        memory = max(memory - _REMOTE_BYTES, memory // 2)
+    options["memory"] = f"{memory}B"
     with _one_at_a_time:
         start = time.perf_counter()
         rows, own, swept, text = _core.perform_part(
@@ -141,7 +147,7 @@ def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
     )
 
 
-def _require_unchanged(path: str, then: tuple[int, int], worker: str) -> None:
+def _require_unchanged(path: str, then: tuple[int, int | str], worker: str) -> None:
     try:
         now = state_of(path)
     except OSError as error:
@@ -152,8 +158,8 @@ def _require_unchanged(path: str, then: tuple[int, int], worker: str) -> None:
 
 def _bytes_left(objects: str, left: str) -> int:
     """The bytes of what a task has left in the scratch."""
-    paths = (os.path.join(objects, left + suffix) for suffix in (".points", ".index", ".state", ".rows", ".results", ".labels", ".components", ".crossings"))
-    return sum(os.stat(path).st_size for path in paths if os.path.exists(path))
+    suffixes = (".points", ".index", ".state", ".rows", ".results", ".labels", ".components", ".crossings")
+    return sum(bytes_at(os.path.join(objects, left + suffix)) for suffix in suffixes)
 
 
 def _worker() -> tuple[str, int]:

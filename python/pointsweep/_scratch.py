@@ -1,36 +1,34 @@
 # SPDX-License-Identifier: MIT
-"""The scratch of a run of many processes: a folder that all of them see. It says who works in it and what is done."""
+"""The scratch of a run of many processes: a folder or a part of a bucket that all of them see. It says who works in it and
+what is done."""
 
 from __future__ import annotations
 
 import json
 import os
-import shutil
 import socket
 import threading
 import time
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from ._errors import Error, UsageError
+from ._places import place_of
 
 STALE_SECONDS = 120.0  #: after which a lease that nobody renews may be taken over
 _RENEWAL_SECONDS = 10.0
-_OBJECTS, _LEASE, _RUN, _OTHERS, _REQUEST, _DONE = "objects", "lease.json", "run.json", "others.json", "request.pickle", "done.jsonl"
+_OBJECTS, _LEASE, _RUN, _OTHERS = "objects/", "lease.json", "run.json", "others.json"
+_REQUEST, _DONE = "request.pickle", "done.jsonl"
 
 
 class Scratch:
-    """A folder that this process alone gives work to, until it is closed."""
+    """A place that this process alone gives work to, until it is closed."""
 
-    def __init__(self, folder: str, identity: dict[str, Any], take_over: bool) -> None:
-        """Raises `Error` where another process works in the folder, or another run has begun there."""
-        self.path = Path(folder)
-        self._made = not self.path.exists()
-        try:
-            self.path.mkdir(exist_ok=True)
-        except OSError as error:
-            raise Error(f"{folder}: cannot be made: {error.strerror}; name a folder that all workers see.") from None
+    def __init__(self, place: str, identity: dict[str, Any], take_over: bool) -> None:
+        """Raises `Error` where another process works in the place, or another run has begun there."""
+        self.path = place
+        self._place = place_of(place)
+        self._made = self._place.make()
         self._lease = {"host": socket.gethostname(), "process": os.getpid(), "since": time.strftime("%Y-%m-%d %H:%M:%S")}
         self._take_lease(take_over)
         self.lost = False  #: whether another process has taken over
@@ -44,22 +42,34 @@ class Scratch:
             raise
 
     @property
-    def objects(self) -> Path:
+    def objects(self) -> str:
         """The folder of what tasks leave."""
-        return self.path / _OBJECTS
+        return self._place.path_of(_OBJECTS)
+
+    def has_object(self, key: str) -> bool:
+        return self._place.exists(_OBJECTS + key)
+
+    def remove_object(self, key: str) -> None:
+        self._place.remove(_OBJECTS + key)
 
     @property
-    def request(self) -> Path:
-        """The file with the arguments that all tasks share."""
-        return self.path / _REQUEST
+    def request(self) -> str:
+        """The path of the arguments that all tasks share."""
+        return self._place.path_of(_REQUEST)
+
+    def has_request(self) -> bool:
+        return self._place.exists(_REQUEST)
+
+    def seal_request(self, content: bytes) -> None:
+        self._place.write(_REQUEST, content)
 
     def _begin(self, identity: dict[str, Any]) -> None:
-        run = self.path / _RUN
-        found = [name for name in os.listdir(self.path) if not name.startswith(_LEASE)]
-        if run.exists():
-            before = json.loads(run.read_text())
-            if before != identity:
-                changed = next(key for key in {**before, **identity} if before.get(key) != identity.get(key))
+        found = [name for name in self._place.names() if not name.startswith(_LEASE)]
+        run = self._place.read(_RUN)
+        if run is not None:
+            before, now = json.loads(run), json.loads(json.dumps(identity))
+            if before != now:
+                changed = next(key for key in {**before, **now} if before.get(key) != now.get(key))
                 raise UsageError(
                     f"{self.path}: holds another run, whose {changed} differ; give the same command to finish it, remove the"
                     " folder, or name another one."
@@ -67,27 +77,23 @@ class Scratch:
         elif found:
             raise UsageError(f"{self.path}: holds {found[0]}, which is no run; name an empty folder.")
         else:
-            self.objects.mkdir()
-            _write(run, json.dumps(identity))
+            self._place.path_of(_OBJECTS)
+            self._place.write(_RUN, json.dumps(identity).encode())
 
-    def require_unchanged(self, states: dict[str, tuple[int, int]]) -> None:
+    def require_unchanged(self, states: dict[str, tuple[int, int | str]]) -> None:
         """Notes the states of files that the run reads beside its inputs. Raises `Error` if one has changed since it began."""
-        others = self.path / _OTHERS
         found = {path: list(state) for path, state in states.items()}
-        if not others.exists():
-            return _write(others, json.dumps(found))
-        before = json.loads(others.read_text())
+        noted = self._place.read(_OTHERS)
+        if noted is None:
+            return self._place.write(_OTHERS, json.dumps(found).encode())
+        before = json.loads(noted)
         changed = next((path for path in {**before, **found} if before.get(path) != found.get(path)), None)
         if changed is not None:
             raise Error(f"{changed}: has changed since the run began; remove {self.path}, and begin again.")
 
     def done(self) -> Iterator[dict[str, Any]]:
         """What earlier processes have noted, in their order."""
-        try:
-            lines = (self.path / _DONE).read_text().splitlines()
-        except FileNotFoundError:
-            return
-        for line in lines:
+        for line in (self._place.read(_DONE) or b"").splitlines():
             try:
                 yield json.loads(line)
             except ValueError:  # the last line of a process that was killed
@@ -95,17 +101,21 @@ class Scratch:
 
     def has_begun(self) -> bool:
         """Whether a task is done."""
-        return (self.path / _DONE).exists()
+        self._place.flush()
+        return self._place.exists(_DONE)
 
     def note(self, **fact: Any) -> None:
-        """Notes that a task is done."""
-        with open(self.path / _DONE, "a", encoding="utf-8") as file:
-            file.write(json.dumps(fact) + "\n")
+        """Notes that a task is done, perhaps a little later: a task that is not noted is performed again."""
+        self._place.append(_DONE, json.dumps(fact))
+
+    def flush(self) -> None:
+        """Writes all notes. To be called before what a task has needed is removed."""
+        self._place.flush()
 
     def require_room(self, needed: int) -> None:
-        """Raises `Error` if the folder has no room for `needed` bytes."""
-        free = shutil.disk_usage(self.path).free
-        if free < needed:
+        """Raises `Error` if the place has no room for `needed` bytes."""
+        free = self._place.free_bytes()
+        if free is not None and free < needed:
             raise Error(
                 f"{self.path}: has {free:,} bytes free, and the run puts up to {needed:,} there; free some, or name another folder"
                 " as the scratch."
@@ -118,74 +128,46 @@ class Scratch:
 
     def remove(self) -> None:
         """After the run: nothing of it stays."""
+        for name in (_RUN, _OTHERS, _REQUEST, _DONE, _OBJECTS):
+            self._place.remove(name)
         self.close()
-        for name in (_RUN, _OTHERS, _REQUEST, _DONE):
-            (self.path / name).unlink(missing_ok=True)
-        shutil.rmtree(self.objects, ignore_errors=True)
         if self._made:
-            try:
-                self.path.rmdir()
-            except OSError:
-                pass
+            self._place.remove_itself()
 
     def close(self) -> None:
-        """Lets other processes work in the folder."""
+        """Lets other processes work in the place."""
         self._closing.set()
         if self._renewal.is_alive():
             self._renewal.join()
         if not self.lost:
-            (self.path / _LEASE).unlink(missing_ok=True)
+            self._place.flush()
+            self._place.remove(_LEASE)
 
     def _take_lease(self, take_over: bool) -> None:
-        lease = self.path / _LEASE
-        text = json.dumps(self._lease)
-        try:
-            with open(lease, "x", encoding="utf-8") as file:
-                file.write(text)
+        text = json.dumps(self._lease).encode()
+        if self._place.write_new(_LEASE, text):
             return
-        except FileExistsError:
-            pass
-        except OSError as error:
-            raise Error(f"{self.path}: cannot be written: {error.strerror}; name a folder that all workers see.") from None
-        age = self._now() - lease.stat().st_mtime
-        if age < STALE_SECONDS and not take_over:
-            other = _read(lease)
+        if not take_over and self._place.age(_LEASE) < STALE_SECONDS:
+            other = self._holder()
             raise Error(
                 f"{self.path}: process {other.get('process')} on {other.get('host')} works in it since {other.get('since')}; wait for"
                 " it, or, if it is gone, wait two minutes or take over (take_over=True, --take-over)."
             )
-        _write(lease, text)
-
-    def _now(self) -> float:
-        """The time by the clock of the folder, which may be on another machine."""
-        probe = self.path / f"{_LEASE}.{socket.gethostname()}-{os.getpid()}"
-        probe.write_text("")
-        try:
-            return probe.stat().st_mtime
-        finally:
-            probe.unlink()
+        self._place.write(_LEASE, text)
 
     def _renew(self) -> None:
-        lease = self.path / _LEASE
         while not self._closing.wait(_RENEWAL_SECONDS):
-            if _read(lease) != self._lease:
-                self.lost = True
-                return
             try:
-                os.utime(lease)
-            except OSError:  # gone for a while
+                if self._holder() != self._lease:
+                    self.lost = True
+                    return
+                self._place.touch(_LEASE)
+            except (Error, OSError):  # gone for a while
                 pass
 
-
-def _read(lease: Path) -> dict[str, Any]:
-    try:
-        found = json.loads(lease.read_text())
-        return found if isinstance(found, dict) else {}
-    except (OSError, ValueError):
-        return {}
-
-
-def _write(path: Path, text: str) -> None:
-    beside = path.with_name(f"{path.name}.{os.getpid()}")
-    beside.write_text(text)
-    os.replace(beside, path)
+    def _holder(self) -> dict[str, Any]:
+        try:
+            found = json.loads(self._place.read(_LEASE) or b"{}")
+            return found if isinstance(found, dict) else {}
+        except ValueError:
+            return {}

@@ -20,6 +20,7 @@ from http_server import Server
 
 import pointsweep as ps
 from pointsweep import _core
+from pointsweep._scratch import Scratch
 
 needs_urls = pytest.mark.skipif(not _core.reads_urls(), reason="this build reads no URLs (POINTSWEEP_REMOTE=ON)")
 FORMATS = ["ply", "las", "laz", "copc.laz", "pcd", "e57", "xyz", "csv", "pts"]
@@ -433,3 +434,46 @@ class FailingProxy:
     def __exit__(self, *_: object) -> None:
         self._server.shutdown()
         self._server.server_close()
+
+
+@needs_urls
+class TestClusters:
+    """Runs on many machines whose tiles, outputs and scratch are in a bucket."""
+
+    @pytest.fixture
+    def tiles(self, here: Tool, bucket: str) -> str:
+        (here.folder / "tiles").mkdir()
+        for seed in range(3):
+            here("generate", "sphere", f"tiles/{seed}.laz", "-n", 2000, "--seed", seed)
+            _core.put_object(f"{bucket}/tiles/{seed}.laz", (here.folder / f"tiles/{seed}.laz").read_bytes(), True)
+        return f"{bucket}/tiles/"
+
+    def test_all_by_url_give_the_bytes_of_one_process(self, here: Tool, bucket: str, tiles: str) -> None:
+        distributed = pytest.importorskip("distributed", reason="distributed is not installed")
+        chain = "sor | where(outlier == 0) | reneighbor | density"
+        ps.open(here.folder / "tiles").run(chain, to=f"{here.folder}/local/")
+        with distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, memory_limit=None, dashboard_address=":0"
+        ) as cluster, distributed.Client(cluster) as client:
+            ps.open(tiles).run(chain, to=f"{bucket}/out/", client=client, scratch=f"{bucket}/scratch", memory="256M")
+        for seed in range(3):
+            assert content(f"{bucket}/out/{seed}.laz") == (here.folder / f"local/{seed}.laz").read_bytes()
+        assert _core.list_objects(f"{bucket}/scratch/") == []
+
+    def test_a_lease_is_respected_and_taken_over(self, bucket: str) -> None:
+        first = Scratch(f"{bucket}/scratch", {"run": 1}, False)
+        with pytest.raises(ps.Error, match="works in it since"):
+            Scratch(f"{bucket}/scratch/", {"run": 1}, False)
+        second = Scratch(f"{bucket}/scratch/", {"run": 1}, True)
+        second.note(round=0, tile=1)
+        second.close()
+        first.lost = True
+        first.close()
+        with pytest.raises(ps.UsageError, match="holds another run, whose run differ"):
+            Scratch(f"{bucket}/scratch", {"run": 2}, False)
+        third = Scratch(f"{bucket}/scratch", {"run": 1}, False)
+        third.note(round=0, tile=2)
+        third.flush()
+        assert [fact["tile"] for fact in third.done()] == [1, 2]
+        third.remove()
+        assert _core.list_objects(f"{bucket}/scratch/") == []

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""script/faults cluster: kills workers, the scheduler and the client of a run over tiles at random moments, and fills its scratch. After each,
+"""script/faults cluster: kills workers, the scheduler and the client of a run over tiles at random moments, with the scratch in a folder and in
+a bucket (a server of S3 on this machine), and fills its scratch. After each,
 the same command ends with the bytes of one process, or says in one sentence what to do, and leaves nothing in the scratch."""
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import random
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -31,8 +33,39 @@ def arguments():
     parser.add_argument("--workers", type=int, default=30, help="kill -9 of a worker (default 30)")
     parser.add_argument("--clients", type=int, default=10, help="kill -9 of the client (default 10)")
     parser.add_argument("--schedulers", type=int, default=3, help="kill -9 of the scheduler (default 3)")
+    parser.add_argument("--bucket", type=int, default=10, help="kill -9 of a worker, and half as many of the client, with the scratch in a bucket (default 10)")
     parser.add_argument("--seed", type=int, default=1)
     return parser.parse_args()
+
+
+class Bucket:
+    """A bucket of a server of S3 (moto), for which this process and those that it starts have credentials."""
+
+    URL = "s3://bucket/scratch/"
+
+    def __init__(self) -> None:
+        with socket.socket() as unused:
+            unused.bind(("127.0.0.1", 0))
+            port = unused.getsockname()[1]
+        self._server = subprocess.Popen([sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        endpoint = f"http://127.0.0.1:{port}"
+        os.environ.update(AWS_ACCESS_KEY_ID="key", AWS_SECRET_ACCESS_KEY="secret", AWS_REGION="us-east-1", AWS_ENDPOINT_URL=endpoint)
+        import boto3
+
+        self._client = boto3.client("s3", endpoint_url=endpoint, region_name="us-east-1")
+        for _ in range(100):
+            try:
+                self._client.create_bucket(Bucket="bucket")
+                return
+            except Exception:  # noqa: BLE001 - the server is not there yet
+                time.sleep(0.1)
+        raise Broken("the server of S3 does not start")
+
+    def names(self) -> list[str]:
+        return [found["Key"] for found in self._client.list_objects_v2(Bucket="bucket").get("Contents", [])]
+
+    def stop(self) -> None:
+        self._server.kill()
 
 
 class Cluster:
@@ -87,6 +120,7 @@ class Cluster:
 class Runs:
     def __init__(self, options, folder: pathlib.Path, cluster: Cluster) -> None:
         self._options, self._folder, self._cluster = options, folder, cluster
+        self.bucket: Bucket | None = None  #: with the scratch, if it is not in a folder
         self._environment = {**os.environ, "POINTSWEEP_PYTHON": sys.executable, "PYTHONPATH": str(options.build / "python")}
         tool = options.build / "cli/pointsweep"
         subprocess.run([tool, "generate", "terrain", folder / "all.ply", "-n", str(options.points), "--outliers", "0.001", "--outlier-box", "2", "--quiet"], check=True)
@@ -95,7 +129,7 @@ class Runs:
 
     def start(self, scratch: pathlib.Path | None = None, *words: str) -> subprocess.Popen:
         return subprocess.Popen([self._options.build / "cli/pointsweep", "run", self._folder / "tiles", f"{self._folder / 'many'}/", "--pipeline", PIPELINE,
-                                 "--dask", self._cluster.address, "--scratch", scratch or self._folder / "scratch", "--memory", "256M", *words],
+                                 "--dask", self._cluster.address, "--scratch", scratch or (Bucket.URL if self.bucket else self._folder / "scratch"), "--memory", "256M", *words],
                                 stderr=subprocess.PIPE, text=True, env=self._environment)
 
     def finish(self, run: subprocess.Popen) -> None:
@@ -116,6 +150,8 @@ class Runs:
         scratch = self._folder / "scratch"
         if scratch.exists() and os.listdir(scratch):
             raise Broken(f"the scratch holds {os.listdir(scratch)}")
+        if self.bucket and self.bucket.names():
+            raise Broken(f"the scratch holds {self.bucket.names()}")
         shutil.rmtree(many)
 
 
@@ -125,11 +161,11 @@ def expect_sentence(said: str, wanted: str) -> None:
         raise Broken(f"instead of one sentence with '{wanted}': {said}")
 
 
-def kill_workers(runs: Runs, cluster: Cluster, options, chance: random.Random) -> int:
+def kill_workers(runs: Runs, cluster: Cluster, times: int, chance: random.Random) -> int:
     killed = 0
-    while killed < options.workers:
+    while killed < times:
         run = runs.start()
-        while run.poll() is None and killed < options.workers:
+        while run.poll() is None and killed < times:
             time.sleep(chance.uniform(0.5, 3))
             if run.poll() is None:
                 cluster.kill_worker(chance.randrange(2))
@@ -138,8 +174,8 @@ def kill_workers(runs: Runs, cluster: Cluster, options, chance: random.Random) -
     return killed
 
 
-def kill_clients(runs: Runs, options, chance: random.Random) -> int:
-    for _ in range(options.clients):
+def kill_clients(runs: Runs, times: int, chance: random.Random) -> int:
+    for _ in range(times):
         run = runs.start(None, "--take-over")
         time.sleep(chance.uniform(1, 8))
         run.send_signal(signal.SIGKILL)
@@ -147,7 +183,7 @@ def kill_clients(runs: Runs, options, chance: random.Random) -> int:
         if run.returncode == 0:  # it was faster
             runs.expect_same()
     runs.finish(runs.start(None, "--take-over"))
-    return options.clients
+    return times
 
 
 def kill_schedulers(runs: Runs, cluster: Cluster, options, chance: random.Random) -> int:
@@ -166,6 +202,24 @@ def kill_schedulers(runs: Runs, cluster: Cluster, options, chance: random.Random
         raise Broken(said)
     runs.expect_same()
     return options.schedulers
+
+
+def use_bucket(runs: Runs, cluster: Cluster, bucket: Bucket | None, options, chance: random.Random) -> str:
+    if bucket is None:
+        return "not tried: this build reads no URLs, or moto[server] is not installed"
+    runs.bucket = bucket
+    runs.finish(runs.start())
+    workers = kill_workers(runs, cluster, options.bucket, chance)
+    return f"kill -9 of workers: {workers}, of the client: {kill_clients(runs, options.bucket // 2, chance)}"
+
+
+def bucket_if_possible(options) -> Bucket | None:
+    said = subprocess.run([options.build / "cli/pointsweep", "--version"], capture_output=True, text=True, check=True).stdout
+    try:
+        import moto  # noqa: F401
+    except ImportError:
+        return None
+    return Bucket() if re.search(r"URLs\s+http", said) else None
 
 
 def fill_scratch(runs: Runs, folder: pathlib.Path) -> str:
@@ -187,19 +241,23 @@ def main() -> None:
     chance = random.Random(options.seed)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
+        bucket = bucket_if_possible(options)
         cluster = Cluster(folder, options.build / "python")
         try:
             runs = Runs(options, folder, cluster)
             runs.finish(runs.start())
             print("a run without faults has the bytes of one process", flush=True)
-            print(f"kill -9 of workers: {kill_workers(runs, cluster, options, chance)}", flush=True)
-            print(f"kill -9 of the client: {kill_clients(runs, options, chance)}", flush=True)
+            print(f"kill -9 of workers: {kill_workers(runs, cluster, options.workers, chance)}", flush=True)
+            print(f"kill -9 of the client: {kill_clients(runs, options.clients, chance)}", flush=True)
             print(f"kill -9 of the scheduler: {kill_schedulers(runs, cluster, options, chance)}", flush=True)
+            print(f"a scratch in a bucket: {use_bucket(runs, cluster, bucket, options, chance)}", flush=True)
             print(f"a scratch that is too small: {fill_scratch(runs, folder)}", flush=True)
         except Broken as broken:
             sys.exit(f"script/faults cluster: {broken}")
         finally:
             cluster.stop()
+            if bucket:
+                bucket.stop()
 
 
 if __name__ == "__main__":

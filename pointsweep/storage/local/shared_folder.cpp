@@ -16,6 +16,9 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/storage/local/descriptor.h"
 #include "pointsweep/storage/local/input_file.h"
+#include "pointsweep/storage/local/output_file.h"
+#include "pointsweep/storage/remote/remote_service.h"
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 namespace {
@@ -92,6 +95,35 @@ std::vector<std::string> SharedFolder::list() const {
 void SharedFolder::remove(const std::string& key) {
   std::error_code ignored;
   fs::remove(path_ / key, ignored);
+}
+
+std::unique_ptr<Source> RemoteFolder::open(const std::string& key) const {
+  return std::make_unique<InputFile>(url_ + key);
+}
+
+std::unique_ptr<Unsealed> RemoteFolder::create(const std::string& key) {
+  return std::make_unique<OutputFile>(url_ + key, true);
+}
+
+std::vector<std::string> RemoteFolder::list() const {
+  std::vector<std::string> names;
+  for (const RemoteEntry& entry : list_remote(url_, false)) names.push_back(entry.url.substr(url_.size()));
+  std::ranges::sort(names);
+  return names;
+}
+
+void RemoteFolder::remove(const std::string& key) {
+  try {
+    remove_remote(url_ + key);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error&) {  // what stays is removed with the scratch
+  }
+}
+
+std::unique_ptr<Storage> shared_storage(const fs::path& place) {
+  if (!is_url(place)) return std::make_unique<SharedFolder>(place);
+  return std::make_unique<RemoteFolder>((place / "").string());
 }
 
 }  // namespace pointsweep
