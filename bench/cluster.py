@@ -128,6 +128,7 @@ def main():
         text = "".join(f"{committed.where(result)}, `--memory {result['memory']}`, {committed.names([path])}.\n\n{''.join(tables(result))}\n"
                        for result, path in zip(committed.read(options.table), options.table))
         return committed.write_table("cluster", text)
+    from dask import config
     from distributed import Client, LocalCluster
 
     import pointsweep as ps
@@ -135,7 +136,7 @@ def main():
     options.work.mkdir(parents=True, exist_ok=True)
     options.work = options.work.resolve()
     result = committed.begun(memory=options.memory, rows=[], many=[])
-    with LocalCluster(n_workers=2, threads_per_worker=1, memory_limit=None, dashboard_address=":0") as cluster, Client(cluster) as client:
+    with config.set({"distributed.worker.profile.enabled": False}), LocalCluster(n_workers=2, threads_per_worker=1, memory_limit=None, dashboard_address=":0") as cluster, Client(cluster) as client:
         for shape in options.clouds:
             for file_format in options.formats:
                 source = tiles_of(options, shape, processes.points(options.size) * options.side**2, options.side, file_format)

@@ -36,14 +36,17 @@ Progress = Callable[[str, int, int], Any] | None
 def _connected(client: Any) -> Iterator[Any]:
     """A client of Dask: the one that is given, one of the scheduler at an address, or one of workers on this machine."""
     try:
+        from dask import config
         from distributed import Client, LocalCluster
     except ImportError:
         raise UsageError("client: needs the package distributed, which is not installed: pip install distributed.") from None
     if isinstance(client, Client):
         yield client
     elif client == "local":
-        with LocalCluster(threads_per_worker=1, memory_limit=None, dashboard_address=":0") as cluster, Client(cluster) as own:
-            yield own
+        # The workers' profile of Python, taken a hundred times a second, tells nothing of a task and costs it.
+        with config.set({"distributed.worker.profile.enabled": False}):
+            with LocalCluster(threads_per_worker=1, memory_limit=None, dashboard_address=":0") as cluster, Client(cluster) as own:
+                yield own
     elif isinstance(client, str):
         try:
             own = Client(client, timeout="10s")
@@ -102,6 +105,11 @@ def run_on_cluster(
             run.perform()
             finished = True
             return run.statistics(time.perf_counter() - start)
+    except OSError as error:
+        raise Error(
+            f"{scratch}: {error.strerror or error}; the scratch has to stay where it is and to have room: mend that and give the"
+            " same command, which goes on where this one was."
+        ) from None
     finally:
         place.remove() if finished or not place.has_begun() else place.close()
 
@@ -266,7 +274,8 @@ class _Run:
             raise _scheduler_gone() from None
         return next(future for future in running if future.done())
 
-    def _submit(self, number: int, tile: int) -> Any:
+    def _submit(self, number: int, tile: int, workers: list[str] | None = None) -> Any:
+        """Hands out a task, to one of these workers if some are named."""
         this = self._rounds[number]
         rounds = [n for n in reversed(range(number)) if self._rounds[n].kind not in ("look", "other")]
         before = "" if this.kind == "other" else next((self._done[n][tile].left for n in rounds if tile in self._done[n]), "")
@@ -285,7 +294,7 @@ class _Run:
             "other_catalogue": self._joined_before(number, lambda round: (round.kind, round.number) == ("other", this.number)),
         }
         key = f"{_PHASES[this.kind]}-{number}-{tile}-{time.monotonic_ns()}"
-        return self._client.submit(perform, self._place.request, self._place.objects, task, key=key, pure=False)
+        return self._client.submit(perform, self._place.request, self._place.objects, task, key=key, pure=False, workers=workers)
 
     def _path_of(self, number: int, task: int) -> str:
         this = self._rounds[number]
@@ -299,9 +308,18 @@ class _Run:
         """Gives tasks that may hang to another worker, too."""
         now = time.monotonic()
         tiles = Counter(tile for tile, _ in running.values())
-        for future, (tile, since) in list(running.items()):
-            if future.status == "pending" and now - since > max(_SLOW_SECONDS, 10 * self._longest) and tiles[tile] == 1:
-                running[self._submit(number, tile)] = tile, now
+        slow = [
+            (future, tile)
+            for future, (tile, since) in running.items()
+            if future.status == "pending" and now - since > max(_SLOW_SECONDS, 10 * self._longest) and tiles[tile] == 1
+        ]
+        if not slow:
+            return
+        processing = self._client.processing()
+        for future, tile in slow:
+            others = [worker for worker, keys in processing.items() if future.key not in keys]
+            if others:
+                running[self._submit(number, tile, others)] = tile, now
 
     def _forget_before(self, number: int) -> None:
         self._place.flush()

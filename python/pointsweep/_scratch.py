@@ -31,6 +31,7 @@ class Scratch:
         self._made = self._place.make()
         self._lease = {"host": socket.gethostname(), "process": os.getpid(), "since": time.strftime("%Y-%m-%d %H:%M:%S")}
         self._take_lease(take_over)
+        self._has_noted = False
         self.lost = False  #: whether another process has taken over
         self._closing = threading.Event()
         self._renewal = threading.Thread(target=self._renew, daemon=True)
@@ -102,10 +103,11 @@ class Scratch:
     def has_begun(self) -> bool:
         """Whether a task is done."""
         self._place.flush()
-        return self._place.exists(_DONE)
+        return self._has_noted or self._place.exists(_DONE)
 
     def note(self, **fact: Any) -> None:
         """Notes that a task is done, perhaps a little later: a task that is not noted is performed again."""
+        self._has_noted = True
         self._place.append(_DONE, json.dumps(fact))
 
     def flush(self) -> None:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """script/faults cluster: kills workers, the scheduler and the client of a run over tiles at random moments, with the scratch in a folder and in
-a bucket (a server of S3 on this machine), and fills its scratch. After each,
-the same command ends with the bytes of one process, or says in one sentence what to do, and leaves nothing in the scratch."""
+a bucket (a server of S3 on this machine), stops a worker, takes the scratch away for a while, and fills it. After each, the same command ends with the bytes of one process, or says in one sentence what to do, and leaves nothing in the scratch."""
 
 from __future__ import annotations
 
@@ -236,6 +235,67 @@ def fill_scratch(runs: Runs, folder: pathlib.Path) -> str:
     return "refused before the work"
 
 
+def stop_worker(runs: Runs, cluster: Cluster) -> str:
+    """A worker that does not answer, and is not gone: its tasks go to the other one after a minute."""
+    run = runs.start()
+    time.sleep(4)
+    cluster.workers[0].send_signal(signal.SIGSTOP)
+    start = time.monotonic()
+    runs.finish(run)
+    cluster.kill_worker(0)
+    return f"the run has ended after {time.monotonic() - start:.0f} s"
+
+
+def move_scratch_away(runs: Runs, folder: pathlib.Path, chance: random.Random) -> str:
+    """A scratch that is gone for a while, as after a fault of the network."""
+    told = 0
+    for _ in range(5):
+        run = runs.start()
+        time.sleep(chance.uniform(3, 7))
+        if not (folder / "scratch").exists():
+            runs.finish(run)
+            continue
+        (folder / "scratch").rename(folder / "elsewhere")
+        time.sleep(chance.uniform(0.1, 3))
+        (folder / "elsewhere").rename(folder / "scratch")
+        _, said = run.communicate(timeout=600)
+        if run.returncode == 0:
+            runs.expect_same()
+            continue
+        told += 1
+        expect_sentence(said, "")
+        runs.finish(runs.start(None, "--take-over"))
+    return f"5 times, of which {told} ended the run with a sentence"
+
+
+def fill_disk_meanwhile(runs: Runs, folder: pathlib.Path) -> str:
+    """A disk that another program fills while the run works."""
+    disk = folder / "full"
+    disk.mkdir()
+    if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=300M", "tmpfs", disk], capture_output=True).returncode != 0:
+        return "not tried: a small disk cannot be mounted"
+    try:
+        run = runs.start(disk / "scratch")
+        while not (disk / "scratch/done.jsonl").exists() and run.poll() is None:
+            time.sleep(0.01)
+        with open(disk / "other", "wb", buffering=0) as other:
+            try:
+                while other.write(bytes(1 << 20)):
+                    pass
+            except OSError:
+                pass
+        _, said = run.communicate(timeout=600)
+        (disk / "other").unlink()
+        if run.returncode == 0:
+            runs.expect_same()
+            return "the run was faster"
+        expect_sentence(said, "")
+        runs.finish(runs.start(disk / "scratch"))
+    finally:
+        subprocess.run(["umount", disk], check=True)
+    return "one sentence, and the same command went on"
+
+
 def main() -> None:
     options = arguments()
     chance = random.Random(options.seed)
@@ -250,6 +310,9 @@ def main() -> None:
             print(f"kill -9 of workers: {kill_workers(runs, cluster, options.workers, chance)}", flush=True)
             print(f"kill -9 of the client: {kill_clients(runs, options.clients, chance)}", flush=True)
             print(f"kill -9 of the scheduler: {kill_schedulers(runs, cluster, options, chance)}", flush=True)
+            print(f"a worker that hangs: {stop_worker(runs, cluster)}", flush=True)
+            print(f"a scratch that is gone for a while: {move_scratch_away(runs, folder, chance)}", flush=True)
+            print(f"a scratch that is filled meanwhile: {fill_disk_meanwhile(runs, folder)}", flush=True)
             print(f"a scratch in a bucket: {use_bucket(runs, cluster, bucket, options, chance)}", flush=True)
             print(f"a scratch that is too small: {fill_scratch(runs, folder)}", flush=True)
         except Broken as broken:
