@@ -77,7 +77,7 @@ nb::tuple tuple_of(const PartRound& round) {
 /// clouds by pass, stages for the record, facts). A round: (steps, what is to be
 /// joined). A step: (kind, pass). Files: (paths, points of
 /// each).
-nb::tuple plan_of_parts(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
+nb::tuple planned_parts(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                         const nb::dict& given, std::vector<std::filesystem::path> to) {
   PartRequest request(source, pipeline, keep, given, std::move(to));
   const PartPlan planned = plan_parts(request.cloud.inputs(), request.chain, request.outputs, request.options);
@@ -169,7 +169,7 @@ void forget_task(const std::filesystem::path& scratch, const std::string& left) 
 }  // namespace
 
 void bind_parts(nb::module_& module) {
-  module.def("plan_parts", &plan_of_parts, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a);
+  module.def("plan_parts", &planned_parts, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a);
   module.def("perform_part", &perform, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a, "facts"_a,
              "task"_a, "progress"_a.none());
   module.def("join_tiles", &join_the_tiles, "scratch"_a, "left"_a, "paths"_a, "key"_a);

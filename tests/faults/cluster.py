@@ -235,10 +235,16 @@ def fill_scratch(runs: Runs, folder: pathlib.Path) -> str:
     return "refused before the work"
 
 
-def stop_worker(runs: Runs, cluster: Cluster) -> str:
+def wait_for_a_task(run: subprocess.Popen, folder: pathlib.Path) -> None:
+    """Waits until the scratch in a folder notes that a task is done."""
+    while not (folder / "scratch/done.jsonl").exists() and run.poll() is None:
+        time.sleep(0.01)
+
+
+def stop_worker(runs: Runs, cluster: Cluster, folder: pathlib.Path) -> str:
     """A worker that does not answer, and is not gone: its tasks go to the other one after a minute."""
     run = runs.start()
-    time.sleep(4)
+    wait_for_a_task(run, folder)
     cluster.workers[0].send_signal(signal.SIGSTOP)
     start = time.monotonic()
     runs.finish(run)
@@ -251,7 +257,8 @@ def move_scratch_away(runs: Runs, folder: pathlib.Path, chance: random.Random) -
     told = 0
     for _ in range(5):
         run = runs.start()
-        time.sleep(chance.uniform(3, 7))
+        wait_for_a_task(run, folder)
+        time.sleep(chance.uniform(0, 0.5))
         if not (folder / "scratch").exists():
             runs.finish(run)
             continue
@@ -310,7 +317,7 @@ def main() -> None:
             print(f"kill -9 of workers: {kill_workers(runs, cluster, options.workers, chance)}", flush=True)
             print(f"kill -9 of the client: {kill_clients(runs, options.clients, chance)}", flush=True)
             print(f"kill -9 of the scheduler: {kill_schedulers(runs, cluster, options, chance)}", flush=True)
-            print(f"a worker that hangs: {stop_worker(runs, cluster)}", flush=True)
+            print(f"a worker that hangs: {stop_worker(runs, cluster, folder)}", flush=True)
             print(f"a scratch that is gone for a while: {move_scratch_away(runs, folder, chance)}", flush=True)
             print(f"a scratch that is filled meanwhile: {fill_disk_meanwhile(runs, folder)}", flush=True)
             print(f"a scratch in a bucket: {use_bucket(runs, cluster, bucket, options, chance)}", flush=True)

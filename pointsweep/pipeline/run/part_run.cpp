@@ -95,11 +95,6 @@ CloudValues values_in(const Storage& scratch, const std::string& key) {
   return values;
 }
 
-/// Plans the chain for a tile, as the run of all of them does.
-ChainPlan plan_of(const InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
-  return plan_chain(chain, cloud.schema(), needs_of(outputs, options));
-}
-
 /// The working records of a file of another cloud.
 Schema working_of_other(const InputCloud& file, const std::vector<Attribute>& reads) {
   std::vector<std::size_t> fields;
@@ -183,9 +178,7 @@ class TaskOfTile {
     state.saved_values = std::move(rows_.saved_values);
   }
 
-  void seal_state(const TileState& state) const {
-    seal_bytes(scratch_, task_.after + ".state", encoded(state));
-  }
+  void seal_state(const TileState& state) const { seal_bytes(scratch_, task_.after + ".state", encoded(state)); }
 
   /// Leaves the results of a sweep that has left a graph, and the state as it was before.
   void keep_swept(std::size_t p, const TileState& state, RowStore* results) {
@@ -267,8 +260,7 @@ class TaskOfTile {
   void order(std::size_t p, TileState& state, Surveyed& surveyed, WorkPlan& work) {
     if (!context_.is_empty()) {
       OutputFiles files;
-      const Ordered ordered =
-          order_pass(context_, work, p, rows_, {surveyed.survey, std::move(surveyed.boxes)}, files);
+      const Ordered ordered = order_pass(context_, work, p, rows_, {surveyed.survey, std::move(surveyed.boxes)}, files);
       return_free_memory();
       store_tile(ordered.stream, ordered.survey, context_.cloud.count(), scratch_, task_.after,
                  chosen_for_others(p, ordered.stream));
@@ -351,111 +343,11 @@ class TaskOfTile {
   PartDone done_;
 };
 
-/// Throws UsageError for a run whose parts would have to know more of each other than their neighbourhoods.
-void require_divisible(const ChainPlan& plan, const Outputs& outputs, const EngineOptions& options) {
-  const auto refuse = [](const std::string& what) {
-    fail_usage("{}; run it in one process, without a client or --dask.", what);
-  };
-  if (outputs.tiles.empty()) fail_usage("Many processes write a file for each input: name a folder as the output.");
-  if (options.order == Order::sweep || plan.reorders) refuse("The rows of all tiles cannot be put in one order");
-  if (!options.resume_folder.empty()) refuse("A run of many processes goes on from its scratch, not from checkpoints");
-  if (options.engine != Engine::exact) refuse("The reference engine needs all points in one process");
-  for (const PlannedPass& pass : plan.passes) {
-    const InOrderOperator* const op = pass.in_order();
-    if (op != nullptr && (!op->reach() || (!op->other_cloud().empty() && !op->other_reach())))
-      refuse(fmt::format("'{}' cannot be divided among tiles yet", pass.in_order()->name()));
-    const Stage* const connecting = pass.connecting_stage();
-    if (connecting != nullptr && connecting->connects()->weighted())
-      refuse(fmt::format("'{}' cannot be divided among tiles yet", connecting->connects()->name()));
-  }
-}
-
-/// Moved points get one grid for all tiles, which only their inputs, or the user, can give before the work.
-void require_common_grid(const InputCloud& cloud, const ChainPlan& plan, const EngineOptions& options) {
-  const bool moves = plan.graph.moved_bounds.has_value();
-  const bool stated = options.layout.scale.has_value() && options.layout.offset.has_value();
-  const auto x = cloud.schema().find("x");
-  const Type type = x ? cloud.schema().fields[*x].type : Type::f64;
-  const bool on_grid = type != Type::f32 && type != Type::f64;
-  if (moves && !on_grid && !stated && cloud.las())
-    fail_usage(
-        "The tiles lie on several grids, and their points are moved: give the grid of the outputs with --scale and "
-        "--offset.");
-}
-
-/// Adds a step. It is taken by the tasks of the last round where that is not joined and over the same tiles.
-void add_step(PartPlan& made, PartStep step, PartJoin join) {
-  const auto is_own = [](PartRoundKind kind) { return kind != PartRoundKind::look && kind != PartRoundKind::other; };
-  const bool begins = made.rounds.empty() || made.rounds.back().join != PartJoin::nothing ||
-                      !is_own(made.rounds.back().kind()) || !is_own(step.kind);
-  if (begins) made.rounds.push_back({});
-  made.rounds.back().steps.push_back(step);
-  made.rounds.back().join = join;
-}
-
-void add_phase(const ChainPlan& plan, const Phase& phase, PartPlan& made) {
-  const std::size_t p = phase.pass;
-  const bool is_pass = p < plan.passes.size();
-  const bool values = is_pass && !plan.passes[p].values.empty() && plan.leaves_rows(p);
-  const PartJoin join = values ? PartJoin::values : PartJoin::nothing;
-  if (phase.kind == PhaseKind::order) {
-    if (std::ranges::find(made.others, p, &OtherFiles::pass) != made.others.end())
-      add_step(made, {PartRoundKind::other, p}, PartJoin::tiles);
-    add_step(made, {PartRoundKind::order, p}, PartJoin::tiles);
-  }
-  if (phase.kind == PhaseKind::sweep) {
-    const bool connects = plan.passes[p].connecting_stage() != nullptr;
-    add_step(made, {PartRoundKind::sweep, p}, connects ? PartJoin::components : join);
-    if (connects) add_step(made, {PartRoundKind::label, p}, join);
-  }
-  const bool ends = phase.kind == PhaseKind::update || phase.kind == PhaseKind::write;
-  if (ends && is_pass && plan.passes[p].kind == PassKind::rows) add_step(made, {PartRoundKind::rows, p}, join);
-  if (ends && !is_pass) add_step(made, {PartRoundKind::write, p}, PartJoin::nothing);
-}
-
-std::vector<OtherFiles> other_files(const Request& request, const RunReport& report) {
-  std::vector<OtherFiles> files;
-  const OtherClouds others = open_other_clouds(request, report);
-  for (std::size_t p = 0; p < others.size(); ++p) {
-    if (!others[p]) continue;
-    others[p]->require_same_types();
-    files.push_back({.pass = p, .counts = others[p]->counts()});
-    for (const std::filesystem::path& path : others[p]->files()) files.back().paths.push_back(path.string());
-  }
-  return files;
-}
-
 }  // namespace
 
-PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
-  const ChainPlan plan = plan_of(cloud, chain, outputs, options);
-  const CroppedInput cropped(cloud, plan);
-  require_divisible(plan, outputs, options);
-  require_common_grid(cloud, plan, options);
-  const Request request{cloud, outputs, options, plan};
-  require_own_files(request);
-  Statistics statistics = first_counts(request, {});
-  const RunReport report{statistics, nullptr};
-  require_work(request);
-  const OutputNames names = check_request(request, report);
-  RunPlaces places(options, {});
-  const Context context{cloud, outputs, options, plan, names, {}, places, report};
-  OutputFiles().require_writable(context, {});
-  PartPlan made;
-  made.others = other_files(request, report);
-  made.record = recorded_stages(plan);
-  made.nonfinite = nonfinite_rule(cloud, outputs, options.nonfinite);
-  if (made.nonfinite != Nonfinite::keep) made.rounds.push_back({{{PartRoundKind::look}}});
-  for (const Phase& phase : phases_of(plan)) add_phase(plan, phase, made);
-  for (const auto& reader : cloud.readers()) made.rows.push_back(reader->info().count);
-  for (std::size_t p = 0; p < plan.passes.size(); ++p) {
-    const std::uint64_t before = p == 0 ? 0 : plan.passes[p - 1].carried_bytes();
-    const bool sweeps = plan.passes[p].kind == PassKind::sweep;
-    const std::uint64_t stored = sweeps ? plan.passes[p].travelling_bytes() + sizeof(Vec3) + sizeof(std::uint64_t) : 0;
-    made.scratch_bytes = std::max(made.scratch_bytes, stored + before + plan.passes[p].carried_bytes());
-  }
-  made.notes = statistics.warnings;
-  return made;
+ChainPlan plan_of_parts(const InputCloud& cloud, const Chain& chain, const Outputs& outputs,
+                        const EngineOptions& options) {
+  return plan_chain(chain, cloud.schema(), needs_of(outputs, options));
 }
 
 PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& given,
@@ -464,7 +356,7 @@ PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, 
   options.ordering = Ordering::distribution;
   options.overwrite = true;
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
-  const ChainPlan plan = plan_of(tile, chain, outputs, options);
+  const ChainPlan plan = plan_of_parts(tile, chain, outputs, options);
   if (task.round.kind() == PartRoundKind::other) return store_other(plan, options, task, scratch);
   const CroppedInput cropped(tile, plan);
   const NumberedInput numbered(tile, plan, task.first_row);
@@ -508,7 +400,7 @@ void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, c
   CloudValues values = values_in(scratch, before);
   std::vector<std::vector<std::vector<std::byte>>> saved;
   for (const std::string& name : left) saved.push_back(state_left(scratch, name).saved_values);
-  finish_values(plan_of(tile, chain, outputs, options).passes.at(round.steps.back().pass), saved, values);
+  finish_values(plan_of_parts(tile, chain, outputs, options).passes.at(round.steps.back().pass), saved, values);
   Encoder out;
   out.begin(kValuesEncoding);
   out.put_list(values, [&](const auto& value) {
@@ -521,7 +413,7 @@ void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, c
 void join_components(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
                      const PartRound& round, Storage& scratch, const std::string& catalogue,
                      const std::vector<std::string>& left, const std::string& key) {
-  const ChainPlan plan = plan_of(tile, chain, outputs, options);
+  const ChainPlan plan = plan_of_parts(tile, chain, outputs, options);
   RunPlaces places(options, {});
   const TileGraphSetup setup{plan.passes.at(round.steps.back().pass).connecting_stage()->connects()->votes(),
                              places.scratch(),

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/storage/storage.h"
 
 namespace pointsweep {
@@ -57,6 +58,10 @@ struct PartPlan {
   std::uint64_t scratch_bytes = 0;  ///< of a point in the scratch, at most
   std::vector<std::string> notes;   ///< what a run of one process would say before its work
 };
+
+/// Plans the chain for one tile, or all of them.
+ChainPlan plan_of_parts(const InputCloud& cloud, const Chain& chain, const Outputs& outputs,
+                        const EngineOptions& options);
 
 /// Plans a run with a tile for each input from what the headers say. Throws UsageError for a run that cannot be divided
 /// among tiles, and whatever run() throws before its work.

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+/// Plans a run with a tile for each input: whether it can be divided, and its rounds.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/pipeline/rows/cropped_input.h"
+#include "pointsweep/pipeline/rows/nonfinite_points.h"
+#include "pointsweep/pipeline/rows/other_cloud.h"
+#include "pointsweep/pipeline/run/output_files.h"
+#include "pointsweep/pipeline/run/part_run.h"
+#include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/pipeline/run/request.h"
+
+namespace pointsweep {
+namespace {
+
+/// Throws UsageError for a run whose parts would have to know more of each other than their neighbourhoods.
+void require_divisible(const ChainPlan& plan, const Outputs& outputs, const EngineOptions& options) {
+  const auto refuse = [](const std::string& what) {
+    fail_usage("{}; run it in one process, without a client or --dask.", what);
+  };
+  if (outputs.tiles.empty()) fail_usage("Many processes write a file for each input: name a folder as the output.");
+  if (options.order == Order::sweep || plan.reorders) refuse("The rows of all tiles cannot be put in one order");
+  if (!options.resume_folder.empty()) refuse("A run of many processes goes on from its scratch, not from checkpoints");
+  if (options.engine != Engine::exact) refuse("The reference engine needs all points in one process");
+  for (const PlannedPass& pass : plan.passes) {
+    const InOrderOperator* const op = pass.in_order();
+    if (op != nullptr && (!op->reach() || (!op->other_cloud().empty() && !op->other_reach())))
+      refuse(fmt::format("'{}' cannot be divided among tiles yet", pass.in_order()->name()));
+    const Stage* const connecting = pass.connecting_stage();
+    if (connecting != nullptr && connecting->connects()->weighted())
+      refuse(fmt::format("'{}' cannot be divided among tiles yet", connecting->connects()->name()));
+  }
+}
+
+/// Moved points get one grid for all tiles, which only their inputs, or the user, can give before the work.
+void require_common_grid(const InputCloud& cloud, const ChainPlan& plan, const EngineOptions& options) {
+  const bool moves = plan.graph.moved_bounds.has_value();
+  const bool stated = options.layout.scale.has_value() && options.layout.offset.has_value();
+  const auto x = cloud.schema().find("x");
+  const Type type = x ? cloud.schema().fields[*x].type : Type::f64;
+  const bool on_grid = type != Type::f32 && type != Type::f64;
+  if (moves && !on_grid && !stated && cloud.las())
+    fail_usage(
+        "The tiles lie on several grids, and their points are moved: give the grid of the outputs with --scale and "
+        "--offset.");
+}
+
+/// Adds a step. It is taken by the tasks of the last round where that is not joined and over the same tiles.
+void add_step(PartPlan& made, PartStep step, PartJoin join) {
+  const auto is_own = [](PartRoundKind kind) { return kind != PartRoundKind::look && kind != PartRoundKind::other; };
+  const bool begins = made.rounds.empty() || made.rounds.back().join != PartJoin::nothing ||
+                      !is_own(made.rounds.back().kind()) || !is_own(step.kind);
+  if (begins) made.rounds.push_back({});
+  made.rounds.back().steps.push_back(step);
+  made.rounds.back().join = join;
+}
+
+void add_phase(const ChainPlan& plan, const Phase& phase, PartPlan& made) {
+  const std::size_t p = phase.pass;
+  const bool is_pass = p < plan.passes.size();
+  const bool values = is_pass && !plan.passes[p].values.empty() && plan.leaves_rows(p);
+  const PartJoin join = values ? PartJoin::values : PartJoin::nothing;
+  if (phase.kind == PhaseKind::order) {
+    if (std::ranges::find(made.others, p, &OtherFiles::pass) != made.others.end())
+      add_step(made, {PartRoundKind::other, p}, PartJoin::tiles);
+    add_step(made, {PartRoundKind::order, p}, PartJoin::tiles);
+  }
+  if (phase.kind == PhaseKind::sweep) {
+    const bool connects = plan.passes[p].connecting_stage() != nullptr;
+    add_step(made, {PartRoundKind::sweep, p}, connects ? PartJoin::components : join);
+    if (connects) add_step(made, {PartRoundKind::label, p}, join);
+  }
+  const bool ends = phase.kind == PhaseKind::update || phase.kind == PhaseKind::write;
+  if (ends && is_pass && plan.passes[p].kind == PassKind::rows) add_step(made, {PartRoundKind::rows, p}, join);
+  if (ends && !is_pass) add_step(made, {PartRoundKind::write, p}, PartJoin::nothing);
+}
+
+std::vector<OtherFiles> other_files(const Request& request, const RunReport& report) {
+  std::vector<OtherFiles> files;
+  const OtherClouds others = open_other_clouds(request, report);
+  for (std::size_t p = 0; p < others.size(); ++p) {
+    if (!others[p]) continue;
+    others[p]->require_same_types();
+    files.push_back({.pass = p, .counts = others[p]->counts()});
+    for (const std::filesystem::path& path : others[p]->files()) files.back().paths.push_back(path.string());
+  }
+  return files;
+}
+
+}  // namespace
+
+PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
+  const ChainPlan plan = plan_of_parts(cloud, chain, outputs, options);
+  const CroppedInput cropped(cloud, plan);
+  require_divisible(plan, outputs, options);
+  require_common_grid(cloud, plan, options);
+  const Request request{cloud, outputs, options, plan};
+  require_own_files(request);
+  Statistics statistics = first_counts(request, {});
+  const RunReport report{statistics, nullptr};
+  require_work(request);
+  const OutputNames names = check_request(request, report);
+  RunPlaces places(options, {});
+  const Context context{cloud, outputs, options, plan, names, {}, places, report};
+  OutputFiles().require_writable(context, {});
+  PartPlan made;
+  made.others = other_files(request, report);
+  made.record = recorded_stages(plan);
+  made.nonfinite = nonfinite_rule(cloud, outputs, options.nonfinite);
+  if (made.nonfinite != Nonfinite::keep) made.rounds.push_back({{{PartRoundKind::look}}});
+  for (const Phase& phase : phases_of(plan)) add_phase(plan, phase, made);
+  for (const auto& reader : cloud.readers()) made.rows.push_back(reader->info().count);
+  for (std::size_t p = 0; p < plan.passes.size(); ++p) {
+    const std::uint64_t before = p == 0 ? 0 : plan.passes[p - 1].carried_bytes();
+    const bool sweeps = plan.passes[p].kind == PassKind::sweep;
+    const std::uint64_t stored = sweeps ? plan.passes[p].travelling_bytes() + sizeof(Vec3) + sizeof(std::uint64_t) : 0;
+    made.scratch_bytes = std::max(made.scratch_bytes, stored + before + plan.passes[p].carried_bytes());
+  }
+  made.notes = statistics.warnings;
+  return made;
+}
+
+}  // namespace pointsweep
