@@ -27,6 +27,8 @@ from ._urls import absolute, state_of
 _MOST_TRIES = 4  # of a task whose workers end, or whose objects are damaged
 _PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep": "sweeping", "label": "updating", "rows": "updating", "write": "writing"}
 _WAIT_SECONDS = 30.0
+_LOOK_SECONDS = 5.0  # between two looks at tasks that may hang
+_RESULT_SECONDS = 20.0  # for a reply, a few hundred bytes, to come from its worker
 _SLOW_SECONDS = 60.0  # a task may hang if it takes longer than this and ten times as long as the longest one before
 
 Progress = Callable[[str, int, int], Any] | None
@@ -145,6 +147,7 @@ class _Run:
         self._first_row = _sums_before(rows)
         self._done: list[dict[int, Done]] = [{} for _ in rounds]
         self._longest, self._damages = 0.0, 0
+        self._hanging: set[str] = set()  #: workers that have taken much too long for a task
         self._forgotten = 0  #: the round before which nothing is left in the scratch
         for fact in place.done():
             self._done[fact["round"]][fact["tile"]] = Done(*fact["done"])
@@ -212,27 +215,36 @@ class _Run:
 
     def _hand_out(self, number: int, todo: list[int]) -> tuple[int, int | None] | None:
         """Keeps every worker busy, with one more task each at hand."""
+        from distributed import TimeoutError as late
+
         kind = self._rounds[number].kind
         left, tries = list(reversed(todo)), Counter[int]()
         running: dict[Any, tuple[int, float]] = {}
         rows = self._rows_of(number)
         points = sum(rows[tile] for tile in self._done[number])
         self._tell(kind, points, sum(rows))
-        while left or running:
+        looked = time.monotonic()
+        while left or any(tile not in self._done[number] for tile, _ in running.values()):
             self._place.require_lease()
+            if time.monotonic() - looked > _LOOK_SECONDS:
+                self._double_slow(number, running)
+                looked = time.monotonic()
             window = 2 * max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
             while left and len(running) < window:
                 tile = left.pop()
                 running[self._submit(number, tile)] = tile, time.monotonic()
             future = self._next(running)
             if future is None:
-                self._double_slow(number, running)
                 continue
             tile, since = running.pop(future)
             if tile in self._done[number]:
                 continue  # another copy of the task was faster
             try:
-                done = future.result()
+                done = future.result(timeout=_RESULT_SECONDS)
+            except late:  # its worker has it, and does not answer
+                self._hanging.update(*self._client.who_has([future]).values())
+                left.append(tile)
+                continue
             except CancelledError:
                 raise _scheduler_gone() from None
             except Exception as error:  # noqa: BLE001 - of the task, of its worker or of the scheduler
@@ -258,15 +270,18 @@ class _Run:
             self._place.note(round=number, tile=tile, done=list(done))
             points += rows[tile]
             self._tell(kind, points, sum(rows))
+        for copy in running:  # of tasks that another worker has done
+            copy.cancel()
         return None
 
     def _next(self, running: dict[Any, Any]) -> Any:
         """The next future that is done; None if none is for a while."""
+        from distributed import TimeoutError as late
         from distributed import wait
 
         try:
-            wait(list(running), timeout=5, return_when="FIRST_COMPLETED")
-        except TimeoutError:
+            wait(list(running), timeout=_LOOK_SECONDS, return_when="FIRST_COMPLETED")
+        except late:
             if self._client.status not in ("running", "connecting"):
                 raise _scheduler_gone() from None
             return None
@@ -274,8 +289,7 @@ class _Run:
             raise _scheduler_gone() from None
         return next(future for future in running if future.done())
 
-    def _submit(self, number: int, tile: int, workers: list[str] | None = None) -> Any:
-        """Hands out a task, to one of these workers if some are named."""
+    def _submit(self, number: int, tile: int) -> Any:
         this = self._rounds[number]
         rounds = [n for n in reversed(range(number)) if self._rounds[n].kind not in ("look", "other")]
         before = "" if this.kind == "other" else next((self._done[n][tile].left for n in rounds if tile in self._done[n]), "")
@@ -294,7 +308,13 @@ class _Run:
             "other_catalogue": self._joined_before(number, lambda round: (round.kind, round.number) == ("other", this.number)),
         }
         key = f"{_PHASES[this.kind]}-{number}-{tile}-{time.monotonic_ns()}"
-        return self._client.submit(perform, self._place.request, self._place.objects, task, key=key, pure=False, workers=workers)
+        return self._client.submit(perform, self._place.request, self._place.objects, task, key=key, pure=False, workers=self._workers())
+
+    def _workers(self) -> list[str] | None:
+        """Those that seem to work, where some seem to hang."""
+        if not self._hanging:
+            return None
+        return [worker for worker in self._client.scheduler_info(n_workers=-1)["workers"] if worker not in self._hanging] or None
 
     def _path_of(self, number: int, task: int) -> str:
         this = self._rounds[number]
@@ -306,6 +326,8 @@ class _Run:
 
     def _double_slow(self, number: int, running: dict[Any, Any]) -> None:
         """Gives tasks that may hang to another worker, too."""
+        if self._longest == 0:
+            return  # how long a task takes is not known
         now = time.monotonic()
         tiles = Counter(tile for tile, _ in running.values())
         slow = [
@@ -315,11 +337,10 @@ class _Run:
         ]
         if not slow:
             return
-        processing = self._client.processing()
-        for future, tile in slow:
-            others = [worker for worker, keys in processing.items() if future.key not in keys]
-            if others:
-                running[self._submit(number, tile, others)] = tile, now
+        keys = {future.key for future, _ in slow}
+        self._hanging.update(worker for worker, at_hand in self._client.processing().items() if keys & set(at_hand))
+        for _, tile in slow:
+            running[self._submit(number, tile)] = tile, now
 
     def _forget_before(self, number: int) -> None:
         self._place.flush()

@@ -88,7 +88,7 @@ class Immediate:
         def cancel(self) -> None:
             pass
 
-        def result(self) -> Any:
+        def result(self, timeout: float) -> Any:
             if self._error is not None:
                 raise self._error
             return self._value
