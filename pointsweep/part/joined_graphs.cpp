@@ -179,9 +179,15 @@ void join_crossings(const Storage& scratch, const TileCatalogue& tiles, const st
     Node node;
     bool operator<(const From& other) const { return std::tie(to, node) < std::tie(other.to, other.node); }
   };
-  SortedRecords<From, std::less<>> all(setup.make_scratch, setup.memory_bytes, ~std::uint64_t{0} >> 32);
+  const auto crossings_of = [&](std::size_t t) {
+    return std::make_unique<const RecordList>(scratch, names[t] + ".crossings", sizeof(Crossing));
+  };
+  std::uint64_t count = 0;
+  for (std::size_t t = 0; t < names.size(); ++t) count += crossings_of(t)->count();
+  SortedRecords<From, std::less<>> all(setup.make_scratch, setup.memory_bytes, count);
   for (std::size_t t = 0; t < names.size(); ++t) {
-    RecordList list(scratch, names[t] + ".crossings", sizeof(Crossing));
+    const auto opened = crossings_of(t);
+    const RecordList& list = *opened;
     std::vector<Crossing> crossings;
     for (std::uint64_t first = 0; first < list.count(); first += crossings.size()) {
       stop_if_cancelled();

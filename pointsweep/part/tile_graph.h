@@ -74,7 +74,7 @@ void leave_no_graph(const VoteRule* votes, Storage& scratch, const std::string& 
 
 /// Joins the components of all tiles by their crossings, and numbers them by their first points. Leaves the list
 /// KEY.numbers, and for each tile where in it the components of the tile are; KEY is there when all is. Memory: about
-/// 100 bytes for each component that a crossing touches.
+/// 150 bytes and the votes of each component that a crossing touches.
 void join_graphs(Storage& scratch, const TileCatalogue& tiles, const std::vector<std::string>& names,
                  const TileGraphSetup& setup, const std::string& key);
 

@@ -22,7 +22,7 @@ TileRegion region_of(const TileIndex& tile, std::uint32_t first, std::uint32_t e
   return region;
 }
 
-/// Of the blocks that are stored for others, or else of whole slabs.
+/// Returns regions of the blocks that are stored for others, or else of whole slabs.
 std::vector<TileRegion> regions_of(const TileIndex& tile) {
   std::vector<std::uint32_t> ends;
   std::uint32_t begin = 0;

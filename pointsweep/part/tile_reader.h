@@ -25,7 +25,7 @@ struct TileRegion {
   std::uint64_t least_row = 0;  ///< in the tile
 };
 
-/// What all machines know of a tile.
+/// The facts about a tile that all machines know.
 struct TileSummary {
   std::string name;             ///< of its objects in the scratch
   std::uint64_t first_row = 0;  ///< in the cloud, before which are the rows of the tiles before

@@ -202,6 +202,33 @@ TEST_P(PartRunOf, HasTheBytesOfOneRunOrIsRefused) {
   }
 }
 
+/// Each operator gets some of the shapes, spilled or not by turns, so that all operators together get all of them.
+TEST_P(PartRunOf, HasTheBytesOfOneRunOnHostileTiles) {
+  if (kUndivided.contains(GetParam())) GTEST_SKIP() << "is refused";
+  const std::vector<std::string> names = names_of_all_operators();
+  const auto number = static_cast<std::size_t>(std::ranges::find(names, GetParam()) - names.begin());
+  const auto shapes = hostile_shapes();
+  const std::string other = (folder_ / "other.ply").string();
+  for (std::size_t turn = 0; turn < 3; ++turn) {
+    const auto& [name, shape] = shapes[(3 * number + turn) % shapes.size()];
+    SCOPED_TRACE(name);
+    std::mt19937_64 random(5);
+    std::vector<Vec3> cloud(700), others(200);
+    for (Vec3& p : cloud) p = shape(random);
+    for (Vec3& p : others) p = shape(random);
+    std::filesystem::remove(other);
+    write_labelled_points(other, others);
+    std::vector<std::vector<Vec3>> tiles = squares_of(cloud);
+    tiles.push_back({});
+    tiles.push_back({{1e4, 1e4, 0}});
+    write_tiles(tiles);
+    EngineOptions given = options();
+    given.slab_points = 90;
+    given.spill = turn % 2 == 1;
+    expect_same(example_of(GetParam(), other).pipeline, given);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(EveryOperator, PartRunOf, testing::ValuesIn(names_of_all_operators()),
                          [](const auto& tested) { return tested.param; });
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-//! What went wrong with a request, as a status of the C interface and some words.
+//! Errors of requests, as a status of the C interface and some words.
 
 use object_store::client::{HttpError, HttpErrorKind};
 use object_store::Error as StoreError;

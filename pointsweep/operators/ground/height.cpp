@@ -127,7 +127,7 @@ std::optional<Reach> Height::reach() const {
   return Reach{std::numeric_limits<double>::infinity(), static_cast<std::size_t>(options_.k)};
 }
 
-/// Those of the ground, among which the nearest ones are looked for.
+/// Chooses the points of the ground, among which the nearest ones are looked for.
 InOrderOperator::ChoosePoints Height::for_other_parts() const {
   return [](const OrderedPoints& points) {
     std::vector<std::uint32_t> ground;

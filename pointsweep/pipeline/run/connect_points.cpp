@@ -199,7 +199,7 @@ void label_points(const Context& context, const PlannedPass& pass, const MemoryP
   const Stage& stage = *pass.connecting_stage();
   const ConnectOperator& op = *stage.connects();
   const ResultPart part = connected_part(pass.plan, stage);
-  const std::size_t bytes = pass.plan.result_bytes, told_bytes = 1 + part.bytes;  // the first says whether it is told
+  const std::size_t bytes = pass.plan.result_bytes, told_bytes = 1 + part.bytes;  // the first byte is 1 where the point is in a component
   RunPlaces& places = context.places;
   const TileGraphSetup setup{op.votes(), places.scratch(), &places.folder(), memory.recall_bytes / 2, {}};
   RowStore told(context.cloud.count(), std::vector<std::byte>(told_bytes), setup.spill,

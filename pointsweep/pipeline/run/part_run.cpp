@@ -329,9 +329,7 @@ class TaskOfTile {
     done_.swept_points = points;
     const EngineOptions& options = context_.options;
     const std::uint64_t record = work.layout->schema().stride;
-    const auto codecs = [&](unsigned threads) {
-      return codec_bytes(context_.cloud, context_.outputs, options, record, threads);
-    };
+    const auto codecs = [&](unsigned threads) { return context_.codec_bytes(record, threads); };
     work.memory = plan_run_memory(work.budget, context_.plan, std::max(points, context_.cloud.count()), of_input,
                                   options, record, codecs);
   }

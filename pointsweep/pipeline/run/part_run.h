@@ -25,7 +25,7 @@ enum class PartRoundKind : std::uint8_t {
   write,  ///< writes the rows that the last pass has left
 };
 
-/// What is to be made of what all tasks of a round have left.
+/// The value that is made once all tasks of a round are done.
 enum class PartJoin : std::uint8_t { nothing, tiles, components, values };
 
 struct PartStep {

@@ -2,10 +2,12 @@
 #include "pointsweep/storage/local/descriptor.h"
 
 #include <fcntl.h>
+#include <stdlib.h>
 #include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <string>
 
 namespace pointsweep {
 
@@ -42,5 +44,14 @@ FileDescriptor open_folder(const std::filesystem::path& path, bool follow_link) 
 }
 
 int lock(const FileDescriptor& descriptor) { return ::flock(descriptor.number(), LOCK_EX | LOCK_NB) == 0 ? 0 : errno; }
+
+FileDescriptor open_nameless(const std::filesystem::path& folder) {
+  FileDescriptor nameless(::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
+  if (nameless) return nameless;
+  std::string name = (folder / "pointsweep-nameless-XXXXXX").string();  // where the file system has no such files
+  FileDescriptor named(::mkostemp(name.data(), O_CLOEXEC));
+  if (named) ::unlink(name.c_str());
+  return named;
+}
 
 }  // namespace pointsweep

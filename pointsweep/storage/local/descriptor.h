@@ -43,6 +43,9 @@ class FileDescriptor {
 
 /// Opens a folder, so that it can be locked. Nothing is open if that is not possible; errno says why.
 FileDescriptor open_folder(const std::filesystem::path& path, bool follow_link);
+/// Makes a file without a name in a folder, of which nothing is left when it is closed, however the process ends. Nothing
+/// is open if that is not possible; errno says why.
+FileDescriptor open_nameless(const std::filesystem::path& folder);
 /// Locks an open file or folder until it is closed. Returns 0 or an errno; EWOULDBLOCK if another process has the lock.
 int lock(const FileDescriptor& descriptor);
 

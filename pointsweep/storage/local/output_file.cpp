@@ -137,14 +137,11 @@ OutputFile::OutputFile(const fs::path& destination, bool overwrite, const fs::pa
   lock(file_);
 }
 
-/// No name: nothing is left behind, however the process ends.
 void OutputFile::open_for_upload(const fs::path& temp_folder) {
   require_possible(destination_, overwrite_);
   temp_folder_ = temp_parent(temp_folder);
-  std::string name = (temp_folder_ / "pointsweep-upload-XXXXXX").string();
-  file_ = FileDescriptor(::mkostemp(name.data(), O_CLOEXEC));
+  file_ = open_nameless(temp_folder_);
   if (!file_) fail_to_write(errno);
-  ::unlink(name.c_str());
   ++incomplete_files;
   incomplete_ = true;
 }

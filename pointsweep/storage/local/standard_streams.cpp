@@ -13,10 +13,12 @@
 #include <span>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/storage/local/descriptor.h"
 
 namespace pointsweep {
 namespace {
@@ -27,17 +29,11 @@ int standard_input = -1;
 
 std::string text_of(int error) { return std::generic_category().message(error); }
 
-/// A file that vanishes with its descriptor.
-int open_nameless(const fs::path& folder) {
-  const int nameless = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (nameless >= 0) return nameless;
-  std::string name = (folder / "pointsweep-stdin-XXXXXX").string();
-  const int named = ::mkostemp(name.data(), O_CLOEXEC);
-  if (named < 0)
-    fail("{}: cannot hold a temporary copy of standard input: {}; choose another folder with --temp-dir.",
-         folder.string(), text_of(errno));
-  ::unlink(name.c_str());
-  return named;
+[[noreturn]] void fail_to_hold_input(const fs::path& folder, int error) {
+  fail(
+      "{}: cannot hold a temporary copy of standard input: {}; free some space, or choose another folder with "
+      "--temp-dir.",
+      folder.string(), text_of(error));
 }
 
 /// Returns when the next read or write does not wait. A request to stop is seen within a fraction of a second.
@@ -66,10 +62,7 @@ void write_whole(int file, std::span<const std::byte> bytes, const fs::path& fol
     if (written > 0)
       bytes = bytes.subspan(static_cast<std::size_t>(written));
     else if (written == 0 || errno != EINTR)
-      fail(
-          "{}: cannot hold a temporary copy of standard input: {}; free some space, or choose another folder with "
-          "--temp-dir.",
-          folder.string(), text_of(written == 0 ? ENOSPC : errno));
+      fail_to_hold_input(folder, written == 0 ? ENOSPC : errno);
   }
 }
 
@@ -97,15 +90,12 @@ void take_standard_input(const fs::path& folder) {
     return;
   }
   const fs::path place = folder.empty() ? fs::temp_directory_path() : folder;
-  const int copy = open_nameless(place);
+  FileDescriptor copy = open_nameless(place);
+  if (!copy) fail_to_hold_input(place, errno);
   std::vector<std::byte> block(1 << 20);
-  try {
-    while (const std::size_t got = read_pipe(block)) write_whole(copy, std::span(block).first(got), place);
-  } catch (...) {
-    ::close(copy);
-    throw;
-  }
-  standard_input = copy;
+  while (const std::size_t got = read_pipe(block)) write_whole(copy.number(), std::span(block).first(got), place);
+  static const FileDescriptor kept = std::move(copy);
+  standard_input = kept.number();
 }
 
 ssize_t write_to_stream(int descriptor, std::span<const std::byte> bytes) {
