@@ -11,6 +11,8 @@
 #include <set>
 
 #include "pointsweep/error.h"
+#include "pointsweep/math/mix.h"
+#include "pointsweep/operators/thinning/poisson.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/language/length_units.h"
@@ -314,9 +316,31 @@ INSTANTIATE_TEST_SUITE_P(InOrder, PartRunOfTiles,
                                          "poisson(1.5)", "knn(k=6) | components",
                                          "knn(radius=1.5) | dbscan(eps=1.5, min_points=6)",
                                          "knn(k=10) | normals | curvature | simplify(0.05, most=2)", "height(k=3)",
-                                         "distance_to(OTHER)", "distance_to(OTHER, most=0.5)",
+                                         "knn(k=8) | normals | m3c2(OTHER, cylinder=2, depth=3)", "distance_to(OTHER)",
+                                         "distance_to(OTHER, most=0.5)",
                                          "take(OTHER, attributes=tree_id, k=4, vote=mean)",
                                          "take(OTHER, attributes=tree_id, most=0.2, missing=1)"));
+
+/// In a line of points each of which decides about the next one, the last tile depends on the first point.
+TEST_F(PartRun, ReadsAsFarAsPointsDecideAboutEachOther) {
+  constexpr std::size_t kLineTiles = 10, kInTile = 30;
+  std::mt19937_64 random(1);
+  std::vector<std::vector<Vec3>> tiles(kLineTiles);
+  for (std::size_t i = 0; i < kLineTiles * kInTile; ++i) {
+    const double least = static_cast<double>(i) / (kLineTiles * kInTile), most = least + 1.0 / (kLineTiles * kInTile);
+    Vec3 p;
+    double share;
+    do {
+      p = {0.9 * static_cast<double>(i), 0.01 * uniform(random), 0};
+      share = static_cast<double>(coordinate_hash(p, kPoissonSeed)) * 0x1p-64;
+    } while (share < least || share >= most);
+    tiles[i / kInTile].push_back(p);
+  }
+  write_tiles(tiles);
+  EngineOptions given = options();
+  given.slab_points = 5;
+  EXPECT_GT(expect_same("poisson(1)", given), 5 * kLineTiles * kInTile) << "tiles have read much of the line";
+}
 
 TEST_F(PartRun, DropsPointsWithoutAPlaceAsOneRunDoes) {
   std::vector<Vec3> cloud = cloud_for_examples(1000, 1);
