@@ -42,7 +42,7 @@ MUTANTS = [
     Mutant("cylinders reach no farther than half of their depth", "parts", "pointsweep/operators/change/m3c2.cpp",
            "std::hypot(options_.cylinder / 2, options_.depth) * (1 + 1e-6)", "options_.depth / 2", TESTS),
     Mutant("edges between tiles join nothing", "parts", PART + "joined_graphs.cpp",
-           "    joined.join(next->node, {tile, number});", "", TESTS),
+           "    joined.join(next->node, {tile, number});", "    static_cast<void>(joined);", TESTS),
     Mutant("a joined component has the votes of its first part", "parts", PART + "joined_graphs.cpp",
            "votes_.merge(whole.votes.data(), votes, false);", "static_cast<void>(votes);", TESTS),
     Mutant("a joined component has the points of its last part", "parts", PART + "joined_graphs.cpp",
