@@ -316,7 +316,7 @@ INSTANTIATE_TEST_SUITE_P(InOrder, PartRunOfTiles,
                                          "poisson(1.5)", "knn(k=6) | components",
                                          "knn(radius=1.5) | dbscan(eps=1.5, min_points=6)",
                                          "knn(k=10) | normals | curvature | simplify(0.05, most=2)", "height(k=3)",
-                                         "knn(k=8) | normals | m3c2(OTHER, cylinder=2, depth=3)", "distance_to(OTHER)",
+                                         "knn(k=8) | normals | m3c2(OTHER, cylinder=12, depth=4)", "distance_to(OTHER)",
                                          "distance_to(OTHER, most=0.5)",
                                          "take(OTHER, attributes=tree_id, k=4, vote=mean)",
                                          "take(OTHER, attributes=tree_id, most=0.2, missing=1)"));
