@@ -342,6 +342,15 @@ TEST_F(PartRun, ReadsAsFarAsPointsDecideAboutEachOther) {
   EXPECT_GT(expect_same("poisson(1)", given), 5 * kLineTiles * kInTile) << "tiles have read much of the line";
 }
 
+/// Tiles of four points, one of which is of class 2: several tiles hold the nearest ones.
+TEST_F(PartRun, ReadsAsManyTilesAsHoldTheNearestPoints) {
+  const std::vector<Vec3> points = landscape(160, 1);
+  std::vector<std::vector<Vec3>> tiles(points.size() / 4);
+  for (std::size_t i = 0; i < points.size(); ++i) tiles[i / 4].push_back(points[i]);
+  write_tiles(tiles);
+  expect_same("height(k=5)", options());
+}
+
 TEST_F(PartRun, DropsPointsWithoutAPlaceAsOneRunDoes) {
   std::vector<Vec3> cloud = cloud_for_examples(1000, 1);
   cloud[5].y = std::numeric_limits<double>::infinity();
