@@ -342,11 +342,10 @@ TEST_F(PartRun, ReadsAsFarAsPointsDecideAboutEachOther) {
   EXPECT_GT(expect_same("poisson(1)", given), 5 * kLineTiles * kInTile) << "tiles have read much of the line";
 }
 
-/// Tiles of four points, one of which is of class 2: several tiles hold the nearest ones.
+/// Tiles of four points side by side, one of which is of class 2: several tiles hold the nearest ones.
 TEST_F(PartRun, ReadsAsManyTilesAsHoldTheNearestPoints) {
-  const std::vector<Vec3> points = landscape(160, 1);
-  std::vector<std::vector<Vec3>> tiles(points.size() / 4);
-  for (std::size_t i = 0; i < points.size(); ++i) tiles[i / 4].push_back(points[i]);
+  std::vector<std::vector<Vec3>> tiles;
+  for (const Vec3& p : landscape(40, 1)) tiles.push_back({p, p + Vec3{1, 0, 2}, p + Vec3{0, 1, 3}, p + Vec3{1, 1, 1}});
   write_tiles(tiles);
   expect_same("height(k=5)", options());
 }
