@@ -10,11 +10,10 @@
 
 namespace pointsweep {
 
-/// Octants of this depth are not divided.
+/// The depth of the smallest octants.
 inline constexpr int kMostDepth = 31;
 
-/// The place of a cell of the finest depth on the curve: three bits for each depth, those of z, y and x, the coarsest
-/// depth first.
+/// The place on the curve of a cell of the finest depth: three bits (z, y, x) for each depth, the coarsest depth first.
 struct CurveKey {
   std::uint64_t high = 0;  ///< depths 1 to 21
   std::uint32_t low = 0;   ///< depths 22 to 31
@@ -24,7 +23,7 @@ struct CurveKey {
 /// An octant of the cube: one of 8^depth equal cubes.
 struct Octant {
   int depth = 0;
-  std::array<std::uint32_t, 3> at{};  ///< its number along x, y and z
+  std::array<std::uint32_t, 3> at{};  ///< numbers of the octant along x, y and z
   friend bool operator==(const Octant&, const Octant&) = default;
 };
 
@@ -80,7 +79,7 @@ inline Octant octant_of(const CurveKey& key, int depth) {
   return octant;
 }
 
-/// Returns the octant that this one is an eighth of; it must not be the cube.
+/// Returns the octant of the next lower depth that contains this one. `octant` must not be the cube.
 inline Octant parent_of(Octant octant) {
   --octant.depth;
   for (std::uint32_t& number : octant.at) number >>= 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The points of a cloud by their numbers along the Morton curve, read again and again.
+/// The points of a cloud in Morton order, for repeated reads.
 #pragma once
 
 #include <cstddef>
@@ -16,20 +16,20 @@ namespace pointsweep {
 
 class CurvePoints {
  public:
-  /// Points for whose boxes one box is held.
+  /// Number of points that share one bounding box.
   static constexpr std::uint64_t kBlockRows = 4096;
 
   CurvePoints(const LevelGrid& grid, std::uint64_t count, ScratchRoom& room)
       : grid_(grid), scratch_(room.make(count * sizeof(GridPoint))) {}
 
-  /// Appends the points with which the records begin.
+  /// Appends points; a record begins with its point.
   void add(std::span<const std::byte> records, std::size_t record_bytes);
 
   const LevelGrid& grid() const { return grid_; }
   std::uint64_t count() const { return count_; }
-  /// Fills `points` with those from number `first` on. Thread-safe, as all that follows.
+  /// Fills `points` with the points from number `first` on. Thread-safe, like all functions below.
   void read(std::uint64_t first, std::span<GridPoint> points) const;
-  /// Returns a box around the points of a block, which are those from number block * kBlockRows on.
+  /// Returns a box around the points of a block, which begins at number block * kBlockRows.
   Box block_box(std::uint64_t block) const;
 
  private:

@@ -15,16 +15,16 @@ namespace {
 
 constexpr std::uint64_t kMostPieceBytes = 16 << 20, kMostStretchBytes = 16 << 20, kFewBytes = 1 << 20,
                         kLeastBytes = 64 << 10;
-/// Stretches that are enough; for each of them, each piece has a number.
+/// Largest number of stretches. Each piece stores one number per stretch.
 constexpr std::uint64_t kManyStretches = 4096;
-/// Records of the sample; twice as many are held for a while.
+/// Number of records in the sample; while it is drawn, up to twice as many are in memory.
 constexpr std::uint64_t kSampleRecords = 64 << 10;
 constexpr std::size_t kRowsAtOnce = 8192;
 
 }  // namespace
 
-// Half of the memory is for pieces that are held, or for a piece and its sorted copy on each thread. The other half is
-// for stretches: on each thread the parts that were read, their order and two sorted copies.
+// Half of the memory is for pieces in memory, or for a piece and its sorted copy on each thread. The other half is for
+// stretches: on each thread the parts of a stretch, their order and two sorted copies.
 CurveRecords::CurveRecords(std::size_t record_bytes, std::uint64_t memory_bytes, MakeScratch files)
     : record_bytes_(record_bytes), memory_(memory_bytes), files_(std::move(files)) {
   const std::uint64_t share = memory_bytes / thread_count();

@@ -16,30 +16,30 @@
 
 namespace pointsweep {
 
-/// Records that begin with a GridPoint. Records at one place are in the order of their bytes, so that the sequence
-/// depends on the records alone and not on the order in which they come.
+/// Records that begin with a GridPoint. Records at one place are ordered by their bytes, so that the sequence does not
+/// depend on the order of input.
 ///
 /// Pieces of the records are sorted, each by itself. A sample of the records then divides the curve into stretches of
-/// about equal numbers; the parts that the pieces have of a stretch are read and sorted at once, several stretches side
-/// by side.
+/// about equal numbers of records. For each stretch, its parts of all pieces are read and sorted; several stretches are
+/// sorted in parallel.
 class CurveRecords {
  public:
-  /// `memory_bytes`: for all that is held at once. Without `files` all records are held, whatever that takes.
+  /// `memory_bytes`: limit for the memory of this object. Without `files` all records stay in memory, beyond the limit.
   CurveRecords(std::size_t record_bytes, std::uint64_t memory_bytes, MakeScratch files);
 
-  /// Returns whether so many bytes of records are more than such a memory holds.
+  /// Returns whether so many bytes of records do not fit in the memory.
   static bool puts_aside(std::uint64_t bytes, std::uint64_t memory_bytes) { return bytes > memory_bytes / 2; }
 
   void add(std::span<const std::byte> records);
   std::uint64_t count() const { return count_; }
-  /// Returns the bounds of the records so far. Those of no records are the greatest and the least number.
+  /// Returns the bounds of the records added so far. Without records, `lo` is the greatest number and `hi` the least.
   const GridBounds& bounds() const { return bounds_; }
 
-  /// Sorts the records. To be called once, after the last add().
+  /// Sorts the records. Must be called once, after the last add().
   void sort(const LevelGrid& grid);
 
   using Use = std::function<void(std::span<const std::byte> records, std::span<const CurveKey> keys)>;
-  /// Calls `use` with all records in order, some at a time, and the key of each. May be called again.
+  /// Calls `use` with all records in order, in batches, with the key of each record. May be called again.
   void for_each(const Use& use) const;
 
  private:
@@ -51,13 +51,13 @@ class CurveRecords {
     std::uint64_t offset = 0;  ///< in the scratch
     std::size_t rows = 0;
     std::vector<std::byte> held = {};      ///< empty if the piece is in the scratch
-    std::vector<std::uint32_t> ends = {};  ///< the first row behind each stretch
+    std::vector<std::uint32_t> ends = {};  ///< the first row after each stretch
   };
   struct Sorted {
     std::vector<std::byte> records;
     std::vector<CurveKey> keys;
   };
-  /// The end of a stretch: before or behind all records equal to one of the sample.
+  /// The end of a stretch: before or after all records that equal `record`, a record of the sample.
   struct End {
     CurveKey key;
     std::vector<std::byte> record;
@@ -87,7 +87,7 @@ class CurveRecords {
   std::vector<std::byte> sample_;  ///< every sample_step_th record
   std::uint64_t sample_step_ = 1;
   std::optional<LevelGrid> grid_;
-  std::vector<End> ends_;  ///< of all stretches but the last
+  std::vector<End> ends_;  ///< ends of all stretches but the last
 };
 
 }  // namespace pointsweep

@@ -14,9 +14,9 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kAllRanks = std::numeric_limits<std::uint64_t>::max();
-/// Points expected below the first limit, and the factor from one limit to the next.
+/// Number of points expected below the first limit, and the factor from one limit to the next.
 constexpr std::uint64_t kFirstCandidates = 64 << 10, kNextLimit = 16;
-/// Candidates that are held at once.
+/// Largest number of candidates in memory.
 constexpr std::size_t kMostCandidates = 256 << 10;
 
 struct Candidate {
@@ -64,8 +64,8 @@ class Choice {
     bool has_uncovered = false;
   };
 
-  /// Collects all uncovered points of ranks up to the limit, which is lowered if they are too many, and leaves out the
-  /// blocks without uncovered points.
+  /// Collects all uncovered points whose rank is within the limit, and drops the blocks without uncovered points. Too
+  /// many candidates lower the limit.
   void gather() {
     candidates_.clear();
     std::vector<std::uint64_t> live;
@@ -100,8 +100,8 @@ class Choice {
     }
   }
 
-  /// Leaves out the candidates of the higher ranks. Those of the rank at the new limit stay together: there may be many
-  /// at one place.
+  /// Drops the candidates of the higher ranks. All candidates of the rank at the new limit stay, since many may lie at
+  /// one place.
   void lower_limit() {
     const auto middle = candidates_.begin() + kMostCandidates / 2;
     std::ranges::nth_element(candidates_, middle, {}, &Candidate::rank);
@@ -117,8 +117,8 @@ class Choice {
   const NodeRows rows_;
   KeptGrid& kept_;
   std::vector<Worker> workers_;
-  std::vector<std::uint64_t> blocks_;  ///< with points that may be uncovered
-  std::uint64_t limit_ = 0;            ///< of the ranks of candidates
+  std::vector<std::uint64_t> blocks_;  ///< blocks that may have uncovered points
+  std::uint64_t limit_ = 0;            ///< highest rank of a candidate
   std::vector<Candidate> candidates_;
   std::vector<KeptPoint> chosen_;
 };

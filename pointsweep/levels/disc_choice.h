@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The greedy choice of points no two of which are nearer than a spacing, among the points of one node.
+/// The greedy choice of points of one node, any two of which are at least a spacing apart.
 #pragma once
 
 #include <cstddef>
@@ -22,13 +22,12 @@ struct KeptPoint {
   GridPoint point;
 };
 
-/// Takes the points by rank_of(), then by coordinates, then by number, and keeps each that no point of `kept` covers,
-/// to which it is added. Returns the kept points, in the order in which they were taken; none if there would be more
-/// than `most`.
+/// Takes the points by rank_of(), then by coordinates, then by number. A point that no point of `kept` covers is kept
+/// and added to `kept`. Returns the kept points in that order; nothing if there would be more than `most`.
 ///
-/// The choice among the points of the least ranks is the beginning of the choice among all. So the points are gone
-/// through several times, each time with a higher limit for the rank, and most of them are covered from the second time
-/// on, many at once (UncoveredPlaces).
+/// The choice among the points of the lowest ranks is the beginning of the choice among all. So the points are read
+/// several times, each time with a higher limit for the rank. From the second time on most of them are covered, and
+/// UncoveredPlaces skips many at once.
 std::optional<std::vector<KeptPoint>> choose_discs(const CurvePoints& points, NodeRows rows, KeptGrid& kept,
                                                    std::size_t most);
 

@@ -10,8 +10,8 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kLeastBuckets = 1024;
-/// Cells are wider than the spacing by this factor, so that rounding never puts two points nearer than the spacing
-/// farther apart than one cell.
+/// Ratio of the width of a cell to the spacing. The margin makes up for rounding: points nearer than the spacing always
+/// lie in the same cell or in adjacent cells.
 constexpr double kSlack = 1 + 1e-9;
 
 }  // namespace
@@ -62,7 +62,7 @@ bool KeptGrid::any_of_cell(const Cell& cell, const Use& use) const {
 
 bool KeptGrid::covers(Vec3 place) const {
   const auto [x, y, z] = cell_of(place);
-  // The cell of the place first: most places are covered from there.
+  // 0 is first, since the cell of the place itself holds the covering point most often.
   constexpr std::int64_t kNear[] = {0, -1, 1};
   for (const std::int64_t dx : kNear)
     for (const std::int64_t dy : kNear)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Points that keep other points out of a level: those nearer than the spacing of the level.
+/// The kept points that exclude other points from a level: points nearer to them than the spacing of the level.
 #pragma once
 
 #include <array>
@@ -11,17 +11,17 @@
 
 namespace pointsweep {
 
-/// Points in cells as wide as the spacing, so that all points nearer than that to a place lie in the 27 cells around
-/// it.
+/// Kept points in cells as wide as the spacing, so that all points nearer than the spacing to a place lie in the 27
+/// cells around it.
 class KeptGrid {
  public:
   KeptGrid(double spacing, Vec3 corner);
 
   void add(Vec3 point);
   std::span<const Vec3> points() const { return points_; }
-  /// Returns whether a point is nearer than the spacing.
+  /// Returns whether a kept point is nearer to the place than the spacing.
   bool covers(Vec3 place) const;
-  /// Replaces `near` by all points that may cover a place in the box, some of them maybe more than once.
+  /// Replaces `near` by all points that may cover a place in the box. A point may be listed more than once.
   void find_near(const Box& box, std::vector<Vec3>& near) const;
   double spacing2() const { return spacing2_; }
 
@@ -38,8 +38,8 @@ class KeptGrid {
   double spacing2_, cells_per_step_;
   Vec3 corner_;
   std::vector<Vec3> points_;
-  std::vector<std::uint32_t> next_;   ///< of a point in the chain of its bucket
-  std::vector<std::uint32_t> first_;  ///< of a bucket; a power of two
+  std::vector<std::uint32_t> next_;   ///< the next point in the bucket of a point
+  std::vector<std::uint32_t> first_;  ///< the first point of each bucket; the number of buckets is a power of two
 };
 
 }  // namespace pointsweep

@@ -11,35 +11,37 @@
 
 namespace pointsweep {
 
-/// An octant with more points is divided, unless they all lie at one place.
+/// An octant with more points than this is divided, unless all its points lie at one place.
 inline constexpr std::uint64_t kMostLeafPoints = 100'000;
 
 /// An octant that is not divided, and the numbers of its points on the curve.
 struct Leaf {
-  CurveKey key;  ///< the first of the octant
+  CurveKey key;  ///< first key of the octant
   int depth;
   std::uint64_t first, count;
   std::uint64_t end() const { return first + count; }
 };
 
-/// Returns the leaf that holds the octant; null if it is divided or has no points. `leaves`: all, in order.
+/// Returns the leaf that contains the octant; null if the octant is divided or has no points. `leaves`: all leaves in
+/// order.
 const Leaf* leaf_around(std::span<const Leaf> leaves, const Octant& octant);
 
 class LeafFinder {
  public:
   LeafFinder() { first_.fill(0); }
-  /// Takes the keys of the next points, which ascend.
+  /// Takes the keys of the next points. Keys ascend.
   void add(std::span<const CurveKey> keys);
-  /// Returns the leaves in order; none where there are no points.
+  /// Returns the leaves in order; none if there are no points.
   std::vector<Leaf> finish();
 
  private:
   void close(int depth);
 
-  std::array<std::uint64_t, kMostDepth + 1> first_;  ///< point of the octant of each depth that is still open
+  std::array<std::uint64_t, kMostDepth + 1> first_;  ///< for each depth, the first point of the octant of the last
+                                                     ///< point
   CurveKey last_;
   std::uint64_t count_ = 0;
-  std::uint64_t first_at_last_ = 0;  ///< the first point at the place of the last one
+  std::uint64_t first_at_last_ = 0;  ///< the first of the points that coincide with the last one
   std::vector<Leaf> leaves_;
 };
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kDepthBits = 5;
 static_assert(kMostDepth < 1 << kDepthBits);
-/// No limit for the points that a node keeps; the root has one.
+/// The limit for nodes other than the root: none.
 constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
 
 bool is_in(const Box& box, Vec3 p) {
@@ -135,8 +135,8 @@ std::optional<LevelChoice::Kept> LevelChoice::choose_node(const Depth& now, cons
   return kept;
 }
 
-/// Returns the points taken before those of the node that are in the box `near` around it: from the borders of leaves,
-/// from nodes of the same depth that are done, and from those of the depth before elsewhere.
+/// Returns the points in the box `near` that were taken before the points of the node: points of the borders of leaves,
+/// of nodes of the same depth that are done, and elsewhere of nodes of the depth before.
 std::vector<GridPoint> LevelChoice::excluders(const Depth& now, const Depth* before, const Octant& octant,
                                               const Box& near) const {
   std::vector<const Node*> sources, parents;
@@ -171,7 +171,7 @@ void LevelChoice::end_node(Depth& now, Node& node, const Kept& kept) {
   taken_ += kept.all.size();
 }
 
-/// Lists the points of the leaves of this depth that may keep out points beside the leaf.
+/// Lists the points of the leaves of this depth that may exclude points outside of their leaf.
 void LevelChoice::list_borders(int depth, double spacing) {
   const std::size_t group = thread_count();
   std::vector<std::size_t> of_depth;

@@ -18,25 +18,25 @@
 
 namespace pointsweep {
 
-/// The root of the octree keeps no more points, unless they all lie at one place.
+/// The root of the octree keeps at most this many points, unless all points lie at one place.
 inline constexpr std::size_t kMostRootPoints = 100'000;
 
-/// The width of the cube in spacings of the root, unless that keeps too many points.
+/// The width of the cube divided by the spacing of the root, unless the root would keep too many points.
 inline constexpr double kDiscsAcrossCube = 128;
 
-/// Chooses depth by depth. At depth d all points of the leaves of that depth are taken. Then each node that is divided
-/// keeps points no nearer than the spacing s_d to any point taken before, in the order of choose_discs(): node by node,
-/// those whose numbers along x, y and z are even first, then the other seven parities. Nodes of one parity are farther
-/// apart than s_d, so the threads take them in any order.
+/// Chooses the points of depth 0, then of depth 1, and so on. At depth d all points of the leaves of that depth are
+/// taken. Then each divided node keeps points, in the order of choose_discs(), that are at least the spacing s_d from
+/// all points taken before. Nodes whose numbers along x, y and z are even come first, then the other seven parities.
+/// Nodes of one parity are farther apart than s_d, so the threads take them in any order.
 ///
 /// s_0 is the width of the cube / kDiscsAcrossCube, made larger by powers of the square root of 2 until the root keeps
 /// at most kMostRootPoints points, and s_d = s_0 / 2^d.
 class LevelChoice {
  public:
-  /// `memory_bytes`: for the list of points that nodes keep. `leaves`: of all `points`.
+  /// `memory_bytes`: memory for the lists of the points that nodes keep. `leaves`: leaves of all `points`.
   LevelChoice(const CurvePoints& points, std::vector<Leaf> leaves, ScratchRoom& room, std::uint64_t memory_bytes);
 
-  /// Chooses. To be called once, before what follows.
+  /// Chooses the levels. Must be called once, before the functions below.
   void run();
   double spacing() const { return spacing_; }  ///< s_0, in units of the grid
   /// Returns the depth of the next point along the curve.
@@ -47,17 +47,17 @@ class LevelChoice {
     CurveKey key;
     NodeRows rows;
     bool is_done = false;
-    PointLists::List list = {};  ///< its points of this depth and lesser ones
+    PointLists::List list = {};  ///< its points of this and lower depths
   };
   struct Depth {
     int depth;
     double spacing;
-    std::vector<Node> nodes;  ///< divided ones, in order
+    std::vector<Node> nodes;  ///< divided nodes, in order
     PointLists lists;
   };
   struct Kept {
     std::vector<KeptPoint> chosen;
-    std::vector<GridPoint> all;  ///< Node::list
+    std::vector<GridPoint> all;  ///< points of the future Node::list
   };
 
   std::vector<Node> divided_nodes(int depth) const;
@@ -76,8 +76,9 @@ class LevelChoice {
   ScratchRoom& room_;
   double spacing_;
   std::uint64_t taken_ = 0;                         ///< points in the lists of the last depth
-  PointLists borders_;                              ///< the points of leaves that may keep out points beside the leaf
-  std::vector<PointLists::List> border_;            ///< of each leaf
+  PointLists borders_;                              ///< points of leaves near enough to their faces to exclude points
+                                                    ///< outside of the leaf
+  std::vector<PointLists::List> border_;            ///< list of each leaf in borders_
   SortedRecords<std::uint64_t, std::less<>> kept_;  ///< row * 32 + depth
   std::optional<std::uint64_t> next_kept_;
   std::uint64_t next_row_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The cube whose octants are the nodes of levels of detail, laid over points on a grid of whole steps.
+/// The cube of the octree of levels of detail, over points on a grid of whole steps.
 #pragma once
 
 #include <algorithm>
@@ -34,17 +34,17 @@ inline GridPoint point_of(const std::byte* record) {
   return point;
 }
 
-/// Measures lengths in units of a step of the x axis, so that distances are exact where the steps of all axes are alike
-/// and the points are not farther apart than 2^26 steps; or of the longest step, where that is more than 2^30 times as
-/// long. The corner of the cube lies half a step before the least coordinates,
-/// and its width is such that faces of octants lie between the steps, down to octants of 8 steps: readers that evaluate
-/// the faces in another way then find each point in the same octant.
+/// Measures lengths in units of a step of the x axis, so that distances are exact if the steps of all axes are equal
+/// and the points are not farther apart than 2^26 steps. If the longest step is more than 2^30 times the step of x, it
+/// is the unit instead. The corner of the cube lies half a step before the least coordinates,
+/// and the width puts the faces of octants of 8 steps or more between the steps, so that readers with other roundings
+/// find each point in the same octant.
 class LevelGrid {
  public:
   /// `scale`: the length of a step on each axis, above 0.
   LevelGrid(const GridBounds& bounds, Vec3 scale);
 
-  /// Returns the place of a point, from the corner of the cube, in units.
+  /// Returns the place of a point relative to the corner of the cube, in units.
   Vec3 place(const GridPoint& point) const {
     return {((point[0] - lo_.x) + 0.5) * step_.x, ((point[1] - lo_.y) + 0.5) * step_.y,
             ((point[2] - lo_.z) + 0.5) * step_.z};
@@ -62,11 +62,11 @@ class LevelGrid {
 
   Vec3 scale_, lo_;
   double unit_;
-  Vec3 step_;  ///< in units
+  Vec3 step_;  ///< steps of the axes, in units
   double width_, cells_per_step_;
 };
 
-/// Returns a number that looks random and depends on the point alone.
+/// Returns a pseudo-random number that depends on the coordinates alone.
 std::uint64_t rank_of(const GridPoint& point);
 
 }  // namespace pointsweep

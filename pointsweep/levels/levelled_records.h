@@ -18,31 +18,31 @@
 
 namespace pointsweep {
 
-/// The least memory of LevelledRecords on this many threads.
+/// Returns the least memory of LevelledRecords for this many threads.
 std::uint64_t least_level_bytes(unsigned threads);
 
-/// Returns whether LevelledRecords with so much memory put so many bytes of records aside.
+/// Returns whether LevelledRecords with this memory writes so many bytes of records to scratch.
 bool puts_records_aside(std::uint64_t bytes, std::uint64_t memory_bytes);
 
 class LevelledRecords {
  public:
-  /// Takes records that begin with a GridPoint. `memory_bytes`: for all that is held at once. Without `files` all of it
-  /// is held, whatever that takes.
+  /// Takes records that begin with a GridPoint. `memory_bytes`: limit for the memory of this object. Without `files`
+  /// all records stay in memory, beyond the limit.
   LevelledRecords(std::size_t record_bytes, std::uint64_t memory_bytes, const MakeScratch& files);
 
   void add(std::span<const std::byte> records) { records_.add(records); }
 
-  /// Chooses the levels. To be called once, after the last add() and before what follows. `scale`: the length of a step
-  /// on each axis.
+  /// Chooses the levels. Must be called once, after the last add() and before the functions below. `scale`: the length
+  /// of a step on each axis.
   void choose(Vec3 scale);
   const LevelGrid& grid() const { return *grid_; }
   /// Returns the spacing of the points of depth 0, in units of `scale`.
   double spacing() const { return spacing_ * grid_->unit(); }
 
   using Use = std::function<void(const CurveKey& key, int depth, const std::byte* record)>;
-  /// Calls `use` with all records in the order of the curve. To be called once.
+  /// Calls `use` with all records in Morton order. Must be called only once.
   void for_each(const Use& use);
-  /// The room that is left for what the user puts aside.
+  /// Returns the memory and files that are left for scratch of the caller.
   ScratchRoom& room() { return room_; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Lists of points that are put aside and read again.
+/// Lists of points in a scratch, written once and read several times.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ class PointLists {
     count_ += points.size();
     return list;
   }
-  /// Thread-safe beside other reads.
+  /// Reads a list. Several threads may read at once.
   std::vector<GridPoint> read(const List& list) const {
     std::vector<GridPoint> points(static_cast<std::size_t>(list.count));
     if (list.count > 0) scratch_->read(list.first * sizeof(GridPoint), std::as_writable_bytes(std::span(points)));

@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-/// Blocks, so that nothing is copied when it grows.
+/// A scratch of blocks, which grows without copying.
 class BlocksInMemory final : public Scratch {
  public:
   void append(std::span<const std::byte> bytes) override {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Scratch in memory as far as a number of bytes goes, and in the temporary folder beyond it.
+/// A source of scratches: in memory up to a number of bytes, then in the temporary folder.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace pointsweep {
 
 class ScratchRoom {
  public:
-  /// Without `files`, all is in memory.
+  /// Without `files`, all scratches are in memory.
   ScratchRoom(std::uint64_t memory_bytes, MakeScratch files) : memory_(memory_bytes), files_(std::move(files)) {}
 
   /// Makes a scratch for about `expected` bytes.
@@ -21,7 +21,7 @@ class ScratchRoom {
   const MakeScratch& files() const { return files_; }
 
  private:
-  std::uint64_t memory_;  ///< that is left
+  std::uint64_t memory_;  ///< bytes that are left
   MakeScratch files_;
 };
 

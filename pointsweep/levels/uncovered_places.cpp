@@ -10,11 +10,11 @@
 namespace pointsweep {
 namespace {
 
-/// Places that are tested one by one.
+/// Parts of at most this many places are not halved; each place is tested.
 constexpr std::size_t kFewPlaces = 32;
 
-/// Returns the squared distance from a point to the farthest corner of a box: rounded, no less than that to any place
-/// in the box.
+/// Returns the squared distance from a point to the farthest corner of a box, rounded. No place in the box has a
+/// greater distance2() from the point.
 double farthest2(const Box& box, Vec3 p) {
   const Vec3 far{std::max(p.x - box.lo.x, box.hi.x - p.x), std::max(p.y - box.lo.y, box.hi.y - p.y),
                  std::max(p.z - box.lo.z, box.hi.z - p.z)};

@@ -12,11 +12,11 @@
 
 namespace pointsweep {
 
-/// Halves the block again and again. One kept point near enough to all of a half covers it at once; only the kept
-/// points that are near a half are looked at for its places.
+/// Halves the block recursively. A kept point near enough to all places of a half covers them at once. The places of a
+/// half are compared only with the kept points near that half.
 class UncoveredPlaces {
  public:
-  /// Returns the numbers of the places, ascending, until the next call. `box`: around all of them.
+  /// Returns the numbers of the uncovered places, ascending, valid until the next call. `box`: a box around all places.
   std::span<const std::uint32_t> find(std::span<const Vec3> places, const Box& box, const KeptGrid& kept);
 
  private:
@@ -24,7 +24,7 @@ class UncoveredPlaces {
 
   std::span<const Vec3> places_;
   double spacing2_ = 0;
-  std::vector<Vec3> near_;  ///< those of each half behind those of the half around it
+  std::vector<Vec3> near_;  ///< a stack: the points near a half follow those near the half that contains it
   std::vector<std::uint32_t> uncovered_;
 };
 

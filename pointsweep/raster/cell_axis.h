@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// Numbers of rows and columns of a raster that leaves out wide empty strips.
 ///
-/// Cells of an absolute grid have numbers floor(coordinate / cell). Where no cell of a strip has a point, and the strip
-/// is wider than any filter reaches across, `most` of its columns are kept, and of its rows none: the rows on its two
-/// sides are rasters of their own. An outlier far away does not make the raster large.
+/// Cells of an absolute grid have numbers floor(coordinate / cell). A strip of empty cells that is wider than the reach
+/// of all filters is shortened: `most` of its columns are kept. A strip of rows is left out, and the rows on its two
+/// sides become separate rasters. An outlier far away does not make the raster large.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,8 @@ struct AxisRule {
   std::size_t most;    ///< largest distance between the places of successive numbers, in cells
 };
 
-/// Places of numbers that come in ascending order, in bands: from one band to the next there are `most` cells or more.
+/// Places of numbers that come in ascending order, in bands. Numbers of different bands are at least `most` cells
+/// apart.
 class BandedRows {
  public:
   explicit BandedRows(AxisRule rule) : rule_(rule) {}
@@ -38,12 +39,12 @@ class BandedRows {
   std::size_t band_ = 0;
 };
 
-/// Places of numbers that come in any order: first all numbers are added, then places are asked for.
+/// Places of numbers that come in any order: first all numbers are added, then places are queried.
 class CellAxis {
  public:
   explicit CellAxis(AxisRule rule) : rule_(rule) {}
   void add(double number);
-  /// Assigns the places. To be called after the last add().
+  /// Assigns the places. Must be called after the last add().
   void finish();
   /// Returns the place of a number that was added.
   std::size_t place_of(double number) const;

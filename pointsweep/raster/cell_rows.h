@@ -13,7 +13,7 @@ namespace pointsweep {
 /// The value of a cell that a raster does not have.
 inline constexpr double kNoCell = std::numeric_limits<double>::infinity();
 
-/// Successive rows, one after another, of as many cells as the raster has columns.
+/// Successive rows of a raster.
 struct CellRows {
   std::size_t rows = 0;
   std::vector<double> values;       ///< rows × columns; finite or kNoCell

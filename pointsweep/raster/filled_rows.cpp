@@ -9,12 +9,12 @@
 namespace pointsweep {
 namespace {
 
-/// The nearest known cell on one side: its value and its distance in cells; 0: none within reach.
+/// The nearest known cell on one side: its value and its distance in cells; distance 0: none within reach.
 struct Side {
   double value = 0;
   std::size_t distance = 0;
 
-  /// One cell farther away, or, if `next` is known, there.
+  /// Moves on by one cell. `next`: the value of that cell, kNoCell if it is not known.
   void pass(double next, std::size_t reach) {
     if (next != kNoCell)
       *this = {next, 1};
@@ -64,7 +64,7 @@ bool FilledRows::next(CellRows& out) {
   return out.rows > 0;
 }
 
-/// The parts of the columns `first` to `end` in the sums, row by row.
+/// Adds the contributions of the columns `first` to `end` to the sums, row by row.
 void FilledRows::fill_columns(std::size_t rows, std::size_t first, std::size_t end) {
   std::vector<Side> sides(end - first);
   for (std::size_t row = std::min(known_.size() / columns(), rows + reach_); row-- > 0;) {

@@ -70,7 +70,7 @@ std::size_t other_column_bytes(const GroundRule& rule) {
   return 2 * FilledRows::column_bytes(rule.reach()) + 6 * block + 2 * rule.radius + 4 * sizeof(double);
 }
 
-/// Filters that run together, as long as their rows fit.
+/// Filters that run together while their rows fit in memory.
 class Filters {
  public:
   Filters(std::unique_ptr<RowStream> first, std::uint64_t memory_bytes, const MakeScratch& make_scratch)

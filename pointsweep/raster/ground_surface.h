@@ -22,21 +22,21 @@ struct GroundRule {
   double slope;        ///< steepest slope of the ground, rise over run
   std::size_t radius;  ///< radius of the largest disk, in cells
 
-  /// Half of the height of the lowest pit or object: filled and opened surfaces do not leave the range of the minima by
-  /// more than roundings. Where minima differ by less than this height, as the minima of a distant outlier do, the
-  /// filters change nothing.
+  /// Half of the height of the lowest pit or object. Filled and opened surfaces stay within the range of the minima,
+  /// apart from rounding. If the range of the minima is smaller than this height, as for a distant outlier, the filters
+  /// change nothing.
   double least_height() const { return std::min(slope, kPitSlope) * cell / 2; }
   /// Returns the distance, in cells, of the farthest cells from which a hole is filled. It spans what the largest disk
   /// erases, in any direction.
   std::size_t reach() const { return 3 * radius + 3; }
-  /// A strip without points wider than this separates what lies on its two sides.
+  /// Rule for strips without points: strips wider than this separate the ground on their two sides.
   AxisRule axis_rule() const { return {reach(), 2 * reach() + radius + 2}; }
 };
 
-/// 1. The raster of minima is filled. 2. Cells that lie below the opening of the raster upside down by more than
-/// 5 * cell, with a disk of one cell, are pits. 3. With disks of 1, 2, ... `radius` cells each surface is opened; cells
-/// that lie above the opened surface by more than slope * (cell * disk) are objects, and the opened surface is opened
-/// next. 4. Minima of cells that are neither pits nor objects are filled again.
+/// 1. The raster of minima is filled. 2. Cells that lie below the opening of the raster upside down by more than 5 *
+/// cell, with a disk of one cell, are marked as pits. 3. With disks of 1, 2, ... `radius` cells each surface is opened;
+/// cells that lie above the opened surface by more than slope * (cell * disk) are objects, and the opened surface is
+/// opened next. 4. Minima of cells that are neither pits nor objects are filled again.
 ///
 /// Filters whose rows do not fit in `memory_bytes` together run one after another, with their surfaces in scratch. The
 /// result does not depend on that. `lowest` must outlive it. Throws as require_ground_memory().

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The lowest z of each cell that has a point: the raster of minima, without its empty cells, in the temporary folder.
-/// It falls into bands: rows without a wide empty strip between them. No cell of a band has an effect on another band,
-/// so that each band is a separate raster with its own columns.
+/// A wide empty strip of rows ends a band. Cells of different bands do not influence each other, so each band is a
+/// separate raster with its own columns.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +28,7 @@ class LowestCells {
   LowestCells(AxisRule rule, std::unique_ptr<Scratch> scratch);
   /// `row` and `column` are the numbers of the cell. Points of a cell follow one another, and rows ascend.
   void add(double row, double column, double z);
-  /// Ends the adding. To be called after the last add().
+  /// Must be called after the last add().
   void finish();
 
   std::uint64_t count() const { return count_; }

@@ -45,7 +45,7 @@ void DiskMinima::add_part(const double* values, std::size_t rows, std::size_t fi
     std::copy(values + row * columns_ + from, values + row * columns_ + to,
               minima.begin() + static_cast<std::ptrdiff_t>(from + radius - first));
     if (std::ranges::all_of(minima, [](double value) { return value == kNoCell; })) continue;
-    // minima[i] is that around column first - radius + w + i.
+    // minima[i] is the minimum around column first - radius + w + i.
     double* m = minima.data();
     for (std::size_t w = 0; w <= radius; ++w) {
       if (w > 0)
@@ -111,7 +111,7 @@ void OpenedRows::take_rows() {
   held_.rows += block_.rows;
 }
 
-/// The largest of eroded values is the negative of the least of their negatives.
+/// The maximum of the eroded values is the negated minimum of the negated values.
 void OpenedRows::dilate() {
   const std::size_t done = given_ + held_.rows, complete = eroded_.complete(ended_), first = dilated_.given();
   if (complete == first) return;

@@ -11,12 +11,12 @@
 
 namespace pointsweep {
 
-/// A cell is known if it has a value and no mark. One that is not known becomes the mean of the nearest known cells
-/// west, east, south and north of it, each at most `reach` cells away, with the reciprocals of their distances as
-/// weights:
-///   ((W/w + E/e) + (S/s + N/n)) / ((1/w + 1/e) + (1/s + 1/n)), w, e, s, n: distances in cells,
-/// where what is missing counts 0; without any it has no value (kNoCell). Across a hole with two sides this is linear
-/// interpolation. Rows and columns may be exchanged without a change of any bit. Marks are dropped.
+/// A cell is known if it has a value and no mark. An unknown cell becomes the mean of the nearest known cells west,
+/// east, south and north of it, each at most `reach` cells away, with the reciprocals of their distances as weights:
+///   ((W/w + E/e) + (S/s + N/n)) / ((1/w + 1/e) + (1/s + 1/n)), w, e, s, n: distances in cells.
+/// A missing neighbour has no weight; without any neighbour the cell stays empty (kNoCell). Across a hole with two
+/// sides this is linear interpolation. Exchanging rows and columns does not change any bit of the result. Marks are
+/// dropped.
 ///
 /// Pingel et al. solve a system of springs over the whole raster (D'Errico, inpaint_nans), in which every cell depends
 /// on every other.
@@ -24,7 +24,7 @@ class FilledRows final : public RowStream {
  public:
   FilledRows(std::unique_ptr<RowStream> from, std::size_t reach);
   bool next(CellRows& out) override;
-  /// Memory for each column.
+  /// Returns the bytes of memory per column.
   static std::size_t column_bytes(std::size_t reach);
 
  private:
@@ -36,10 +36,10 @@ class FilledRows final : public RowStream {
   std::size_t reach_;
   CellRows block_;
   bool ended_ = false;
-  std::vector<double> known_;           ///< rows that are not given yet, up to reach_ rows ahead; kNoCell: not known
+  std::vector<double> known_;           ///< rows that are not returned yet, up to reach_ rows ahead; kNoCell: not known
   std::vector<double> south_;           ///< by column, the last known value before these rows
-  std::vector<std::size_t> since_;      ///< by column, how many rows before the next one that was; 0: none within reach
-  std::vector<double> sums_, weights_;  ///< of the known cells south and north, of the rows to be given
+  std::vector<std::size_t> since_;      ///< for each column, how many rows back that value lies; 0: none within reach
+  std::vector<double> sums_, weights_;  ///< for each cell of the rows to be returned: known cells south and north
 };
 
 /// The cells at most `radius` cells from a centre: those with dx² + dy² <= radius².
@@ -54,23 +54,23 @@ class Disk {
   std::vector<std::size_t> half_widths_;  ///< by |dy|; they do not ascend
 };
 
-/// Rows whose cells become minima over disks around them, while rows are given from the first to the last.
+/// Minima over disks, for rows that come one after another.
 class DiskMinima {
  public:
   DiskMinima(std::size_t radius, std::size_t columns) : disk_(radius), columns_(columns) {
     minima_.reserve(most_rows(radius) * columns);
   }
 
-  /// Takes `rows` rows more; kNoCell counts for nothing. On all threads.
+  /// Takes `rows` more rows, on all threads. kNoCell does not count.
   void add(const double* values, std::size_t rows);
-  /// Rows taken.
+  /// Number of rows taken.
   std::size_t given() const { return given_; }
-  /// Rows that no later row changes, with those dropped: all of them if `ended`, that is, if no row follows.
+  /// Number of rows, dropped ones included, that no later row changes. `ended`: no row follows, so all are complete.
   std::size_t complete(bool ended) const;
   double* row(std::size_t number) { return minima_.data() + (number - dropped_) * columns_; }
   /// Forgets the rows before `number`.
   void drop(std::size_t number);
-  /// Memory for each column.
+  /// Returns the bytes of memory per column.
   static std::size_t column_bytes(std::size_t radius) { return most_rows(radius) * sizeof(double); }
 
  private:
@@ -84,17 +84,17 @@ class DiskMinima {
 };
 
 enum class Opens : std::uint8_t {
-  surface,   ///< marks cells above the opened surface, which goes on in place of the surface
-  pit_marks  ///< marks cells below the opening of the surface upside down; the surface goes on unchanged
+  surface,   ///< marks cells above the opened surface, and passes on the opened surface
+  pit_marks  ///< marks cells below the opening of the negated surface, and passes on the surface unchanged
 };
 
 /// Marks a cell if it differs from the opened surface by more than `threshold`; earlier marks stay. Cells without a
-/// value (kNoCell) count for nothing and stay so.
+/// value (kNoCell) are ignored and stay empty.
 class OpenedRows final : public RowStream {
  public:
   OpenedRows(std::unique_ptr<RowStream> from, std::size_t radius, double threshold, Opens opens);
   bool next(CellRows& out) override;
-  /// Memory for each column.
+  /// Returns the bytes of memory per column.
   static std::size_t column_bytes(std::size_t radius);
 
  private:
@@ -108,10 +108,10 @@ class OpenedRows final : public RowStream {
   double threshold_;
   bool upside_down_, ended_ = false;
   CellRows block_;
-  std::vector<double> turned_;   ///< the rows that came, as they are opened
-  CellRows held_;                ///< rows that came and are not given yet; `rows` of them
-  std::size_t given_ = 0;        ///< rows given
-  DiskMinima eroded_, dilated_;  ///< the second of negated values
+  std::vector<double> turned_;   ///< values on their way into eroded_ or dilated_
+  CellRows held_;                ///< rows taken and not returned yet, `rows` of them
+  std::size_t given_ = 0;        ///< number of rows returned
+  DiskMinima eroded_, dilated_;  ///< erosion and dilation; dilation takes negated values
 };
 
 }  // namespace pointsweep

@@ -23,7 +23,7 @@ bool ends_with_pattern(const fs::path& path) {
   return has_wildcard(path.filename().string()) && !fs::exists(fs::symlink_status(path, error));
 }
 
-/// Follows the names of a pattern from folder to folder. Where a name exists as it stands, it is that name.
+/// Follows the names of a pattern from folder to folder. A name that exists literally matches only itself.
 class Matcher {
  public:
   explicit Matcher(const fs::path& pattern) : names_(pattern.begin(), pattern.end()) {}
@@ -36,7 +36,7 @@ class Matcher {
  private:
   bool is_last(std::size_t n) const { return n + 1 == names_.size(); }
 
-  /// Adds the paths in `folder` that the names from `n` on match. A pattern that ends in '/' has an empty last name.
+  /// Adds the paths in `folder` that match the names from `n` on. A pattern that ends in '/' has an empty last name.
   void follow(const fs::path& folder, std::size_t n) {
     const std::string name = names_[n].string();
     if (name.empty()) return void(found_.insert(folder));

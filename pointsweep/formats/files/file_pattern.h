@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Patterns of file names, as shells have them: `tiles/*.laz`, `**/ground_[0-9]?.las`.
+/// Patterns of file names with the wildcards of a shell: `tiles/*.laz`, `**/ground_[0-9]?.las`.
 #pragma once
 
 #include <filesystem>
@@ -10,14 +10,14 @@ namespace pointsweep {
 /// Returns whether the path has one of the characters * ? [ and no file has this name.
 bool is_file_pattern(const std::filesystem::path& path);
 
-/// The files that the pattern matches, or the folders if it ends in '/', each once and in no certain order. * and ?
-/// stand for any characters but '/', [a-z] for one of them, ** as a whole name for any number of nested folders. Names
-/// that begin with a dot match only where the pattern has the dot. A file or folder that has a name of the pattern as
-/// its own, as "scan [2]" in "scan [2]/*.laz", is the only match of that name. Links are followed, but not by **.
-/// Throws Error for a folder that cannot be read.
+/// Returns the files that the pattern matches, or the folders if it ends in '/', each once and in no certain order. *
+/// and ? stand for any characters but '/', [a-z] for one of these characters, and a name ** for any number of nested
+/// folders. Names that begin with a dot match only where the pattern has the dot. A file or folder whose name equals a
+/// name of the pattern, as "scan [2]" in "scan [2]/*.laz", is the only match of that name. Symbolic links are followed,
+/// except by **. Throws Error for a folder that cannot be read.
 std::vector<std::filesystem::path> matches_of(const std::filesystem::path& pattern);
 
-/// The folders before the first name that is a pattern: "tiles" of "tiles/*/a.laz", "" if there are none.
+/// Returns the folders before the first name with a wildcard: "tiles" for "tiles/*/a.laz", "" if there are none.
 std::filesystem::path fixed_part(const std::filesystem::path& pattern);
 
 }  // namespace pointsweep

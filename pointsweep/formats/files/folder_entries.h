@@ -7,14 +7,14 @@
 
 namespace pointsweep {
 
-/// Files and folders in `folder` ("": the current one, whose entries have no folder in their paths), in no certain
-/// order. Throws Error if it cannot be read.
+/// Returns the files and folders in `folder`, in no certain order. "" is the current folder; paths of its entries have
+/// no folder. Throws Error if the folder cannot be read.
 std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder);
 
 /// Returns whether the name of the file begins with a dot.
 bool is_hidden(const std::filesystem::path& path);
 
-/// A folder that is no link to one: links may lead in circles.
+/// Returns whether the entry is a folder and no symbolic link. Links may lead in circles.
 bool is_own_folder(const std::filesystem::directory_entry& entry);
 
 }  // namespace pointsweep

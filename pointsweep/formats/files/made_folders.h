@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// Removes the folders that it has made and that are empty when it is destroyed.
+/// Makes folders, and its destructor removes the made folders that are empty.
 class MadeFolders {
  public:
   MadeFolders() = default;
@@ -18,7 +18,7 @@ class MadeFolders {
   MadeFolders(const MadeFolders&) = delete;
   MadeFolders& operator=(const MadeFolders&) = delete;
 
-  /// Makes the folder of `file`, and the folders that it is in, where they are missing. Throws Error if it cannot.
+  /// Makes the missing folders on the path of `file`. Throws Error if one cannot be made.
   void make_for(const std::filesystem::path& file);
 
  private:

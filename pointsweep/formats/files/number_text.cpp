@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// "1.#QNAN", "-1.#IND00", "1.#INF": how the C library of Windows once printed them.
+/// Reads a number that is not finite as old C libraries of Windows print it: "1.#QNAN", "-1.#IND00", "1.#INF".
 template <class T>
 bool parse_windows_word(std::string_view word, T& value) {
   const bool negative = word.starts_with('-');
@@ -32,7 +32,7 @@ bool parse_floating(std::string_view word, T& value) {
     if (again.ec == std::errc{}) {
       value = static_cast<T>(wide);
     } else {
-      // Not even a long double holds it: the sign of the exponent decides.
+      // The number is beyond the range of long double: the sign of the exponent tells zero from infinity.
       const std::size_t exponent = word.find_first_of("eE");
       const bool tiny = exponent != word.npos && word.substr(exponent + 1).starts_with('-');
       value = std::copysign(tiny ? T{0} : std::numeric_limits<T>::infinity(), word.starts_with('-') ? T{-1} : T{1});

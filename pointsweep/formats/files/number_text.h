@@ -6,7 +6,7 @@
 
 namespace pointsweep {
 
-/// Reads all of `word` as a T (any type of a Field); false if it is no number or does not fit.
+/// Reads all of `word` as a T (any type of a Field). Returns false if the word is no number or does not fit.
 /// A leading '+', "nan" and "inf" in any case and the spellings of Windows ("-1.#IND") are read; a number beyond the
 /// range of a floating type becomes infinite or zero. Integers may be written as "12.0" or "1e3".
 template <class T>

@@ -12,8 +12,8 @@
 
 namespace pointsweep {
 
-/// Lines that hold values, counted once, with the place of each 16,384th kept, so that these can be read side by side
-/// and a jump rescans at most that many.
+/// Counts the lines that hold values, and keeps the place of each 16,384th. Several threads can read between these
+/// places side by side, and a jump reads at most 16,384 lines again.
 class RowLines {
  public:
   using IsRow = bool (*)(std::string_view line);
@@ -22,25 +22,25 @@ class RowLines {
   };
   static constexpr std::uint64_t kRowsPerPlace = 16384;
 
-  /// Called once for each line that is no row, with its number and the number of rows before it.
+  /// Called once for each line that is no row, with the number of the line and the number of rows before it.
   using UseOther = std::function<void(std::string_view line, std::uint64_t number, std::uint64_t rows)>;
 
-  /// Counts the rows among the lines from where `lines` stands, and stops after `most` of them.
+  /// Counts the rows from the position of `lines` on, and stops after `most` rows.
   RowLines(LineReader lines, IsRow is_a_row, std::uint64_t most, const UseOther& use_other = {});
 
   std::uint64_t count() const { return count_; }
   const InputFile& file() const { return *file_; }
   bool is_row(std::string_view line) const { return is_row_(line); }
-  /// Returns the place where row i * kRowsPerPlace < count() begins, or lines before it that are no rows.
+  /// Returns a place at or before the begin of row i * kRowsPerPlace < count(); lines between them are no rows.
   const Place& place(std::uint64_t i) const { return places_[i]; }
-  /// Bytes of the rows from place i to the next.
+  /// Range of bytes of the rows from place i to the next place.
   std::uint64_t begin_of(std::uint64_t i) const { return places_[i].offset; }
   std::uint64_t end_of(std::uint64_t i) const { return i + 1 < places_.size() ? places_[i + 1].offset : end_; }
 
  private:
   const InputFile* file_;
   IsRow is_row_;
-  std::vector<Place> places_;  ///< of rows 0, kRowsPerPlace, ...
+  std::vector<Place> places_;  ///< places of the rows 0, kRowsPerPlace, ...
   std::uint64_t count_ = 0;
   std::uint64_t end_ = 0;  ///< byte after the last row
 };
@@ -51,20 +51,21 @@ class RowCursor {
   /// `rows` must outlive it.
   explicit RowCursor(const RowLines& rows) : rows_(&rows), lines_(rows.file()), next_row_(rows.count()) {}
 
-  /// Line `row` < count(), valid until the next call; quick for the row after the last. Throws if the file has changed.
+  /// Returns the line of row `row` < count(), valid until the next call. The row after the last returned row is quick.
+  /// Throws if the file has changed.
   std::string_view at(std::uint64_t row);
   /// Frees the buffer until the next call of at().
   void rest() { *this = RowCursor(*rows_); }
-  /// Number in the file, from 1, of the line that at() returned last.
+  /// Returns the number in the file, from 1, of the line that at() returned last.
   std::uint64_t line() const { return lines_.line(); }
 
  private:
-  /// The next line that is a row; throws at the end of the file.
+  /// Returns the next line that is a row. Throws at the end of the file.
   std::string_view advance();
 
   const RowLines* rows_;
   LineReader lines_;
-  std::uint64_t next_row_;  ///< row that the next line holds; count(): none, it has to be found from its place
+  std::uint64_t next_row_;  ///< row that the next line holds; count(): unknown, at() searches from a place
 };
 
 }  // namespace pointsweep

@@ -7,7 +7,7 @@
 
 namespace pointsweep {
 
-/// The first word of `line`, which is taken off it; empty if there is none.
+/// Removes the first word from `line` and returns it; empty if there is none.
 inline std::string_view take_word(std::string_view& line) {
   const std::size_t begin = std::min(line.find_first_not_of(" \t\r"), line.size());
   const std::size_t end = std::min(line.find_first_of(" \t\r", begin), line.size());

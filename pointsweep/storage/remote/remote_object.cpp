@@ -17,12 +17,12 @@ namespace {
 
 constexpr std::uint64_t kFirstRequest = 64 << 10;
 constexpr std::uint64_t kLargestRequest = 2 << 20;
-constexpr std::size_t kMostRuns = 32;   ///< threads that read one object
-constexpr std::size_t kMostSaid = 256;  ///< ranges
+constexpr std::size_t kMostRuns = 32;   ///< runs that one object remembers, at most
+constexpr std::size_t kMostSaid = 256;  ///< ranges of will_read() that one object remembers, at most
 
 }  // namespace
 
-/// Bytes [begin, end) of an object.
+/// Bytes [begin, end) of an object, in the cache.
 struct RemoteObject::Block {
   RemoteObject* owner;
   std::uint64_t begin, end;
@@ -33,7 +33,7 @@ struct RemoteObject::Block {
 
 /// The blocks of all objects.
 struct RemoteObject::Cache {
-  /// An object that may be open, and when it was seen to be the newest version.
+  /// An object that may be open, and the time at which a server last confirmed its version.
   struct OpenObject {
     std::weak_ptr<RemoteObject> object;
     std::chrono::steady_clock::time_point seen;
@@ -42,12 +42,12 @@ struct RemoteObject::Cache {
   std::mutex mutex;
   std::condition_variable loaded;
   std::map<std::string, OpenObject> objects;
-  std::list<Block*> blocks;  ///< the one that was read last in front
+  std::list<Block*> blocks;  ///< most recently read block first
   std::uint64_t bytes = 0;
 };
 
 RemoteObject::Cache& RemoteObject::cache() {
-  static Cache& all = *new Cache;  // objects may outlive what is static
+  static Cache& all = *new Cache;  // never destroyed: objects may outlive static variables
   return all;
 }
 
@@ -71,7 +71,7 @@ RemoteObject::~RemoteObject() {
     cache().objects.erase(known);
 }
 
-/// An object that was opened long ago may have another version by now, which gets an object of its own.
+/// Looks for a newer version if the last look is more than 2 seconds old. A newer version becomes a new object.
 std::shared_ptr<RemoteObject> RemoteObject::open(const std::string& url) {
   constexpr std::chrono::seconds kSeenLately(2);
   std::shared_ptr<RemoteObject> object;
@@ -93,27 +93,26 @@ std::shared_ptr<RemoteObject> RemoteObject::open(const std::string& url) {
   return object;
 }
 
-/// Removes a block that no thread loads. To be called under the lock.
+/// Removes a block that no thread loads. The caller holds the lock.
 void RemoteObject::forget(const Block& block) {
   cache().bytes -= block.end - block.begin;
   cache().blocks.erase(block.place);
   blocks_.erase(block.begin);
 }
 
-/// Removes the blocks that were not read for the longest time. Returns whether there is room then. To be called under
-/// the lock.
+/// Removes the least recently read blocks. Returns whether `bytes` more fit. The caller holds the lock.
 bool RemoteObject::make_room(std::uint64_t bytes) {
   std::list<Block*>& blocks = cache().blocks;
   for (auto block = blocks.end(); cache().bytes + bytes > kRemoteCacheBytes && block != blocks.begin();) {
     Block* const oldest = *--block;
     if (oldest->is_loading) continue;
-    ++block;  // the one after it stays where it is
+    ++block;  // `block` stays valid: forget() erases the element before it
     oldest->owner->forget(*oldest);
   }
   return cache().bytes + bytes <= kRemoteCacheBytes;
 }
 
-/// Null if there is none. To be called under the lock.
+/// Returns the block that holds the byte at `offset`; null if there is none. The caller holds the lock.
 std::shared_ptr<RemoteObject::Block> RemoteObject::known_block(std::uint64_t offset) const {
   const auto after = blocks_.upper_bound(offset);
   if (after == blocks_.begin()) return nullptr;
@@ -121,8 +120,8 @@ std::shared_ptr<RemoteObject::Block> RemoteObject::known_block(std::uint64_t off
   return offset < block->end ? block : nullptr;
 }
 
-/// Where a request for the byte at `offset` begins: with the range that will_read() has said, of which a reader may
-/// look at a later byte first. To be called under the lock.
+/// Returns where a request for the byte at `offset` begins: at the begin of an announced range if the byte is among its
+/// first 64 kB and none of it is in the cache, else at `offset`. The caller holds the lock.
 std::uint64_t RemoteObject::begin_of_request(std::uint64_t offset) const {
   const auto said = said_.upper_bound(offset);
   if (said == said_.begin()) return offset;
@@ -132,7 +131,7 @@ std::uint64_t RemoteObject::begin_of_request(std::uint64_t offset) const {
   return offset < end && offset - begin < kFirstRequest && !is_kept ? begin : offset;
 }
 
-/// Where a request for `wanted` bytes ends. To be called under the lock.
+/// Returns where a request for `wanted` bytes ends. The caller holds the lock.
 std::uint64_t RemoteObject::end_of_request(std::uint64_t offset, std::uint64_t wanted) {
   std::uint64_t bytes = std::max(wanted, kFirstRequest);
   const auto run = std::ranges::find(runs_, offset, &Run::end);
@@ -158,7 +157,7 @@ void RemoteObject::will_read(std::uint64_t begin, std::uint64_t end) {
   said_[begin] = end;
 }
 
-/// Asks for the bytes of a block that others wait for.
+/// Requests the bytes of a block for which other threads may wait.
 void RemoteObject::load(Block& block) {
   try {
     block.bytes = std::make_unique_for_overwrite<std::byte[]>(block.end - block.begin);
@@ -177,7 +176,7 @@ void RemoteObject::load(Block& block) {
   cache().loaded.notify_all();
 }
 
-/// Returns the block that holds the byte.
+/// Returns the block that holds the byte at `offset`, and loads it if needed.
 std::shared_ptr<RemoteObject::Block> RemoteObject::block_at(std::uint64_t offset, std::uint64_t wanted) {
   std::shared_ptr<Block> block;
   {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Objects in the network, opened for reading at any place.
+/// Objects on servers, read at any offset.
 #pragma once
 
 #include <cstddef>
@@ -15,14 +15,14 @@
 
 namespace pointsweep {
 
-/// The bytes that all open objects keep of what was read. A run plans with them (open_input_bytes()).
+/// Most bytes that the cache of all open objects holds. The memory plan of a run counts them (open_input_bytes()).
 inline constexpr std::uint64_t kRemoteCacheBytes = 16u << 20;
 
-/// One version of an object. What is read together is asked for together: the first request brings 64 kB, requests
-/// that follow one another grow to 2 MB, and a caller that knows which bytes it will read says so. Thread-safe.
+/// One version of an object. Reads are joined into few requests: the first request brings 64 kB, successive requests
+/// grow to 2 MB, and will_read() announces a range. Thread-safe.
 class RemoteObject {
  public:
-  /// Opens the object, which costs one request unless it is open already. Throws Error if that is not possible.
+  /// Opens the object, with one request unless it is open already. Throws Error if that fails.
   static std::shared_ptr<RemoteObject> open(const std::string& url);
   ~RemoteObject();
   RemoteObject(const RemoteObject&) = delete;
@@ -31,15 +31,15 @@ class RemoteObject {
   const std::string& url() const { return url_; }
   const RemoteVersion& version() const { return *version_; }
 
-  /// Reads as many bytes as there are up to the end, at most bytes.size(), and returns how many. Throws Error where the
+  /// Reads up to bytes.size() bytes, fewer at the end of the object, and returns their number. Throws Error if the
   /// object has changed since it was opened.
   std::size_t read_some(std::uint64_t offset, std::span<std::byte> bytes);
-  /// Says that [begin, end) will be read from `begin` on, so that one request brings it.
+  /// Announces that [begin, end) will be read, from `begin` on, so that one request brings the range.
   void will_read(std::uint64_t begin, std::uint64_t end);
 
  private:
   struct Block;
-  /// A place up to which bytes were read one after another.
+  /// Successive reads without a gap: the byte after them, and their bytes.
   struct Run {
     std::uint64_t end = 0, length = 0;
   };
@@ -57,10 +57,10 @@ class RemoteObject {
 
   std::string url_;
   std::optional<RemoteVersion> version_;
-  // Under the lock of the cache.
-  std::map<std::uint64_t, std::shared_ptr<Block>> blocks_;  ///< by their first bytes; they do not overlap
+  // The lock of the cache guards the members below.
+  std::map<std::uint64_t, std::shared_ptr<Block>> blocks_;  ///< keys: the first bytes of blocks, which do not overlap
   std::vector<Run> runs_;
-  std::map<std::uint64_t, std::uint64_t> said_;  ///< ends by begins, of will_read()
+  std::map<std::uint64_t, std::uint64_t> said_;  ///< ranges of will_read(): ends by begins
 };
 
 }  // namespace pointsweep

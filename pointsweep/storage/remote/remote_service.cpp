@@ -26,7 +26,7 @@ int is_cancelled() {
   return token != nullptr && token->cancelled() ? 1 : 0;
 }
 
-/// Returns the address for a request.
+/// Returns the address for a request, credentials included.
 std::string address_for_request(const std::string& url) {
   stop_if_cancelled();
   static const bool is_set = (psr_set_cancelled(&is_cancelled), true);
@@ -35,7 +35,7 @@ std::string address_for_request(const std::string& url) {
   return address_of(url);
 }
 
-/// The variables that hold the credentials of a bucket.
+/// Returns the names of the environment variables that hold the credentials of a bucket.
 const char* credentials_for(const std::string& url) {
   if (url.starts_with("s3"))
     return "set AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and AWS_REGION, or AWS_SKIP_SIGNATURE=true for a public "
@@ -98,7 +98,7 @@ psr_version version_for(const RemoteVersion& version) {
   return out;
 }
 
-/// Names with a password or signature are for http alone.
+/// Throws UsageError for the address of a bucket with a password or signature: only addresses of http may have them.
 void require_no_secret(const std::string& url) {
   if (is_bucket(url) && address_of(url) != url)
     fail_usage("{}: credentials in the address of a bucket are not used; {}.", url, credentials_for(url));
@@ -228,7 +228,7 @@ void remove_remote(const std::string& url) { fail_without(url); }
 #endif
 
 void require_writable_url(const std::string& url) {
-  if (!reads_urls()) static_cast<void>(look_at(url));  // says so
+  if (!reads_urls()) static_cast<void>(look_at(url));  // throws, since this build has no client library
   if (!is_bucket(url))
     fail("{}: a server of HTTP is read alone; write to a bucket (s3://, gs://, az://) or to a file.", url);
 }

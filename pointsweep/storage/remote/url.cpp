@@ -15,12 +15,12 @@ using namespace std::string_view_literals;
 
 constexpr std::string_view kAuthority = "://";
 
-/// The names of parameters that give access to an object, in lower case. Each may be the beginning of a name.
+/// Parameters that give access to an object, in lower case. An entry may be only the beginning of a name.
 constexpr std::array kSecretParameters = {
     "x-amz-"sv, "x-goog-"sv,     "signature"sv, "sig"sv,    "awsaccesskeyid"sv, "googleaccessid"sv, "access_token"sv,
     "token"sv,  "key-pair-id"sv, "policy"sv,    "apikey"sv, "api_key"sv,        "password"sv};
 
-/// The addresses with secrets by the URLs that are shown.
+/// The addresses with secrets; keys are the URLs without secrets.
 struct Addresses {
   std::mutex mutex;
   std::map<std::string, std::string, std::less<>> by_url;
@@ -51,8 +51,8 @@ bool has_secret(std::string_view query) {
   return false;
 }
 
-/// Returns the URL without the user of its host and without a query that holds a secret. In a bucket, a container and
-/// its account may stand where a user does: abfs://container@account.
+/// Returns the URL without the user of its host and without a query that holds a secret. In the URL of a bucket, the
+/// part before @ may be a container: abfs://container@account.
 std::string shown_form(std::string_view url) {
   const std::size_t host = url.find(kAuthority) + kAuthority.size();
   const std::size_t path = std::min(url.find('/', host), url.size());
@@ -73,7 +73,7 @@ int digit_of(char c) {
   return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
 }
 
-/// "%20" is a space in addresses, not in paths.
+/// Replaces percent-encoded bytes, such as "%20", for use in paths.
 std::string unescaped(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -85,7 +85,7 @@ std::string unescaped(std::string_view text) {
   return out;
 }
 
-/// "/tmp/a.laz" of "file:///tmp/a.laz" and "file://localhost/tmp/a.laz".
+/// Returns the path of a file URL: "/tmp/a.laz" for "file:///tmp/a.laz" and "file://localhost/tmp/a.laz".
 std::string local_path(std::string_view url) {
   std::string_view rest = url.substr(url.find(kAuthority) + kAuthority.size());
   if (rest.starts_with("localhost/")) rest.remove_prefix(rest.find('/'));

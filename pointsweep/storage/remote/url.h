@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The parts of a URL, which takes the place of a path everywhere and carries no secrets (docs/adr/0022).
+/// The parts of a URL. A URL is used like a path everywhere and carries no secrets (docs/adr/0022).
 #pragma once
 
 #include <filesystem>
@@ -10,16 +10,16 @@
 
 namespace pointsweep {
 
-/// Returns whether the objects of a URL can be listed and written: all but those of http and https.
+/// Returns whether the objects of a URL can be listed and written: true for all schemes but http and https.
 bool is_bucket(std::string_view url);
 
-/// Returns the address for requests: with what known_place() has kept.
+/// Returns the address for requests: the URL with the credentials that known_place() has removed.
 std::string address_of(const std::string& url);
 
 /// Returns the path of the object without the query of an http URL, so that it ends in the name of a file.
 std::filesystem::path without_query(const std::filesystem::path& path);
 
-/// Returns the URL that a reference stands for in a document at the URL `base`.
+/// Resolves a reference in a document whose URL is `base`.
 std::string resolved(const std::string& base, const std::string& reference);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Threads for requests to servers: more than there are cores, since each waits most of the time.
+/// Threads for requests to servers. There are more of them than cores, since each waits most of the time.
 #pragma once
 
 #include <cstddef>
