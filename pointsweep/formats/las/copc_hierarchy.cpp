@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The hierarchy of a COPC file: which chunk of points is which node of an octree, and so in which box (COPC 1.0,
+/// The hierarchy of a COPC file, which assigns an octree node, and so a box, to each chunk of points (COPC 1.0,
 /// https://copc.io).
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kReadEntries = 1024;
-constexpr std::int32_t kIsPage = -1;  ///< in the place of the number of points
+constexpr std::int32_t kIsPage = -1;  ///< count of points of an entry that refers to another page
 
 CopcInfo read_info(const InputFile& file, std::uint64_t at) {
   std::array<std::byte, kCopcInfoBytes> bytes;
@@ -41,7 +41,7 @@ class Hierarchy {
         points_(points),
         nodes_{std::vector<Box>(points.chunks()), std::vector<int>(points.chunks()), info.spacing} {}
 
-  /// Empty, or why not.
+  /// Returns an empty text, or why the hierarchy cannot be used.
   std::string read() {
     const Vec3 half{info_.half_size, info_.half_size, info_.half_size};
     const bool is_cube = info_.half_size > 0 && is_finite(info_.center - half) && is_finite(info_.center + half);
@@ -65,7 +65,7 @@ class Hierarchy {
   void read_page(std::uint64_t offset, std::uint64_t bytes) {
     if (bytes == 0 || bytes % kCopcEntryBytes != 0 || offset > file_.size() || bytes > file_.size() - offset)
       return refuse(fmt::format("{} bytes at byte {} are no page of it", bytes, offset));
-    // Pages that overlap would otherwise be read again and again.
+    // Overlapping pages could otherwise be read very often.
     if (!seen_.insert(offset).second || bytes > file_.size() - read_)
       return refuse(fmt::format("it leads to the page at byte {} more than once", offset));
     read_ += bytes;
@@ -94,7 +94,7 @@ class Hierarchy {
     nodes_.depths[*chunk] = e.level;
   }
 
-  /// The chunk with the place, the bytes and the points of a node.
+  /// Returns the chunk whose offset, bytes and points equal those of the node.
   std::optional<std::size_t> chunk_of(const Entry& e) const {
     std::size_t low = 0, high = points_.chunks();
     while (low < high) {
@@ -124,9 +124,9 @@ class Hierarchy {
   const CopcInfo& info_;
   const LazPoints& points_;
   CopcChunks nodes_;
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> pages_;  ///< to be read: offset, bytes
-  std::set<std::uint64_t> seen_;                                ///< offsets of pages
-  std::uint64_t read_ = 0;                                      ///< bytes
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> pages_;  ///< pages to be read: offset, bytes
+  std::set<std::uint64_t> seen_;                                ///< offsets of all pages found
+  std::uint64_t read_ = 0;                                      ///< bytes of pages read
   std::string why_not_;
 };
 

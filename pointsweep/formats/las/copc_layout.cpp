@@ -12,10 +12,10 @@
 namespace pointsweep {
 namespace {
 
-/// The order of nodes in a page and of their chunks in the file.
+/// Returns the sort key of nodes in a page and of their chunks in the file.
 auto order_of(const Octant& octant) { return std::pair(octant.depth, first_key(octant)); }
 
-/// Calls `use` with the place of each entry of the info VLR, and the entry.
+/// Calls `use` with the offset and the value of each entry of the info VLR.
 template <class Info, class Use>
 void each_entry(Info& info, const Use& use) {
   use(0, info.center.x);

@@ -15,10 +15,10 @@
 namespace pointsweep {
 namespace {
 
-/// Counts of points and bytes in the hierarchy have 32 bits with a sign.
+/// Largest number of points or bytes of a node: the hierarchy stores both as signed 32-bit integers.
 constexpr std::uint64_t kMostOfChunk = std::numeric_limits<std::int32_t>::max();
 
-/// Returns a number that orders like the time, and puts NaN at the ends.
+/// Returns an unsigned number that ascends with the GPS time; NaN comes first or last.
 std::uint64_t order_of_time(const std::byte* record) {
   std::uint64_t bits;
   std::memcpy(&bits, record + kLasModernTimeAt, sizeof bits);
@@ -92,7 +92,8 @@ void CopcNodes::compress() {
 
 void CopcNodes::sort_by_time(std::vector<std::byte>& records) const {
   const std::size_t rows = records.size() / record_bytes_;
-  std::vector<std::pair<std::uint64_t, std::size_t>> order(rows);  // equal times stay in the order of the curve
+  std::vector<std::pair<std::uint64_t, std::size_t>> order(rows);  // the index keeps equal times in the order of the
+                                                                   // curve
   for (std::size_t i = 0; i < rows; ++i) order[i] = {order_of_time(&records[i * record_bytes_]), i};
   if (std::ranges::is_sorted(order)) return;
   std::ranges::sort(order);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The nodes of a COPC file: points in the order of the curve become chunks in the order of the file.
+/// The nodes of a COPC file, made of points in Morton order: each becomes a chunk.
 #pragma once
 
 #include <array>
@@ -23,25 +23,25 @@ struct TimeRange {
   double least = 0, greatest = 0;
 };
 
-/// Collects the points of nodes. One node of each depth is open at a time, since the points of a node follow each other
-/// on the curve. The points of a node are compressed in the order of their GPS times, else of the curve; the threads
-/// compress several nodes at once.
+/// Collects the points of nodes. One node of each depth is open at a time, since the points of a node are consecutive
+/// on the curve. The points of a node are compressed in the order of their GPS times, points of equal time in the order
+/// of the curve. The threads compress several nodes at once.
 class CopcNodes {
  public:
-  /// `memory_bytes`: for the points of complete nodes that wait to be compressed. `most_node_bytes`: for the points of
-  /// one node. The chunks are put into `aside`.
+  /// `memory_bytes`: memory for the points of complete nodes that wait to be compressed. `most_node_bytes`: largest
+  /// size of the points of one node. `aside` receives the compressed chunks.
   CopcNodes(const LazLayout& laz, std::size_t record_bytes, std::uint64_t memory_bytes, std::uint64_t most_node_bytes,
             std::unique_ptr<Scratch> aside, std::string path);
 
-  /// Takes the next point: a record of point format 6, 7 or 8. Throws Error where its node has too many.
+  /// Takes the next point: a record of point format 6, 7 or 8. Throws Error if its node has too many points.
   void add(const CurveKey& key, int depth, const std::byte* record);
 
-  /// Returns the times of all points; 0 and 0 where there are none.
+  /// Returns the range of the GPS times of all points; 0 and 0 if they have no times.
   TimeRange times() const { return times_; }
 
   using Put = std::function<void(std::uint64_t at, std::span<const std::byte> bytes)>;
-  /// All points have come: puts the chunks of all nodes, by depth, then along the curve, from byte `at` on, and returns
-  /// the nodes in that order.
+  /// Must be called after the last point. Puts the chunks of all nodes, by depth, then along the curve, from byte `at`
+  /// on. Returns the nodes in that order.
   std::vector<CopcNode> finish(std::uint64_t at, const Put& put);
 
  private:
@@ -58,13 +58,13 @@ class CopcNodes {
   std::uint64_t memory_, most_node_bytes_;
   std::unique_ptr<Scratch> aside_;
   std::string path_;
-  std::array<std::vector<std::byte>, kMostDepth + 1> open_;  ///< by depth
+  std::array<std::vector<std::byte>, kMostDepth + 1> open_;  ///< the points of the open node of each depth
   CurveKey last_;
   std::vector<Waiting> waiting_;
   std::uint64_t waiting_bytes_ = 0, aside_bytes_ = 0;
   TimeRange times_;
   bool has_times_ = false;
-  std::vector<CopcNode> nodes_;  ///< with the offset in aside_
+  std::vector<CopcNode> nodes_;  ///< compressed nodes; an offset is a place in aside_
 };
 
 }  // namespace pointsweep

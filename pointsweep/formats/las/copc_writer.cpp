@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Writing COPC: LAZ whose chunks are the nodes of an octree, the coarsest first.
+/// A writer of COPC: LAZ whose chunks are the nodes of an octree, the coarsest first.
 #include <algorithm>
 #include <cassert>
 #include <cstring>
@@ -19,23 +19,23 @@
 namespace pointsweep {
 namespace {
 
-/// Rows that are encoded at once.
+/// Number of rows that are encoded at once.
 constexpr std::size_t kBatchOfRows = 64 << 10;
 
 /// The least memory for nodes that wait to be compressed.
 constexpr std::uint64_t kLeastNodeBytes = 16 << 20;
-/// Memory beyond the least one that makes a small file faster.
+/// Memory beyond the minimum that makes small files faster.
 constexpr std::uint64_t kUsefulBytes = 96 << 20;
-/// Copies of a node that are in memory while it is sorted and compressed.
+/// Number of copies of a node that are in memory while the node is sorted and compressed.
 constexpr std::uint64_t kCopiesOfNode = 3, kAnyNumberOfBytes = ~std::uint64_t{0};
 
-/// Returns the memory of a writer of so many bytes of records which may take `memory`: more makes nothing faster.
+/// Returns the memory that a writer of so many bytes of records uses, at most `memory`; more would not make it faster.
 std::uint64_t useful_memory(std::uint64_t bytes, std::uint64_t memory, unsigned threads) {
   const std::uint64_t least = copc_encoder_bytes(0, threads);
   return std::clamp(memory, least, least + std::max(kUsefulBytes, bytes / 32));
 }
 
-/// Returns the part of it for records and their levels; nodes that wait to be compressed take the rest.
+/// Returns the part of the memory for records and their levels. Nodes that wait to be compressed take the rest.
 std::uint64_t record_memory(std::uint64_t memory) { return memory / 4 * 3; }
 
 OutputPlan with_copc_layout(OutputPlan plan) {
@@ -86,7 +86,7 @@ class CopcWriter : public Writer {
   }
 
  private:
-  /// The chunk table, the hierarchy, the info VLR and the header.
+  /// Writes the chunk table, the hierarchy, the info VLR and the header.
   void finish_file(const std::vector<CopcNode>& nodes, TimeRange times) {
     std::vector<LazLayout::ChunkSize> chunks;
     std::uint64_t at = first_chunk();
@@ -139,8 +139,8 @@ std::uint64_t copc_encoder_bytes(std::uint64_t, unsigned threads) {
   return kLeastNodeBytes + least_level_bytes(threads);
 }
 
-// The record, its place, the points kept at all depths but the last (a third of all, at most) in lists and by number,
-// and the compressed chunk.
+// Bytes of scratch: the record and its place, the points kept at all depths but the last (at most a third of all) in
+// lists and by number, and the compressed chunk.
 std::uint64_t copc_aside_bytes(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                                unsigned threads) {
   constexpr std::uint64_t kPlace = sizeof(GridPoint);

@@ -11,14 +11,14 @@
 namespace pointsweep {
 namespace {
 
-/// Options of a descriptor that say which of its numbers count.
+/// Bits of Descriptor::options: the descriptor states the least value, the greatest value, the scale, the offset.
 constexpr std::uint8_t kHasLeast = 1 << 1, kHasMost = 1 << 2, kHasScale = 1 << 3, kHasOffset = 1 << 4;
 
-/// A descriptor as it lies in the file.
+/// A descriptor in the layout of the file.
 struct Descriptor {
   std::uint8_t reserved[2];
   std::uint8_t type;
-  std::uint8_t options;  ///< of type 0: the number of bytes
+  std::uint8_t options;  ///< bits above; for type 0 the number of bytes
   char name[kLasNameBytes];
   std::uint8_t unused[4];
   std::uint8_t no_data[24], lo[24], hi[24];
@@ -28,7 +28,7 @@ struct Descriptor {
 static_assert(sizeof(Descriptor) == kExtraBytesDescriptor);
 static_assert(offsetof(Descriptor, scale) == 112);
 
-/// The types 1 to 10 of LAS in their order; 11 to 20 are pairs and 21 to 30 triples of them.
+/// The types 1 to 10 of LAS in their order. Types 11 to 20 are pairs of these, and 21 to 30 triples.
 constexpr Type kTypes[] = {Type::u8,  Type::i8,  Type::u16, Type::i16, Type::u32,
                            Type::i32, Type::u64, Type::i64, Type::f32, Type::f64};
 
@@ -59,7 +59,8 @@ bool same_word(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char p, char q) { return lower(p) == lower(q); });
 }
 
-/// The name up to its first NUL without blanks around it; control characters would break the headers of other formats.
+/// Returns the name up to its first NUL, without surrounding blanks. Control characters are replaced, since they would
+/// break the headers of other formats.
 std::string name_of(const Descriptor& d) {
   std::string name(d.name, std::find(d.name, d.name + kLasNameBytes, '\0'));
   const auto first = name.find_first_not_of(' ');
@@ -91,7 +92,7 @@ double bias_of(const Descriptor& d, std::size_t component) {
   return (d.options & kHasOffset) != 0 && std::isfinite(bias) ? bias : 0;
 }
 
-/// The beginning of `text` in at most `most` bytes: whole, or up to a separator, or up to a word that can end it.
+/// Shortens `text` to at most `most` bytes, at a separator or after a whole word.
 std::string shortened(std::string_view text, std::size_t most) {
   if (text.size() <= most) return std::string(text);
   const std::size_t clause = text.find_first_of(";,");

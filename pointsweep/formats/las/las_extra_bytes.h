@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The extra-bytes VLR of LAS (user LASF_Spec, record 4): attributes of users after the fields of the point format.
+/// The extra-bytes VLR of LAS (user LASF_Spec, record 4), which describes attributes after the fields of the point
+/// format.
 #pragma once
 
 #include <cstddef>
@@ -15,28 +16,28 @@
 
 namespace pointsweep {
 
-/// Bytes of one descriptor, and how many of them a VLR can hold.
+/// Bytes of a descriptor, and the largest number of descriptors in a VLR.
 inline constexpr std::size_t kExtraBytesDescriptor = 192;
 inline constexpr std::size_t kMaxExtraBytes = 65535 / kExtraBytesDescriptor;
 
-/// Bytes of an attribute's name.
+/// Largest number of bytes of an attribute's name.
 inline constexpr std::size_t kLasNameBytes = 32;
-/// Under which name LAS outputs hold an attribute: NormalX for nx, ..., else its own, cut to kLasNameBytes.
+/// Returns the name of an attribute in LAS outputs: NormalX for nx, ..., else its own, cut to kLasNameBytes.
 std::string las_dimension_name(const std::string& name);
 
 /// Appends the attributes that `descriptors` (the content of the VLR) describe to `schema`, the fields of the point
 /// format. Types 1 to 10 are one field each, the deprecated arrays 11 to 30 a field of count 2 or 3 (several fields
-/// `name[0]`, ... where scale or offset differ), type 0 is that many uint8. A name already taken gets a number
-/// appended. Returns none when all is well, else the reason why the VLR does not describe records of `record_length`
+/// `name[0]`, ... where scale or offset differ), type 0 is that many uint8. A number is appended to a name that another
+/// field has. Returns nothing on success, else the reason why the VLR does not describe records of `record_length`
 /// bytes; `schema` is then unchanged.
 std::optional<std::string> append_extra_bytes(std::span<const std::byte> descriptors, std::uint32_t record_length,
                                               Schema& schema);
 
-/// The one among `descriptors` that describes a single value as `field` stores it, under its name.
+/// Returns the descriptor of a single value that has the name and the stored form of `field`; none if there is none.
 std::optional<std::span<const std::byte>> find_extra_bytes(std::span<const std::byte> descriptors, const Field& field);
 
-/// Returns the description of component `component` of a made attribute, in at most 32 bytes: as much of its meaning as
-/// fits, then its unit, or the name of the axis.
+/// Returns the description of component `component` of a made attribute, in at most 32 bytes: the beginning of its
+/// meaning, then its unit, or the name of the axis.
 std::string extra_bytes_description(const Attribute& attribute, std::size_t component);
 
 /// Builds the content of the VLR.
@@ -46,14 +47,13 @@ class ExtraBytesVlr {
   /// Continues the VLR that a file already has.
   explicit ExtraBytesVlr(std::span<const std::byte> descriptors) : bytes_(descriptors.begin(), descriptors.end()) {}
 
-  /// Describes `field`, under the name LAS users expect (NormalX for nx, ...) or its own, cut to 32 bytes. An older
-  /// attribute of that name is renamed to `<name>_input`; both stay in the file. A field of several values becomes
-  /// `name[0]`, `name[1]`, ...
-  /// `description` (at most 32 bytes) says what it means.
+  /// Adds a descriptor of `field`. Its name is the usual one of LAS (NormalX for nx, ...) or its own, cut to 32 bytes.
+  /// An older attribute of that name is renamed to `<name>_input`; both stay in the file. A field of several values
+  /// becomes `name[0]`, `name[1]`, ... `description` (at most 32 bytes) states its meaning.
   void append(const Field& field, std::string_view description = {});
-  /// Repeats `descriptor`, which describes one value of another file, but for its smallest and largest value.
+  /// Adds a copy of `descriptor`, which describes one value of another file, without its smallest and largest value.
   void append_again(std::span<const std::byte> descriptor);
-  /// Describes `count` bytes of which nothing is known but that they are there.
+  /// Adds a descriptor of type 0: `count` bytes without a known meaning.
   void append_undocumented(std::uint32_t count);
 
   std::size_t size() const { return bytes_.size() / kExtraBytesDescriptor; }

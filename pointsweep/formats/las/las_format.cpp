@@ -14,13 +14,13 @@ namespace {
 constexpr std::string_view kLasExtensions[] = {".las"}, kLazExtensions[] = {".laz"}, kCopcExtensions[] = {".copc.laz"};
 constexpr std::string_view kLayout[] = {"scale", "offset", "point_format", "las_version"};
 
-/// A bit of the point format (byte 104) tells compressed files.
+/// Returns whether the top bit of the point format (byte 104) marks the file as compressed.
 bool is_compressed(std::string_view head) {
   return head.starts_with("LASF") && head.size() > 104 && (static_cast<unsigned char>(head[104]) & 0x80) != 0;
 }
 bool is_uncompressed(std::string_view head) { return head.starts_with("LASF") && !is_compressed(head); }
 
-/// The first VLR of a compressed file is the info VLR of COPC.
+/// Returns whether the file is compressed and its first VLR is the info VLR of COPC.
 bool is_copc(std::string_view head) {
   constexpr std::size_t kUserAt = 375 + 2;
   return is_compressed(head) && head.size() > kUserAt + 5 && head.substr(kUserAt, 5) == std::string_view("copc", 5);
@@ -28,7 +28,7 @@ bool is_copc(std::string_view head) {
 
 bool is_plain_laz(std::string_view head) { return is_compressed(head) && !is_copc(head); }
 
-/// Point formats have fields for all attributes of LAS: 0 where nothing gives them a value, and returns are 1 of 1.
+/// Returns the value of an attribute of LAS in files without it: 1 for return numbers, else 0. Nothing for other names.
 std::optional<double> own_field(std::string_view name) {
   if (name == "return_number" || name == "number_of_returns") return 1;
   for (int format = 0; las_record_length(format); ++format)

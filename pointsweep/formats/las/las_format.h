@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Writing LAS and LAZ: a LAS input keeps all it has, anything else becomes LAS 1.4 (see las_layout.h). The properties
-/// of all values of a cloud are known before its first point is stored.
+/// Writers of LAS and LAZ. Outputs keep all parts of a LAS input; other inputs become LAS 1.4 (see las_layout.h). Facts
+/// about all values of a cloud are collected before its first point is stored.
 #pragma once
 
 #include <cstdint>
@@ -14,39 +14,39 @@
 
 namespace pointsweep {
 
-/// Reads the cloud once if the types of its fields leave open which point format holds them, or if real coordinates may
-/// lie on the grid of the LAS file that they came from, or of decimal fractions such as text files have. `progress`
-/// gets the number of points read; it may throw.
+/// Collects facts about all points that the layout needs. Reads the cloud once if the types of its fields do not decide
+/// which point format holds them, or if real coordinates may lie on the grid of their LAS file or on a grid of decimal
+/// fractions, as in text files. `progress` gets the number of points read; it may throw.
 KnownValues las_values(InputCloud& cloud, const FileLayout& layout, const std::function<void(std::uint64_t)>& progress);
 
 /// Returns whether las_values() reads the cloud.
 bool las_values_need_points(const InputCloud& cloud, const FileLayout& layout);
 
-/// Returns how coordinates are rounded to the grid of the output.
+/// Returns the rounding of coordinates to the grid of the output.
 StoredCoordinate las_stored_coordinate(const OutputPlan& plan);
 
-/// Throws Error before anything is written when the points cannot be stored as LAS. Without a LAS input, plan.bounds
-/// has to be there unless the coordinates are integers of at most 32 bits.
+/// Creates a writer. Throws Error, before anything is written, if the points cannot be stored as LAS. Without a LAS
+/// input, plan.bounds is required unless the coordinates are integers of at most 32 bits.
 std::unique_ptr<Writer> create_las_writer(const OutputPlan& plan);
 
 /// Creates a writer like create_las_writer(), which writes the points in compressed chunks. Records come in order. All
-/// threads compress several chunks of kLazChunkPoints points at once. Throws Error where codecs are not built in.
+/// threads compress several chunks of kLazChunkPoints points at once. Throws Error if codecs are not built in.
 std::unique_ptr<Writer> create_laz_writer(const OutputPlan& plan);
 
-/// Creates a writer of LAZ with levels of detail: a COPC file. It puts all points aside, in OutputPlan::scratch, and
-/// writes them when all have come (levels/level_choice.h).
+/// Creates a writer of COPC, that is, LAZ with levels of detail. It stores all points in OutputPlan::scratch, and
+/// writes the file when the last point has come (levels/level_choice.h).
 std::unique_ptr<Writer> create_copc_writer(const OutputPlan& plan);
 StoredCoordinate copc_stored_coordinate(const OutputPlan& plan);
 KnownValues copc_values(InputCloud& cloud, const FileLayout& layout,
                         const std::function<void(std::uint64_t)>& progress);
 bool copc_values_need_points(const InputCloud& cloud, const FileLayout& layout);
-/// Returns the least OutputPlan::encoder_bytes of that writer.
+/// Returns the least OutputPlan::encoder_bytes of the writer of COPC.
 std::uint64_t copc_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
-/// Returns Format::aside_bytes.
+/// Computes Format::aside_bytes of COPC.
 std::uint64_t copc_aside_bytes(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                                unsigned threads);
 
-/// Returns the bytes that the writer takes for records of `record_bytes`: the chunks that are compressed at once,
+/// Returns the memory of the writer of LAZ for records of `record_bytes`: the chunks that are compressed at once,
 /// before and after compression, and the models of the coder.
 std::uint64_t laz_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
 

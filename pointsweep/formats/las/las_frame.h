@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Parts of an output that the writers of LAS and LAZ share: the header, the VLRs and the bytes after the points; the
-/// count and bounds of the points; points as records of LAS.
+/// Code that the writers of LAS and LAZ share: the header, the VLRs and the bytes after the points; the count and
+/// bounds of the points; the encoding of records.
 #pragma once
 
 #include <array>
@@ -29,9 +29,9 @@ class LasStatistics {
 
   /// Takes `count` LAS records, `stride` bytes apart.
   void add(const std::byte* records, std::size_t stride, std::size_t count);
-  /// Takes the points that `other` has taken.
+  /// Adds the points that `other` has counted.
   void add(const LasStatistics& other);
-  /// Points taken so far.
+  /// Returns the number of points taken so far.
   std::uint64_t count() const { return count_; }
   /// Sets counts and bounds; without points the bounds are 0.
   void put_into(LasHeader& header) const;
@@ -48,21 +48,21 @@ class LasStatistics {
 
 class LasFrame {
  public:
-  /// Writes all in front of the points. Throws Error before anything is written when the points cannot be stored.
+  /// Writes all bytes before the points. Throws Error, before anything is written, if the points cannot be stored.
   LasFrame(const OutputPlan& plan, LasPoints points);
 
   const LasLayout& layout() const { return layout_; }
   OutputFile& file() { return out_; }
-  /// Thread-safe for bytes that do not overlap.
+  /// Writes bytes at offset `at`. Thread-safe for ranges that do not overlap.
   void put(std::uint64_t at, std::span<const std::byte> bytes);
   std::uint64_t bytes_written() const { return bytes_written_; }
 
-  /// Throws Error unless the points that came are as many as the plan announces.
+  /// Throws Error unless `came` equals the number of points in the plan.
   void require_count(std::uint64_t came) const;
-  /// Bytes of the input that follow the points.
+  /// Returns the number of bytes of the input that follow the points.
   std::uint64_t tail_bytes() const;
-  /// The points end before byte `points_end`: writes what follows them, `last` after all of it, and the final header,
-  /// and gives the file its name.
+  /// Finishes a file whose points end before byte `points_end`: writes the pieces of the input that follow the points,
+  /// then `last`, then the final header, and renames the file to its destination.
   void finish(const LasStatistics& points, std::uint64_t points_end, std::span<const std::byte> last = {});
 
  private:
@@ -79,13 +79,13 @@ class LasFrame {
   std::atomic<std::uint64_t> bytes_written_ = 0;
 };
 
-/// Records as they come into records of a LAS file.
+/// Converts incoming records to records of a LAS file.
 class LasEncoder {
  public:
-  /// `path` is for the messages only.
+  /// `path` is used in messages only.
   LasEncoder(const LasLayout& layout, std::string path);
 
-  /// True if records need no change, so that they may be written as they come.
+  /// Returns whether records need no change, so that they can be written unchanged.
   bool is_identity() const {
     return conversion_.is_identity() && !positions_change_ && !returns_missing_ && !overlap_by_class_;
   }
@@ -96,7 +96,8 @@ class LasEncoder {
   /// cannot hold: NaN, infinite, or too far from the offset.
   void run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) const;
 
-  /// A sentence about coordinates that were rounded, if they were moved or the grid is stated; empty if none was.
+  /// Returns a warning if coordinates were rounded although stages have moved them or the user has stated the grid;
+  /// else empty.
   std::string rounding() const;
 
  private:
@@ -109,7 +110,7 @@ class LasEncoder {
   std::size_t stride_in_, stride_out_;
   std::optional<Vec3> fitting_scale_;
   bool positions_change_, returns_missing_, overlap_by_class_, moved_, notes_rounding_;
-  mutable std::atomic<bool> rounds_ = false;  ///< a coordinate lay beside the grid
+  mutable std::atomic<bool> rounds_ = false;  ///< a coordinate was not on the grid
   std::byte only_return_;
   std::string path_;
 };

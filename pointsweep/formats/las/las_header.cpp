@@ -19,7 +19,8 @@ constexpr std::uint16_t kSize10 = 227, kSize13 = 235, kSize14 = 375;
 constexpr std::size_t kMinorAt = 25;
 constexpr std::uint64_t kMaxLegacyCount = std::numeric_limits<std::uint32_t>::max();
 
-/// Calls `at(byte offset, entry)` for every entry that a header of `size` bytes holds: the one table of places.
+/// Calls `at(byte offset, entry)` for every entry within the first `size` bytes of a header. Reading and writing share
+/// this table of offsets.
 template <class Header, class At>
 void each_entry(Header& h, std::size_t size, At&& at) {
   at(6, h.global_encoding);
@@ -47,7 +48,7 @@ void each_entry(Header& h, std::size_t size, At&& at) {
   at(255, h.by_return);
 }
 
-/// LASzip marks the point format; its first versions used both bits.
+/// Bits of the point format by which LASzip marks a compressed file; its first versions set both bits.
 constexpr std::uint8_t kCompressedBits = 0xC0;
 
 void check_signature(std::span<const std::byte> bytes, std::string_view path) {

@@ -21,10 +21,10 @@ bool same_encoding(const Field& a, const Field& b) {
          a.scale == b.scale && a.bias == b.bias;
 }
 
-/// Bytes of x, y and z in a record of LAS, which begins with them.
+/// Bytes of x, y and z, with which a record of LAS begins.
 constexpr std::uint32_t kLasPositionBytes = 12;
 
-/// Bytes of the first three fields.
+/// Returns the bytes of the first three fields.
 std::uint32_t position_bytes(const Schema& schema) {
   std::size_t bytes = 0;
   for (std::size_t i = 0; i < 3; ++i) bytes += size_of(schema.fields[i].type);
@@ -33,7 +33,7 @@ std::uint32_t position_bytes(const Schema& schema) {
 
 bool is_position_field(std::string_view name) { return name == "x" || name == "y" || name == "z"; }
 
-/// Collects the layout field by field.
+/// Builds the layout field by field.
 class Builder {
  public:
   Builder(const OutputPlan& plan, LasPoints points)
@@ -66,7 +66,7 @@ class Builder {
   }
 
  private:
-  /// Null for extras of another format.
+  /// Returns the LAS parts of an input; null for an input of another format.
   static std::shared_ptr<const LasParts> parts_of(const std::shared_ptr<const FormatExtras>& extras) {
     const LasExtras* const las = extras_as<LasExtras>(extras);
     return las != nullptr ? las->parts() : nullptr;
@@ -76,8 +76,8 @@ class Builder {
     return std::ranges::any_of(input.schema.fields, [](const Field& field) { return field.count > 1; });
   }
 
-  /// Leaves out what follows the standard header, since readers of COPC expect its first VLR there, and the reference
-  /// to waveforms, for which its point formats have no fields.
+  /// Removes the bytes after the standard header, since readers of COPC expect its VLR there. Removes the reference to
+  /// waveforms, for which the point formats of COPC have no fields.
   void keep_standard_header() {
     LasHeader& header = layout_.header;
     if (header.header_size > standard_header_size(4))
@@ -90,14 +90,14 @@ class Builder {
     header.global_encoding = static_cast<std::uint16_t>(header.global_encoding & ~kLasWaveformBits);
   }
 
-  /// Values of `from` go to `to`.
+  /// Adds a pair of fields: values of `from` are stored in `to`.
   void connect(Field from, Field to) {
     from.name = to.name = std::to_string(layout_.from.fields.size());
     layout_.from.fields.push_back(std::move(from));
     layout_.to.fields.push_back(std::move(to));
   }
 
-  /// `field` as extra bytes, described as in the input it comes from or by the meaning of what was made.
+  /// Adds `field` as extra bytes. The description is that of the input, or the meaning of a made attribute.
   void append_extra(const Field& field) {
     Field stored = field;
     stored.type = unpacked_type(field);
@@ -155,7 +155,7 @@ class Builder {
                                [&](const std::string& name) { return !input_->schema.find(name); });
   }
 
-  /// The records of the input unchanged but for coordinates that have become real numbers, then what was made.
+  /// Keeps the records of the input, except for coordinates that are now real numbers, and adds the made fields.
   void keep_records() {
     const Schema& own = input_->schema;
     const LasHeader& header = layout_.header;
@@ -194,7 +194,7 @@ class Builder {
     connect(from, rest);
   }
 
-  /// The last field that goes to x, y or z is what has to fit.
+  /// Finds the source of x, y and z: the last connected field that is stored there. It must fit 32 bits.
   void watch_positions(const Schema& format) {
     Field* const places[] = {&layout_.x, &layout_.y, &layout_.z};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -238,7 +238,7 @@ class Builder {
     for (std::size_t i = 0; i < schema.fields.size(); ++i) {
       if (stored[i]) continue;
       if (choice.is_stated() && is_las_name(schema.fields[i].name)) {
-        if (!is_made(schema.fields[i].name) && ranges[i].within(0, 0)) continue;  // as in a file without the field
+        if (!is_made(schema.fields[i].name) && ranges[i].within(0, 0)) continue;  // files without the field also mean 0
         without_field.push_back(schema.fields[i].name);
       }
       append_extra(schema.fields[i]);
@@ -250,7 +250,7 @@ class Builder {
     watch_positions(format);
   }
 
-  /// The schema of the records, read with the brightness that colours of LAS have.
+  /// Returns the schema of the records, with 8-bit colours read as the 16-bit colours of LAS.
   Schema in_sixteen_bits(const Schema& format) {
     const std::optional<Schema> scaled = with_wide_colors(plan_.schema);
     if (!scaled || !format.find("red")) return plan_.schema;
@@ -279,7 +279,7 @@ class Builder {
     return ranges;
   }
 
-  /// The oldest version that has the point format and is not older than any LAS input.
+  /// Chooses the oldest version that has the point format and is not older than any LAS input.
   void choose_version() {
     LasHeader& header = layout_.header;
     int minor = las_minor_of(header.point_format);
@@ -296,7 +296,7 @@ class Builder {
   void take_version(int minor) {
     LasHeader& header = layout_.header;
     const int least = plan_.count > std::numeric_limits<std::uint32_t>::max() ? 4 : las_minor_of(header.point_format);
-    const bool has_hierarchy = input_ != nullptr && input_->evlrs.copc_hierarchy;  // which is left out
+    const bool has_hierarchy = input_ != nullptr && input_->evlrs.copc_hierarchy;  // the output does not keep it
     if (minor < least)
       fail_usage("{}: LAS 1.{} has no {}, which needs LAS 1.{}; state that version, or another point format.",
                  plan_.path.string(), minor,
@@ -314,13 +314,14 @@ class Builder {
     set_las_version(header, minor);
   }
 
-  /// The scale at which LAS reaches all points, from the stated offset if there is one.
+  /// Returns a scale at which 32 bits reach all points, from the stated offset if there is one.
   Vec3 fitting_scale(const Box& bounds) const {
     const std::optional<Anchor>& offset = plan_.layout.offset;
     return offset && offset->at ? las_scale_from(*offset->at, bounds) : las_quantization(bounds).scale;
   }
 
-  /// Sets the grid that the user states, as far as it is stated. `own`: the grid of the coordinates, if they have one.
+  /// Sets the grid of the user. `own`: the grid of the coordinates, if they have one; it completes a partly stated
+  /// grid.
   void take_stated_grid(const std::optional<LasQuantization>& own) {
     const auto& [scale, offset, format, version, decimals] = plan_.layout;
     LasQuantization grid = own.value_or(LasQuantization{{1, 1, 1}, {}});
@@ -335,8 +336,9 @@ class Builder {
     set_grid(grid);
   }
 
-  /// A stated grid counts. LAS integers keep their scale. Real coordinates get that of the inputs where las_values()
-  /// knows one, else the finest that 32 bits allow; those of a LAS input without known bounds that of its header.
+  /// Chooses scale and offset. A stated grid has priority. LAS integers keep their grid. Real coordinates get the grid
+  /// of the inputs if las_values() has found one, else the finest grid that 32 bits allow; without known bounds they
+  /// get the grid in the header of the LAS input.
   void choose_scale(const PositionFields& p) {
     LasHeader& header = layout_.header;
     const LasQuantization of_fields{{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
@@ -374,7 +376,7 @@ class Builder {
 
   /// Chooses the statements of the coordinate reference system that the file gets in addition to the input's VLRs, and
   /// the statement that counts. Point formats 6 to 10 must have WKT. GeoTIFF keys cannot be turned into WKT without a
-  /// registry of systems, so they count where there is no other statement.
+  /// registry of systems, so they are the valid statement if there is no other.
   void choose_crs() {
     LasHeader& header = layout_.header;
     if (plan_.replaces_crs && input_ != nullptr && input_->crs_in_evlrs)
@@ -416,7 +418,8 @@ class Builder {
 
   bool says_wkt() const { return (layout_.header.global_encoding & kLasWktBit) != 0; }
 
-  /// Waveforms lie after the points or in another file; only the waveforms of the first input can be kept.
+  /// Warns that waveforms are lost. They lie after the points or in another file; only the waveforms of the first input
+  /// can be kept.
   void warn_of_waveforms() {
     if (!las_has_waveforms(layout_.header.point_format)) return;
     for (const auto& extras : plan_.other_extras) {
@@ -430,7 +433,7 @@ class Builder {
     }
   }
 
-  /// Bytes of a record without a name cannot be converted.
+  /// Warns that bytes without a description are lost, since they cannot be converted.
   void warn_of_unnamed_bytes() {
     std::vector<std::shared_ptr<const FormatExtras>> inputs = plan_.other_extras;
     inputs.insert(inputs.begin(), plan_.extras);
@@ -447,12 +450,12 @@ class Builder {
   const OutputPlan& plan_;
   LasPoints points_;
   const std::shared_ptr<const LasParts> parts_;
-  const LasParts* const input_;  ///< of parts_; null unless the first input is LAS
+  const LasParts* const input_;  ///< LAS parts of the first input, owned by parts_; null unless that input is LAS
   LasLayout layout_;
   ExtraBytesVlr vlr_;
-  Crs added_crs_;          ///< to be stated in VLRs beside those of the input
-  bool kept_ = false;      ///< records begin with those of the input
-  bool extended_ = false;  ///< vlr_ has to be written
+  Crs added_crs_;          ///< systems that VLRs state in addition to the VLRs of the input
+  bool kept_ = false;      ///< records begin with the records of the input
+  bool extended_ = false;  ///< vlr_ must be written
 };
 
 }  // namespace

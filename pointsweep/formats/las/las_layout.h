@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The layout of a LAS output, decided before the first record: header, VLRs, the place of each value, and the
-/// parts around the points.
+/// The layout of a LAS output, decided before the first record: the header, VLRs, the place of each value, and the
+/// pieces of the input that are copied.
 #pragma once
 
 #include <cstddef>
@@ -26,70 +26,74 @@ struct LasPiece {
   std::uint64_t size() const { return end - begin; }
 };
 
-/// The way in which a file holds its points; `nodes`: compressed, node by node of an octree (COPC).
+/// The way in which a file stores its points. `nodes`: compressed, one chunk for each node of an octree (COPC).
 enum class LasPoints { plain, compressed, nodes };
 
-/// The file is: header, `first_vlrs`, `before` of the input, `added_vlrs`, `between` of the input, `provenance_vlrs`,
-/// `after` of the input, points, `tail` of the input. VLRs about the compression of the input and its nodes are left
-/// out.
+/// A LAS file in this order: header, `first_vlrs`, piece `before` of the input, `added_vlrs`, piece `between`,
+/// `provenance_vlrs`, piece `after`, points, piece `tail`. VLRs that describe the compression or the octree of the
+/// input are left out.
 struct LasLayout {
-  LasHeader header;                        ///< all but counts and bounds
+  LasHeader header;                        ///< the header without counts and bounds
   std::shared_ptr<const InputFile> input;  ///< null if the input is not LAS
   std::vector<LasPiece> before, between;
   LasPiece after;
   std::vector<LasPiece> tail;
-  std::vector<std::byte> first_vlrs;       ///< with its header, the COPC VLR, which is to be filled in
-  std::vector<std::byte> added_vlrs;       ///< with their headers; empty if the pieces of the input have all
-  std::vector<std::byte> provenance_vlrs;  ///< likewise; those of the input are in its pieces
-  std::vector<std::string> warnings;       ///< what the file cannot hold
-  std::optional<LazLayout> laz;            ///< if points are to be compressed
+  std::vector<std::byte> first_vlrs;       ///< the COPC VLR with its header, filled in later
+  std::vector<std::byte> added_vlrs;       ///< VLRs with their headers; empty if the pieces of the input contain all
+  std::vector<std::byte> provenance_vlrs;  ///< new VLRs with their headers; old ones are in the pieces of the input
+  std::vector<std::string> warnings;       ///< about properties of the cloud that the file cannot hold
+  std::optional<LazLayout> laz;            ///< set if points are compressed
 
-  /// Two schemas with fields paired by name: what comes, and the records of the file.
+  /// Two schemas of equally many fields: field i of the incoming records is stored in field i of the file's records.
   Schema from, to;
-  Field x, y, z;                      ///< of `from`
+  Field x, y, z;                      ///< fields of `from`
   bool positions_change = false;      ///< coordinates have to be quantised, which may fail
-  bool points_moved = false;          ///< those are of points that stages have moved
-  bool keeps_scale = false;           ///< those are rounded to steps of the input
-  bool grid_is_stated = false;        ///< all are rounded to steps that the user states
-  std::optional<Vec3> fitting_scale;  ///< scales that hold all coordinates, where the bounds are known
-  bool returns_missing = false;       ///< no return numbers come: every point is return 1 of 1
-  bool overlap_by_class = false;      ///< no overlap flags come: points of class 12 (overlap) get them
+  bool points_moved = false;          ///< the coordinates were changed by stages
+  bool keeps_scale = false;           ///< coordinates are rounded to the grid of the input
+  bool grid_is_stated = false;        ///< coordinates are rounded to a grid that the user states
+  std::optional<Vec3> fitting_scale;  ///< scales at which 32 bits hold all coordinates; none if the bounds are unknown
+  bool returns_missing = false;       ///< records have no return numbers: every point becomes return 1 of 1
+  bool overlap_by_class = false;      ///< records have no overlap flags: points of class 12 (overlap) get the flag
 
-  /// If they are not compressed.
+  /// Returns the byte after `count` uncompressed points.
   std::uint64_t points_end(std::uint64_t count) const;
 };
 
-/// Input LAS and records that begin with its records, whose coordinates may be real numbers instead: everything of it
-/// is kept, made fields are appended as extra bytes; a made field that bears the name of one of the point format's
-/// (classification, ...) is stored there.
-/// Otherwise, and where a made field is one of another point format (colours): the shortest point format that holds the
-/// fields (choose_las_point_format(); 6 to 10 only, unless an input is LAS or was); header, VLRs and EVLRs of a LAS
-/// input are kept, values that do not fit the LAS field are stored there rounded and as extra bytes exactly.
+/// Lays out the file in one of two ways.
+/// 1. The records begin with the records of a LAS input, except that coordinates may be real numbers. Everything of the
+/// input is kept. Made fields become extra bytes, or are stored in the field of the point format that has their name
+/// (classification, ...).
+/// 2. Other records, or a made field that only another point format has (colours). The shortest point format that holds
+/// the fields is chosen (choose_las_point_format(); one of 6 to 10, unless an input is LAS or was LAS). The VLRs and
+/// EVLRs of a LAS input are kept. A value that does not fit its LAS field is stored there rounded, and exactly in extra
+/// bytes.
 LasLayout lay_out_las(const OutputPlan& plan, LasPoints points = LasPoints::plain);
 
-/// True if `schema` begins with the records of `input`, whose coordinates may have another scale and offset or be real
-/// numbers that stand first in the record.
+/// Returns whether `schema` begins with the records of `input`. The coordinates may have another scale and offset, or
+/// be real numbers at the begin of the record.
 bool las_begins_with_records_of(const LasParts& input, const Schema& schema);
 
-/// True if records of `schema` are written as those of `input`, since the user asks for no other point format.
+/// Returns whether records of `schema` keep the form of the input's records: true unless the user asks for another
+/// point format.
 bool las_keeps_records(const LasParts& input, const Schema& schema, const FileLayout& layout);
 
 /// Returns the point formats to choose from. `from_las`: an input is or was LAS.
 LasChoice las_choice(const FileLayout& layout, bool from_las);
 
-/// True for coordinates that are LAS's own integers: they stay unchanged, and no bounds are needed to choose a scale.
+/// Returns whether the coordinates are integers of 32 bits as LAS stores them. They stay unchanged, and no bounds are
+/// needed to choose a scale.
 bool las_keeps_scale(const PositionFields& p);
 
-/// The descriptions of the records that VLRs hold.
+/// The VLRs that describe the records of the output.
 struct LasDescriptions {
   ExtraBytesVlr extra_bytes;
-  bool extended = false;       ///< extra_bytes has to be written
-  bool keeps_records = false;  ///< records begin with those of the input
-  Crs added_crs;               ///< to be stated beside what the VLRs of the input state
+  bool extended = false;       ///< extra_bytes must be written
+  bool keeps_records = false;  ///< records begin with the records of the input
+  Crs added_crs;               ///< systems that VLRs state in addition to the VLRs of the input
 };
 
-/// Sets pieces and VLRs of the layout, and what the header says of them. `input`: null unless the input is LAS. The
-/// record length of the header is that of the output.
+/// Sets the pieces and VLRs of the layout, and the header entries about them. `input`: null unless the input is LAS.
+/// The header must have the record length of the output.
 void place_las_pieces(const OutputPlan& plan, LasPoints points, const LasParts* input,
                       const LasDescriptions& descriptions, LasLayout& layout);
 

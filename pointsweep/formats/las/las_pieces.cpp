@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The parts of a LAS output around its points: VLRs that are made, and the pieces of the input.
+/// The parts of a LAS output around its points: new VLRs, and pieces copied from the input.
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -59,7 +59,7 @@ class PiecePlacer {
   }
 
  private:
-  /// Notes the pieces of the input and returns how many of its VLRs are in none of them.
+  /// Sets the pieces of the input. Returns how many of its VLRs no piece contains.
   std::uint32_t place_input() {
     const LasVlrChain& vlrs = input_->vlrs;
     layout_.after = {vlrs.end, input_->header.offset_to_points};
@@ -74,8 +74,8 @@ class PiecePlacer {
     return static_cast<std::uint32_t>(left_out.size()) + (stale ? 1 : 0);
   }
 
-  /// All that follows the points of the input but its COPC hierarchy; before a hierarchy of the output, extended VLRs
-  /// alone.
+  /// Sets the tail: all bytes after the points of the input except its COPC hierarchy. If the output has a hierarchy,
+  /// only extended VLRs are kept.
   void place_tail() {
     const LasVlrChain& evlrs = input_->evlrs;
     LasPiece tail{input_->points_end, input_->file->size()};
@@ -86,7 +86,7 @@ class PiecePlacer {
     if (--layout_.header.evlr_count == 0) layout_.header.evlr_start = 0;
   }
 
-  /// The extended VLR with the nodes follows those of the input.
+  /// Adds the extended VLR with the nodes after those of the input.
   void add_hierarchy() {
     LasHeader& header = layout_.header;
     const LasVlrChain none, &evlrs = input_ != nullptr ? input_->evlrs : none;
@@ -112,7 +112,7 @@ class PiecePlacer {
     return bytes;
   }
 
-  /// Moves a byte offset of the input that refers to a place after its points.
+  /// Moves a byte offset of the input if it refers to a place after the points.
   void move_reference(std::uint64_t& place) const {
     if (place < input_->points_end) return;
     const std::optional<LasVlr>& left_out = input_->evlrs.copc_hierarchy;
@@ -131,7 +131,7 @@ class PiecePlacer {
   void add_extra_bytes_vlr() {
     std::vector<std::byte> vlr =
         las_vlr(kLasSpecUser, kExtraBytesRecord, "Extra bytes", descriptions_.extra_bytes.bytes());
-    if (input_ != nullptr && input_->vlrs.extra_bytes) {  // under the header that the file had
+    if (input_ != nullptr && input_->vlrs.extra_bytes) {  // keeps the header of the input's VLR
       input_->file->read_at(input_->vlrs.extra_bytes->start, std::span(vlr).first(kLasVlrHeader));
       const auto length = static_cast<std::uint16_t>(descriptions_.extra_bytes.bytes().size());
       std::memcpy(vlr.data() + 20, &length, sizeof length);
@@ -139,7 +139,7 @@ class PiecePlacer {
     append(layout_.added_vlrs, vlr);
   }
 
-  /// Returns how many VLRs state the coordinate reference system beside those of the input.
+  /// Adds VLRs that state the coordinate reference system in addition to those of the input. Returns their number.
   std::uint32_t add_crs_vlrs() {
     const LasCrsVlrs vlrs = las_crs_vlrs(descriptions_.added_crs);
     append(layout_.added_vlrs, vlrs.bytes);

@@ -88,7 +88,7 @@ void append_waveform(Schema& schema) {
 
 /// Point formats from the shortest record to the longest.
 constexpr std::array kByLength{0, 2, 1, 6, 3, 7, 8, 4, 9, 5, 10};
-/// The formats of each family that have all of its fields.
+/// The formats of LAS 1.0 to 1.3, and of LAS 1.4, that have all fields.
 constexpr int kFullestLegacy = 5, kFullestModern = 10;
 
 constexpr std::array<std::string_view, 3> kColors{"red", "green", "blue"};
@@ -102,7 +102,7 @@ bool has_single(const Schema& schema, std::string_view name) {
   return at && schema.fields[*at].count == 1;
 }
 
-/// False for a colour or a part of a waveform packet whose companions are missing.
+/// Returns false for a colour or a part of a waveform packet if other members of its group are missing.
 template <class Group>
 bool is_complete(const Schema& schema, std::string_view name, const Group& group) {
   if (std::find(group.begin(), group.end(), name) == group.end()) return true;

@@ -31,7 +31,7 @@ LasHeader read_header(const InputFile& file, const std::string& path, std::vecto
   return header;
 }
 
-/// Returns the chain of EVLRs after the points, if the header states a possible one.
+/// Returns the chain of EVLRs after the points; empty if the header states an impossible one.
 LasVlrChain walk_evlrs(const LasParts& parts, std::vector<std::string>& warnings) {
   const LasHeader& header = parts.header;
   if (header.minor < 4 || header.evlr_count == 0) return {};
@@ -177,7 +177,7 @@ LazPoints open_compressed(const LasParts& parts) {
   return {parts.file, vlr, header.offset_to_points, point_count(header), header.record_length};
 }
 
-/// None for a file that is no COPC.
+/// Returns the nodes of a COPC file; empty for other files.
 CopcChunks copc_nodes(const LasParts& parts, const LazPoints& points, std::vector<std::string>& warnings) {
   const std::optional<LasVlr>& info = parts.vlrs.copc;
   if (!info || info->length != kCopcInfoBytes) return {};
@@ -187,7 +187,7 @@ CopcChunks copc_nodes(const LasParts& parts, const LazPoints& points, std::vecto
   return nodes;
 }
 
-/// The chunks are those of the file.
+/// Reads compressed points. Chunks for parallel reading are the chunks of the file.
 class LazReader final : public Reader {
  public:
   LazReader(const LasParts& parts, std::vector<std::string> warnings)
@@ -244,7 +244,7 @@ bool LasExtras::is_like(const FormatExtras& other) const {
 }
 
 std::shared_ptr<const LasParts> LasExtras::parts() const {
-  std::vector<std::string> told;  // of the reader
+  std::vector<std::string> told;  // discarded: the reader has reported these warnings
   return read_parts(file, told);
 }
 

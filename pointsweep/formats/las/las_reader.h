@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Reading LAS and LAZ 1.0 to 1.4, point formats 0 to 10: records are the bytes of a LAS file, read straight into
-/// place.
+/// Readers of LAS and LAZ 1.0 to 1.4, point formats 0 to 10. Records are the bytes of the LAS file, without conversion.
 #pragma once
 
 #include <cstddef>
@@ -17,23 +16,23 @@
 
 namespace pointsweep {
 
-/// All of a LAS file that is not points. Only the header is in memory; VLRs, EVLRs and bytes of unknown meaning are
-/// copied from the file.
+/// All parts of a LAS file except its points. Only the header is in memory; VLRs, EVLRs and bytes of unknown meaning
+/// are copied from the file.
 struct LasParts {
   std::shared_ptr<const InputFile> file;
   LasHeader header;
-  Schema schema;                        ///< of the point records
+  Schema schema;                        ///< schema of the point records
   LasVlrChain vlrs;                     ///< between header and points
   LasVlrChain evlrs;                    ///< after the points
   std::vector<std::byte> extra_bytes;   ///< descriptors that fit the records; empty if there are none
   std::uint64_t points_end = 0;         ///< byte after the last point, or after all bytes of compressed points
-  std::optional<Crs> crs;               ///< what VLRs or extended VLRs state
+  std::optional<Crs> crs;               ///< system that VLRs or extended VLRs state
   bool crs_in_evlrs = false;            ///< an extended VLR states a system
-  std::vector<std::string> provenance;  ///< lines of its VLRs that say how the file was made
+  std::vector<std::string> provenance;  ///< lines about how the file was made, from its VLRs
 };
 
-/// The part of a LAS input that its writer is told of. There may be very many inputs, so parts() reads most of it when
-/// it is asked for.
+/// The parts of a LAS input that its writer uses. There may be very many inputs, so most parts are read only by
+/// parts().
 struct LasExtras final : FormatExtras {
   static constexpr std::string_view kFormat = "las";
   std::string_view format() const override { return kFormat; }
@@ -43,12 +42,12 @@ struct LasExtras final : FormatExtras {
 
   std::shared_ptr<const InputFile> file;
   std::uint8_t minor = 4, point_format = 0;  ///< as in LasHeader
-  std::uint32_t unnamed_bytes = 0;           ///< at the end of a record, which nothing describes
+  std::uint32_t unnamed_bytes = 0;           ///< bytes at the end of a record that nothing describes
   std::vector<std::byte> extra_bytes;        ///< LasParts::extra_bytes
 };
 
-/// Throws Error in one sentence for a file that is not LAS, truncated, or contradicts itself, and for a compressed one
-/// (LAZ) where codecs are not built in.
+/// Opens a LAS or LAZ file. Throws Error if the file is not LAS, is truncated or contradicts itself, or if it is
+/// compressed and codecs are not built in.
 std::unique_ptr<Reader> open_las(const std::filesystem::path& path);
 
 }  // namespace pointsweep

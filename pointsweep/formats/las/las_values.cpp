@@ -21,7 +21,7 @@ LasQuantization grid_of(const PositionFields& p) {
   return {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
 }
 
-/// Reads all points, until nothing is left to look for; what it looks for is given to the constructor.
+/// Reads points until no question is open. The questions: the ranges of some fields, and the grid of the coordinates.
 class Look {
  public:
   enum class For : std::uint8_t { nothing, grid, decimals };
@@ -43,7 +43,7 @@ class Look {
     }
   }
 
-  /// After run(): the grid on which all coordinates lie.
+  /// Returns the grid on which all coordinates lie. Must be called after run().
   std::optional<LasQuantization> grid() const {
     if (coordinates_ == For::grid) return cloud_.las()->grid;
     if (coordinates_ == For::nothing || common_.empty()) return std::nullopt;
@@ -56,7 +56,7 @@ class Look {
     for (const std::size_t f : fields_) values_.ranges[f].include(value_of(cloud_.schema().fields[f], record));
   }
 
-  /// False if one is on no grid. Points that are not finite do not count.
+  /// Returns false if a coordinate lies on no grid. Points that are not finite do not count.
   bool take_coordinates(const std::byte* records, std::size_t rows) {
     for (auto& axis : xyz_) axis.resize(kBlockRows);
     decode_positions(positions_, records, cloud_.schema().stride, rows, xyz_[0].data(), xyz_[1].data(), xyz_[2].data());
@@ -78,12 +78,12 @@ class Look {
   KnownValues& values_;
   std::vector<std::size_t> fields_;
   For coordinates_;
-  CommonStep common_;  ///< of the coordinates met, where decimals are looked for
+  CommonStep common_;  ///< common step of the coordinates read so far, for For::decimals
   PositionFields positions_ = position_fields(cloud_.schema(), "the input");
   std::array<std::vector<double>, 3> xyz_;
 };
 
-/// Returns whether all coordinates are float64, as those of text, of arrays and of other formats.
+/// Returns whether all coordinates are float64, as text files, arrays and other formats have them.
 bool are_double(const PositionFields& p) {
   const auto is_double = [](const Field& f) { return f.type == Type::f64 && f.is_plain(); };
   return is_double(p.x) && is_double(p.y) && is_double(p.z);
@@ -91,7 +91,7 @@ bool are_double(const PositionFields& p) {
 
 /// The facts about all points that an output needs to know before its first record.
 struct Sought {
-  std::vector<std::size_t> fields;  ///< whose values decide where they are stored
+  std::vector<std::size_t> fields;  ///< fields whose values decide where they are stored
   Look::For coordinates = Look::For::nothing;
 };
 

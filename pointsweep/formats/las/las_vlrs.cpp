@@ -19,7 +19,7 @@ class Window {
  public:
   explicit Window(const InputFile& file) : file_(file) {}
 
-  /// `size` bytes at `offset`; the caller has checked that the file has them.
+  /// Returns `size` bytes at `offset`. The caller has checked that the file has them.
   const std::byte* at(std::uint64_t offset, std::size_t size) {
     if (offset < first_ || offset + size > first_ + held_) {
       first_ = offset;
@@ -38,7 +38,7 @@ class Window {
 
 constexpr std::size_t kMostProvenance = 256;
 
-/// The place in `chain` where a record of this kind is noted; null for all others.
+/// Returns the member of `chain` for records of this kind; null for other kinds.
 std::optional<LasVlr>* place_of(LasVlrChain& chain, std::string_view user, std::uint16_t record) {
   if (user == kLasSpecUser && record == kExtraBytesRecord) return &chain.extra_bytes;
   if (user == kLaszipUser && record == kLaszipRecord) return &chain.laszip;
@@ -51,7 +51,7 @@ std::optional<LasVlr>* place_of(LasVlrChain& chain, std::string_view user, std::
   return record == kGeoAsciiRecord ? &chain.geo_ascii : nullptr;
 }
 
-/// Notes the place of a record in `chain` if it is of a kind that readers look at.
+/// Stores the place of a record in `chain` if readers use its kind.
 void note(LasVlrChain& chain, const std::byte* header, const LasVlr& vlr) {
   char user[16];
   std::uint16_t record;
@@ -75,7 +75,7 @@ std::uint64_t content_length(const std::byte* header, LasVlrKind kind) {
 
 constexpr std::uint64_t kLongestText = 1 << 20;
 
-/// The content of a record as whole elements of T, empty if there is no record.
+/// Returns the content of a record as whole elements of T, empty if there is no record.
 template <class Content>
 Content content_of(const InputFile& file, const std::optional<LasVlr>& vlr) {
   Content content;
@@ -95,7 +95,7 @@ void append_vlr(LasCrsVlrs& all, std::uint16_t record, std::string_view descript
   ++all.count;
 }
 
-/// Returns a VLR or an extended VLR: they differ in the type of the length.
+/// Returns a VLR or an extended VLR. They differ in the type of the length.
 template <class Length>
 std::vector<std::byte> record_of(Length length, std::string_view user, std::uint16_t record,
                                  std::string_view description, std::span<const std::byte> content) {

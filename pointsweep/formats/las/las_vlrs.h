@@ -23,55 +23,59 @@ inline constexpr std::uint16_t kExtraBytesRecord = 4;
 inline constexpr std::string_view kLasProjectionUser = "LASF_Projection";
 inline constexpr std::uint16_t kWktRecord = 2112, kGeoKeysRecord = 34735, kGeoDoublesRecord = 34736,
                                kGeoAsciiRecord = 34737;
-/// User and records of the VLR that says how a COPC file is laid out, and of the extended VLR with its nodes.
+/// User and record number of the VLR with the info of a COPC file, and record number of the extended VLR with its
+/// nodes.
 inline constexpr std::string_view kCopcUser = "copc";
 inline constexpr std::uint16_t kCopcRecord = 1, kCopcHierarchyRecord = 1000;
-/// User and record of the VLRs that say how the file was made (formats/provenance.h): lines, each ended by a line feed.
+/// User and record number of the VLRs with the provenance of the file (formats/provenance.h): lines, each ended by a
+/// line feed.
 inline constexpr std::string_view kProvenanceUser = "pointsweep";
 inline constexpr std::uint16_t kProvenanceRecord = 1;
 
-/// One record of the chain, as byte offsets in the file.
+/// A record of the chain, as byte offsets in the file.
 struct LasVlr {
-  std::uint64_t start = 0;    ///< of its header
-  std::uint64_t content = 0;  ///< of what follows the header
-  std::uint64_t length = 0;   ///< of the content
+  std::uint64_t start = 0;    ///< begin of its header
+  std::uint64_t content = 0;  ///< begin of its content, after the header
+  std::uint64_t length = 0;   ///< bytes of its content
   std::uint64_t end() const { return content + length; }
 };
 
-/// The result of walking the chain. Records are not kept: there may be many, and a writer copies them from the file.
+/// The result of walking the chain. Contents are not kept: there may be many, and a writer copies them from the file.
 struct LasVlrChain {
-  std::uint64_t start = 0, end = 0;                             ///< bytes of the records that are whole
-  std::uint32_t count = 0;                                      ///< of the records that are whole
-  std::optional<LasVlr> extra_bytes;                            ///< the first one
-  std::optional<LasVlr> laszip, copc, copc_hierarchy;           ///< of compressed files; the first of each
+  std::uint64_t start = 0, end = 0;                             ///< bytes of the complete records
+  std::uint32_t count = 0;                                      ///< number of complete records
+  std::optional<LasVlr> extra_bytes;                            ///< the first VLR of extra bytes
+  std::optional<LasVlr> laszip, copc, copc_hierarchy;           ///< the first of each kind
   std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first of each: see read_las_crs()
-  std::vector<LasVlr> provenance;                               ///< the first 256
-  std::vector<LasVlr> projection;                               ///< likewise; all that state a system
+  std::vector<LasVlr> provenance;                               ///< the first 256 records
+  std::vector<LasVlr> projection;                               ///< the first 256 records that state a system
 };
 
 enum class LasVlrKind { vlr, evlr };
 
-/// Walks up to `promised` records from byte `start` on. A record that would run past `limit` ends the chain with a
-/// warning: it and all bytes after it count as bytes of unknown meaning.
+/// Walks up to `promised` records from byte `start` on. A record that extends past `limit` ends the chain with a
+/// warning: its bytes and all later bytes have an unknown meaning.
 LasVlrChain walk_las_vlrs(const InputFile& file, LasVlrKind kind, std::uint64_t start, std::uint64_t limit,
                           std::uint32_t promised, std::vector<std::string>& warnings);
 
-/// Returns the system that the VLRs, or else the extended VLRs, state; none if they state no system. WKT counts where
-/// the header says so or there are no GeoTIFF keys; the other statement is kept too. Texts over 1 MiB are not read.
+/// Returns the system that the VLRs, or else the extended VLRs, state; none if they state no system. WKT is the valid
+/// statement if the header says so or there are no GeoTIFF keys; the other statement is kept too. Texts over 1 MiB are
+/// not read.
 std::optional<Crs> read_las_crs(const InputFile& file, const LasHeader& header, const LasVlrChain& vlrs,
                                 const LasVlrChain& evlrs);
 
-/// A VLR: its header of 54 bytes and `content`, at most 65,535 bytes.
+/// Returns a VLR: its header of 54 bytes and `content`, at most 65,535 bytes.
 std::vector<std::byte> las_vlr(std::string_view user, std::uint16_t record, std::string_view description,
                                std::span<const std::byte> content);
-/// An extended VLR: its header of 60 bytes and `content`.
+/// Returns an extended VLR: its header of 60 bytes and `content`.
 std::vector<std::byte> las_evlr(std::string_view user, std::uint16_t record, std::string_view description,
                                 std::span<const std::byte> content);
 
-/// Bytes that a VLR can hold.
+/// Largest number of bytes in a VLR.
 inline constexpr std::size_t kLongestVlr = 65535;
 
-/// VLRs that state a system as it was read, one after another, and their number: the WKT, the GeoTIFF keys, or both.
+/// VLRs that state a system, one after another, and their number: the WKT, the GeoTIFF keys, or both, as they were
+/// read.
 struct LasCrsVlrs {
   std::vector<std::byte> bytes;
   std::uint32_t count = 0;

@@ -13,7 +13,7 @@
 namespace pointsweep {
 namespace {
 
-/// Bytes that a thread encodes, or that are read back, at a time.
+/// Bytes that a thread encodes, or reads back, at a time.
 constexpr std::size_t kBlockBytes = std::size_t{256} << 10;
 
 class LasWriter : public Writer {
@@ -37,7 +37,7 @@ class LasWriter : public Writer {
   void write_at(std::uint64_t row, std::span<const std::byte> records) override { encode(row, records); }
 
   void finish() override {
-    // More than planned: some rows were written again, and only a second look can count them once.
+    // A surplus means that some rows were written twice. Reading the file back counts each row once.
     if (statistics_.count() > planned_) read_back();
     frame_.require_count(statistics_.count());
     if (std::string rounding = encoder_.rounding(); !rounding.empty()) add_warning(std::move(rounding));
@@ -95,7 +95,7 @@ class LasWriter : public Writer {
   LasFrame frame_;
   LasEncoder encoder_;
   LasStatistics statistics_;
-  std::vector<std::vector<std::byte>> rooms_;  ///< encoded records, by thread
+  std::vector<std::vector<std::byte>> rooms_;  ///< encoded records of each thread
   std::uint64_t next_row_ = 0;
 };
 

@@ -19,7 +19,7 @@ const std::uint8_t* plain(std::span<const std::byte> bytes) {
   return reinterpret_cast<const std::uint8_t*>(bytes.data());
 }
 
-/// Takes over what the codec has allocated.
+/// Copies bytes that the codec has allocated, and frees them.
 std::vector<std::byte> taken(std::uint8_t* bytes, std::size_t size) {
   const auto* first = reinterpret_cast<const std::byte*>(bytes);
   std::vector<std::byte> copy(first, first + size);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The LASzip codec (codecs/) as C++ sees it: what the LASzip VLR says, with errors as exceptions.
+/// The C++ side of the LASzip codec (codecs/): the content of the LASzip VLR, with errors as exceptions.
 #pragma once
 
 #include <cstddef>
@@ -14,40 +14,41 @@ struct psc_laz;
 
 namespace pointsweep {
 
-/// User and record of the VLR.
+/// User and record number of the LASzip VLR.
 inline constexpr std::string_view kLaszipUser = "laszip encoded";
 inline constexpr std::uint16_t kLaszipRecord = 22204;
 
-/// Points in each chunk of the files that are written, as most writers have it.
+/// Points in each chunk of written files; most writers use this number.
 inline constexpr std::uint32_t kLazChunkPoints = 50'000;
 
-/// In front of the first chunk: the byte where the chunk table begins, as 64 bits.
+/// Bytes before the first chunk, which store the offset of the chunk table.
 inline constexpr std::uint64_t kLazOffsetBytes = 8;
 
-/// The way in which records are compressed. Immutable, so that any number of threads may use it.
+/// The compression of records. Immutable, so that any number of threads may use it.
 class LazLayout {
  public:
-  /// Reads the content of the VLR. Throws Error: "PATH: cannot be decompressed: ...".
+  /// Decodes the content of the VLR. Throws Error: "PATH: cannot be decompressed: ...".
   static LazLayout parse(std::span<const std::byte> vlr, const std::string& path);
-  /// For writing records of a point format (0 to 10) with extra bytes; `chunk_points` may be kVariable. Throws Error.
+  /// Makes a layout for writing records of a point format (0 to 10) with extra bytes; `chunk_points` may be kVariable.
+  /// Throws Error.
   static LazLayout for_format(std::uint8_t point_format, std::uint16_t extra_bytes, std::uint32_t chunk_points,
                               const std::string& path);
 
   static constexpr std::uint32_t kVariable = 0, kNoChunks = ~std::uint32_t{0};
-  /// Points in every chunk but the last; kVariable if the chunk table says how many; kNoChunks if all points are in one
-  /// run without a table.
+  /// Returns the number of points in every chunk but the last; kVariable if the chunk table states it for each chunk;
+  /// kNoChunks if all points are in one run without a table.
   std::uint32_t chunk_points() const;
   std::uint32_t record_bytes() const;
   std::vector<std::byte> vlr() const;
 
   struct ChunkSize {
-    std::uint64_t points, bytes;  ///< points: 0 unless chunks vary
+    std::uint64_t points, bytes;  ///< points: 0 unless chunks vary in size
   };
-  /// `table` begins with the chunk table, which must be one of `count` chunks.
+  /// Decodes the chunk table with which `table` begins. Throws Error unless it has `count` chunks.
   std::vector<ChunkSize> read_chunk_table(std::span<const std::byte> table, std::size_t count) const;
   std::vector<std::byte> write_chunk_table(std::span<const ChunkSize> chunks) const;
 
-  /// One chunk of whole records, at least one. Thread-safe.
+  /// Compresses one chunk of whole records, at least one. Thread-safe.
   std::vector<std::byte> compress(std::span<const std::byte> records) const;
 
   const psc_laz* codec() const { return codec_.get(); }
@@ -61,7 +62,8 @@ class LazLayout {
   std::string path_;
 };
 
-/// Returns whether this library was built with codecs. Without codecs, LazLayout's makers throw Error.
+/// Returns whether this library was built with codecs. Without codecs, parse() and for_format() of LazLayout throw
+/// Error.
 bool has_laz();
 
 }  // namespace pointsweep

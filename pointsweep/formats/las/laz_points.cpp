@@ -20,9 +20,10 @@ namespace pointsweep {
 
 namespace {
 
-constexpr std::uint64_t kMostTableEntry = 16;    ///< bytes of the table for a chunk; it is compressed itself
-constexpr std::uint64_t kTableOverhead = 64;     ///< its header, and what the entropy coder reads ahead
-constexpr std::size_t kDecodedAtOnce = 1 << 12;  ///< records between two looks at whether the run was cancelled
+constexpr std::uint64_t kMostTableEntry = 16;    ///< bytes of one entry of the chunk table, at most; the table is
+                                                 ///< compressed
+constexpr std::uint64_t kTableOverhead = 64;     ///< bytes of its header, and bytes that the entropy coder reads ahead
+constexpr std::size_t kDecodedAtOnce = 1 << 12;  ///< records between two checks for cancellation
 
 std::uint64_t u64_at(const InputFile& file, std::uint64_t offset) {
   std::array<std::byte, 8> bytes;
@@ -34,7 +35,7 @@ std::uint64_t u64_at(const InputFile& file, std::uint64_t offset) {
 
 }  // namespace
 
-/// One chunk that is being decoded.
+/// A decoder in the middle of one chunk.
 class LazPoints::Decoder {
  public:
   Decoder(const LazPoints& points, std::size_t chunk) : points_(points), chunk_(chunk) {
@@ -58,7 +59,7 @@ class LazPoints::Decoder {
   Decoder& operator=(const Decoder&) = delete;
 
   std::size_t chunk() const { return chunk_; }
-  std::uint64_t next() const { return next_; }  ///< row in the chunk
+  std::uint64_t next() const { return next_; }  ///< next row in the chunk
 
   void skip_to(std::uint64_t row) {
     if (row == next_) return;
@@ -115,8 +116,8 @@ LazPoints::LazPoints(std::shared_ptr<const InputFile> file, std::span<const std:
 LazPoints::Cursor::Cursor(const LazPoints& points) : points_(points) {}
 LazPoints::Cursor::~Cursor() = default;
 
-/// Reads the table of chunks. A writer that could not go back to the begin of its data has put the place of the table
-/// after the table, at the end of the file.
+/// Reads the chunk table. A writer that could not seek back to the begin of its data has stored the offset of the table
+/// in the last bytes of the file.
 void LazPoints::read_chunk_table(std::uint64_t begin, std::uint64_t count) {
   const std::uint64_t size = file_->size();
   const std::uint64_t data = begin + kLazOffsetBytes;
@@ -164,8 +165,8 @@ std::vector<LazPoints::Piece> LazPoints::pieces(std::uint64_t row, std::span<std
   return pieces;
 }
 
-/// Reads piece by piece. Only the first piece can begin in the middle of its chunk, and only the last piece can end in
-/// the middle.
+/// Reads in pieces. Only the first piece can begin in the middle of its chunk, and only the last piece can end in the
+/// middle.
 void LazPoints::Cursor::read(std::uint64_t row, std::span<std::byte> records) {
   const std::vector<Piece> all = points_.pieces(row, records);
   if (all.empty()) return;

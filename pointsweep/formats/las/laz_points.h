@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The compressed points of a LAZ file: its chunks, their records, and the boxes of chunks of a COPC file.
+/// The compressed points of a LAZ file, chunk by chunk, and the boxes of the chunks of a COPC file.
 #pragma once
 
 #include <cstddef>
@@ -15,41 +15,41 @@
 
 namespace pointsweep {
 
-/// Rows of records as LAS stores them. It does not change, so that many threads may have a Cursor.
+/// Rows of records as LAS stores them. Immutable, so that each of many threads may have a Cursor.
 class LazPoints {
   class Decoder;
 
  public:
-  /// `begin`: the byte where the compressed data begin; `count` records of `record_bytes`. Throws Error if the VLR or
-  /// the chunk table contradicts this or the file.
+  /// `begin`: the byte where the compressed data begin. `count`: records of `record_bytes`. Throws Error if the VLR or
+  /// the chunk table contradicts these or the file.
   LazPoints(std::shared_ptr<const InputFile> file, std::span<const std::byte> vlr, std::uint64_t begin,
             std::uint64_t count, std::uint32_t record_bytes);
 
-  /// Reads rows for one thread. Chunks that are wholly asked for are decoded at the same time, by all threads; a chunk
-  /// that is read piece by piece is decoded once as long as the pieces follow each other.
+  /// Reads rows for one thread. Chunks within one read are decoded in parallel, by all threads. A chunk that is read in
+  /// successive pieces is decoded once.
   class Cursor {
    public:
     /// `points` must outlive it.
     explicit Cursor(const LazPoints& points);
     ~Cursor();
-    /// Whole records from `row` on; all must exist. Throws Error.
+    /// Reads whole records from `row` on; all must exist. Throws Error.
     void read(std::uint64_t row, std::span<std::byte> records);
 
    private:
     const LazPoints& points_;
-    std::unique_ptr<Decoder> open_;  ///< of the chunk that was last read to its middle
+    std::unique_ptr<Decoder> open_;  ///< decoder of a chunk that was read in part
   };
 
   std::size_t chunks() const { return first_row_.size() - 1; }
   std::size_t chunk_of(std::uint64_t row) const;
-  /// The first row and the first byte of a chunk; `chunk` may be chunks(), for the end of the last chunk.
+  /// Returns the first row or the first byte of a chunk. `chunk` may be chunks(), for the end of the last chunk.
   std::uint64_t first_row(std::size_t chunk) const { return first_row_[chunk]; }
   std::uint64_t first_byte(std::size_t chunk) const { return first_byte_[chunk]; }
 
  private:
   struct Piece {
     std::size_t chunk;
-    std::uint64_t first, rows;  ///< in the chunk
+    std::uint64_t first, rows;  ///< rows in the chunk
     std::byte* records;
   };
 
@@ -59,20 +59,20 @@ class LazPoints {
   std::shared_ptr<const InputFile> file_;
   LazLayout layout_;
   std::uint32_t record_bytes_;
-  std::vector<std::uint64_t> first_row_, first_byte_;  ///< by chunk, and one more for the end
+  std::vector<std::uint64_t> first_row_, first_byte_;  ///< for each chunk, and for the end of the last chunk
 };
 
-/// The nodes that the chunks of a COPC file are.
+/// The octree nodes of the chunks of a COPC file.
 struct CopcChunks {
-  /// By chunk the box of its node: a hint, not to be trusted; and its depth. Empty if there are no nodes.
+  /// For each chunk the box of its node, which the points need not respect, and its depth. Empty if there are no nodes.
   std::vector<Box> boxes = {};
   std::vector<int> depths = {};
-  double spacing = 0;  ///< of the root, as the file states it
+  double spacing = 0;  ///< spacing of the root, as the file states it
 };
 
-/// Returns the nodes that the hierarchy says the chunks of `points` are; none where it contradicts itself, the chunk
-/// table or the file: then `why_not` says why, as the end of a sentence. `info`: the byte where the content of the info
-/// VLR begins. Reads at most as many bytes as the file has.
+/// Returns the nodes of the chunks of `points` by the hierarchy; none if it contradicts itself, the chunk table or the
+/// file. `why_not` then states the reason as the end of a sentence. `info`: the byte where the content of the info VLR
+/// begins. Reads at most as many bytes as the file has.
 CopcChunks read_copc_nodes(const InputFile& file, std::uint64_t info, const LazPoints& points, std::string& why_not);
 
 }  // namespace pointsweep

@@ -15,17 +15,18 @@
 namespace pointsweep {
 namespace {
 
-/// Chunks that are compressed at once where no more memory is given: two megabytes each, and half as much compressed.
+/// Number of chunks that are compressed at once with the least memory: two megabytes each, and half as much compressed.
 constexpr unsigned kFewChunksAtOnce = 4;
 
-/// Returns the bytes that compressing a chunk of records of `record_bytes` takes.
+/// Returns the memory for compressing a chunk of records of `record_bytes`.
 std::uint64_t chunk_bytes(std::uint64_t record_bytes) {
   constexpr std::uint64_t kModels = 2 << 20;  // an estimate from the peak memory of runs
   const std::uint64_t chunk = kLazChunkPoints * record_bytes;
   return chunk + chunk / 2 + kModels;
 }
 
-/// Returns how many chunks are compressed at once in `bytes` of memory: a few at least, no more than threads.
+/// Returns how many chunks are compressed at once in `bytes` of memory: at least kFewChunksAtOnce where there are so
+/// many threads, at most one per thread.
 unsigned chunks_at_once(std::uint64_t bytes, std::uint64_t record_bytes, unsigned threads) {
   const std::uint64_t fitting = std::max<std::uint64_t>(bytes / chunk_bytes(record_bytes), kFewChunksAtOnce);
   return static_cast<unsigned>(std::clamp<std::uint64_t>(threads, 1, fitting));
@@ -93,9 +94,9 @@ class LazWriter : public Writer {
   const LazLayout& laz_;
   LasEncoder encoder_;
   LasStatistics statistics_;
-  std::uint64_t at_;  ///< where the next chunk begins
+  std::uint64_t at_;  ///< offset of the next chunk
   std::size_t batch_bytes_;
-  std::vector<std::byte> batch_;  ///< records that are not yet compressed
+  std::vector<std::byte> batch_;  ///< records that are not compressed yet
   std::vector<LazLayout::ChunkSize> chunks_;
 };
 
