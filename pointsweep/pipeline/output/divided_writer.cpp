@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The first number of the file of points without a place; no tile has it.
+/// The first number of the file for points without a finite place; no tile has this number.
 constexpr std::int64_t kUnplaced = std::numeric_limits<std::int64_t>::min();
 constexpr std::uint64_t kMostWaitingBytes = 256 << 20;
 
@@ -33,7 +33,7 @@ fs::path with_name(const fs::path& pattern, const std::string& name) {
   return pattern.parent_path() / file.replace(file.find('*'), 1, name);
 }
 
-/// Returns the name with other characters than letters, digits, - and . replaced by _.
+/// Replaces all characters except letters, digits, - and . by _.
 std::string as_file_name(std::string name) {
   for (char& c : name)
     if (!(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z') && !(c >= '0' && c <= '9') && c != '-' && c != '.') c = '_';
@@ -72,7 +72,7 @@ DividedWriter::DividedWriter(OutputPlan plan, const OutputDivision& division, Di
   }
   const Format* const format = format_of_output(plan_.path);
   if (grid_ && format != nullptr && format->stored_coordinate != nullptr) stored_ = format->stored_coordinate(plan_);
-  OutputPlan trial = plan_;  // refuses what no file can hold
+  OutputPlan trial = plan_;  // throws if the format cannot hold the records
   trial.path = with_name(plan_.path, "tile");
   trial.overwrite = true;
   create_writer(trial);
@@ -90,7 +90,7 @@ void DividedWriter::choose_attribute(const std::string& word) {
 }
 
 DividedWriter::Key DividedWriter::key_of(const std::byte* record) const {
-  if (!grid_) return {whole_number_of(attribute_, record), 0};  // a u64 beyond 2^63 wraps back in its name
+  if (!grid_) return {whole_number_of(attribute_, record), 0};  // a u64 may wrap; name_of() reverses that
   std::array<std::int64_t, 2> tile{};
   for (std::size_t axis = 0; axis < 2; ++axis) {
     double coordinate = value_of(xy_[axis], record);
@@ -134,10 +134,11 @@ void DividedWriter::put(Key key, const std::byte* record, bool is_own) {
   if (division_.tile_buffer > 0) to[record_bytes_] = std::byte{is_own ? std::uint8_t{0} : std::uint8_t{1}};
 }
 
-/// A buffer is at most as wide as a tile, so only the eight tiles around that of the point can take it.
+/// A buffer is at most as wide as a tile, so only the eight tiles around the point's tile can contain the point in
+/// their buffer.
 void DividedWriter::put_into_buffers(const std::byte* record, const Key& own) {
   const std::array<std::int64_t, 2> tile = {own.first, own.second};
-  std::array<std::array<bool, 3>, 2> reaches{};  // by axis: the tile before, the same, the one after
+  std::array<std::array<bool, 3>, 2> reaches{};  // for each axis: the previous tile, the own tile, the next tile
   for (std::size_t axis = 0; axis < 2; ++axis) {
     double coordinate = value_of(xy_[axis], record);
     if (stored_) coordinate = stored_(axis, coordinate);
@@ -198,7 +199,7 @@ void DividedWriter::write_together(std::vector<Waiting>& waiting) {
   waiting.clear();
 }
 
-/// Reports how many of the points are done if so many of the records are, among which are those of buffers.
+/// Reports progress as a number of points. `records`: records done, including copies in buffers.
 void DividedWriter::report(std::uint64_t records) const {
   if (!room_.progress) return;
   const double share = static_cast<double>(records) / static_cast<double>(put_);
@@ -210,13 +211,13 @@ void DividedWriter::write_files() {
   const std::size_t record_bytes = plan_.schema.stride;
   std::vector<Waiting> waiting;
   std::uint64_t waiting_bytes = 0;
-  std::unique_ptr<Writer> large;  // a file that is written as its records come
-  std::uint64_t left = 0;         // records of the present file that have not come
+  std::unique_ptr<Writer> large;  // writer of a file whose records are written as they come
+  std::uint64_t left = 0;         // records of the current file that have not come yet
   std::uint64_t done = 0;
   records_->for_each([&](std::uint32_t number, std::span<const std::byte> records) {
     report(done += records.size() / record_bytes);
     const File& file = files_[number];
-    if (file.own == 0) return;  // there is no tile of nothing but a buffer
+    if (file.own == 0) return;  // a tile with nothing but a buffer gets no file
     const std::uint64_t bytes = file.all * record_bytes;
     if (left == 0) {
       left = file.all;

@@ -26,38 +26,38 @@
 
 namespace pointsweep {
 
-/// The most files that a run makes unless it may overwrite files.
+/// Largest number of files of a run that may not overwrite files.
 inline constexpr std::size_t kMostFiles = 10'000;
 
-/// The room in which records wait for their files.
+/// Memory and scratch for the records that wait for their files.
 struct DivisionRoom {
-  std::uint64_t bytes = 0;   ///< memory, without what the encoders of the files take
-  MakeScratch scratch = {};  ///< for what does not fit
-  /// Gets the number of points whose files are written, or about to be; may be empty, and may throw.
+  std::uint64_t bytes = 0;   ///< memory, without the memory of the files' encoders
+  MakeScratch scratch = {};  ///< for records that do not fit in memory
+  /// Gets the number of points that are written or about to be written. May be empty, and may throw.
   std::function<void(std::uint64_t points)> progress = {};
 };
 
 /// The least DivisionRoom::bytes.
 inline constexpr std::uint64_t kLeastDivisionBytes = 16 << 20;
 
-/// Puts records aside by file as they come (GroupedRecords), and writes the files one after another, small ones side by
-/// side, when all have come. Each file has the layout of the whole output (one grid, one header but for counts and
-/// bounds) and its points in their order, and is complete or absent.
+/// Stores records as they come (GroupedRecords). After the last record it writes the files, several small ones in
+/// parallel. Each file has the layout of the whole output (one grid, one header except for counts and bounds) and its
+/// points in their order. A file is complete or absent.
 ///
-/// A tile is decided by the coordinates that a reader of the output gets, after any rounding of its format. Points
-/// without a finite x and y are in a file of their own, `unplaced`.
+/// The tile of a point is decided by the coordinates that a reader of the output gets, after any rounding of its
+/// format. Points without a finite x and y have a file of their own, `unplaced`.
 class DividedWriter final : public Writer {
  public:
-  /// `plan.path` is the path of the files with a * for the name of each. Throws what create_writer() throws, and
-  /// UsageError for an attribute by whose values points cannot be divided.
+  /// `plan.path` is the path of the files, with a * for the name of each. Throws the errors of create_writer(), and
+  /// UsageError for an attribute whose values cannot divide points.
   DividedWriter(OutputPlan plan, const OutputDivision& division, DivisionRoom room);
 
   void write(std::span<const std::byte> records) override;
   void finish() override;
-  std::size_t files() const { return complete_; }  ///< that are complete
+  std::size_t files() const { return complete_; }  ///< number of complete files
 
  private:
-  /// Two numbers that stand for a file: those of a tile, or the value of the attribute and 0.
+  /// The identity of a file: the two numbers of a tile, or the value of the attribute and 0.
   struct Key {
     std::int64_t first = 0, second = 0;
     friend bool operator==(const Key&, const Key&) = default;
@@ -67,9 +67,9 @@ class DividedWriter final : public Writer {
   };
   struct File {
     Key key;
-    std::uint64_t own = 0, all = 0;  ///< points, without and with those of its buffer
+    std::uint64_t own = 0, all = 0;  ///< points, without and with the points in its buffer
   };
-  /// A small file whose records wait to be written beside others.
+  /// A small file whose records wait to be written in parallel with others.
   struct Waiting {
     std::uint32_t file;
     std::vector<std::byte> records;
@@ -92,18 +92,18 @@ class DividedWriter final : public Writer {
   OutputPlan plan_;
   OutputDivision division_;
   DivisionRoom room_;
-  std::size_t record_bytes_;  ///< of records that come
+  std::size_t record_bytes_;  ///< of incoming records
   std::optional<TileGrid> grid_;
-  std::array<Field, 2> xy_;     ///< of the records, for tiles
-  StoredCoordinate stored_;     ///< of the output's format
-  Field attribute_;             ///< of the records, for a division by values
-  std::string attribute_name_;  ///< in names of files
+  std::array<Field, 2> xy_;     ///< x and y in the records, for tiles
+  StoredCoordinate stored_;     ///< coordinate after the rounding of the output's format
+  Field attribute_;             ///< field of the records whose values divide them
+  std::string attribute_name_;  ///< as part of file names
   std::optional<GroupedRecords> records_;
-  std::vector<Key> keys_;  ///< of the records that came last
+  std::vector<Key> keys_;  ///< of the latest records
   std::vector<File> files_;
   std::unordered_map<Key, std::uint32_t, KeyHash> file_of_;
-  std::uint64_t came_ = 0, put_ = 0;  ///< records that came; those and their copies in buffers
-  std::size_t with_points_ = 0;  ///< files that have points of their own
+  std::uint64_t came_ = 0, put_ = 0;  ///< incoming records; records and their copies in buffers
+  std::size_t with_points_ = 0;       ///< files with points outside of their buffer
   std::atomic<std::size_t> complete_ = 0;
   OutputWarnings file_warnings_;
 };

@@ -46,7 +46,7 @@ bool FinishedTiles::has(std::size_t tile, const std::filesystem::path& output) c
 }
 
 void FinishedTiles::begin(std::size_t tile, const std::filesystem::path& output) {
-  if (is_url(output)) return;  // it is visible when it is complete
+  if (is_url(output)) return;  // an object becomes visible only when it is complete
   File file;
   if (list_.empty() || !find(OutputFile::unfinished_path(output), file)) return;
   add(tile, {file.device, file.inode, 0, 0});

@@ -12,8 +12,8 @@
 namespace pointsweep {
 namespace {
 
-/// Returns half the step from a positive number of float32 to the next greater one: no number that is rounded to it, or
-/// to a smaller one, changes by more.
+/// Returns half the step from a positive float32 number to the next greater one. Rounding to float32 changes no number
+/// up to this one by more.
 double half_step_at(double number) {
   const auto at = static_cast<float>(number);
   int exponent = 0;

@@ -15,12 +15,12 @@ namespace {
 constexpr std::size_t kPieceBytes = 1 << 20;
 constexpr std::size_t kLeastRunBytes = 4096;
 
-/// Stands in a run before the records of a group.
+/// A header in a run, before the records of a group.
 struct GroupHead {
   std::uint32_t group, count;
 };
 
-/// Returns the indices of the records by group, those of a group ascending.
+/// Returns the indices of the records sorted by group, ascending within a group.
 std::vector<std::uint32_t> order_by_group(const std::vector<std::uint32_t>& group_of) {
   const std::uint32_t last = group_of.empty() ? 0 : *std::ranges::max_element(group_of);
   std::vector<std::uint32_t> next(std::size_t{last} + 2), order(group_of.size());
@@ -41,13 +41,13 @@ class GroupedRecords::Run {
   }
 
   bool has_more() const { return head_.has_value(); }
-  /// Gives the records of `group`, if the run has any; groups ascend from call to call.
+  /// Passes the records of `group` to `use`, if the run has any. Groups ascend from call to call.
   void give(std::uint32_t group, const Use& use) {
     while (head_ && head_->group == group) give_part(use);
   }
 
  private:
-  /// Gives the records after the head.
+  /// Passes the records after the header to `use`.
   void give_part(const Use& use) {
     for (std::size_t left = head_->count; left > 0;) {
       require(record_bytes_);
@@ -59,7 +59,7 @@ class GroupedRecords::Run {
     read_head();
   }
 
-  /// Reads on, unless so many bytes are held already.
+  /// Reads more of the run until `bytes` unread bytes are in memory.
   void require(std::size_t bytes) {
     if (filled_ - at_ >= bytes) return;
     std::copy(held_.begin() + static_cast<std::ptrdiff_t>(at_), held_.begin() + static_cast<std::ptrdiff_t>(filled_),
@@ -80,11 +80,11 @@ class GroupedRecords::Run {
   }
 
   const Scratch* scratch_;
-  std::uint64_t next_, end_;  ///< bytes of the scratch that are not read yet
+  std::uint64_t next_, end_;  ///< bytes [next_, end_) of the scratch are not read yet
   std::size_t record_bytes_;
   std::vector<std::byte> held_;
-  std::size_t at_ = 0, filled_ = 0;  ///< the part of held_ that was read and not given
-  std::optional<GroupHead> head_;    ///< of the next group; absent at the end
+  std::size_t at_ = 0, filled_ = 0;  ///< part of held_ that was read and not used yet
+  std::optional<GroupHead> head_;    ///< header of the next group; none at the end
 };
 
 GroupedRecords::GroupedRecords(std::size_t record_bytes, std::uint64_t expected, std::uint64_t memory_bytes,
@@ -97,7 +97,7 @@ GroupedRecords::GroupedRecords(std::size_t record_bytes, std::uint64_t expected,
 
 std::byte* GroupedRecords::add(std::uint32_t group) {
   if (held() == capacity_) put_run_aside();
-  if (held() == group_of_.capacity()) {  // never by doubling, which would take more than the budget for a while
+  if (held() == group_of_.capacity()) {  // doubling the capacity would exceed the budget for a while
     const std::size_t room = group_of_.empty() ? std::min<std::uint64_t>(capacity_, expected_) : capacity_;
     group_of_.reserve(room);
     records_.reserve(room * record_bytes_);

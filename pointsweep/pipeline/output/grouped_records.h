@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Records in any order, given back group by group: a stable distribution in bounded memory.
+/// A stable distribution of records into groups in bounded memory.
 #pragma once
 
 #include <cstddef>
@@ -13,19 +13,20 @@
 
 namespace pointsweep {
 
-/// What fills the memory is sorted by group and put aside as a run. At the end, the runs are read side by side, each in
-/// sequence. So records are written and read once, however many groups there are; nothing is written if all fit.
+/// Collects records in any order and returns them group by group. When the memory is full, its records are sorted by
+/// group and written to scratch as a run. At the end, all runs are read at the same time, each in sequence. So records
+/// are written and read once, for any number of groups; nothing is written if all records fit.
 class GroupedRecords {
  public:
-  /// `expected` records come, or somewhat more. `memory_bytes` is for all that is held at once; where there are many
-  /// runs, at least 4 kB for each are held.
+  /// `expected`: number of records, exactly or a little more. `memory_bytes`: limit for the memory of this object; with
+  /// many runs, at least 4 kB for each run are used.
   GroupedRecords(std::size_t record_bytes, std::uint64_t expected, std::uint64_t memory_bytes,
                  MakeScratch make_scratch);
 
-  /// Appends a record to a group and returns its place, for the caller to fill before the next call.
+  /// Appends a record to a group. Returns its place, which the caller fills before the next call.
   std::byte* add(std::uint32_t group);
-  /// Calls `use` with whole records: those of the least group first, those of a group in the order in which they came,
-  /// in pieces of at most a megabyte, or one record. To be called once, after the last record.
+  /// Calls `use` with whole records: groups in ascending order, records of a group in the order in which they came, in
+  /// pieces of at most a megabyte, or one record. Must be called once, after the last record.
   void for_each(const std::function<void(std::uint32_t group, std::span<const std::byte> records)>& use);
 
  private:
@@ -37,13 +38,13 @@ class GroupedRecords {
 
   std::size_t record_bytes_;
   std::uint64_t expected_;
-  std::size_t capacity_;  ///< records of a run
+  std::size_t capacity_;  ///< records of a full run
   std::uint64_t memory_bytes_;
   MakeScratch make_scratch_;
-  std::vector<std::byte> records_;       ///< of the run that is being filled
-  std::vector<std::uint32_t> group_of_;  ///< by record of that run
-  std::unique_ptr<Scratch> scratch_;     ///< null as long as nothing is put aside
-  std::vector<std::uint64_t> run_ends_;  ///< bytes of the scratch
+  std::vector<std::byte> records_;       ///< records of the run that is being filled
+  std::vector<std::uint32_t> group_of_;  ///< group of each of these records
+  std::unique_ptr<Scratch> scratch_;     ///< null until a run is written
+  std::vector<std::uint64_t> run_ends_;  ///< byte after each run in the scratch
 };
 
 }  // namespace pointsweep

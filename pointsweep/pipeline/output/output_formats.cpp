@@ -81,11 +81,11 @@ class Naming {
       refuse(field, column_names(input_)[static_cast<std::size_t>(column - columns_.begin())], "");
   }
 
-  /// The input has `old`, which the output would hold under the name of `field`.
+  /// Decides about `old`, an attribute of the input that has the name of `field` in the output.
   void meet(const Attribute& attribute, const std::string& own, const std::string& field, const Field& old) {
     if (old.count != 1) refuse(field, old.name, "");
     if (asked_to_replace({attribute.name, own, old.name, library_name_of(old.name)})) return;
-    const bool is_color = attribute.kind == Kind::color;  // those of a camera cannot be made again
+    const bool is_color = attribute.kind == Kind::color;  // colours of a camera cannot be computed again
     const bool is_asked_for = !is_color && means_only(old.name, own);
     if (!rules_.prefix.empty() || !is_asked_for)
       refuse(field, old.name, attribute.is_list() ? attribute.name : old.name);
@@ -100,7 +100,7 @@ class Naming {
     return asked;
   }
 
-  /// `replaceable`: what --replace may name to allow it; empty: nothing.
+  /// `replaceable`: the name for --replace that allows it; empty if nothing does.
   [[noreturn]] void refuse(const std::string& field, const std::string& old, const std::string& replaceable) const {
     const std::string overwrite =
         replaceable.empty() ? "" : fmt::format("allow it with --replace {}, or ", replaceable);
@@ -112,20 +112,20 @@ class Naming {
 
   const Schema& input_;
   const std::string& input_name_;
-  const Format* format_;  ///< of the output; null if it has none
+  const Format* format_;  ///< format of the output; null if unknown
   const NamingRules& rules_;
   std::vector<std::string> columns_;  ///< names of the columns that the input file stores, in lower case
-  std::set<std::string> taken_;       ///< by made attributes
-  std::set<std::string> unused_;      ///< of what may be replaced
+  std::set<std::string> taken_;       ///< names of made attributes
+  std::set<std::string> unused_;      ///< names in `replace` that no made attribute has matched
   OutputNames out_;
 };
 
 struct Moves {
-  std::vector<std::string> stages;  ///< names, each once
-  std::array<bool, 3> axes{};       ///< x, y, z
+  std::vector<std::string> stages;  ///< names of stages, without repetition
+  std::array<bool, 3> axes{};       ///< x, y and z: true if a stage changes the coordinate
 };
 
-/// Adds what the stage `op`, which makes positions, may take to another system.
+/// Records the coordinates that stage `op`, which makes positions, may move to another coordinate system.
 void add_moves(const LocalOperator& op, Moves& moves) {
   const std::array<bool, 3> axes = op.changes_system();
   if (axes == std::array<bool, 3>{}) return;
@@ -143,7 +143,7 @@ Moves moves_of(const ChainGraph& graph) {
   return moves;
 }
 
-/// Throws UsageError for a wish of FileLayout that the format of an output has no place for.
+/// Throws UsageError for options of FileLayout that the format of an output does not support.
 void require_layout_possible(const Outputs& outputs, const EngineOptions& options) {
   for (const OutputFormat& output : output_formats(outputs))
     for (const RunOption& option : run_options()) {
@@ -211,7 +211,7 @@ OutputNames name_outputs(const Schema& input, const std::string& input_name, con
                          const KeptFields& named, const std::filesystem::path& output, const NamingRules& rules) {
   const Schema all = without_input_row(input);
   const KeptFields kept = rules.prefix.empty() ? without_replaced(named, all) : named;
-  Schema written = all;  // that part of it
+  Schema written = all;  // the written fields of the input
   if (kept.input) {
     written.fields.clear();
     for (const std::size_t f : *kept.input) written.fields.push_back(all.fields[f]);

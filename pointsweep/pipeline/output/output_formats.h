@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The formats of the point files that a run writes, and the names that made attributes get in them: none takes the
-/// name of an attribute of the input by accident.
+/// The formats of the point files that a run writes, and the names of made attributes in them. No made attribute
+/// overwrites an attribute of the input by accident.
 #pragma once
 
 #include <filesystem>
@@ -25,42 +25,42 @@ struct NamingRules {
 };
 
 struct OutputNames {
-  std::vector<Attribute> made;        ///< those that were given, their fields with the names in the output
-  KeptFields kept;                    ///< likewise
-  std::vector<std::string> replaced;  ///< attributes of the input that are overwritten unasked: they bear the very name
-  /// "The input's attributes nx ny nz are replaced ..."; empty if there are none.
+  std::vector<Attribute> made;        ///< the given attributes; their fields have the names in the output
+  KeptFields kept;                    ///< the given selection, with the names in the output
+  std::vector<std::string> replaced;  ///< attributes of the input that are overwritten without `replace`, since a made
+                                      ///< attribute has exactly their name
+  /// Returns "The input's attributes nx ny nz are replaced ..."; empty if no attribute is replaced.
   std::string warning() const;
 };
 
-/// An attribute of the input is overwritten where an operator makes one of the very name (an input with nx ny nz, and
-/// normals are made: a user who asks for normals asks for that), and where `replace` names it. Any other that would
-/// lose its name to a made one is refused with UsageError: above all `curvature`, which several programs call the
-/// surface variation and others a curvature. With a prefix nothing is overwritten unless `replace` names it. Positions
-/// move without prefix. Colours of the input are never replaced unasked. `output` tells the format, in which names may
-/// be shortened.
+/// A made attribute overwrites an attribute of the input if `replace` names it, or if it has exactly the same name: the
+/// input has nx ny nz, and the user asks for normals. Other conflicts of names are a UsageError. An example is
+/// `curvature`: some programs store the surface variation under this name, others a curvature. With a prefix only
+/// attributes in `replace` are overwritten. Made positions have no prefix. Colours of the input are overwritten only if
+/// `replace` names them. `output` determines the format, which may shorten names.
 OutputNames name_outputs(const Schema& input, const std::string& input_name, const std::vector<Attribute>& made,
                          const KeptFields& kept, const std::filesystem::path& output, const NamingRules& rules);
 
-/// A point file of each format among Outputs::points and Outputs::tiles; names without a known format are left out.
-/// Throws UsageError for a name by which programs expect a format that is not written.
+/// A format of the outputs with one of its files. Files without a known format are not listed. Throws UsageError for a
+/// file name of a format that is not written.
 struct OutputFormat {
   const Format* format;
   std::filesystem::path example;  ///< the first output of that format
 };
 std::vector<OutputFormat> output_formats(const Outputs& outputs);
 
-/// Returns the names of made attributes in all outputs (name_outputs()). Throws if a format refuses a name.
+/// Returns the names of made attributes in all outputs (name_outputs()). Throws UsageError if a format refuses a name.
 OutputNames names_in_outputs(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
                              const EngineOptions& options);
 
-/// Throws UsageError where nothing is to be written.
+/// Throws UsageError if the run would write nothing.
 void require_outputs(const Outputs& outputs);
 
-/// Throws UsageError for a format whose writer puts points in another order (Format::reorders).
+/// Throws UsageError for a format whose writer changes the order of points (Format::reorders).
 void require_order_kept(const Outputs& outputs);
 
-/// Throws UsageError for a request that only one output of all points can fulfil, if there are tiles, and for a wish
-/// about the layout of files (FileLayout) that the format of an output has no place for.
+/// Throws UsageError for options that need one output of all points if there are tiles, and for options of FileLayout
+/// that the format of an output does not support.
 void require_outputs_possible(const Outputs& outputs, const EngineOptions& options);
 
 /// Returns the requirements of the outputs on the plan of a chain.
@@ -69,9 +69,9 @@ OutputNeeds needs_of(const Outputs& outputs, const EngineOptions& options);
 /// Returns the name of the output in a sentence: the point file, the folder of the first tile, or "the output".
 std::string name_of_output(const Outputs& outputs);
 
-/// A warning where a stage assigns other coordinates, or an operator of a user makes them, and an output states the
-/// system of the input all the same; empty where none is needed. The library's other operators move points within
-/// their system. Other heights alone matter only where the system defines heights.
+/// Returns a warning if a stage assigns coordinates, or an operator of a user makes them, while an output states the
+/// coordinate system of the input. Other operators of the library move points within their system. A change of z alone
+/// matters only if the system defines heights. Empty if no warning is needed.
 std::string kept_system_warning(const ChainPlan& plan, const InputCloud& cloud, const Outputs& outputs);
 
 }  // namespace pointsweep

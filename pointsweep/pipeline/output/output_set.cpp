@@ -17,7 +17,7 @@ namespace pointsweep {
 namespace {
 constexpr std::size_t kChunkBytes = 4 << 20;
 
-/// The ranges of the fields that are kept, in their order.
+/// Returns the ranges of the kept fields, in their order.
 std::shared_ptr<const KnownValues> of_kept_fields(std::shared_ptr<const KnownValues> values, const KeptFields& kept) {
   if (!values || !kept.input) return values;
   auto some = std::make_shared<KnownValues>(*values);
@@ -26,7 +26,8 @@ std::shared_ptr<const KnownValues> of_kept_fields(std::shared_ptr<const KnownVal
   return some;
 }
 
-/// Records of LAS have an order of their own, and so have those of a writer that is no file's.
+/// Returns the schema with its columns in the order of Chain::keep. LAS and writers that write no file have their own
+/// order.
 Schema listed_schema(const Schema& schema, const std::filesystem::path& output, const KeptFields& kept,
                      const std::vector<Attribute>& made) {
   const Format* const format = format_of_output(output);
@@ -192,7 +193,7 @@ void OutputSet::flush() {
 
 void OutputSet::finish(const InputCloud& cloud) {
   cloud.require_unchanged();
-  flush();  // no file gets its name while another may still fail for want of space
+  flush();  // no file gets its name while another one may fail for lack of space
   points_.finish();
   for (Array& array : arrays_) array.file.finish();
 }

@@ -30,29 +30,29 @@ struct OutputPlace {
 
 class OutputSet {
  public:
-  /// Refuses before any work: unknown formats, existing files, missing folders, names of attributes no operator makes.
-  /// `made` and `kept` under the names they have in outputs (output_formats.h); `provenance` as in OutputPlan.
+  /// Throws before any work for unknown formats, existing files, missing folders and unknown attributes. `made` and
+  /// `kept` have the names of the outputs (output_formats.h); `provenance` is OutputPlan::provenance.
   OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept, const Outputs& outputs,
             const EngineOptions& options, OutputPlace place, std::vector<std::string> provenance = {});
 
   const OutputLayout& layout() const { return layout_; }
-  /// Returns one sentence for each thing that the formats of the files cannot hold.
+  /// Returns one sentence for each property that the formats of the files cannot hold.
   std::vector<std::string> warnings() const;
-  /// The next rows in input order: reads the same rows of the cloud and puts the results to them.
+  /// Writes the next rows in input order: reads these rows of the cloud and appends the results to them.
   void write_results(InputCloud& cloud, std::uint64_t first_row, std::span<const std::byte> results);
-  /// The next whole records of layout().
+  /// Writes the next whole records of layout().
   void write_records(std::span<const std::byte> records);
-  /// Appends records of the input without made attributes. They are rows from `first_row` on, for messages.
+  /// Writes records of the input without made attributes. `first_row` is the first of their rows, for messages.
   void write_inputs(std::uint64_t first_row, std::span<const std::byte> records);
-  /// Appends records like write_inputs(), as one piece that is large enough to be written by itself. The bytes that are
-  /// left in `records` have no meaning.
+  /// Writes records like write_inputs(), without collecting them into larger pieces. `records` has unspecified content
+  /// afterwards.
   void write_piece(std::uint64_t first_row, std::vector<std::byte>& records);
-  /// Returns when all rows that have come are in the files.
+  /// Returns after all rows so far are in the files.
   void flush();
-  /// Gives the files their names, unless the inputs have changed meanwhile.
+  /// Renames the files to their destinations. Throws Error if an input has changed.
   void finish(const InputCloud& cloud);
   std::uint64_t bytes_written() const;
-  /// Returns the number of point files that are complete.
+  /// Returns the number of complete point files.
   std::size_t files_written() const;
 
  private:
@@ -69,15 +69,15 @@ class OutputSet {
   OutputLayout layout_;
   std::uint32_t input_stride_;
   FloatRounding rounding_;
-  std::filesystem::path name_;  ///< of the output in sentences; empty: it is no file
+  std::filesystem::path name_;  ///< name of the output in messages; empty: it is no file
   std::size_t result_bytes_ = 0;
   WriteBehind points_;
-  const DividedWriter* divided_ = nullptr;  ///< one of points_
+  const DividedWriter* divided_ = nullptr;  ///< element of points_ that divides its output; null if none does
   std::deque<Array> arrays_;
-  std::optional<ParallelRows> input_rows_;  ///< of the cloud, from the first results on
+  std::optional<ParallelRows> input_rows_;  ///< reads rows of the cloud; made with the first results
   std::vector<std::byte> inputs_;
   std::vector<std::byte> assembled_;  ///< output records of the next chunk
-  std::size_t filled_ = 0;            ///< bytes of it that came by write_records()
+  std::size_t filled_ = 0;            ///< bytes of assembled_ that came by write_records()
 };
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The warnings of the writers of many files.
+/// The warnings of the writers of many files, without repetition.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace pointsweep {
 
-/// Joins warnings that differ only in the name of the file, with which they begin.
+/// Joins warnings that differ only in the file name at their begin.
 class OutputWarnings {
  public:
   void add(const std::vector<std::string>& warnings, const std::filesystem::path& output);
-  /// Returns a sentence for each thing that a file cannot hold, with the number of other files that share it.
+  /// Returns each distinct warning with the name of one file and the number of other files that share it.
   std::vector<std::string> sentences() const;
 
  private:
@@ -22,7 +22,7 @@ class OutputWarnings {
     std::string first;
     std::size_t others = 0;
   };
-  std::map<std::string, Warning> warnings_;  ///< by what follows the name of the file
+  std::map<std::string, Warning> warnings_;  ///< keys: texts after the name of the file
 };
 
 }  // namespace pointsweep

@@ -17,7 +17,7 @@
 
 namespace pointsweep {
 
-/// For Order::input: result records by input row. Row `first_row` of the stream is the first of the store.
+/// A sink for Order::input: stores result records by input row. Row `first_row` of the stream becomes row 0.
 class InputOrderSink final : public Sink {
  public:
   InputOrderSink(RowStore& store, std::uint32_t result_bytes, std::uint64_t first_row = 0)
@@ -36,7 +36,7 @@ class InputOrderSink final : public Sink {
   std::uint64_t first_row_;
 };
 
-/// For Order::sweep: whole output records by place in the canonical order.
+/// A sink for Order::sweep: stores whole output records by their place in the canonical order.
 class SweepOrderSink final : public Sink {
  public:
   SweepOrderSink(RowStore& store, const Stream& stream, const OutputLayout& layout, std::uint32_t input_stride);
@@ -52,10 +52,10 @@ class SweepOrderSink final : public Sink {
     std::uint64_t place;
     std::vector<std::byte> record;
   };
-  /// A slab whose points are not all finished yet.
+  /// A slab with unfinished points.
   struct Open {
     std::vector<std::byte> records;
-    std::vector<std::uint32_t> rank;  ///< by index in the slab
+    std::vector<std::uint32_t> rank;  ///< place of each point in the canonical order of its slab
     std::uint64_t left;
   };
   void put(const Open& open, const Finished& points);
@@ -66,7 +66,8 @@ class SweepOrderSink final : public Sink {
   const OutputLayout& layout_;
   std::uint32_t input_stride_;
   std::mutex mutex_;
-  std::vector<std::shared_ptr<Open>> slabs_;                      ///< null before it is read and after its last point
+  std::vector<std::shared_ptr<Open>> slabs_;                      ///< null before the slab is read and after its last
+                                                                  ///< point
   std::map<std::pair<std::uint32_t, std::uint32_t>, Kept> kept_;  ///< deferred points, by slab and index
 };
 

@@ -11,11 +11,11 @@ namespace pointsweep {
 namespace {
 
 constexpr int kMostTileDigits = 17;
-/// Edges of tiles are distinct, and the quotient of a coordinate is one of them or its neighbour, where a tile is
-/// longer than this part of the coordinate.
+/// Least size of a tile relative to a coordinate. For larger tiles the edges are distinct in float64, and the rounded
+/// quotient of a coordinate is the number of its tile or of a neighbour.
 constexpr double kLeastPart = 0x1p-48;
 
-/// Returns the fewest digits after the decimal point that tell the value.
+/// Returns the least number of digits after the decimal point that represents the value exactly.
 int digits_of(double value) {
   int digits = 0;
   while (digits < kMostTileDigits && std::strtod(fmt::format("{:.{}f}", value, digits).c_str(), nullptr) != value)

@@ -22,14 +22,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A cloud of one input alone.
+/// Returns a cloud of one of the inputs.
 InputCloud cloud_of_input(const InputCloud& all, std::size_t input) {
   std::vector<std::unique_ptr<Reader>> reader;
   reader.push_back(std::make_unique<BorrowedReader>(*all.readers()[input]));
   return InputCloud(std::move(reader), {.crs = all.stated_crs()});
 }
 
-/// Returns the part of a selection that concerns one input, whose rows begin at `first` in the whole cloud.
+/// Returns the part of a selection that belongs to one input, whose rows begin at `first` in the whole cloud.
 RowSelection selected_rows(const RowSelection& all, std::uint64_t first, std::uint64_t rows) {
   return {rows, [&all, first, rows](std::uint64_t block, std::span<std::byte> bits) {
             SelectionCursor kept(all);
@@ -61,7 +61,7 @@ KeptFields kept_of(const KeptFields& kept, const Schema& all, const Schema& own)
   return mine;
 }
 
-/// Returns the names in `replace` that mean an attribute of this input. The other names belong to other inputs.
+/// Returns the names in `replace` of attributes of this input. The other names belong to other inputs.
 std::vector<std::string> replaced_in(const Schema& own, const std::vector<std::string>& replace,
                                      const std::vector<Attribute>& made) {
   std::vector<std::string> some;
@@ -116,7 +116,7 @@ bool has_moved_points(InputCloud& tile, const MovedPoints& moved, std::uint64_t 
   return false;
 }
 
-/// Tries one tile of each kind: opens its file and removes it again.
+/// Checks one tile of each kind: opens its file and removes it again.
 class KindsOfTiles {
  public:
   explicit KindsOfTiles(const TileRequest& request) : request_(request) {}
@@ -125,7 +125,7 @@ class KindsOfTiles {
     const fs::path& output = request_.outputs.tiles[tile];
     const Reader& reader = *request_.cloud.readers()[tile];
     Kind kind{format_of_output(output), reader.info().schema};
-    for (Field& field : kind.schema.fields) field.bias = 0;  // wherever the grid of an input begins
+    for (Field& field : kind.schema.fields) field.bias = 0;  // offsets of grids make no difference
     if (std::ranges::find(tried_, kind) != tried_.end()) return;
     tried_.push_back(std::move(kind));
     const InputCloud cloud = cloud_of_input(request_.cloud, tile);
@@ -163,18 +163,18 @@ void require_writable_tiles(const TileRequest& request, const FinishedTiles& fin
   }
 }
 
-/// A tile that gets its rows or is being completed. If an earlier process has finished it, its rows are skipped.
+/// A tile that receives rows or is being completed. If an earlier process has finished it, its rows are skipped.
 struct TileSet::Tile {
   Tile(std::size_t t, std::uint64_t first_row, InputCloud of_tile)
       : number(t), first(first_row), cloud(std::move(of_tile)) {}
 
   std::size_t number;
-  std::uint64_t first;  ///< number of its first row among the rows of the whole cloud that are left
+  std::uint64_t first;  ///< its first row among the selected rows of the whole cloud
   InputCloud cloud;
   std::optional<OutputSet> files;            ///< absent if an earlier process has finished the tile
-  std::uint64_t done = 0;                    ///< rows that have been written or skipped
+  std::uint64_t done = 0;                    ///< number of rows written or skipped
   std::optional<ParallelRows> input_rows;    ///< reads rows without made attributes
-  std::optional<BackgroundTask> completing;  ///< last, so that the task ends before the members that it uses
+  std::optional<BackgroundTask> completing;  ///< last member, so that the task ends before the members that it uses
 };
 
 TileSet::TileSet(const TileRequest& request, FinishedTiles finished)
@@ -207,7 +207,7 @@ void TileSet::open_next() {
                        request_.provenance(cloud, t));
 }
 
-/// Tiles with moved points share one decision about their grid; all others keep their own.
+/// Returns the values that the format needs. Tiles with moved points share one grid; all others keep their own.
 OutputPlace TileSet::place_of_tile(InputCloud& cloud, const Format* format, std::uint64_t first) const {
   std::shared_ptr<KnownValues> values = values_if_needed(format, request_.options.layout, cloud);
   if (!request_.moved || !values) return {bounds_if_needed(format, request_.options.layout, cloud), values};
@@ -217,7 +217,7 @@ OutputPlace TileSet::place_of_tile(InputCloud& cloud, const Format* format, std:
 }
 
 void TileSet::complete() {
-  tile_->cloud.readers().front()->rest();  // the inputs that follow may need its memory and its file
+  tile_->cloud.readers().front()->rest();  // frees memory and the open file for the next inputs
   if (!tile_->files) return void(tile_.reset());
   require_unchanged_inputs();
   Tile& tile = *completing_.emplace_back(std::move(tile_));
@@ -225,7 +225,7 @@ void TileSet::complete() {
   while (completing_.size() > request_.completing) wait_for_first();
 }
 
-/// Writes the last rows of a tile and gives its file its name. Runs in the background.
+/// Writes the last rows of a tile and renames its file. Runs in the background.
 void TileSet::finish_files(Tile& tile) {
   const fs::path& output = request_.outputs.tiles[tile.number];
   tile.files->flush();
@@ -243,15 +243,15 @@ void TileSet::wait_for_first() {
   completing_.pop_front();
 }
 
-/// Results depend on all inputs, all of which are read before the first tile is complete. Later tiles read their own
-/// input only.
+/// Checks all inputs before the first tile is completed, since results depend on all of them. Later tiles depend only
+/// on their own input.
 void TileSet::require_unchanged_inputs() const {
   const bool is_first = complete_ == 0 && completing_.empty();
   is_first ? request_.cloud.require_unchanged() : request_.cloud.require_unchanged(tile_->number);
 }
 
-/// Divides the next `rows` rows of the cloud among the tiles that have them. Calls write(tile, row, skip, part) for
-/// each tile: `row` is the first of `part` rows in the tile, and `skip` of the `rows` come before it.
+/// Divides the next `rows` rows of the cloud among their tiles. Calls write(tile, row, skip, part) for each tile: `row`
+/// is the first of `part` rows in the tile, and `skip` of the `rows` come before it.
 void TileSet::for_each_part(std::uint64_t rows, const WriteRows& write) {
   for (std::uint64_t skip = 0; skip < rows;) {
     if (!tile_) open_next();
@@ -297,7 +297,7 @@ void TileSet::finish() {
 }
 
 std::string TileSet::progress() {
-  completing_.clear();  // which waits for them
+  completing_.clear();  // waits for the tasks
   if (complete_ == 0) return "";
   return fmt::format(" {} of {} outputs are complete and stay.", complete_.load(), request_.outputs.tiles.size());
 }

@@ -41,7 +41,7 @@ class RecordWriter final : public Writer {
   std::uint64_t next_row_ = 0;
 };
 
-/// The fields of a made attribute, or the one field of this name.
+/// Returns the fields of a made attribute, or the one field of this name.
 std::vector<Field> fields_named(std::string_view name, const Schema& schema, const std::vector<Attribute>& made) {
   const auto attribute = std::ranges::find(made, name, &Attribute::name);
   const std::vector<std::string> names =

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What all phases of a run share: the request, its plan, the places for temporary data, and the report on the run.
+/// Values that all phases of a run share: the request, its plan, the places for temporary data, and the report on the
+/// run.
 #pragma once
 
 #include <chrono>
@@ -19,20 +20,20 @@
 
 namespace pointsweep {
 
-/// The places for the temporary data of a run: the folder of its checkpoints, or a temporary folder that the first call
-/// that needs one makes.
+/// The places for the temporary data of a run: the folder of its checkpoints, or a temporary folder, which is made on
+/// first use.
 class RunPlaces {
  public:
-  /// `identity`: of a run that can be resumed; absent for any other run. Throws as Checkpoints().
+  /// `identity`: identity of a run that can be resumed; absent for other runs. Throws the errors of Checkpoints().
   RunPlaces(const EngineOptions& options, const std::optional<std::string>& identity);
-  /// Null for a run that cannot be resumed.
+  /// Returns the checkpoints; null for a run that cannot be resumed.
   Checkpoints* checkpoints() { return checkpoints_ ? &*checkpoints_ : nullptr; }
   /// Returns the place for the "decoded" records of all inputs, or for a spilled "stream", "results", "rows" or "mask"
   /// of pass `number`.
   SpillPlace place(const char* kind, std::size_t number, bool spills);
-  /// The temporary folder, for data that no later pass needs and a resumed run does not look for. Thread-safe.
+  /// Returns the temporary folder, for data that neither later passes nor a resumed run need. Thread-safe.
   const TempFolder& folder();
-  /// Makes files in folder(). *this must outlive the function, which is thread-safe.
+  /// Returns a function that makes files in folder(). *this must outlive the function, which is thread-safe.
   MakeScratch scratch();
 
  private:
@@ -42,10 +43,10 @@ class RunPlaces {
   std::optional<TempFolder> folder_;
 };
 
-/// Tells the observer and the statistics of a run what happens.
+/// Passes warnings and notes to the observer and the statistics of a run.
 struct RunReport {
   Statistics& statistics;
-  Observer* observer;  ///< null: nobody watches
+  Observer* observer;  ///< null: there is no observer
 
   /// Adds the sentence to Statistics::warnings, unless it is empty, and tells the observer of it as a warning.
   void warn(const std::string& sentence) const;
@@ -53,20 +54,20 @@ struct RunReport {
   void note(const std::string& sentence) const;
 };
 
-/// One tile of a run that other processes perform for the other tiles.
+/// One tile of a run whose other tiles are the work of other processes.
 struct PartOfRun {
-  std::size_t tile = 0, tiles = 0;       ///< the first is 0
-  bool drops_nonfinite = false;          ///< points of this or another tile have been dropped
-  std::vector<std::string> stages = {};  ///< for the record of the run
+  std::size_t tile = 0, tiles = 0;       ///< tiles are counted from 0
+  bool drops_nonfinite = false;          ///< points of any tile have been dropped
+  std::vector<std::string> stages = {};  ///< stages for the record of the run
 };
 
 struct Context {
-  InputCloud& cloud;  ///< its selection is the rows that the passes have left so far
+  InputCloud& cloud;  ///< the selected rows are those that passes have not dropped so far
   const Outputs& outputs;
   const EngineOptions& options;
   const ChainPlan& plan;
   const OutputNames& names;
-  const NonfiniteRows& dropped;  ///< the rows that the run does not see
+  const NonfiniteRows& dropped;  ///< nonfinite points that were dropped before the run
   RunPlaces& places;
   const RunReport& report;
   std::uint64_t input_bytes = 0;       ///< open_input_bytes() before inputs are decoded
@@ -74,25 +75,25 @@ struct Context {
   std::optional<PartOfRun> part = {};  ///< absent: the run has all points
 
   Statistics& statistics() const { return report.statistics; }
-  bool is_empty() const { return cloud.count() == 0; }  ///< a select has left no row
-  /// Returns the bytes that the open inputs, decoding them and encoding records of `record_bytes` take on `threads`
-  /// threads, and the least that dividing the output takes.
+  bool is_empty() const { return cloud.count() == 0; }  ///< returns whether no row is left
+  /// Returns the bytes for the open inputs, for decoding them and for encoding records of `record_bytes` on `threads`
+  /// threads, and the least memory for dividing the output.
   std::uint64_t codec_bytes(std::uint64_t record_bytes, unsigned threads) const;
   /// Returns whether pass `p` makes whole output records in the order of its stream.
   bool makes_output(std::size_t p) const;
-  /// The rows of the cloud that are left, as a source that counts the bytes read.
+  /// Returns the selected rows of the cloud as a source that counts the bytes read.
   PointSource cloud_source() const;
-  /// Tells the observer how many points of the phase are done, and how many are in memory.
+  /// Tells the observer how many points of the phase are done, and how many points are in memory.
   void progress(const char* phase, std::uint64_t done, std::uint64_t active = 0) const;
   /// Returns the function that tells the observer how many points of the phase are done. *this must outlive it.
   std::function<void(std::uint64_t)> progress_of(const char* phase) const;
-  /// Numbers of rows of the cloud before any select.
+  /// Converts numbers of selected rows into numbers of rows of the whole cloud.
   std::vector<std::uint64_t> rows_of_cloud(std::vector<std::uint64_t> of_rows) const;
-  /// Gives the rows of the degenerate results from `first` on these numbers.
+  /// Converts the rows of the degenerate results from index `first` on into rows of the whole cloud.
   void number_degenerate_rows(std::size_t first) const;
 };
 
-/// Seconds of wall time since `start`.
+/// Returns the seconds of wall time since `start`.
 double seconds_since(std::chrono::steady_clock::time_point start);
 
 }  // namespace pointsweep

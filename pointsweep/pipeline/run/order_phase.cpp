@@ -17,11 +17,11 @@ namespace {
 /// A request to put points in order.
 struct PointsInOrder {
   const PointSource& source;
-  Surveyed points;  ///< of the source
+  Surveyed points;  ///< survey of the source
   std::size_t pass;
   const MemoryPlan& memory;
-  bool canonical = false;  ///< ties, too
-  bool whole = false;      ///< whole records travel, not only what the stages read
+  bool canonical = false;  ///< points with equal coordinates are ordered, too
+  bool whole = false;      ///< streams whole records instead of the attributes that stages read
   bool numbered = false;   ///< the source has working records
   std::vector<std::size_t> payload = {};
 };
@@ -54,8 +54,8 @@ void note_nonfinite(const Context& context, const Stream& stream) {
   statistics.nonfinite = std::max(statistics.nonfinite, context.dropped.count + count);
 }
 
-/// Slabs on demand, if the plan has them. Null also where the points do not lie as the inputs say, or as the plan has
-/// estimated; then `why_not` says why.
+/// Makes a stream that makes slabs on demand, if the plan asks for it. Returns none also if the points do not lie where
+/// the inputs state or the plan expects; `why_not` then has the reason.
 std::optional<Stream> stream_on_demand(const Context& context, const WorkPlan& work, PointsInOrder& how,
                                        std::string& why_not) {
   if (!how.memory.on_demand) return std::nullopt;
@@ -71,7 +71,7 @@ bool needs_buckets(const ChainPlan& plan, std::size_t p) {
   return p < plan.passes.size() && plan.passes[p].connecting_stage() != nullptr;
 }
 
-/// The stream of a checkpoint.
+/// Opens the stream of a checkpoint.
 Ordered restored(const Context& context, PointsInOrder how, const MemoryPlan& memory) {
   const Checkpoints& checkpoints = *context.places.checkpoints();
   checkpoints.require_slabs_of(memory.slab_points);
@@ -81,7 +81,7 @@ Ordered restored(const Context& context, PointsInOrder how, const MemoryPlan& me
   return {std::move(stream), checkpoints.last().bucket_places, std::move(how.points.survey), memory};
 }
 
-/// A new stream. Where slabs on demand were planned and cannot be made, it follows the plan of a distribution pass.
+/// Makes a new stream. If slabs on demand were planned and are not possible, the plan for a distribution pass is used.
 Ordered distributed(const Context& context, const WorkPlan& work, PointsInOrder how) {
   std::string why_not;
   std::optional<Stream> stream = stream_on_demand(context, work, how, why_not);
@@ -107,7 +107,8 @@ Ordered put_in_order(const Context& context, const WorkPlan& work, PointsInOrder
   return made;
 }
 
-/// The records of the output, which go by positions that no sweep went by; or those of the input.
+/// Puts the records of the output in order, by positions along which no sweep has ordered them; in a sort, the records
+/// of the input.
 Ordered order_output(const Context& context, const WorkPlan& work, const Rows& rows, Surveyed points,
                      OutputFiles& files) {
   const auto whole = [&](const PointSource& source) {
@@ -126,7 +127,7 @@ Ordered order_output(const Context& context, const WorkPlan& work, const Rows& r
   return whole(reordering.records());
 }
 
-/// Puts the points in order by the places that an operator gives them. The survey stays that of their positions.
+/// Puts the points in order by the places that an operator assigns to them. The survey remains that of their positions.
 Ordered order_places(const Context& context, const WorkPlan& work, std::size_t p, const PointSource& source,
                      const std::vector<std::size_t>& payload, bool numbered, Survey of_positions) {
   const PlannedPass& pass = context.plan.passes[p];
@@ -150,14 +151,15 @@ Ordered order_places(const Context& context, const WorkPlan& work, std::size_t p
 
 }  // namespace
 
-/// The reference reads points in canonical order, whatever order the output has: its search depends on it, and where it
-/// is not exact, its results depend on the axis, too.
+/// Puts the points of a pass in order. The reference gets canonical order for any order of the output: its search
+/// depends on it, and where the search is not exact its results also depend on the axis.
 Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, Surveyed points,
                    OutputFiles& files) {
   if (p == context.plan.passes.size()) return order_output(context, work, rows, std::move(points), files);
   const PlannedPass& pass = context.plan.passes[p];
   const PointSource source = source_of_pass(context, p, rows);
-  const bool is_in_order = pass.kind == PassKind::order && !context.part;  // order_numbered() puts parts in order
+  const bool is_in_order = pass.kind == PassKind::order && !context.part;  // order_numbered() puts the points of parts
+                                                                           // in order
   if (pass.has_places() && is_in_order)
     return order_places(context, work, p, source, pass.payload(), false, std::move(points.survey));
   const bool whole = context.makes_output(p);

@@ -26,12 +26,12 @@ struct RunRecord {
   std::vector<std::string> stages;  ///< canonical_stages() with presets left out, {"sort"} or {"convert"}
   std::vector<std::string> keep;    ///< recorded_keep()
   const EngineOptions& options;
-  int axis = 0;  ///< of the sweep
+  int axis = 0;  ///< axis of the sweep
   bool drops_nonfinite = false;
 };
 
 struct TileNumber {
-  std::size_t tile = 0, tiles = 0;  ///< the first is 0
+  std::size_t tile = 0, tiles = 0;  ///< tiles are counted from 0
 };
 
 ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
@@ -44,13 +44,13 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
   set("keep", fmt::format("{}", fmt::join(run.keep, ",")));
   for (const RunOption& option : run_options()) {
     if (option.effect != RunOption::Effect::values) continue;
-    // The record states the axis that the run has chosen, and whether it has dropped points, not what was asked for.
+    // The record states the axis that the run has chosen, and whether points were dropped, instead of the options.
     if (option.name == "axis")
       set("axis", in_order ? std::string(1, "xyz"[run.axis]) : "");
     else if (option.name == "nonfinite")
       set("nonfinite", run.drops_nonfinite ? "drop" : "");
     else if (option.name == "tile")
-      set("tiles", option.text(options));  // `tile` says which of the inputs of a run an output is for
+      set("tiles", option.text(options));  // `tile` states which of the inputs belongs to an output
     else
       set(option.name.c_str(), option.text(options));
   }
@@ -68,19 +68,20 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
   return record;
 }
 
-/// The records of the inputs, then this one.
+/// Returns the records of the inputs, then `record`.
 std::vector<std::string> lines_with(const InputCloud& cloud, const ProvenanceRecord& record, const RunRecord& run) {
   std::vector<std::string> lines;
   for (const auto& reader : cloud.readers()) add_provenance(lines, reader->info().provenance);
   if (!run.options.provenance) return lines;
-  // Not by add_provenance(): what the run itself says is never left out, nor is a record that an input has already.
+  // add_provenance() may leave out lines. The record of this run must be complete, even if an input has the same
+  // record.
   const std::vector<std::string> own = lines_of(record);
   lines.insert(lines.end(), own.begin(), own.end());
   return lines;
 }
 
-/// All that an output of this run is to say: the records of the inputs, and with RunOptions::provenance that of the
-/// run.
+/// Returns the provenance for an output of this run: the records of the inputs, and with RunOptions::provenance the
+/// record of the run.
 std::vector<std::string> provenance_of(const InputCloud& cloud, const RunRecord& run) {
   return lines_with(cloud, record_of(cloud, run), run);
 }
@@ -93,8 +94,7 @@ std::vector<std::string> provenance_of_tile(const InputCloud& input, TileNumber 
   return lines_with(input, record, run);
 }
 
-/// Returns whether Chain::keep names the columns of an output in another order than that of the input and of what is
-/// made.
+/// Returns whether the order of columns in Chain::keep differs from the default: fields of the input, then made ones.
 bool reorders(const Context& context) {
   const ChainPlan& plan = context.plan;
   const Schema& input = context.cloud.schema();
@@ -116,7 +116,7 @@ bool leaves_out(const ChainPlan& plan) {
   return plan.kept.input || !plan.kept.left_out.empty() || plan.kept.attributes.size() < made.size();
 }
 
-/// Returns whether every stage looks at its own point alone.
+/// Returns whether every stage reads only the point itself.
 bool searches_nothing(const Chain& chain) {
   return !chain.stages.empty() && std::ranges::all_of(chain.stages, [](const ChainStage& stage) {
     return std::holds_alternative<Drop>(stage) || (operator_of(stage) != nullptr && contract_of(stage).default_k == 0);
@@ -151,7 +151,7 @@ std::shared_ptr<const KnownValues> values_if_needed(const Context& context, cons
       format->values(context.cloud, context.options.layout, context.progress_of("ordering")));
 }
 
-/// The box of the moved points; absent where no stage moves points, or the output needs no box.
+/// Returns the box of the moved points; none if no stage moves points or the output needs no box.
 std::optional<Box> moved_bounds(const Context& context, const CloudValues& values) {
   const auto& value = context.plan.graph.moved_bounds;
   return value && !context.is_empty() ? std::optional(box_of(values.at(*value))) : std::nullopt;
@@ -181,7 +181,7 @@ std::optional<MovedPoints> moved_points(const Context& context, const Rows& rows
   return MovedPoints{*bounds, values ? values->grid : std::nullopt, rows.carried.get(), at};
 }
 
-/// The context must outlive the request.
+/// Returns the request for tiles. The context must outlive it.
 TileRequest tiles_of(const Context& context, int axis) {
   const auto provenance = [&context, axis](const InputCloud& input, std::size_t tile) {
     const PartOfRun part = context.part.value_or(PartOfRun{tile, context.outputs.tiles.size()});
@@ -190,7 +190,7 @@ TileRequest tiles_of(const Context& context, int axis) {
   return {context.cloud, context.names, context.outputs, context.options, provenance};
 }
 
-/// The memory for encoding outputs.
+/// Memory for the encoders of outputs.
 struct EncoderMemory {
   EncoderMemory(const Context& context, const WorkPlan& work) : threads(work.memory.threads) {
     const std::uint64_t record = work.layout ? work.layout->schema().stride : context.cloud.schema().stride;
@@ -198,13 +198,13 @@ struct EncoderMemory {
     one_output = encoder_bytes(context.outputs, record, threads);
     spare = work.budget - std::min(work.budget, std::max(work.memory.expected_bytes, kFixedBytes + codecs));
   }
-  /// Returns how many tiles can be completed beside the one that gets its rows.
+  /// Returns how many tiles can be completed while another one receives rows.
   std::size_t tiles_completing() const {
-    constexpr std::uint64_t kChunksOfTile = 16 << 20;  // records on their way to its file
+    constexpr std::uint64_t kChunksOfTile = 16 << 20;  // encoded chunks of a tile that wait to be written
     return std::min<std::uint64_t>(threads - 1, spare / (kChunksOfTile + one_output));
   }
 
-  /// Returns the bytes in which records wait that are divided among files.
+  /// Returns the bytes for records that are divided among files.
   std::uint64_t division(const EngineOptions& options) const {
     return options.division.divides() ? kLeastDivisionBytes + spare / 4 * 3 : 0;
   }
@@ -215,14 +215,15 @@ struct EncoderMemory {
 
   unsigned threads;
   std::uint64_t one_output;  ///< bytes for encoding one output
-  std::uint64_t spare;       ///< bytes that the plan leaves free
+  std::uint64_t spare;       ///< bytes that the plan does not use
 };
 
 std::string text_of(const Box& box) {
   return fmt::format("x {:.9g} .. {:.9g}, y {:.9g} .. {:.9g}", box.lo.x, box.hi.x, box.lo.y, box.hi.y);
 }
 
-/// Polygons of another coordinate system are a frequent reason why no point is left.
+/// Describes the boxes of the polygons and the cloud. A common reason for an empty result is that polygons have another
+/// coordinate system.
 std::string boxes_of_crop(const Context& context, Box cloud) {
   for (const auto& reader : context.cloud.readers())
     if (const std::optional<Box>& stated = reader->info().bounds) cloud.include(*stated);

@@ -22,7 +22,7 @@
 namespace pointsweep {
 namespace {
 
-/// The number of the step that stage `s` belongs to.
+/// Returns the number of the step of stage `s`.
 std::size_t step_of(const SweepPlan& plan, std::size_t s) {
   const auto next = std::upper_bound(plan.steps.begin(), plan.steps.end() - 1, s);
   return static_cast<std::size_t>(next - plan.steps.begin()) - 1;
@@ -52,7 +52,7 @@ std::string columns_text(const std::vector<ColumnPlan>& columns) {
   return text;
 }
 
-/// "12 bytes a point: normal (nx ny nz float32)"
+/// Returns "12 bytes a point: normal (nx ny nz float32)".
 std::string attributes_text(const std::vector<Attribute>& attributes) {
   std::size_t bytes = 0;
   for (const Attribute& a : attributes) bytes += a.bytes();
@@ -83,7 +83,7 @@ std::string slabs_text(const MemoryPlan& memory, std::uint64_t points, std::uint
                                          : "in memory");
 }
 
-/// The axis along which the points come to an in-order operator.
+/// Returns the axis along which an in-order operator receives the points.
 std::string axis_text(const InOrderContract& contract, std::optional<int> asked) {
   const bool in_plane = contract.places == Places::in_plane;
   if (asked && !(in_plane && *asked == 2)) return std::string(1, "xyz"[*asked]);
@@ -94,7 +94,7 @@ std::string effort_text(const Effort& effort) {
   return fmt::format("effort        {}, {}\n", effort.text, about_time_text(effort.seconds));
 }
 
-/// Describes how a pass goes through the points.
+/// Describes the order in which a pass reads the points.
 std::string passage_text(const Preview& p, std::size_t s) {
   const PlannedPass& pass = p.planned.passes[s];
   if (pass.kind == PassKind::rows) return "reads         the rows in their order; no neighbours are searched\n";

@@ -21,23 +21,23 @@ struct Preview {
   OutputNames names;
   std::string system_warning;  ///< kept_system_warning()
   std::uint64_t points = 0;
-  std::vector<std::string> others;  ///< for each pass, the other cloud that it reads, or nothing
+  std::vector<std::string> others;  ///< for each pass, the name of the other cloud that it reads, or an empty text
   std::vector<std::string> notes;   ///< about the request, one sentence each
-  std::size_t tiles = 0;            ///< outputs, one for each input; 0: one output of all
+  std::size_t tiles = 0;            ///< number of tiles, one for each input; 0: one output of all
   bool is_divided = false;          ///< RunOptions::division
-  std::optional<int> axis;          ///< that was asked for
+  std::optional<int> axis;          ///< the axis that the user has stated
   std::uint64_t budget = 0;
   std::uint64_t decoded_bytes = 0;  ///< decoded_input_bytes()
   std::uint64_t aside_bytes = 0;    ///< of all points, see pointsweep::aside_bytes()
   RunMemory memory;
 };
 
-/// Looks at a sample of the cloud and writes nothing. Throws what run() would throw before the work.
-/// `outputs`: the files to write, as far as their formats decide names and how large a record is; they need not exist.
+/// Plans a run from a sample of the cloud, without writing. Throws the errors that run() throws before the work.
+/// `outputs`: their formats decide names and the size of records; the files need not exist.
 Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& options = {}, const Outputs& outputs = {});
 
-/// Pass by pass the stages with their steps and buffers, the columns, what is carried on and the slabs; then the
-/// record of results and memory, as a text of lines.
+/// Returns lines of text about each pass (stages, steps, buffers, columns, rows carried on, slabs), about the record of
+/// results and about memory.
 std::string to_text(const Preview& preview);
 
 /// A description of a sort(), made without running it.
@@ -45,17 +45,19 @@ struct SortPreview {
   std::uint64_t points = 0;
   std::uint64_t budget = 0;  ///< bytes
   int axis = 0;
-  std::uint32_t record_bytes = 0, output_bytes = 0;  ///< of a point: of the input, of the output before its format
+  std::uint32_t record_bytes = 0, output_bytes = 0;  ///< bytes per point of the input, and of the output before
+                                                     ///< encoding
   std::uint64_t decoded_bytes = 0;                   ///< decoded_input_bytes()
   MemoryPlan memory;
-  std::string note;  ///< where fewer threads work than were asked for
+  std::string note;  ///< note if fewer threads work than requested; else empty
 };
 
-/// Looks at a sample of the cloud and writes nothing. Throws what sort() to `output` would throw before the work.
+/// Plans a sort from a sample of the cloud, without writing. Throws the errors that sort() to `output` throws before
+/// the work.
 SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options,
                          const std::vector<std::string>& keep = {});
 
-/// Several lines: points, order, slabs, records, memory.
+/// Returns lines of text about points, order, slabs, records and memory.
 std::string to_text(const SortPreview& preview);
 
 }  // namespace pointsweep

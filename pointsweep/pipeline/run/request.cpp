@@ -25,7 +25,7 @@
 namespace pointsweep {
 namespace {
 
-/// Returns all files that a run writes under names of their own.
+/// Returns all files that a run names and writes.
 std::vector<std::filesystem::path> written_files(const Outputs& outputs, const EngineOptions& options) {
   std::vector<std::filesystem::path> written = {outputs.points, options.half_way_states};
   for (const auto& [name, path] : outputs.arrays) written.push_back(path);
@@ -46,7 +46,7 @@ OutputNames names_of_output(const Request& request) {
   return names_in_outputs(cloud, plan, outputs, options);
 }
 
-/// Warns of neighbourhoods that ask for more points than there are.
+/// Adds a note for neighbourhoods of more points than the cloud has.
 void note_neighborhoods(const Request& request, const RunReport& report) {
   std::set<std::size_t> noted;
   for (const PlannedPass& pass : request.plan.passes) {
@@ -75,7 +75,7 @@ bool needs_points_before(const InputCloud& cloud, const Outputs& outputs, const 
          (format->values_need_points != nullptr && format->values_need_points(cloud, layout));
 }
 
-/// Throws Error unless the temporary folder has room for what is put there in any case.
+/// Throws Error unless the temporary folder has room for bytes_aside().
 void require_room_aside(const Request& request, const OutputNames& names) {
   const std::uint64_t aside = bytes_aside(request, names);
   if (aside == 0) return;
@@ -133,7 +133,7 @@ Statistics first_counts(const Request& request, const NonfiniteRows& dropped) {
     const auto& warnings = reader->info().warnings;
     counts.warnings.insert(counts.warnings.end(), warnings.begin(), warnings.end());
   }
-  // A tile has no more attributes than its input.
+  // Missing attributes of an input are not filled in its own tile.
   const bool fills = request.outputs.tiles.empty() || reads_attributes(request.plan);
   for (const std::string& warning : cloud.warnings())
     if (fills || std::ranges::find(cloud.missing_attributes(), warning) == cloud.missing_attributes().end())
@@ -163,7 +163,7 @@ OutputNames check_request(const Request& request, const RunReport& report) {
 
 std::uint64_t bytes_aside(const Request& request, const OutputNames& names) {
   const auto& [cloud, outputs, options, plan] = request;
-  if (!outputs.tiles.empty() || options.division.divides()) return 0;  // one file after another
+  if (!outputs.tiles.empty() || options.division.divides()) return 0;  // files are written one after another
   const OutputLayout layout(cloud.schema(), names.made, names.kept,
                             type_of_positions(names.made, outputs.points, options));
   return aside_bytes(outputs, cloud.count(), layout.schema().stride, memory_budget(options.resources.memory_bytes),

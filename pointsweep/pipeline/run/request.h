@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A request for a run, and what is checked before the first point is read.
+/// A request for a run, and the checks before the first point is read.
 #pragma once
 
 #include <optional>
@@ -19,25 +19,25 @@ struct Request {
   const ChainPlan& plan;
 };
 
-/// Returns whether the run reads each row once, to write it: it makes nothing, leaves nothing out, and its output needs
-/// to know nothing of the points before. Then nothing is surveyed, and no input is decoded into a temporary file. False
-/// where the decoders of all threads take more than half of the memory budget.
+/// Returns whether the run only copies rows: it makes nothing, drops nothing, and its output needs no facts about all
+/// points. Such a run has no survey and decodes no input into a temporary file. False if the decoders of all threads
+/// would take more than half of the memory budget.
 bool copies_rows(const Request& request);
 
-/// The other clouds that passes read, by pass.
+/// For each pass the other cloud that it reads, if any.
 using OtherClouds = std::vector<std::optional<OtherCloud>>;
 
-/// Throws UsageError where an output is an input or another output.
+/// Throws UsageError if an output is also an input or another output.
 void require_own_files(const Request& request);
-/// Throws where there is no folder for temporary data, or no point.
+/// Throws if there is no folder for temporary data, or no point.
 void require_work(const Request& request);
 /// Returns the statistics of the input, before the first phase.
 Statistics first_counts(const Request& request, const NonfiniteRows& dropped);
-/// Throws for a request that can be refused before the first point is read. Returns the names of its attributes.
+/// Throws for errors that can be found before the first point is read. Returns the names of the request's attributes.
 OutputNames check_request(const Request& request, const RunReport& report);
-/// Returns about how many bytes the output puts aside in the temporary folder while it is written.
+/// Returns about how many bytes the output stores in the temporary folder while it is written.
 std::uint64_t bytes_aside(const Request& request, const OutputNames& names);
-/// Opens the other clouds. Throws UsageError where one of them is an output.
+/// Opens the other clouds. Throws UsageError if one of them is an output.
 OtherClouds open_other_clouds(const Request& request, const RunReport& report);
 /// Returns the identity of a run that can be resumed; nothing for any other run. Throws UsageError for a request that
 /// cannot be resumed.

@@ -27,7 +27,7 @@
 namespace pointsweep {
 namespace {
 
-/// Takes over the counts of an earlier process, if there was one.
+/// Continues the counts of an earlier process, if there was one.
 void take_over(RunPlaces& places, const EngineOptions& options, const RunReport& report) {
   const Checkpoints* const checkpoints = places.checkpoints();
   if (checkpoints == nullptr || !checkpoints->found()) return;
@@ -36,7 +36,7 @@ void take_over(RunPlaces& places, const EngineOptions& options, const RunReport&
   report.note("Went on where an earlier process had ended: times and series are of this one alone.");
 }
 
-/// Returns the rows and values that an earlier process has left to the pass to go on with, and selects these rows.
+/// Returns the rows and values that an earlier process has stored for the next pass, and selects these rows.
 Rows restored_rows(const Context& context) {
   Rows rows;
   Checkpoints* const checkpoints = context.places.checkpoints();
@@ -60,7 +60,7 @@ bool is_done(const Checkpoints* checkpoints, const Phase& phase) {
   return before_results && last.is_swept();
 }
 
-/// Says which pass takes longest where all of them take long.
+/// Notes which pass takes longest if the expected time is long.
 void give_notice(const RunMemory& memory, Observer* observer) {
   double seconds = 0;
   for (const Effort& effort : memory.efforts) seconds += effort.seconds;
@@ -69,7 +69,7 @@ void give_notice(const RunMemory& memory, Observer* observer) {
   observer->on_note(fmt::format("{} means {}, {}; {}.", most.cause, most.text, about_time_text(seconds), most.remedy));
 }
 
-/// An error also says how many tiles are complete. A pass numbers the rows that are left, an error those of the input.
+/// Extends errors by the number of complete tiles. Converts row numbers from selected rows to rows of the input.
 template <class Work>
 void with_progress_of_tiles(const Context& context, OutputFiles& files, Work work) {
   try {
@@ -91,7 +91,7 @@ void with_progress_of_tiles(const Context& context, OutputFiles& files, Work wor
   }
 }
 
-/// Performs the phases after the survey, and holds the values that stand between two of them.
+/// Performs the phases after the survey, and owns the values passed between phases.
 class Phases {
  public:
   Phases(const Context& context, const WorkPlan& work, OtherClouds& others, OutputFiles& files, Surveyed points)
@@ -123,7 +123,8 @@ class Phases {
   void order(std::size_t p) {
     ordered_ = std::make_unique<Ordered>(order_pass(context_, work_, p, rows_, std::move(points_), files_));
     points_ = {.survey = ordered_->survey, .boxes = {}};
-    const bool of_rows = p == context_.plan.passes.size() && p > 0;  // which has no checkpoints
+    const bool of_rows = p == context_.plan.passes.size() && p > 0;  // the order of rows after the passes has no
+                                                                     // checkpoints
     if (checkpoints_ != nullptr && !of_rows)
       checkpoints_->in_order(ordered_->stream, ordered_->memory.slab_points, ordered_->bucket_places);
   }
@@ -148,7 +149,7 @@ class Phases {
     write_output(context_, work_, p, rows_, ordered_.get(), made.get(), files_);
   }
 
-  /// Returns the results of a sweep, which an earlier process may have made; null for a pass over rows.
+  /// Returns the results of a sweep, which may be those of an earlier process; null for a pass over rows.
   std::unique_ptr<RowStore> results(std::size_t p) {
     const bool sweeps = p < context_.plan.passes.size() && context_.plan.passes[p].kind != PassKind::rows;
     if (results_ == nullptr && sweeps && !context_.is_empty())
@@ -161,13 +162,13 @@ class Phases {
   OtherClouds& others_;
   OutputFiles& files_;
   Checkpoints* const checkpoints_ = context_.places.checkpoints();
-  Surveyed points_;                    ///< that are put in order next
-  Rows rows_;                          ///< that the passes before have left
-  std::unique_ptr<Ordered> ordered_;   ///< from the order of a pass to its sweep, or of the output to its end
-  std::unique_ptr<RowStore> results_;  ///< from a sweep to its update, or to the output
+  Surveyed points_;                    ///< input of the next order phase
+  Rows rows_;                          ///< rows after the last update
+  std::unique_ptr<Ordered> ordered_;   ///< made by an order phase, used by the next sweep or write
+  std::unique_ptr<RowStore> results_;  ///< made by a sweep, used by the next update or write
 };
 
-/// A run from the end of its survey to written files.
+/// Performs a run from the end of its survey to written files.
 void perform_phases(const Context& context, const WorkPlan& work, Surveyed points, OtherClouds& others,
                     OutputFiles& files) {
   Phases phases(context, work, others, files, std::move(points));
@@ -179,14 +180,14 @@ void perform_phases(const Context& context, const WorkPlan& work, Surveyed point
   }
 }
 
-/// The outputs get their names.
+/// Renames the outputs to their destinations.
 void finish(const Context& context, OutputFiles& files) {
   files.finish(context.cloud);
   for (const std::string& warning : files.warnings()) context.report.warn(warning);
   if (context.places.checkpoints() != nullptr) context.places.checkpoints()->finish();
 }
 
-/// The survey tells how many threads work from then on, on which all else is made and ends.
+/// Performs a run. The survey decides the number of threads; all later work runs in an arena of that size.
 void perform(const Context& context, OtherClouds& others) {
   std::optional<DecodedInput> decoded;
   auto files = std::make_unique<OutputFiles>();
@@ -223,7 +224,7 @@ Statistics run_request(const Request& request) {
   perform({request.cloud, request.outputs, request.options, request.plan, names, input.dropped(), places, report,
            open_input_bytes(request.cloud), copies_rows(request)},
           others);
-  // Rows are numbered as in the input, whose nonfinite points may have been dropped.
+  // Rows get their numbers in the input, from which nonfinite points may have been dropped.
   for (DegenerateResults& results : statistics.degenerate_results)
     for (std::uint64_t& row : results.rows) row = request.cloud.input_row(row);
   statistics.total_seconds = seconds_since(start);
@@ -231,7 +232,7 @@ Statistics run_request(const Request& request) {
   return statistics;
 }
 
-/// Performs the run in an arena of its own, so that the number of threads does not depend on that of the caller.
+/// Performs the run in an arena of its own, so that the caller's number of threads has no effect.
 Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options, const ChainPlan& plan) {
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
   const CroppedInput cropped(cloud, plan);
@@ -242,7 +243,7 @@ Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptio
   return statistics;
 }
 
-/// Without passes: only the order of the output.
+/// Returns a plan without passes, which only orders the output.
 ChainPlan plan_sort(const Schema& input, const std::vector<std::string>& keep) {
   ChainPlan plan;
   plan.chain.keep = keep;

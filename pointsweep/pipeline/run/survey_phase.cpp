@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The first phase: the input is surveyed, and everything is decided that the work needs.
+/// The first phase: the input is surveyed, and all decisions of the work are made.
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/on_demand_order.h"

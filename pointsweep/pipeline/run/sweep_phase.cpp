@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Takes the points in their order through the stages of a pass.
+/// The phase that takes the points in order through the stages of a pass.
 #include <algorithm>
 #include <numeric>
 #include <optional>
@@ -17,15 +17,16 @@
 namespace pointsweep {
 namespace {
 
-/// A pass that sweeps, and the place for what it makes.
+/// A pass that sweeps, and the place for its results.
 struct SweepOfPass {
   const Context& context;
   const WorkPlan& work;
   const PlannedPass& pass;  ///< ready for the records of the stream
   const Ordered& points;
-  /// Of whole output records by place in the stream, if `results` are those; null: they are result records by row.
+  /// Layout of whole output records if `results` stores these by place in the stream. Null: `results` stores result
+  /// records by row.
   const OutputLayout* layout;
-  bool is_first;  ///< of the sweeps of the run
+  bool is_first;  ///< first sweep of the run
   RowStore& results;
   const PassSupport& support;
 };
@@ -56,7 +57,7 @@ SweepStatistics sweep_by_cells(const SweepOfPass& s) {
   std::vector<PointState> half_way(notes ? context.cloud.count() : 0);
   std::optional<CheckpointKeeper> keeper;
   std::optional<SweepProgress> from;
-  const bool connects = s.pass.connecting_stage() != nullptr;  // then it begins again
+  const bool connects = s.pass.connecting_stage() != nullptr;  // a connecting pass has no checkpoints and starts again
   if (Checkpoints* const checkpoints = context.places.checkpoints(); checkpoints != nullptr && !connects)
     keeper.emplace(*checkpoints, s.results), from = checkpoints->progress();
   SweepOptions options = sweep_options(s);
@@ -84,7 +85,7 @@ SweepStatistics sweep_by(const SweepEngine& engine, const SweepOfPass& s) {
                       s.context.statistics());
 }
 
-/// Stores the results of points that are in no slab. They come last in the order of the stream.
+/// Stores the results of points that belong to no slab. They come last in the order of the stream.
 void put_nonfinite(const SweepOfPass& s) {
   const Stream& stream = s.points.stream;
   const std::size_t result_bytes = s.pass.plan.result_bytes;
@@ -105,7 +106,7 @@ void put_nonfinite(const SweepOfPass& s) {
   });
 }
 
-/// Throws the error of a row that was refused, if there is one, with the number that the row has in the cloud.
+/// Throws the error of the first refused row, if there is one, with its row number in the cloud.
 void throw_refused(const FirstRowError& refused, std::uint64_t first_row) {
   try {
     refused.throw_if_any();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Ends a pass: its results become the rows, and the values of the whole cloud, that the next pass begins with.
+/// The phase that ends a pass: its results become the rows, and the values of the whole cloud, with which the next pass
+/// begins.
 #include <algorithm>
 
 #include "pointsweep/cancellation.h"
@@ -22,7 +23,7 @@ void note_rows_pass(const Context& context, const SweepPlan& plan, const StageTa
   context.number_degenerate_rows(before);
 }
 
-/// Returns the rows of a pass without stages, which only serves to find values of its rows.
+/// Returns the rows of a pass without stages, which only computes values from its rows.
 MadeRows nothing_made(std::uint64_t count) {
   return [count](const auto& use) {
     constexpr std::uint64_t kRows = 1 << 16;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Writes the output: what the last pass makes, the rows that it has left, or the records that were put in order.
+/// The phase that writes the output: the results of the last pass, the rows after it, or the records in order.
 #include <algorithm>
 
 #include "pointsweep/cancellation.h"
@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-/// Whole output records, in the order of the stream of the last pass.
+/// Writes whole output records in the order of the stream of the last pass.
 void write_whole(const Context& context, RowStore& results, std::size_t stride, OutputFiles& files) {
   results.drain([&](std::uint64_t first, std::span<const std::byte> records) {
     files.write_records(records);
@@ -35,7 +35,7 @@ void write_made(const Context& context, std::size_t p, const Rows& rows, RowStor
   });
 }
 
-/// The rows that the last pass has left.
+/// Writes the rows after the last pass.
 void write_rows(const Context& context, const Rows& rows, OutputFiles& files) {
   std::size_t bytes = 0;
   for (const Attribute& a : context.plan.made) bytes += a.bytes();
