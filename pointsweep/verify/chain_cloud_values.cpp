@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// The operators that make what a contract reads; null: the input.
+/// Returns the operators that make the attributes read by a contract; null for attributes of the input.
 std::vector<const Operator*> ChainValues::makers_of_reads(const Contract& contract) const {
   std::vector<const Operator*> makers;
   for (const Attribute& a : contract.reads) {
@@ -24,7 +24,8 @@ std::vector<const Operator*> ChainValues::makers_of_reads(const Contract& contra
   return makers;
 }
 
-/// The output has the last version of an attribute, and normals before orient() has turned some of them.
+/// Returns where the output has the attribute of a column, if it has it. It has only the last version of an attribute,
+/// and normals as orient() has turned them.
 std::optional<ColumnSource> ChainValues::source_of(std::uint16_t column, const OutputColumns& in_output) const {
   const Attribute& attribute = columns_[column];
   if (maker_[column] < 0) {
@@ -50,18 +51,19 @@ std::optional<ColumnSource> ChainValues::source_of(std::uint16_t column, const O
 
 namespace {
 
-/// Points of a sorted cloud, one after another, followed by their neighbours.
+/// Points of a sorted cloud with their neighbours, appended one by one.
 class SomePoints {
  public:
   explicit SomePoints(const SortedCloud& cloud) : cloud_(cloud) {}
   std::uint32_t first() const { return first_; }
   std::size_t size() const { return lists_.size(); }
-  /// The list of the next point, of squared distances and numbers.
+  /// Adds the next point. `list`: squared distances and numbers of its neighbours.
   void add(std::vector<std::pair<double, std::uint32_t>> list) {
     std::ranges::sort(list);
     lists_.push_back(std::move(list));
   }
-  /// Returns the points, nearest neighbours first, equal ones by x, y, z, then row; the next call goes on after them.
+  /// Returns the points added since the last call, with neighbours nearest first, equal distances ordered by x, y, z,
+  /// then row.
   Surroundings take(std::size_t rings) {
     Surroundings out;
     const auto add_point = [&](std::uint32_t i) {
@@ -99,7 +101,7 @@ constexpr std::uint64_t kPointsAtOnce = 1 << 17;
 
 }  // namespace
 
-/// Points are numbered as in the sorted cloud.
+/// Numbers of points are those of the sorted cloud.
 std::vector<double> ChainValues::made_by_operators(const std::string& attribute, CloudRows& rows,
                                                    const NeighborRule& neighborhood) {
   const auto of_name = std::ranges::find(latest_, attribute, [](const auto& l) { return l.first; });
@@ -114,7 +116,7 @@ std::vector<double> ChainValues::made_by_operators(const std::string& attribute,
     if (!stage.cloud) stage.formula = nullptr, stage.applied = true;
   }
   const CloudInput in{.rows = rows, .reads = {}, .makes = {}, .neighborhood = neighborhood, .has_rule = false};
-  // Neighbours of which values are read, too, are all points together.
+  // If values of neighbours are read, too, all points are evaluated at once.
   const std::uint64_t count = rows.count(), at_once = rings() <= 1 ? std::min(count, kPointsAtOnce) : count;
   const std::uint64_t k = neighborhood.k == NeighborRule::kUnlimited ? 64 : neighborhood.k;
   const std::uint64_t each = 2 * bytes_per_point() + 200 + 64 * k, components = a.fields.size();
@@ -148,7 +150,7 @@ std::vector<double> ChainValues::made_by_operators(const std::string& attribute,
   return values;
 }
 
-/// Returns the source of an attribute that the output does not have for all rows.
+/// Returns the source of an attribute whose values the output does not have for all rows: they are computed again.
 std::optional<ColumnSource> ChainValues::source_again(std::uint16_t column, CloudRows& rows) const {
   const auto maker = static_cast<std::size_t>(maker_[column]);
   std::vector<StageOperator> before;

@@ -21,7 +21,8 @@ Surroundings without_neighbors(std::span<const KnownPoint> points, std::size_t r
 
 }  // namespace
 
-/// The position, and an attribute that the stage reads and makes again, stay; all else is the value of none.
+/// Keeps the position, and attributes that the stage both reads and makes. All other attributes become their value for
+/// "none".
 void ChainValues::leave_unchanged(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
                                   ColumnEstimates& estimates) const {
   const Contract contract = contract_of(stage.op);
@@ -46,7 +47,7 @@ void ChainValues::leave_unchanged(const Stage& stage, const Surroundings& points
   }
 }
 
-/// False if the stage leaves such points unchanged.
+/// Returns false if the stage leaves such points unchanged.
 bool ChainValues::take_unplaced(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
                                 ColumnEstimates& estimates) const {
   for (const std::uint16_t column : stage.makes) estimates[column].clear();

@@ -46,7 +46,7 @@ bool is_kept(const std::vector<std::string>& keep, const Attribute& a) {
   return keep.empty() || ChainValues::is_selection(a) || std::find(keep.begin(), keep.end(), a.name) != keep.end();
 }
 
-/// The points in pieces of kCellCapacity: the number of a point is then the reference to it.
+/// Splits the points into pieces of kCellCapacity, so that the number of a point is a reference to it.
 std::vector<PointColumns> slots_of(const Surroundings& around, const std::vector<std::vector<std::byte>>& columns,
                                    const std::vector<Attribute>& attributes, std::vector<const std::byte*>& pointers) {
   const std::size_t count = (around.size() + kCellCapacity - 1) / kCellCapacity;
@@ -92,7 +92,7 @@ ChainValues::ChainValues(std::vector<StageOperator> operators, const std::vector
         stage.reads_neighbors.push_back(column_of(a, name_of(op), input));
     for (Attribute a : contract.makes) {
       if (a.name == selection_attribute().name) {
-        if (contract.makes.size() > 1) continue;  // the input has the rows that are left
+        if (contract.makes.size() > 1) continue;  // selects change no attribute of the rows that stay
         a.name = selection_name(stages_.size());
       }
       make(a, stage);
@@ -151,7 +151,8 @@ void ChainValues::make(const Attribute& attribute, Stage& stage) {
   known == made_.end() ? made_.push_back(attribute) : void(*known = attribute);
 }
 
-/// Finds the rings from the last stage back: a stage that looks at neighbours needs what it reads one ring farther out.
+/// Finds the rings, from the last stage to the first: if a stage reads neighbours, their attributes are needed one ring
+/// farther out.
 void ChainValues::find_rings() {
   for (const std::uint16_t column : made_columns_) need(column, 0);
   for (std::size_t s = stages_.size(); s-- > 0;) {
@@ -221,7 +222,7 @@ void ChainValues::apply(const Stage& stage, const Surroundings& around, ColumnBy
   }
 }
 
-/// An operator that is applied reads bits, so those that make them are applied as well.
+/// An applied operator reads exact bits, so the operators that make these are applied as well.
 void ChainValues::find_applied() {
   const auto apply_maker = [&](std::uint16_t column) {
     if (maker_[column] >= 0) stages_[static_cast<std::size_t>(maker_[column])].applied = true;
@@ -283,7 +284,7 @@ formulas::Kept ChainValues::kept_of(const Surroundings& around, std::size_t i, c
   return {kept, true};
 }
 
-/// Leaves of each list what the rule keeps, before any stage. True for lists of which rounding decides the length.
+/// Shortens each list by the rule, before any stage. Returns true for each list whose length depends on rounding.
 std::vector<bool> ChainValues::truncate_lists(Surroundings& around, const ColumnBytes& columns) const {
   std::vector<bool> in_doubt(around.list_begin.size() - 1);
   if (!rule_) return in_doubt;
@@ -304,7 +305,7 @@ std::vector<bool> ChainValues::truncate_lists(Surroundings& around, const Column
   return in_doubt;
 }
 
-/// A column of bits as estimates without error.
+/// Turns a column of exact values into estimates without error.
 void ChainValues::take_bits(std::uint16_t column, const ColumnBytes& bits, const std::vector<bool>& in_doubt,
                             ColumnEstimates& estimates) const {
   const Attribute& a = columns_[column];
@@ -349,8 +350,7 @@ void ChainValues::estimate(const Stage& stage, const Surroundings& around, const
   for (std::size_t i = 0; i < around.ring_end[static_cast<std::size_t>(stage.ring)]; ++i) {
     stop_if_cancelled();
     places.clear(), rows.clear();
-    // The values that a stage of its own points alone reads are known of the evaluated points, and not of their
-    // neighbours.
+    // Stages that read only the point itself have no values of the neighbours of evaluated points.
     for (std::size_t n = around.list_begin[i]; !stage.alone && n < around.list_begin[i + 1]; ++n)
       places.push_back(place(around.neighbors[n])), rows.push_back(around.row[around.neighbors[n]]);
     FormulaInput in = input_of(stage, around, i, columns);

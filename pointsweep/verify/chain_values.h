@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The values that a chain of operators makes of chosen points, evaluated stage by stage on their surroundings in
-/// memory: by the independent formulas where the library has them, by the operators themselves where a user wrote them.
+/// The values that a chain of operators gives chosen points, computed stage by stage from their surroundings in memory.
+/// Stages of the library use independent formulas; operators of users are applied themselves.
 #pragma once
 
 #include <cstddef>
@@ -20,17 +20,18 @@ namespace pointsweep {
 /// Finds the fields of the output that hold a made attribute; nothing if it was not written.
 using OutputColumns = std::function<std::optional<std::vector<FieldPair>>(const Attribute& made)>;
 
-/// The kept attributes of some points, for each point one after another.
+/// The kept attributes of some points, point after point.
 struct ChainResults {
   std::vector<std::byte> values;              ///< result_bytes() for each point, in the types of the attributes
-  std::vector<formulas::Estimate> estimates;  ///< estimates_per_point() for each point: the same, and how far off
+  std::vector<formulas::Estimate> estimates;  ///< estimates_per_point() for each point: the same values with error
+                                              ///< bounds
 };
 
 class ChainValues {
  public:
-  /// `keep`: names of the made attributes that count; empty: all. `rule`: what is left of the neighbours found. Throws
-  /// UsageError if an operator reads what neither the input nor an earlier stage has, or the rule what the input has
-  /// not. A select makes selection_name(), which counts in any case.
+  /// `keep`: names of the made attributes to evaluate; empty: all. `rule`: shortens the lists of neighbours. Throws
+  /// UsageError if an operator reads an attribute that neither the input nor an earlier stage has, or the rule one that
+  /// the input does not have. A select makes the attribute selection_name(), which is always evaluated.
   ChainValues(std::vector<StageOperator> operators, const std::vector<std::string>& keep, const Schema& input,
               SharedRule rule = {}, const CloudThreshold& threshold = {});
   /// Returns the name of the selection by the `number`-th operator.
@@ -39,8 +40,8 @@ class ChainValues {
 
   /// The last version of each kept attribute, in the order first made.
   const std::vector<Attribute>& made() const { return made_; }
-  /// Lets the stages that depend on all points look at these; before evaluate(). Returns a sentence for each stage that
-  /// cannot be checked, or not in full, which names what it makes and says why.
+  /// Prepares the stages that depend on all points. Must be called before evaluate(). Returns a sentence for each stage
+  /// that cannot be checked fully, with the names of its attributes and the reason.
   std::vector<std::string> look_at_cloud(CloudRows& rows, const NeighborRule& neighborhood, InputCloud* before_means,
                                          const OutputColumns& in_output);
   /// Returns whether made()[a] can be evaluated.
@@ -50,45 +51,46 @@ class ChainValues {
   /// Bytes of a result: the values of made(), one after another.
   std::size_t result_bytes() const;
   std::size_t estimates_per_point() const;
-  /// Returns the number of rings of neighbours that need neighbours themselves: 1 if only neighbours' positions and
-  /// attributes of the file are looked at, one more for each stage that looks at what another made of neighbours. 0
-  /// without operators.
+  /// Returns the number of rings of neighbours that need neighbours themselves: 0 without operators; 1 if stages read
+  /// only positions and input attributes of neighbours; one more for each stage that reads attributes of neighbours
+  /// made by another stage.
   std::size_t rings() const;
 
-  /// Results of the chosen points of `around`, which has rings() rings. Reads the input once more if an operator reads
-  /// attributes of the file. `rows`: as for look_at_cloud().
+  /// Returns the results of the chosen points of `around`, which has rings() rings. Reads the input once more if an
+  /// operator reads attributes of the file. `rows`: the rows given to look_at_cloud().
   ChainResults evaluate(Surroundings around, RowSource& in, CloudRows& rows) const;
-  /// Evaluates the chain for points without a finite place, which have no neighbours. A stage that reads the point
-  /// alone treats such points as any other; every other stage leaves them unchanged.
+  /// Evaluates the chain for points without a finite place, which have no neighbours. A stage that reads only the point
+  /// itself treats such points as any other; every other stage leaves them unchanged.
   ChainResults evaluate_unplaced(std::span<const KnownPoint> points, RowSource& in) const;
   /// Bytes of memory for each point of the surroundings, in addition to its list.
   std::size_t bytes_per_point() const;
-  /// The attribute of all rows by the operators themselves, bit for bit what a run makes; of local stages and those
-  /// before them. By row of the input, then component; NaN where a point has no finite place. In memory; throws
-  /// NotTold.
+  /// Returns an attribute of all rows, computed by the operators themselves, equal to a run bit by bit. Only for
+  /// attributes of local stages that follow local stages. Order: row of the input, then component; NaN for a point
+  /// without a finite place. All values are in memory; throws NotTold.
   std::vector<double> made_by_operators(const std::string& attribute, CloudRows& rows,
                                         const NeighborRule& neighborhood);
 
  private:
   struct Stage {
     StageOperator op;
-    std::shared_ptr<const StageFormula> formula = {};  ///< neither this nor the next: the operator itself is applied
+    std::shared_ptr<const StageFormula> formula = {};  ///< null, like the next: the operator itself is applied
     std::shared_ptr<CloudFormula> cloud = {};
-    std::vector<std::optional<ColumnSource>> sources = {};  ///< sources of the values that the cloud formula reads
-    std::vector<std::optional<ColumnSource>> targets = {};  ///< sources of the values that it makes
-    bool told = true;                                       ///< the values that it makes can be evaluated
-    bool applied = false;                                   ///< the operator is, for itself or for one that reads it
+    std::vector<std::optional<ColumnSource>> sources = {};  ///< of the values that the cloud formula reads
+    std::vector<std::optional<ColumnSource>> targets = {};  ///< of the values that the cloud formula makes
+    bool told = true;                                       ///< the made values can be evaluated
+    bool applied = false;                                   ///< the operator itself is applied, for its values or for a
+                                                            ///< later applied operator
     std::vector<std::uint16_t> reads, reads_neighbors, makes;
-    int position = -1;   ///< column of the moved positions it sees
-    bool alone = false;  ///< it sees only its own
-    int ring = -1;       ///< outermost ring on which it is needed; negative: nowhere
+    int position = -1;   ///< column of the moved positions that the stage reads; negative: none
+    bool alone = false;  ///< the stage reads only the point itself
+    int ring = -1;       ///< outermost ring on which its values are needed; negative: none
   };
   struct FileColumn {
     std::uint16_t column;
     Attribute attribute;
     std::vector<Field> fields;  ///< fields of the input, one for each component
   };
-  using ColumnBytes = std::vector<std::vector<std::byte>>;  ///< by column number
+  using ColumnBytes = std::vector<std::vector<std::byte>>;  ///< values by number of column
   using ColumnEstimates = std::vector<std::vector<formulas::Estimate>>;
 
   std::uint16_t column_of(const Attribute& wanted, const std::string& stage, const Schema& input);
@@ -129,10 +131,11 @@ class ChainValues {
   std::vector<Stage> stages_;
   std::vector<FileColumn> file_columns_;
   std::vector<Attribute> columns_;
-  std::vector<int> maker_;  ///< stage by column; -1: the file
+  std::vector<int> maker_;  ///< number of the stage that makes each column; -1: the input
   std::vector<Attribute> made_;
   std::vector<std::uint16_t> made_columns_;
-  std::vector<std::pair<std::string, std::uint16_t>> latest_;  ///< column by name of attribute
+  std::vector<std::pair<std::string, std::uint16_t>> latest_;  ///< column of the last version of each attribute, by
+                                                               ///< name
 };
 
 }  // namespace pointsweep

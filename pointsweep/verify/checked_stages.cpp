@@ -12,12 +12,13 @@
 namespace pointsweep {
 namespace {
 
-/// The rows that it leaves have means of others, which the input has not.
+/// Returns whether the stage both drops rows and replaces values of the kept rows by means, which the input does not
+/// have.
 bool drops_rows_and_makes(const GraphNode& node) { return node.drops_rows() && node.makes.size() > 1; }
 
 bool is_selection(const Attribute& a) { return a.name == selection_attribute().name; }
 
-/// Leaves out attributes that are made again after a new neighbourhood: they are not checked.
+/// Removes attributes that are made again after a new neighbourhood, since they are not checked.
 void keep_what_is_told(MadeBy& made) {
   if (made.keep.empty())
     for (const auto& op : made.operators)
@@ -36,7 +37,8 @@ bool depends_on_all_points(const StageOperator& op) {
                     op);
 }
 
-/// Returns whether a sample of the input, and all its points where they are, tell what the stage makes.
+/// Returns whether the values of the stage can be computed from a sample of the input, or from all its points if they
+/// have not moved.
 bool is_told_by_input(const GraphNode& node) {
   return !depends_on_all_points(*node.op()) || (!node.position && has_cloud_formula(*operator_of(*node.op())));
 }
@@ -46,7 +48,7 @@ bool reads_any(const GraphNode& node, const std::set<std::size_t>& versions) {
   return std::ranges::any_of(node.reads, is_one) || std::ranges::any_of(node.reads_neighbors, is_one);
 }
 
-/// A select after other stages: its condition is evaluated on what they make.
+/// Adds a select that follows other stages. Its condition is evaluated on the attributes that these make.
 void add_late_select(const GraphNode& node, bool is_told, MadeBy& made) {
   made.leaves_out = true;
   if (is_told) return made.operators.push_back(*node.op());
@@ -70,7 +72,7 @@ MadeBy made_by(const ChainPlan& plan) {
               .rule = first.rule,
               .keep = plan.chain.keep};
   bool is_told = true, others = false;
-  std::set<std::size_t> unknown;  // versions
+  std::set<std::size_t> unknown;  // versions of attributes
   for (std::size_t n = 1; n < plan.graph.nodes.size(); ++n) {
     const GraphNode& node = plan.graph.nodes[n];
     is_told &= node.neighborhood() == nullptr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Tiles and their buffers are found here from the definition in run.h, without the code of the run.
+/// Tiles and their buffers, found from the definition in run.h without the code of the run.
 #include "pointsweep/verify/divided_output.h"
 
 #include <algorithm>
@@ -24,10 +24,10 @@ namespace {
 constexpr std::size_t kSentences = 10;
 constexpr const char* kBuffer = "buffer";
 
-/// A tile, or the value of an attribute and 0.
+/// The numbers of a tile, or the value of the attribute and 0.
 using Part = std::array<double, 2>;
 
-/// Returns the number behind the last separator of `name`, and takes both from it.
+/// Removes the last separator and the number after it from `name`, and returns the number.
 std::optional<double> take_number(std::string_view& name) {
   const std::size_t at = name.rfind('_');
   const std::string_view word = name.substr(at == std::string_view::npos ? 0 : at + 1);
@@ -37,7 +37,7 @@ std::optional<double> take_number(std::string_view& name) {
   return error == std::errc() && end == word.data() + word.size() ? std::optional(number) : std::nullopt;
 }
 
-/// A word for the points of a buffer, which does not depend on their order.
+/// Returns a hash of a point of a buffer. Sums of hashes do not depend on the order of points.
 std::uint64_t word_of(const Part& part, Vec3 p) {
   std::uint64_t word = 0;
   for (const double value : {part[0], part[1], p.x, p.y, p.z}) {
@@ -70,7 +70,7 @@ class PlacesOfPoints {
       }
     }
     if (!buffer_) return;
-    // A point belongs into a buffer only where the tile has points of its own, which all have been seen now.
+    // Only now are all tiles with own points known: other tiles have no file and no buffer.
     for (const auto& [part, sum] : wanted_)
       if (file_of_.contains(part) && sum.sum() != found_[part].sum())
         differ("{}: its buffer does not hold the points around its tile", file_of_.at(part));
@@ -79,7 +79,7 @@ class PlacesOfPoints {
         differ("{}: its buffer holds points that are not around its tile", file_of_.at(part));
   }
 
-  /// Bits of the rows that are not of buffers.
+  /// Returns for each row whether it is outside of buffers.
   const std::vector<bool>& own() const { return own_; }
   std::uint64_t misplaced() const { return misplaced_; }
   std::vector<std::string> sentences() { return std::move(sentences_); }
@@ -100,7 +100,7 @@ class PlacesOfPoints {
 
   double edge(std::size_t axis, double tile) const { return division_.tile_origin[axis] + tile * *division_.tile; }
 
-  /// The part that a point belongs to; nothing for a point without a place.
+  /// Returns the part that a point belongs to; nothing for a point without a finite place.
   std::optional<Part> part_of(const std::byte* record, Vec3 p) const {
     if (!division_.tile) return Part{value_of(*attribute_, record), 0};
     if (!std::isfinite(p.x) || !std::isfinite(p.y)) return std::nullopt;
@@ -131,7 +131,7 @@ class PlacesOfPoints {
     if (buffer_ && part) want_in_buffers(*part, p);
   }
 
-  /// The first own point of a file tells which part it is; its name must say the same.
+  /// Takes the part of the first own point of a file as the part of the file. The file's name must state the same part.
   void take_file(const std::optional<Part>& part) {
     part_ = part;
     for (const Vec3& p : std::exchange(waiting_, {})) see_buffer(p);
@@ -173,12 +173,12 @@ class PlacesOfPoints {
   const Schema& schema_;
   PositionFields position_;
   std::optional<Field> attribute_, buffer_;
-  std::filesystem::path path_;  ///< of the present file
-  std::optional<Part> part_;    ///< of the present file; absent for points without a place
+  std::filesystem::path path_;  ///< path of the current file
+  std::optional<Part> part_;    ///< part of the current file; absent for points without a finite place
   bool name_is_known_ = false;
-  std::vector<Vec3> waiting_;  ///< points of its buffer before its first own point
+  std::vector<Vec3> waiting_;  ///< buffer points of the current file before its first own point
   std::map<Part, std::string> file_of_;
-  std::map<Part, MultisetSum> wanted_, found_;  ///< points of buffers
+  std::map<Part, MultisetSum> wanted_, found_;  ///< sums over points of buffers
   std::vector<bool> own_;
   std::uint64_t misplaced_ = 0;
   std::vector<std::string> sentences_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The files among which a run has divided its output (RunOptions::division), read as one, and whether each of their
-/// points is where it belongs.
+/// A reader of the files among which a run has divided its output (RunOptions::division), which checks that each point
+/// is in the right file.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +17,17 @@
 
 namespace pointsweep {
 
-/// Returns the division that the record of an output states; none where the output is not divided.
+/// Returns the division that the record of an output states; none if the output is not divided.
 OutputDivision recorded_division(const ProvenanceRecord& record);
 
 struct DividedOutput {
-  std::unique_ptr<Reader> own;         ///< the points of all files but those of buffers, without the attribute `buffer`
+  std::unique_ptr<Reader> own;         ///< points of all files without those of buffers, and without the attribute
+                                       ///< `buffer`
   std::uint64_t misplaced = 0;         ///< points in the wrong file, and files with a wrong name or buffer
-  std::vector<std::string> sentences;  ///< about the first few of them
+  std::vector<std::string> sentences;  ///< messages about the first few of them
 };
 
-/// Reads all files once. `folder`: what they are called together. `files` outlive the result only as far as their
-/// readers go.
+/// Reads all files once. `folder`: the name of all files together in messages.
 DividedOutput read_divided(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
                            const OutputDivision& division, const PhaseProgress& progress);
 

@@ -44,16 +44,16 @@ struct OutputCheck {
   fs::path output;
   VerifyOptions options;
   std::vector<OptionText> neighborhood;
-  std::vector<fs::path> tiles;  ///< the files of the output, if it is a folder: an output for each input, unless the
-                                ///< run has divided its output
-  bool recorded = false;        ///< the pipeline comes from the record, which names what is not a default in metres
-  bool without_stages = false;  ///< the record says that the run was a sort or a conversion
+  std::vector<fs::path> tiles;  ///< files of an output folder: one for each input, unless the run has divided its
+                                ///< output
+  bool recorded = false;        ///< the pipeline comes from the record, where omitted lengths are defaults in metres
+  bool without_stages = false;  ///< by its record, the run was a sort or a conversion
 
   bool is_divided() const { return options.division.divides(); }
   bool says_how() const { return !options.pipeline.empty() || !neighborhood.empty() || !options.keep.empty(); }
 };
 
-/// Returns whether the points of the output are in another order than those of the input, which nothing states.
+/// Returns whether the order of the output's points is unknown: another order than the input's that nothing states.
 bool is_in_any_order(const OutputCheck& check) {
   const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
   return check.is_divided() || (format != nullptr && format->reorders);
@@ -69,8 +69,8 @@ bool is_known(const std::string& pipeline) {
   }
 }
 
-/// Takes the pipeline and what it keeps. With operators that are not known here, inputs have to be named, and the
-/// attributes found say what is checked.
+/// Takes the pipeline and the kept attributes from the record. If it has unknown operators, the user must name the
+/// inputs, and the attributes found in the output decide what is checked.
 void take_recorded_pipeline(OutputCheck& check, const ProvenanceRecord& record) {
   const std::string pipeline = fmt::format("{}", fmt::join(record.stages, " | "));
   check.without_stages = pipeline == "sort" || pipeline == "convert";
@@ -84,7 +84,7 @@ void take_recorded_pipeline(OutputCheck& check, const ProvenanceRecord& record) 
   }
 }
 
-/// Takes from the record of the output what the options do not say.
+/// Completes the options from the record of the output.
 void take_record(OutputCheck& check, const ProvenanceRecord& record) {
   VerifyOptions& options = check.options;
   const auto setting = [&](const char* name) { return record.setting(name).value_or(""); };
@@ -102,7 +102,7 @@ void take_record(OutputCheck& check, const ProvenanceRecord& record) {
   if (!options.axis && axis.size() == 1 && axis >= "x" && axis <= "z") options.axis = axis[0] - 'x';
 }
 
-/// The output of an input in a folder of outputs, which may be of another format.
+/// Returns the output of an input in a folder of outputs, which may have another format.
 fs::path tile_of(const ListedFile& input, const fs::path& folder) {
   fs::path tile = folder / tile_name(input.relative, "");
   if (exists_at(tile)) return tile;
@@ -112,7 +112,7 @@ fs::path tile_of(const ListedFile& input, const fs::path& folder) {
        input.path.string());
 }
 
-/// Lists the files in the folder if a run has divided its output among them, as the options or the first file say.
+/// Lists the files in the folder if a run has divided its output among them. The options or the first file tell this.
 void list_parts(OutputCheck& check) {
   const auto is_file = [](const fs::directory_entry& entry) {
     return !is_hidden(entry.path()) && entry.is_regular_file() && is_point_file(entry.path());
@@ -126,7 +126,7 @@ void list_parts(OutputCheck& check) {
   for (const ListedFile& file : files.files) check.tiles.push_back(file.path);
 }
 
-/// Replaces folders, patterns and .vpc files among the inputs by what they stand for; the output may be a folder.
+/// Replaces folders, patterns and .vpc files among the inputs by the files they contain; the output may be a folder.
 void list_files(OutputCheck& check) {
   const fs::path& output = check.output;
   const bool is_folder = pointsweep::is_folder(output);
@@ -142,7 +142,7 @@ void list_files(OutputCheck& check) {
   }
 }
 
-/// The check with its inputs and the record of the output.
+/// Completes the check with its inputs and the record of the output.
 OutputCheck completed(OutputCheck check) {
   list_files(check);
   const fs::path& output = check.output;
@@ -157,7 +157,7 @@ OutputCheck completed(OutputCheck check) {
   return check;
 }
 
-/// Leaves out the points without finite places that the run has left out. Returns how many.
+/// Drops the points without finite places that the run has dropped. Returns their number.
 std::uint64_t leave_out_nonfinite(const OutputCheck& check, InputCloud& cloud) {
   Outputs outputs{.tiles = check.tiles};
   if (check.tiles.empty()) outputs.points = check.output;
@@ -165,7 +165,7 @@ std::uint64_t leave_out_nonfinite(const OutputCheck& check, InputCloud& cloud) {
   return cloud.drop_nonfinite().count;
 }
 
-/// Opens the inputs without the points that the run has left out.
+/// Opens the inputs without the points that the run has dropped.
 std::shared_ptr<InputCloud> opened_input(const OutputCheck& check, const ChainGraph& graph) {
   auto cloud = std::make_shared<InputCloud>(check.inputs, check.options.cloud);
   if (graph.reads_input_rows()) cloud->number_rows();
@@ -173,7 +173,7 @@ std::shared_ptr<InputCloud> opened_input(const OutputCheck& check, const ChainGr
   return cloud;
 }
 
-/// Numbers the rows of the inputs if the run has read their numbers.
+/// Adds numbers to the rows of the inputs if a stage of the run reads them.
 void number_rows_read(const OutputCheck& check, const ChainGraph& graph, InputCloud& cloud) {
   if (!graph.reads_input_rows()) return;
   cloud.keep_all();
@@ -190,7 +190,7 @@ void refuse_resorted(const OutputCheck& check, const ChainGraph& graph) {
 
 StageText knn_of(const OutputCheck& check) { return {neighborhood_declaration().name, check.neighborhood, "verify"}; }
 
-/// An array of neighbours or of distances says itself how it was made, but for a radius.
+/// Returns how an array of neighbours or of distances was made. The array itself tells this, except for a radius.
 MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, const Reader& out) {
   const std::vector<Field>& columns = out.info().schema.fields;
   const bool distances = columns.front().type == Type::f64;
@@ -205,7 +205,8 @@ MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, cons
   return made_by(plan_chain(chain, cloud.schema()));
 }
 
-/// The attributes of an output that are not simply attributes of the input: new ones, and old ones that are `changed`.
+/// The attributes of an output that the run has made: new attributes, and attributes of the input whose values are
+/// `changed`.
 class MadeAttributes {
  public:
   MadeAttributes(const Schema& in, const Schema& out, const std::set<std::string>& changed)
@@ -219,7 +220,7 @@ class MadeAttributes {
     return std::all_of(attribute.fields.begin(), attribute.fields.end(),
                        [&](const std::string& field) { return has(field); });
   }
-  /// Returns the stages that usually make them.
+  /// Returns the stages that usually make these attributes.
   std::string likely_pipeline() const {
     std::string text;
     const bool curvature = has("k1") || has("k2") || has("mean_curvature") || has("surface_variation");
@@ -264,7 +265,7 @@ MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out
   if (all_are_dropped) leave_selects(made);
   leave_out(plan.kept, options.prefix, without_input_row(cloud.schema()), made);
   made.left_out_input.insert(kInputRow);
-  // Outliers are compared with the mean distances in the output, which are compared with the input.
+  // Outliers are checked against the mean distances in the output, which are checked against the input.
   made.in_any_order = is_in_any_order(check);
   if (made.leaves_out && (options.order == Order::sweep || made.in_any_order))
     fail_usage(
@@ -279,7 +280,7 @@ MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out
   return made;
 }
 
-/// Attributes of the input that most points have otherwise in the output.
+/// Returns the attributes of the input whose values differ in the output for most points.
 std::set<std::string> changed_attributes(const Arrivals& arrivals) {
   std::set<std::string> names;
   for (const AttributeArrival& a : arrivals.attributes)
@@ -312,7 +313,8 @@ Verdict checked(const OutputCheck& check, InputCloud& cloud) {
   const MadeBy made = made_with({});
   const Verdict verdict = verify(cloud, *out, false, made, options);
   if (verdict.same() || !options.pipeline.empty()) return verdict;
-  // Nobody said what was made: normals, for example, that the input had may have been computed again.
+  // Without a record, attributes that seemed copied may have been computed again, for example normals that the input
+  // had.
   const MadeBy likely = made_with(changed_attributes(verdict.arrivals));
   return likely.keep == made.keep ? verdict : verify(cloud, *out, false, likely, options);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A check of files: what the record of an output says of its run, and which of its stages can be checked.
+/// A check of files: the record of an output tells its run, and which of its stages can be checked.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// Does the work of verify() of the public header. `neighborhood`: the options of knn as text, with their places for
+/// Implements verify() of the public header. `neighborhood`: the options of knn as text, with their places for
 /// messages.
 Verdict verify_output(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                       const VerifyOptions& options, const std::vector<OptionText>& neighborhood);

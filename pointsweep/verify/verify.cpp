@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint64_t kSubset = 65536;
 constexpr std::size_t kDifferencesShown = 10;
 
-/// Returns the rows of the sample and the rows asked for by number, ascending.
+/// Returns the rows of the sample and the rows that the user has named, ascending.
 std::vector<std::uint64_t> rows_to_check(std::uint64_t count, const VerifyOptions& options,
                                          const RowAlignment* alignment = nullptr) {
   std::vector<std::uint64_t> rows = alignment != nullptr
@@ -78,7 +78,7 @@ class Verification {
         selections_.push_back(estimate++), ++f;
         continue;
       }
-      const std::size_t width = a.fields.size() / estimates_of(a);  // components of an estimate
+      const std::size_t width = a.fields.size() / estimates_of(a);  // number of components of an estimate
       for (std::size_t e = 0; e < estimates_of(a); ++e, f += width) pair_made_value(results, f, width, estimate++);
     }
     for (const Attribute& a : made_by_.unchecked) {
@@ -97,7 +97,7 @@ class Verification {
   }
 
   void pair_made_value(const Schema& results, std::size_t first, std::size_t width, std::size_t estimate) {
-    std::vector<std::optional<FieldPair>> pairs(width);  // none where a component was not written
+    std::vector<std::optional<FieldPair>> pairs(width);  // none for a component that was not written
     for (std::size_t c = 0; c < width; ++c) {
       const std::string& name = results.fields[first + c].name;
       if (made_by_.left_out_made.contains(name)) continue;
@@ -121,7 +121,7 @@ class Verification {
       fail_usage("verify: {} holds nothing of the input, by which its rows are recognized.", out_.name());
   }
 
-  /// False where rows of the output are not rows of the input in its order.
+  /// Returns false if rows of the output are not rows of the input in its order.
   bool find_kept_rows() {
     pair_known_fields();
     alignment_ = align_rows(in_, out_, known_, options_.progress);
@@ -134,7 +134,8 @@ class Verification {
     return false;
   }
 
-  /// The first reading of the input: also takes the positions of the sample and a thin subset of all.
+  /// Reads the input for the first time: compares all values, and stores the positions of the sample and of a thin
+  /// subset.
   void compare() {
     const std::uint64_t stride = std::max<std::uint64_t>(1, in_.count() / kSubset);
     std::size_t next = 0;
@@ -181,8 +182,8 @@ class Verification {
 
   std::size_t longest_axis() const { return static_cast<std::size_t>(verdict_.arrivals.bounds.longest_axis()); }
 
-  /// Returns whether the output has the order of a sweep: as the options say; if they name no order, where rows are not
-  /// the rows of the input one by one, but the same rows in another order, or look like it.
+  /// Returns whether the output is in the order of a sweep: as the options state, else if its rows seem to be the rows
+  /// of the input in another order.
   bool sweep_is_meant() const {
     const Arrivals& a = verdict_.arrivals;
     if (options_.order) return *options_.order == Order::sweep;
@@ -230,11 +231,11 @@ class Verification {
   }
 
   void check_sample() {
-    std::vector<std::uint64_t> places = rows_;  // of the sample in the output
+    std::vector<std::uint64_t> places = rows_;  // rows of the sample in the output
     if (made_by_.in_any_order) {
       pair_known_fields();
       const auto found = rows_with_values(in_, out_, known_, rows_, options_.progress);
-      if (!found) return;  // a difference is known then
+      if (!found) return;  // the output has a known difference
       places = found->rows, ++verdict_.passes;
       if (moved() && !found->are_unique)
         return verdict_.untold.push_back(
@@ -260,8 +261,8 @@ class Verification {
     judge_suspects();
   }
 
-  /// Returns the columns of the output that hold made attributes. If a made attribute was not written, a field of its
-  /// name in the output belongs to the input.
+  /// Returns the columns of the output that hold made attributes. If a made attribute was not written, a field of that
+  /// name is an attribute of the input.
   OutputColumns columns_of_output() const {
     return [this](const Attribute& made) -> std::optional<std::vector<FieldPair>> {
       if (std::ranges::find(chain_.made(), made.name, &Attribute::name) == chain_.made().end()) return std::nullopt;
@@ -277,9 +278,9 @@ class Verification {
     };
   }
 
-  /// Leaves out what cannot be checked.
+  /// Removes the attributes that cannot be checked.
   void drop_untold() {
-    std::vector<bool> told;  // by estimate
+    std::vector<bool> told;  // for each estimate
     verdict_.made.clear();
     for (std::size_t a = 0; a < chain_.made().size(); ++a) {
       told.insert(told.end(), estimates_of(chain_.made()[a]), chain_.is_told(a));
@@ -289,7 +290,7 @@ class Verification {
     std::erase_if(made_values_, [&](const auto& value) { return !told[value.first]; });
   }
 
-  /// Returns how many points and their surroundings fit the memory, if neighbourhoods overlap as in a volume.
+  /// Returns how many points with their surroundings fit in the memory, if neighbourhoods overlap as in a volume.
   std::size_t points_in_a_turn() const {
     const double k = made_by_.neighborhood.k == NeighborRule::kUnlimited
                          ? 256
@@ -304,7 +305,8 @@ class Verification {
     return std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(options_.memory_bytes) / bytes));
   }
 
-  /// `points` are some of the sample in ascending rows, `results` one record each.
+  /// Compares results with the output. `points`: a part of the sample in ascending rows, with one record of `results`
+  /// each.
   void hold_against_output(std::span<const KnownPoint> points, const ChainResults& results,
                            const std::vector<std::uint64_t>& places) {
     struct Wanted {
@@ -350,7 +352,7 @@ class Verification {
 
   OutputWays ways() const { return {made_by_.own_field, options_.decimals}; }
 
-  /// Checks whether the output has a row as the conditions say, all of which hold for a row that stays.
+  /// Checks whether the output has a row exactly if all conditions hold for it.
   void check_selection(std::uint64_t row, const formulas::Estimate* estimates) {
     bool told = true, stays = true;
     for (const std::size_t s : selections_) {
@@ -368,8 +370,8 @@ class Verification {
 
   void suspect(std::uint64_t row, std::string difference) { suspects_.emplace_back(row, std::move(difference)); }
 
-  /// Judges the differences found. If two rows are equal in the output and one of them is left out, the output does not
-  /// tell which one it has.
+  /// Judges the differences found. If two rows are equal in the output and only one was kept, the output does not tell
+  /// which one it is.
   void judge_suspects() {
     std::ranges::stable_sort(suspects_, {}, [](const auto& s) { return s.first; });
     std::vector<std::uint64_t> rows, twins;
@@ -388,15 +390,16 @@ class Verification {
   const VerifyOptions& options_;
   ChainValues chain_;
   std::vector<std::uint64_t> rows_;                              ///< rows of the sample, ascending
-  std::vector<KnownPoint> finite_, nonfinite_;                   ///< the sample
+  std::vector<KnownPoint> finite_, nonfinite_;                   ///< points of the sample
   std::vector<KnownPoint> subset_;                               ///< points at evenly spaced rows of the cloud
-  std::vector<bool> replaced_;                                   ///< by field of the input
-  std::vector<std::pair<std::size_t, MadeValue>> made_values_;   ///< by number of the estimate
-  std::vector<std::size_t> selections_;                          ///< numbers of estimates that say whether a row stays
-  std::optional<RowAlignment> alignment_;                        ///< present if the output does not have all rows
-  std::vector<FieldPair> known_;                                 ///< fields by which rows are recognized then
-  std::vector<std::pair<std::uint64_t, std::string>> suspects_;  ///< rows that seem to be wrong, and why
-  int axis_ = -1;  ///< axis of the sweep whose order the rows have; negative: input order
+  std::vector<bool> replaced_;                                   ///< for each field of the input: it was computed again
+  std::vector<std::pair<std::size_t, MadeValue>> made_values_;   ///< with the number of the estimate
+  std::vector<std::size_t> selections_;                          ///< numbers of the estimates of conditions
+  std::optional<RowAlignment> alignment_;                        ///< present if the output lacks rows
+  std::vector<FieldPair> known_;                                 ///< fields that identify rows, if the output lacks
+                                                                 ///< rows
+  std::vector<std::pair<std::uint64_t, std::string>> suspects_;  ///< rows that seem to be wrong, with the reason
+  int axis_ = -1;  ///< axis of the sweep in whose order the rows are; negative: input order
   bool order_is_lost_ = false;
   Verdict verdict_;
 };

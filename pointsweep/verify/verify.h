@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The check of one output of which it is known what the run was asked to make.
+/// The check of one output whose run is known.
 #pragma once
 
 #include <memory>
@@ -23,38 +23,40 @@ struct MadeBy {
   SharedRule rule = {};  ///< shortens the neighbourhood
   std::vector<StageOperator> operators = {};
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
-  /// Made too, but from neighbours of moved points, which no sample of the input tells: they are not checked.
+  /// Attributes that are not checked: they depend on neighbours of moved points, which a sample of the input does not
+  /// tell.
   std::vector<Attribute> unchecked = {};
-  /// All points of the cloud before voxel(keep=centroid); the input of the check holds one of each voxel.
+  /// All points of the cloud before voxel(keep=centroid). The input of the check then has one point of each voxel.
   std::shared_ptr<InputCloud> before_means = {};
   /// The threshold of outliers, found in the output (outlier_threshold.h).
   CloudThreshold outlier_threshold = {};
-  /// Selects after other stages are among the operators: the output has a part of the rows of the input.
+  /// True if the operators include selects after other stages, so that the output lacks some rows of the input.
   bool leaves_out = false;
-  /// The output has the rows in an order that neither the input nor the points tell.
+  /// True if the order of the rows is unknown: neither the input's nor one that the points determine.
   bool in_any_order = false;
-  std::vector<std::string> known_differences = {};  ///< of the output, found before the check
-  std::uint64_t more_differences = 0;               ///< further ones
-  /// Other stages leave out rows too, so that a row that the output has not may have gone there.
+  std::vector<std::string> known_differences = {};  ///< differences found before the check
+  std::uint64_t more_differences = 0;               ///< number of further differences
+  /// True if other stages drop rows as well, so that a row may be missing because of these.
   bool leaves_out_more = false;
-  std::vector<std::string> untold = {};  ///< sentences about what is not checked, and why
-  /// Fields that were not written: of kept made attributes, and of the input under the input's own names.
+  std::vector<std::string> untold = {};  ///< sentences about values that are not checked, with reasons
+  /// Fields that were not written: of kept made attributes, and of the input under its own names.
   std::set<std::string> left_out_made = {}, left_out_input = {};
-  OwnField own_field = nullptr;  ///< of the output's format
+  OwnField own_field = nullptr;  ///< own fields of the output's format
 };
 
-/// Checks whether `out` is what a run over `in` gives. Every point: the count, and each attribute by value, row by row
-/// or, in the order of the sweep, by checksums of values and of whole points. A sample: the made attributes equal those
-/// that the formulas of the operators give for neighbourhoods found by holding every point of the input against them.
-/// `is_array`: `out` holds made values only. Values are compared as far as the types of the output tell (FieldPair).
+/// Checks whether `out` equals the result of a run over `in`. For all points: the count, and each attribute by value,
+/// row by row, or for the order of a sweep by checksums of values and of whole points. For a sample: the made
+/// attributes are compared with the formulas of the operators, evaluated on neighbourhoods that a brute-force search
+/// finds. `is_array`: `out` holds made values only. Values are compared with the precision of the output's types
+/// (FieldPair).
 ///
-/// If rows are left out after other stages, half of the sample are rows that the output does not have: the conditions
-/// are evaluated on what the stages before make of all rows of the input, and tell whether a row stays.
+/// If a select after other stages drops rows, half of the sample are rows that the output does not have. The earlier
+/// stages are evaluated on these rows of the input, and then the conditions, which decide whether a row stays.
 ///
-/// Reads both files once, the input once more for each ring of neighbours a chain looks at (normals and splats 1,
-/// curvature 2, fairing with splats again 3), and once for an order of the sweep. A point of the stream is held against
-/// those chosen points only whose neighbours can be that far away, as a first look at a 65,536th of the cloud or
-/// at most 65,536 points says; that bound is proven, not guessed. About 0.3 µs per point and pass.
+/// Reads both files once, the input once more for each ring of neighbours that the chain reads (normals and splats 1,
+/// curvature 2, fairing and splats after it 3), and once for the order of a sweep. A thin subset of the cloud first
+/// gives an upper bound for the distances of the neighbours of each chosen point. Each point of the input is then
+/// compared only with the chosen points within their bounds. About 0.3 µs per point and pass.
 Verdict verify(InputCloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options = {});
 
 }  // namespace pointsweep

@@ -27,8 +27,7 @@ struct NamingRules {
 struct OutputNames {
   std::vector<Attribute> made;        ///< the given attributes; their fields have the names in the output
   KeptFields kept;                    ///< the given selection, with the names in the output
-  std::vector<std::string> replaced;  ///< attributes of the input that are overwritten without `replace`, since a made
-                                      ///< attribute has exactly their name
+  std::vector<std::string> replaced;  ///< attributes of the input with exactly the name of a made one
   /// Returns "The input's attributes nx ny nz are replaced ..."; empty if no attribute is replaced.
   std::string warning() const;
 };

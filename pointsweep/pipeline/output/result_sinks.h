@@ -66,8 +66,8 @@ class SweepOrderSink final : public Sink {
   const OutputLayout& layout_;
   std::uint32_t input_stride_;
   std::mutex mutex_;
-  std::vector<std::shared_ptr<Open>> slabs_;                      ///< null before the slab is read and after its last
-                                                                  ///< point
+  std::vector<std::shared_ptr<Open>> slabs_;                      ///< null before the slab is read and after it is
+                                                                  ///< complete
   std::map<std::pair<std::uint32_t, std::uint32_t>, Kept> kept_;  ///< deferred points, by slab and index
 };
 

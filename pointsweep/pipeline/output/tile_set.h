@@ -129,8 +129,7 @@ class TileSet {
   std::uint64_t bytes_written_ = 0;
   OutputWarnings warnings_;
   std::vector<std::string> empty_;                ///< names of tiles without rows
-  std::deque<std::unique_ptr<Tile>> completing_;  ///< last member, so that the tasks end before the members that they
-                                                  ///< use
+  std::deque<std::unique_ptr<Tile>> completing_;  ///< last, so that tasks end before the members they use
 };
 
 }  // namespace pointsweep

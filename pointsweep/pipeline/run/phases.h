@@ -62,8 +62,7 @@ struct Surveyed {
 
 struct Ordered {
   Stream stream;
-  std::vector<Vec3> bucket_places;  ///< places where one bucket of edges ends and the next begins, if the pass connects
-                                    ///< points
+  std::vector<Vec3> bucket_places;  ///< places between adjacent buckets of edges, if the pass connects points
   Survey survey;                    ///< survey of the points in that order, without its sample
   MemoryPlan memory;                ///< plan for the sweep
   std::uint64_t first_row = 0;      ///< row of `stream` that becomes row 0 of the cloud, which may be a part
@@ -111,7 +110,7 @@ struct PassSupport {
   /// Passes the points of the other cloud, in order along an axis, to `take`. Empty if the pass reads no other cloud.
   std::function<void(int axis, const std::function<void(const OtherPoints&)>& take)> other = {};
   std::function<bool(Vec3 position, double distance)> may_lack = {};  ///< InOrderSetup::may_lack
-  std::uint64_t* undecided = nullptr;  ///< receives the number of undecided rows, if points may be missing
+  std::uint64_t* undecided = nullptr;  ///< place for the graph of a connecting stage in a part (part/tile_graph.h)
   PlaceOfTile graph = {};              ///< place for the graph that a connecting stage of a part makes
                                        ///< (part/tile_graph.h)
 };

@@ -45,8 +45,7 @@ struct SortPreview {
   std::uint64_t points = 0;
   std::uint64_t budget = 0;  ///< bytes
   int axis = 0;
-  std::uint32_t record_bytes = 0, output_bytes = 0;  ///< bytes per point of the input, and of the output before
-                                                     ///< encoding
+  std::uint32_t record_bytes = 0, output_bytes = 0;  ///< per point: in the input, in the output before encoding
   std::uint64_t decoded_bytes = 0;                   ///< decoded_input_bytes()
   MemoryPlan memory;
   std::string note;  ///< note if fewer threads work than requested; else empty

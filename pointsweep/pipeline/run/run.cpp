@@ -123,8 +123,7 @@ class Phases {
   void order(std::size_t p) {
     ordered_ = std::make_unique<Ordered>(order_pass(context_, work_, p, rows_, std::move(points_), files_));
     points_ = {.survey = ordered_->survey, .boxes = {}};
-    const bool of_rows = p == context_.plan.passes.size() && p > 0;  // the order of rows after the passes has no
-                                                                     // checkpoints
+    const bool of_rows = p == context_.plan.passes.size() && p > 0;  // this order has no checkpoints
     if (checkpoints_ != nullptr && !of_rows)
       checkpoints_->in_order(ordered_->stream, ordered_->memory.slab_points, ordered_->bucket_places);
   }

@@ -24,7 +24,7 @@ Affine::Affine(std::span<const double> rows, double scale, Vector translation) {
 Affine Affine::inverse() const {
   Affine back;
   const Real determinant = this->determinant();
-  Real magnitudes = 0;  // of the products in the determinant
+  Real magnitudes = 0;  // sum of the magnitudes of the products in the determinant
   const auto size = [&](std::size_t r, std::size_t c) { return std::fabs(entry_[r % 3][c % 3]); };
   const auto products = [&](std::size_t r, std::size_t c) {
     return size(r + 1, c + 1) * size(r + 2, c + 2) + size(r + 1, c + 2) * size(r + 2, c + 1);
@@ -66,8 +66,8 @@ Place Affine::moved(const Place& p) const {
   return {{sum[0], sum[1], sum[2]}, norm({error[0], error[1], error[2]})};
 }
 
-/// A change of the vector turns its image by at most the condition of the map times as much, and so does a change of
-/// the map, whose own numbers are right up to its condition.
+/// An error of the vector turns its image by at most the condition of the map times that error. An error of the map,
+/// whose numbers are right to within rounding, has the same effect.
 Estimate Affine::of_same_length(Vector directed, const Estimate& before) const {
   Estimate after = before;
   const Real size = norm(directed), length = norm(before.value);

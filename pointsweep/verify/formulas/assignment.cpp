@@ -28,7 +28,7 @@ bool is_prefix(const std::string& sign) { return sign == "!" || sign == "-1"; }
 
 bool continues_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.'; }
 
-/// Returns whether the text begins with what a `not` may stand before.
+/// Returns whether the text begins with an operand, which may follow `not`.
 bool begins_operand(std::string_view text) {
   if (text.empty() || text.starts_with("!=")) return false;
   return continues_word(text[0]) || text[0] == '(' || text[0] == '-' || text[0] == '!';
@@ -101,7 +101,7 @@ void PlainExpression::read(std::string_view text) {
         waiting.back().sign = "between";
         operand_before = false;
       } else if (operand_before || (word == "not" && begins_operand(text.substr(next)))) {
-        // An operator. Of `a not in (1)` the `not` waits under the `in`, which binds tighter.
+        // Adds an operator. In `a not in (1)`, `not` is pushed below `in`, which has a higher precedence.
         const std::string sign = word == "and" ? "&&" : word == "or" ? "||" : word == "not" ? "!" : word;
         if (operand_before) put_from_rank(sign == "!" ? kRankOfComparisons + 1 : rank_of(sign));
         waiting.push_back({sign == "between" ? kOpenBetween : sign, sign == "!" ? 1u : sign == "between" ? 3u : 2u});

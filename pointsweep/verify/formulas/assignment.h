@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Numbers and conditions of set, evaluated from their text by code of their own, on values of which only a range is
-/// known.
+/// The expressions of set(): numbers and conditions, parsed and evaluated by independent code, on values of which only
+/// a range is known.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ class PlainExpression {
   /// The names in the order in which they come in the text, each once.
   const std::vector<std::string>& names() const { return names_; }
   PossibleNumber number(std::span<const PossibleNumber> values) const;
-  /// Nothing where the ranges do not tell.
+  /// Returns whether the condition holds; nothing if the ranges do not decide.
   std::optional<bool> holds(std::span<const PossibleNumber> values) const;
 
  private:
@@ -46,7 +46,7 @@ class PlainExpression {
   std::vector<Token> postfix_;
 };
 
-/// The number as an attribute holds it: of whole numbers the nearest, halves to even; float32; or float64.
+/// Returns the number as an attribute stores it: the nearest whole number, halves to even; float32; or float64.
 enum class Storage : unsigned char { whole, single, real };
 Estimate stored_number(const PossibleNumber& number, Storage storage);
 

@@ -10,7 +10,7 @@ namespace {
 
 struct Seen {
   Vector u;      ///< unit normal
-  Real u_error;  ///< of u, up to its sign
+  Real u_error;  ///< error of u, whose sign is arbitrary
   Vector d;      ///< p_j - p̄
   Real d_error;
 };
@@ -115,7 +115,7 @@ void fill_scalars(Curvatures& c, Real k1, Range r1, Real k2, Range r2) {
   c.absolute = single_scalar(k1 + k2, {r1.low + r2.low, r1.high + r2.high});
 }
 
-/// Sets the curvatures along t1 and across; whichever is larger is k1.
+/// Sets the curvatures along t1 and across it. The larger of the two is k1.
 void fill_principal(Curvatures& c, Vector n, const Estimate& t1, Real along, Range range_along, Real across,
                     Range range_across) {
   const bool first = along >= across;
@@ -124,7 +124,7 @@ void fill_principal(Curvatures& c, Vector n, const Estimate& t1, Real along, Ran
                std::min(along, across), {std::min(larger.low, smaller.low), std::min(larger.high, smaller.high)});
   c.k1_direction = single_direction(first ? t1.value : cross(n, t1.value), t1.error);
   c.k1_direction.either_sign = true;
-  if (larger.low <= smaller.high) c.k1_direction.error = kInfinity;  // whichever
+  if (larger.low <= smaller.high) c.k1_direction.error = kInfinity;  // either may be the larger
 }
 
 void fill_weighted(Curvatures& c, const WeightedNeighbors& weighted, std::span<const Estimate> normals) {

@@ -24,7 +24,8 @@ Cylinder::Cylinder(Vector center, const Estimate& normal, Real diameter, Real de
 
 Real Cylinder::reach2() const { return (radius_ * radius_ + depth_ * depth_) * (1 + 1e-9L) + 1e-290L; }
 
-/// Squares of lengths that differ by less than what the axis and rounding can do to them are not told apart.
+/// A point is undecided if its squared lengths differ from the limits by less than the errors of the axis and of
+/// rounding.
 void Cylinder::add(Vector point) {
   const Vector offset = point - center_;
   const Real far = norm(offset), along = dot(offset, axis_), aside = norm(cross(offset, axis_));
@@ -51,7 +52,7 @@ Estimate Cylinder::spread() const {
   if (count_ < 2) return not_a_number();
   const auto n = static_cast<Real>(count_);
   const Real variance = std::max<Real>(0, (squares_ - sum_ * sum_ / n) / (n - 1));
-  const Real lost = 0x1p-61L * n * squares_ / (n - 1);  // in these sums
+  const Real lost = 0x1p-61L * n * squares_ / (n - 1);  // rounding error of these sums
   const Real s = std::sqrt(variance), of_sums = lost / (s + std::sqrt(lost) + 1e-300L);
   return number(s, 2 * (error_ + rounding_of_sum(count_)) * largest_ + of_sums);
 }
@@ -75,7 +76,7 @@ Change change(const Cylinder& before, const Cylinder& after, Real registration, 
   const Real level = 1.96L * (uncertainty + registration);
   c.level = number(level, 1.96L * (s1.error / std::sqrt(n1) + s2.error / std::sqrt(n2)) + 16 * kDouble * level);
   c.distance.either_sign = either_side;
-  // If a value is NaN, its bound is NaN too, and the value alone counts.
+  // A NaN value needs no error bound: only NaN equals it.
   for (Estimate* e : {&c.distance, &c.level})
     if (std::isnan(e->value.x)) *e = not_a_number();
   return c;

@@ -14,11 +14,11 @@ class Cylinder {
  public:
   Cylinder(Vector center, const Estimate& normal, Real diameter, Real depth);
 
-  /// Returns whether the cylinder has a direction; without one counts are 0 and all else is NaN.
+  /// Returns whether the cylinder has an axis. Without an axis, counts are 0 and all other values NaN.
   bool has_axis() const { return norm(axis_) > 0; }
   /// Returns whether the data leave open which points are inside.
   bool is_open() const { return open_; }
-  /// No point of the cylinder is farther from its centre, squared.
+  /// Returns an upper bound for the squared distance between the centre and points of the cylinder.
   Real reach2() const;
   void add(Vector point);
 
@@ -28,10 +28,10 @@ class Cylinder {
 
  private:
   Vector center_, axis_;
-  Real error_, radius_, depth_;  ///< error_: of the axis
+  Real error_, radius_, depth_;  ///< error_: error of the axis
   bool open_ = false;
   std::size_t count_ = 0;
-  Real first_ = 0, sum_ = 0, squares_ = 0, largest_ = 0;  ///< of a_j - first_; largest |a_j|
+  Real first_ = 0, sum_ = 0, squares_ = 0, largest_ = 0;  ///< sums over a_j - first_; largest_: largest |a_j|
 };
 
 /// Change, level of detection, two spreads, two counts.

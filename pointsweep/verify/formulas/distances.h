@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Distances to neighbours, and what follows from them: how crowded points are, and rules of neighbourhoods.
+/// Distances to neighbours, densities, and rules that shorten neighbourhoods.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ namespace pointsweep::formulas {
 /// |q - p|² as every exact comparison takes it: ((dx² + dy²) + dz²), every operation rounded to float64.
 double squared_distance(const Place& p, const Place& q);
 
-/// |q - p|, float64: its square root, rounded to float64. Of points that an operator moved it is right up to what they
-/// may be off.
+/// Returns |q - p|, float64: the square root of the squared distance, rounded. For points that an operator has moved,
+/// the error includes the errors of their positions.
 Estimate distance(const Place& p, const Place& q);
 
 /// The farthest of `neighbors`, float64; 0 without any, NaN if one of them, moved, has no finite place.
@@ -23,57 +23,57 @@ Estimate farthest(const Place& p, std::span<const Place> neighbors);
 /// The programs whose statistical outliers differ.
 enum class OutlierProgram { pointsweep, pdal, pcl, open3d, cloudcompare };
 
-/// The mean distance to `neighbors`, float64; NaN without any, or if one of them, moved, has no finite place. In Open3D
-/// the point itself is one more neighbour at distance 0.
+/// Returns the mean distance to `neighbors`, float64; NaN without neighbours, or if a moved neighbour has no finite
+/// place. In Open3D the point itself counts as a further neighbour at distance 0.
 Estimate mean_distance(const Place& p, std::span<const Place> neighbors, bool of_open3d);
 
-/// Returns 1 for the mean distance of an outlier: if it is NaN or above the threshold, in PDAL and Open3D also at the
-/// threshold, in Open3D also if it is 0; else 0. Open if the threshold is NaN.
+/// Returns 1 for the mean distance of an outlier, else 0. An outlier has a distance of NaN or above the threshold; in
+/// PDAL and Open3D also equal to the threshold; in Open3D also 0. Undecided if the threshold is NaN.
 Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_error, OutlierProgram program);
 
 /// A neighbour in the graph.
 struct GraphNeighbor {
   Estimate distance;
   double distance2;
-  std::size_t index;  ///< in the list given
+  std::size_t index;  ///< index in the given list
 };
 
-/// Nearest first by ((dx² + dy²) + dz²) in float64, equal ones by x, y, z, then row; those without a finite place last,
-/// by row. `certain` is false if points may be off by more than what their order hangs on.
+/// A row of the graph: neighbours ordered by ((dx² + dy²) + dz²) in float64, equal distances by x, y, z, then row;
+/// points without a finite place last, by row. `certain` is false if errors of positions may change the order.
 struct GraphRow {
   std::vector<GraphNeighbor> neighbors;
   bool certain = true;
 };
 GraphRow graph_row(const Place& p, std::span<const Place> neighbors, std::span<const std::uint64_t> rows);
 
-/// The numbers of neighbours that a point keeps of those found, by the rules.
+/// The number of neighbours that the rules keep, counted from the nearest.
 struct Kept {
   std::size_t count = 0;
   bool certain = true;  ///< false if rounding decides between this and another count
 };
 
-/// The k from `least` to |neighbors| at which the eigenentropy E = -Σ e ln e is least, of equal ones the smallest; e
-/// are the eigenvalues of the covariance of the positions of p and its k nearest neighbours about their mean, over
-/// their sum (Weinmann et al. 2014). `neighbors` come nearest first. A k whose neighbours are all on p has no E. With
-/// fewer than `least` neighbours, or no E at all, all are kept.
+/// Returns the smallest k from `least` to |neighbors| at which the eigenentropy E = -Σ e ln e is least. e are the
+/// eigenvalues of the covariance of the positions of p and its k nearest neighbours about their mean, over their sum
+/// (Weinmann et al. 2014). `neighbors` come nearest first. E is undefined for a k whose neighbours all coincide with p.
+/// All neighbours are kept if there are fewer than `least`, or if E is undefined for each k.
 Kept of_least_eigenentropy(const Place& p, std::span<const Place> neighbors, std::size_t least);
 
-/// The neighbours that both limits allow: the first floor(k), and those with ((dx² + dy²) + dz²) <= radius · radius in
-/// float64.
-/// A k below 1, a negative radius and NaN allow none.
+/// Returns the neighbours within both limits: the first floor(k), and those with ((dx² + dy²) + dz²) <= radius · radius
+/// in float64. A k below 1, a negative radius and NaN allow none.
 Kept within_limits(const Place& p, std::span<const Place> neighbors, std::optional<double> k,
                    std::optional<double> radius);
 
-/// 1 if fewer than `least` of the neighbours lie within `radius`, inclusive, else 0.
+/// Returns 1 if fewer than `least` of the neighbours lie within `radius`, inclusive, else 0.
 Estimate radius_outlier(const Place& p, std::span<const Place> neighbors, double radius, std::size_t least);
-/// 1 where at least `least` points, the point itself counted, lie within eps; else 0.
+/// Returns 1 if at least `least` points, including the point itself, lie within eps, else 0.
 Estimate core_point(const Place& p, std::span<const Place> neighbors, double eps, std::size_t least);
 
 struct Densities {
   Estimate surface, volume;
 };
-/// m / (π R²) and m / (4/3 π R³), float32. With a radius R is that, and m the neighbours within it and p; without one R
-/// is the distance of the farthest neighbour and m their number. 0 where R is 0 or not finite.
+/// Returns m / (π R²) and m / (4/3 π R³), float32. With a radius: R is the radius, m the number of points within it, p
+/// included. Without: R is the distance of the farthest neighbour, m the number of neighbours. 0 if R is 0 or not
+/// finite.
 Densities densities(const Place& p, std::span<const Place> neighbors, std::optional<double> radius);
 
 /// Distance to the farthest of the neighbours, float64; NaN without any, or if that is not finite.

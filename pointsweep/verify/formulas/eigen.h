@@ -15,13 +15,13 @@ struct Eigen {
 
 Eigen eigen_of(const Matrix& symmetric);
 
-/// Eigenvalues and eigenvectors of a matrix of which only estimates are known.
+/// Eigenvalues and eigenvectors of a matrix whose entries are estimates, with error bounds.
 struct Spectrum : Eigen {
   std::array<Real, 3> value_error{};   ///< errors of the eigenvalues
   std::array<Real, 3> vector_error{};  ///< sine of the angle by which an eigenvector may be off, or infinite
 };
 
-/// `uncertainty(u, v)`: how much uᵀ M v may differ, for unit vectors u and v.
+/// `uncertainty(u, v)`: bound for the error of uᵀ M v, for unit vectors u and v.
 template <class Uncertainty>
 Spectrum spectrum_of(const Matrix& m, Uncertainty uncertainty) {
   Spectrum s{eigen_of(m), {}, {}};

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// What a formula says of a point, together with how far a right evaluation may be from it.
+/// The value of a formula at a point, with a bound for the distance of any right evaluation from it.
 ///
 /// Operators evaluate their formulas in a documented precision: the weights θ of Equations 1 and 2 in single, all else
 /// in double, results rounded to the type of the attribute. Each formula bounds what these roundings, and the errors of
 /// what it reads, do to its result, to first order and with the eigenvalue gaps at hand (Weyl's inequality for
-/// eigenvalues, Davis and Kahan, "The rotation of eigenvectors by a perturbation", 1970, for eigenvectors). So a
-/// tolerance is never chosen: it follows from the data, and is as tight as the data allow.
+/// eigenvalues, Davis and Kahan, "The rotation of eigenvectors by a perturbation", 1970, for eigenvectors). So no
+/// tolerance is a free parameter: all follow from the data.
 #pragma once
 
 #include <algorithm>
@@ -97,14 +97,14 @@ inline Estimate undefined() { return {}; }
 /// The data do not tell which value is right.
 inline Estimate open() { return {.value = {}, .error = kInfinity, .either_sign = true, .may_be_undefined = true}; }
 
-/// Ends of what a number may be.
+/// The least and the greatest value that a number may have.
 struct Range {
   Real low = 0, high = 0;
 };
 inline Range around(Real value, Real error) { return {value - error, value + error}; }
 inline Range not_negative(Range r) { return {std::max<Real>(r.low, 0), std::max<Real>(r.high, 0)}; }
 
-/// `value` as float32, of which a right evaluation lies in `range`.
+/// Returns `value` as float32; right evaluations lie in `range`.
 inline Estimate single_scalar(Real value, Range range) {
   const Real error = std::max(range.high - value, value - range.low);
   return {.value = {value, 0, 0}, .error = error + kSingle * (std::fabs(value) + error) + 0x1p-149L};

@@ -18,7 +18,7 @@ constexpr Real kTooFar = 0x1p1022L;  ///< offsets from here on may count as not 
 /// The points of P, as offsets from p.
 struct Cloud {
   std::vector<Vector> offset;
-  std::vector<Real> error;  ///< of each, with the rounding of offsets
+  std::vector<Real> error;  ///< error of each offset, with its rounding
   Vector mean;
   Real reach = 0;    ///< largest length of an offset
   Real extent = 0;   ///< largest component of an offset
@@ -69,7 +69,7 @@ Estimate saturated(Real value, Range range) {
   return single_scalar(single(value), {single(range.low), single(range.high)});
 }
 
-/// The values λ1 >= λ2 >= λ3, and the ranges of what they may be.
+/// The values λ1 >= λ2 >= λ3 with their ranges.
 struct Lambdas {
   std::array<Real, 3> value{};
   std::array<Range, 3> range{};
@@ -107,7 +107,7 @@ Estimate entropy(const Lambdas& l, const Cloud& cloud, Lambda lambda) {
   for (std::size_t a = 0; a < 3; ++a) {
     const Range term = entropy_range(l.range[a]);
     value += entropy_term(l.value[a]), range.low += term.low, range.high += term.high;
-    // An operator may take the logarithm of the unit of length apart.
+    // The bound also covers operators that compute the logarithm of the unit of length separately.
     rounding += std::fabs(entropy_term(l.value[a])) + l.value[a] * power * (2 * std::fabs(std::log(cloud.extent)) + 2);
   }
   rounding *= kLogarithm;

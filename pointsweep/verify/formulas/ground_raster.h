@@ -19,11 +19,11 @@ struct GroundParameters {
   std::size_t reach() const { return 3 * radius() + 3; }  ///< reach of the filling of holes, in cells
 };
 
-/// The numbers of cells along one axis, without most of the empty ones: across so many that nothing reaches from one
-/// side to the other, the rest of them is left out.
+/// The numbers of cells along one axis, with wide empty strips shortened: a strip across which no filter reaches keeps
+/// only as many cells as the filters need.
 class CellNumbers {
  public:
-  /// `numbers`: of cells with points, in any order and often.
+  /// `numbers`: the cell number of each point, in any order and with repetitions.
   CellNumbers(std::vector<double> numbers, std::size_t reach, std::size_t radius);
   std::size_t count() const { return count_; }
   /// Returns the place of a cell that has points.
@@ -43,9 +43,9 @@ class GroundRaster {
   /// Cells of points that take part.
   GroundRaster(const GroundParameters& parameters, CellNumbers columns, CellNumbers rows);
   void add(double x, double y, double z);
-  /// After the last point.
+  /// Computes the surface. Must be called after the last point.
   void finish();
-  /// Returns whether a point that takes part is ground; nothing where rounding decides.
+  /// Returns whether a point that takes part is ground; nothing if rounding decides.
   std::optional<bool> is_ground(double x, double y, double z) const;
 
  private:
@@ -64,7 +64,7 @@ class GroundRaster {
 
 /// Height above points of the ground.
 struct GroundPoint {
-  double distance2;  ///< in the plane
+  double distance2;  ///< squared distance in x and y
   double z;
 };
 

@@ -14,13 +14,13 @@
 
 namespace pointsweep::formulas {
 
-/// Sets of points, each with the sign of a point against the one that stands for its set.
+/// Disjoint sets of points (union-find). Each point also has a sign relative to the root of its set.
 class JoinedSets {
  public:
   explicit JoinedSets(std::size_t count) : above_(count), flipped_(count), size_(count, 1) {
     std::iota(above_.begin(), above_.end(), 0u);
   }
-  /// The point that stands for the set of i, and whether the signs of the two differ.
+  /// Returns the root of the set of i, and whether the signs of i and the root differ.
   std::pair<std::uint32_t, bool> root(std::uint32_t i) {
     bool flips = false;
     std::uint32_t top = i;
@@ -54,8 +54,8 @@ class JoinedSets {
 
 /// Numbers and sizes of sets. Points of sets that do not count have the number -1.
 struct SetLabels {
-  std::vector<std::int64_t> number;  ///< by point; from 0, in the order of the first points
-  std::vector<std::uint64_t> size;   ///< by number, in points
+  std::vector<std::int64_t> number;  ///< number of the set of each point, from 0, in the order of first points
+  std::vector<std::uint64_t> size;   ///< number of points in each set
 };
 
 template <class PointsAt, class Counts>
@@ -94,9 +94,10 @@ class TurningVotes {
   void measure(Vector p);
   void vote(Vector p, Vector signed_normal, const std::optional<Vector>& viewpoint);
 
-  /// Returns whether all signs are to be turned: where the larger in absolute value of Σ s n_z and Σ s n . (p - c) / e
-  /// is negative, c the centroid and e the mean extent; with a viewpoint v, where Σ sign(s n . (v - p)) is. Nothing
-  /// where the data do not tell: the operator's normals in sums are whole multiples of 2^-20.
+  /// Returns whether all signs must be flipped. Without a viewpoint: if of Σ s n_z and Σ s n . (p - c) / e the one with
+  /// the larger absolute value is negative, with the centroid c and the mean extent e. With a viewpoint v: if Σ sign(s
+  /// n . (v - p)) is negative. Nothing if the data do not decide. The operator rounds normals in sums to multiples of
+  /// 2^-20.
   std::optional<bool> turns(bool has_viewpoint) const;
 
  private:

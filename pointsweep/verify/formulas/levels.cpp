@@ -106,7 +106,7 @@ class Levels {
   void take(int depth, double spacing) {
     for (std::size_t i = 0; i < level_.size(); ++i)
       if (level_[i] == kNone && leaf_[i] == depth) level_[i] = depth;
-    // Cells a little wider than the spacing, so that what is nearer lies in the cells around.
+    // Cells are slightly wider than the spacing, so that all points nearer than the spacing lie in adjacent cells.
     Cells cells;
     const double edge = spacing * 1.0001;
     const auto cell = [&](std::size_t i) {

@@ -11,7 +11,7 @@ namespace {
 
 Estimate value_within(Real value, Real error) { return {.value = {value, 0, 0}, .error = error}; }
 
-/// The most frequent value, by a count of each; of several the one with the least place.
+/// Returns the most frequent value, the first in the list if several are equally frequent.
 Real most_frequent(const std::vector<Real>& values) {
   std::map<Real, std::size_t> counts;
   for (const Real v : values) ++counts[v];
@@ -25,7 +25,7 @@ Real most_frequent(const std::vector<Real>& values) {
 
 Estimate statistic_of(std::string_view name, const std::vector<Estimate>& values) {
   std::vector<Real> v;
-  Real error = 0;  // the largest of a value; no order statistic and no deviation moves farther
+  Real error = 0;  // largest error of a value, which also bounds the error of order statistics and deviations
   for (const Estimate& e : values) {
     if (in_doubt(e) || e.either_sign) return open();
     if (!std::isfinite(e.value.x)) continue;

@@ -9,10 +9,9 @@
 
 namespace pointsweep::formulas {
 
-/// The statistic of this name of scalar values, of which those that are not finite do not count: mean, median, min,
-/// max, range, deviation (of the population), majority (of several most frequent values the one that comes first) or
-/// count. mean, median, range and deviation are evaluated in float64 from differences to the first value. Without a
-/// value that counts: NaN.
+/// Returns a statistic of the finite values: mean, median, min, max, range, deviation (of the population), majority
+/// (the first in the list if several are equally frequent) or count. mean, median, range and deviation are evaluated in
+/// float64 from differences to the first value. NaN without a finite value.
 Estimate statistic_of(std::string_view name, const std::vector<Estimate>& values);
 
 }  // namespace pointsweep::formulas

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The numbers of neighbours that a point keeps of those found, by the rules.
+/// Rules that decide how many of the neighbours found a point keeps.
 
 #include "pointsweep/verify/formulas/distances.h"
 #include "pointsweep/verify/formulas/eigen.h"

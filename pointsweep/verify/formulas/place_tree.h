@@ -24,20 +24,20 @@ class PlaceTree {
     }
   };
 
-  /// `points_at`: how many points stand at each place. Borrows both.
+  /// `points_at`: number of points at each place. Borrows both.
   PlaceTree(std::span<const Place> places, std::span<const std::uint32_t> points_at);
 
-  /// The nearest places, this one first, that hold `most` points together, with squared distances up to reach2; fewer
-  /// where there are no more. Equal distances go by x, y, z.
+  /// Returns the nearest places, `place` first, until they hold `most` points together, within the squared distance
+  /// reach2. Fewer if there are no more. Equal distances are ordered by x, y, z.
   std::vector<Near> nearest(std::uint32_t place, std::size_t most, double reach2) const;
-  /// All places with a squared distance up to reach2, this one too, in any order.
+  /// Calls `use` for all places within the squared distance reach2, including `place`, in any order.
   void within(std::uint32_t place, double reach2, const std::function<void(const Near&)>& use) const;
 
  private:
   struct Box {
     Place low, high;
     std::uint32_t begin, end;  ///< into order_
-    std::uint32_t children;    ///< the first of two; 0: none
+    std::uint32_t children;    ///< index of the first of two children; 0: none
   };
   void build(std::uint32_t box);
   double distance2_to(const Box& box, const Place& p) const;

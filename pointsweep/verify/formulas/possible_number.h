@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Arithmetic, comparisons and functions of numbers of which only a range is known.
+/// Arithmetic, comparisons and functions of numbers that are known to lie in a range.
 #pragma once
 
 #include <cmath>
@@ -27,7 +27,7 @@ PossibleNumber as_double(const PossibleNumber& n);
 /// `sign`: + - * or /.
 PossibleNumber combined(char sign, PossibleNumber a, PossibleNumber b);
 
-/// Nothing where the ranges do not tell. `sign`: == != < <= > or >=.
+/// Returns the result of a comparison; nothing if the ranges do not decide. `sign`: == != < <= > or >=.
 std::optional<bool> compared(const std::string& sign, const PossibleNumber& a, const PossibleNumber& b);
 
 /// The value of a function of expressions. Functions other than exp, log and atan2 are exact for exact arguments.

@@ -53,7 +53,7 @@ int side_of(const Corner& p, Corner a, Corner b) {
   return sum.sign();
 }
 
-/// Returns the side as side_of() does where p is not beside the edge; most points are above or below both ends.
+/// Returns side_of() if p is above or below both ends of the edge, which holds for most points.
 int quick_side_of(const Corner& p, const Corner& a, const Corner& b) {
   if (p[1] > a[1] && p[1] > b[1]) return 1;
   if (p[1] < a[1] && p[1] < b[1]) return -1;
@@ -87,7 +87,7 @@ EdgesAlongX::EdgesAlongX(std::span<const PolygonRings> polygons) {
   for (std::uint32_t e = 0; e < edges_.size(); ++e) list(e, 1, 0, stretches_ - 1);
 }
 
-/// `node` stands for the stretches from `first` to `last`.
+/// Adds an edge to the nodes of the tree. `node` covers the intervals from `first` to `last`.
 void EdgesAlongX::list(std::uint32_t edge, std::size_t node, std::size_t first, std::size_t last) {
   const auto at = [&](double x) {
     return 2 * static_cast<std::size_t>(std::lower_bound(ends_.begin(), ends_.end(), x) - ends_.begin());
@@ -115,7 +115,7 @@ bool EdgesAlongX::hold(const Corner& p) const {
       }
       const int side = quick_side_of(p, e.left, e.right);
       if (side == 0) return true;
-      // If two edges meet above p, one of them counts, or both or none.
+      // Two edges of a polygon that meet above p count once, or cancel each other.
       if (side < 0 && p[0] > e.left[0]) crossed.push_back(e.polygon);
     }
   }

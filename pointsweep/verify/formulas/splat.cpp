@@ -42,7 +42,7 @@ Form form_of_curvature(const CurvatureHere& c, const Estimate& n) {
 
 bool is_zero(const Estimate& e) { return !e.is_open() && norm(e.value) == 0; }
 
-/// q_j of the header, and what it may be.
+/// q_j of the header, with its range.
 struct Reach {
   Real q, low, high;
 };

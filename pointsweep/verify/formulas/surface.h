@@ -6,7 +6,7 @@
 
 namespace pointsweep::formulas {
 
-/// All in float32.
+/// Curvatures of a point, all in float32.
 struct Curvatures {
   Estimate k1, k2;              ///< k1 >= k2 >= 0
   Estimate k1_direction;        ///< unit tangent; the component of largest magnitude positive
@@ -18,19 +18,19 @@ struct Curvatures {
   Estimate normal_eigenvalues;  ///< eigenvalues of C_i, ascending
 };
 
-/// `normals` belong to `neighbors`. With u = n / |n|, sums over the m neighbours that have a normal, and
+/// `normals` are the normals of `neighbors`. With u = n / |n|, sums over the m neighbours that have a normal, and
 ///   S = 1/m Σ_j u_j u_jᵀ with eigenvalues μ0 <= μ1 <= μ2 and eigenvectors e0, e1, e2,
 ///   D = 1/m Σ_j (p_j - p̄)(p_j - p̄)ᵀ,
 ///   t1 = e1 brought into the tangent plane of n_i (see tangent()), t2 = n_i × t1,
 /// the curvatures along t1 and t2 are √(μ1 / t1ᵀ D t1) and √(μ0 / t2ᵀ D t2); k1 is the larger one.
-/// C_i = 1/|N_i| Σ_j u_j u_jᵀ θ(|p_j - p_i|) is of all neighbours.
+/// C_i = 1/|N_i| Σ_j u_j u_jᵀ θ(|p_j - p_i|) includes all neighbours.
 ///
-/// All are 0 where n_i is 0, m < 3, an offset is not finite, or those m lie on a line: det <= (1e-12 trace + ρ²) trace
-/// of D within the tangent plane, with ρ the 2^-51st part of the largest coordinate of p_i.
+/// All values are 0 if n_i is 0, m < 3, an offset is not finite, or the m neighbours lie on a line: det <= (1e-12 trace
+/// + ρ²) trace of D within the tangent plane, with ρ the 2^-51st part of the largest coordinate of p_i.
 Curvatures curvature(const Place& p, const Estimate& n, std::span<const Place> neighbors,
                      std::span<const Estimate> normals);
 
-/// All in float32.
+/// An ellipse, all in float32.
 struct Splat {
   Estimate axis;    ///< unit major axis, in the tangent plane
   Estimate length;  ///< major semi-axis
@@ -47,10 +47,10 @@ struct CurvatureHere {
 /// √(λ1/λ2). With it: the major axis is n_i × k1_direction and the ratio √(k2/k1); where k1_direction or k1 is 0, as
 /// without. Ratios below 1/8 are 1/8.
 ///
-/// The length is the 8th smallest of q_j = √(x² + (y/ratio)²) over the neighbours off p_i, with x and y the
-/// coordinates of p_j - p_i along the axes; of only m < 8 such neighbours it is √(8/m) times the largest, so that the
-/// area is in proportion. Neighbours whose x and y are
-/// 0 do not count. All are 0 without a normal, without a neighbour that counts, or where an offset is not finite.
+/// The length is the 8th smallest of q_j = √(x² + (y/ratio)²) over the neighbours off p_i, with x and y the coordinates
+/// of p_j - p_i along the axes. With only m < 8 such neighbours it is √(8/m) times the largest q_j, so that the area
+/// stays proportional. Neighbours whose x and y are
+/// 0 do not count. All values are 0 without a normal, without a neighbour that counts, or if an offset is not finite.
 Splat splat(const Place& p, const Estimate& n, std::span<const Place> neighbors, const CurvatureHere* curvature);
 
 /// The values that Equation 3 reads of a point.
@@ -60,16 +60,17 @@ struct Surfel {
 };
 
 /// p_i' = 1/w_i Σ_j Π_j(p_i) a_j f(|p_j - p_i|) g(|Π_j(p_i) - p_i|) over N_i and i itself, float64, with Π_j(p_i) the
-/// projection of p_i onto the tangent plane of p_j, f(r) = exp(-r²/2F²), g(r) = exp(-r²/2G²) with standard deviations
-/// F and G, a_j = π length² ratio of the splat of p_j, and w_i the sum of the weights. p_i projects to itself and
-/// weighs a_i. Neighbours without a normal, a splat or a finite place do not count; without any that counts p_i stays.
+/// projection of p_i onto the tangent plane of p_j, f(r) = exp(-r²/2F²), g(r) = exp(-r²/2G²) with standard deviations F
+/// and G, a_j = π length² ratio of the splat of p_j, and w_i the sum of the weights. p_i projects to itself and weighs
+/// a_i. Neighbours without a normal, a splat or a finite place do not count; without a neighbour that counts, p_i is
+/// unchanged.
 Estimate faired(const Surfel& point, std::span<const Surfel> neighbors, Real f, Real g);
 
 /// The definition of λ from the eigenvalues l.
 enum class Lambda { raw, root, normalized };
 
-/// float32, but for number_of_neighbors. P are the neighbours and, if it counts, p; n = |P|.
-///   Σ = 1/n Σ_P (q - mean)(q - mean)ᵀ, eigenvalues l1 >= l2 >= l3, unit eigenvectors e1, e2, e3
+/// Features of P, in float32 except for number_of_neighbors. P contains the neighbours, and p if it counts; n = |P|. Σ
+/// = 1/n Σ_P (q - mean)(q - mean)ᵀ has eigenvalues l1 >= l2 >= l3 and unit eigenvectors e1, e2, e3.
 struct Features {
   Estimate linearity, planarity, sphericity, omnivariance, anisotropy, eigenentropy, eigenvalue_sum, surface_variation;
   Estimate verticality;                   ///< 1 - |e3 · z|; 0 where l2 <= 1e-12 l1 + ρ², ρ as in normal()
@@ -78,8 +79,8 @@ struct Features {
   Estimate height_range, number_of_neighbors;
 };
 
-/// All but number_of_neighbors and height_range are 0 where P lies at one place; height_range is 0 as well where an
-/// offset is not finite.
+/// All but number_of_neighbors and height_range are 0 if all points of P coincide. height_range is also 0 if an offset
+/// is not finite.
 Features features(const Place& p, std::span<const Place> neighbors, Lambda lambda, bool with_point);
 
 }  // namespace pointsweep::formulas

@@ -41,7 +41,7 @@ class Mean {
 
  private:
   Real sum_ = 0, magnitudes_ = 0, count_ = 0;
-  bool are_whole_ = true;  ///< all values
+  bool are_whole_ = true;  ///< all values are whole numbers
   double least_ = static_cast<double>(kInfinity), most_ = -static_cast<double>(kInfinity);
 };
 

@@ -11,12 +11,12 @@
 
 namespace pointsweep::formulas {
 
-/// Returns what the values of the nearest points give, nearest first: their majority (of several the one that comes
-/// first), their mean or the first. Where there are several, and for means, only finite values count. Nothing if no
-/// value counts. `are_whole`: the mean is that of their exact sum.
+/// Returns the majority (the first if several are equally frequent), the mean, or the first of the values of the
+/// nearest points, nearest first. With several values, and for means, only finite values count. Nothing if no value
+/// counts. `are_whole`: the mean is computed from the exact sum.
 std::optional<Estimate> voted(std::string_view vote, const std::vector<Real>& values, bool are_whole);
 
-/// Returns the value as an attribute holds it: of whole numbers the nearest, halves to even; float32; or float64.
+/// Returns the value as an attribute stores it: the nearest whole number, halves to even; float32; or float64.
 Estimate stored(const Estimate& value, Storage storage);
 
 }  // namespace pointsweep::formulas

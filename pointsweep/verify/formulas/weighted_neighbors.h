@@ -33,15 +33,15 @@ WeightedNeighbors weigh(const Place& p, std::span<const Place> neighbors);
 /// M_i of Equation 1 over theta_of_nearest, and its eigenvectors.
 Spectrum equation1(const WeightedNeighbors& neighbors);
 
-/// `along` of two orthogonal unit vectors, brought into the plane with unit normal n: it is projected where it is
-/// nearer to the plane than `across` is, else it is the direction in the plane that is perpendicular to `across`.
-/// `error` bounds the angle by which each of the two and n may be off.
+/// Returns a direction in the plane with unit normal n, from two orthogonal unit vectors: the projection of `along` if
+/// it is nearer to the plane than `across`, else the direction in the plane perpendicular to `across`. `error` bounds
+/// the angular error of the two vectors and n.
 Estimate tangent(Vector n, Vector along, Vector across, Real error);
 
 /// The choice between the two directions of a normal.
 struct Facing {
   enum class Side {
-    none,       ///< the component of largest magnitude, the first of equal ones, is positive
+    none,       ///< the component of largest magnitude (the first of equal ones) is positive
     up,         ///< n_z >= 0
     viewpoint,  ///< (viewpoint - p_i)·n >= 0
     like,       ///< like·n >= 0

@@ -69,7 +69,7 @@ class Comparison {
     }
   }
 
-  /// An output may lack a field of its format whose values are all 0.
+  /// Removes fields with a value other than 0. An output may lack a field of its format if all values are 0.
   void look_for_absent(const std::byte* records, std::size_t n) {
     std::erase_if(absent_, [&](const Field& field) {
       for (std::size_t i = 0; i < n; ++i)
@@ -127,11 +127,11 @@ class Comparison {
   RowSource& in_;
   RowSource& out_;
   std::vector<FieldPair> pairs_;
-  std::vector<Field> absent_;  ///< of the input; their values are to be 0
+  std::vector<Field> absent_;  ///< fields of the input that the output lacks; all values must be 0
   Arrivals result_;
-  std::vector<MultisetSum> sums_in_, sums_out_;  ///< by pair
+  std::vector<MultisetSum> sums_in_, sums_out_;  ///< for each pair of fields
   MultisetSum points_in_, points_out_;
-  std::vector<std::uint64_t> words_in_, words_out_;  ///< of the present row, by pair
+  std::vector<std::uint64_t> words_in_, words_out_;  ///< hashes of the current row, for each pair
   std::vector<double> x_, y_, z_;
   Vec3 last_{-Box::kInf, -Box::kInf, -Box::kInf};
   bool met_nonfinite_ = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Several files as one reader.
+/// A reader of several files as one.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace pointsweep {
 
 class CloudReader final : public Reader {
  public:
-  /// `name`: what the files are called together in sentences; `left_out`: a field that is not told of.
+  /// `name`: name of all files together in messages. `left_out`: a field that the reader hides.
   CloudReader(InputCloud cloud, const std::filesystem::path& name, const std::string& left_out = "")
       : cloud_(std::move(cloud)) {
     info_.path = name;

@@ -81,7 +81,7 @@ void CloudRows::require(std::span<const ColumnSource> columns) const {
     require_memory(count() * (sizeof(PlaceOfRow) + components_of(columns) * sizeof(double)), *this);
 }
 
-/// Rows of the output stand where a sort of all positions of the input puts them.
+/// Finds the rows of the output by sorting all positions of the input.
 std::vector<double> CloudRows::values_in_order_of_input(std::span<const ColumnSource> columns, std::size_t components) {
   require(columns);
   std::vector<PlaceOfRow> order;

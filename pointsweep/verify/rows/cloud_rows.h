@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// All rows of a cloud with values of the input or of the output: what formulas of the whole cloud read.
+/// All rows of a cloud with values of the input or the output, as formulas over the whole cloud read them.
 #pragma once
 
 #include <cstddef>
@@ -19,13 +19,13 @@
 
 namespace pointsweep {
 
-/// Why a stage is not checked, without a full stop.
+/// The reason why a stage is not checked, without a full stop.
 class NotTold : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// More than VerifyOptions::memory_bytes are needed.
+/// More memory is needed than VerifyOptions::memory_bytes.
 class NeedsMemory : public NotTold {
  public:
   using NotTold::NotTold;
@@ -34,16 +34,18 @@ class NeedsMemory : public NotTold {
 /// The source of the values of an attribute.
 struct ColumnSource {
   Attribute attribute;
-  std::vector<Field> in_input = {};         ///< by component; or
-  std::vector<FieldPair> in_output = {};    ///< by component
-  std::optional<FieldPair> turned_by = {};  ///< where this is not 0 in the output, it holds the negative
-  std::shared_ptr<const std::vector<double>> made_again = {};  ///< or these, by row of the input, then component
+  std::vector<Field> in_input = {};         ///< fields of the input, by component; or
+  std::vector<FieldPair> in_output = {};    ///< fields of the output, by component
+  std::optional<FieldPair> turned_by = {};  ///< a field of the output: if it is not 0, the value in the output is
+                                            ///< negated
+  std::shared_ptr<const std::vector<double>> made_again = {};  ///< or values computed again, by row of the input, then
+                                                               ///< component
 };
 
 class CloudRows {
  public:
-  /// `axis`: of the sweep in whose order the rows of `out` are; negative: the rows of `out` are in input order.
-  /// `has_all`: the output has all rows of the input. Borrows both.
+  /// `axis`: axis of the sweep in whose order the rows of `out` are; negative: input order. `has_all`: the output has
+  /// all rows of the input. Borrows both sources.
   CloudRows(RowSource& in, RowSource& out, int axis, std::uint64_t memory_bytes, const PhaseProgress& progress,
             bool has_all = true)
       : in_(in), out_(out), axis_(axis), memory_bytes_(memory_bytes), progress_(progress), has_all_(has_all) {}
@@ -51,14 +53,14 @@ class CloudRows {
   std::uint64_t count() const { return in_.count(); }
   std::uint64_t memory_bytes() const { return memory_bytes_; }
   const PhaseProgress& progress() const { return progress_; }
-  /// Times that all of the input was read.
+  /// Returns how often the whole input was read.
   std::uint64_t passes() const { return passes_; }
   RowSource& input() { return in_; }
-  /// Returns whether the output has all rows; otherwise no column may be a column of the output.
+  /// Returns whether the output has all rows. If not, no column may be a column of the output.
   bool output_has_all() const { return has_all_; }
 
-  /// Throws NotTold where the output has another order than the input, and values of the columns in the output do not
-  /// fit the memory.
+  /// Throws NotTold if columns are in the output, the output has another order than the input, and the values do not
+  /// fit in memory.
   void require(std::span<const ColumnSource> columns) const;
   /// Calls `use` for every row in the order of the input, with the components of the columns one after another. Throws
   /// as require().
@@ -75,9 +77,9 @@ class CloudRows {
   bool has_all_;
 };
 
-/// "6.2 GiB" and the like.
+/// Returns a text like "6.2 GiB".
 std::string bytes_text(std::uint64_t bytes);
-/// Throws NeedsMemory unless that much may be used.
+/// Throws NeedsMemory if `bytes` exceed the allowed memory.
 void require_memory(std::uint64_t bytes, const CloudRows& rows);
 
 }  // namespace pointsweep

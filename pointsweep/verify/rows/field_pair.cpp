@@ -59,7 +59,7 @@ std::optional<Place> exactly(const Schema& schema, const std::string& name, std:
   return std::nullopt;
 }
 
-/// Looks for one component under all the names it may have got.
+/// Finds one component under all names that writers may have given it.
 class PlaceFinder {
  public:
   PlaceFinder(const Schema& from, std::size_t index, const Schema& to)
@@ -83,7 +83,7 @@ class PlaceFinder {
   }
 
  private:
-  /// NAME, NAME_0 or NAME[0], cut to what LAS can hold.
+  /// Finds NAME, NAME_0 or NAME[0], cut to the length of LAS.
   std::optional<Place> numbered(const std::string& name, std::uint32_t component) const {
     if (const auto place = exactly(to_, name, component)) return place;
     if (field_.count == 1) return exactly(to_, name.substr(0, kLasNameBytes), component);
@@ -136,7 +136,8 @@ std::uint64_t FieldPair::found(const std::byte* to_record) const {
 }
 
 double FieldPair::resolution(double value) const {
-  // The value and what a reader makes of its integer are each rounded a few times in double precision.
+  // Both the value and the number that a reader computes from the stored integer are rounded a few times in double
+  // precision.
   const double of_double = std::ldexp(std::abs(value), -50);
   if (digits_) return 0.5 * std::pow(10, -*digits_) + of_double;
   if (to_.type == Type::f64 && to_.is_plain()) return single_ ? std::ldexp(std::abs(value), -24) : 0;

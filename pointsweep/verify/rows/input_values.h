@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Operators with the values of the whole input that they need, for those who apply them without a run.
+/// Values of the whole input for operators that need them, for use without a run.
 #pragma once
 
 #include <vector>

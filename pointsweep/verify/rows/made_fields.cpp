@@ -29,7 +29,8 @@ bool is_field_of(const Schema& schema, const std::string& name) {
 
 namespace {
 
-/// LAS: class 12 of old point formats becomes class 12 with the overlap flag, for which they have no field.
+/// Returns whether the value is an overlap flag that the LAS writer has set because the input has class 12. Old point
+/// formats have no such flag.
 bool is_overlap_by_class(const Field& field, const Schema& schema, const std::byte* record) {
   const auto classification = schema.find("classification");
   return field.name == "overlap" && classification && value_of(schema.fields[*classification], record) == 12;

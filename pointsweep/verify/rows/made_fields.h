@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The names under which outputs hold what a chain makes, and fields that an output has because of its format, to which
-/// neither an input nor a stage gives a value.
+/// The names of made attributes in outputs, and the fields that an output has only because of its format.
 #pragma once
 
 #include <optional>
@@ -13,13 +12,13 @@
 
 namespace pointsweep {
 
-/// Rows of `made` values as the chain gives them, under the names that the output has for them.
+/// Returns the schema of rows of made values in the chain's order, with the names of the output.
 Schema schema_of_made(const std::vector<Attribute>& made, const std::string& prefix);
 
 /// Returns whether a field of an output comes from a field of `schema`.
 bool is_field_of(const Schema& schema, const std::string& name);
 
-/// Format::own_field of a format; null where it has no such fields.
+/// Format::own_field of a format; null if it has no such fields.
 using OwnField = std::optional<double> (*)(std::string_view name);
 
 /// Returns the fields among `names` that belong to the format of `out` and hold its default value in all rows.

@@ -20,7 +20,7 @@ std::uint64_t word_of(std::span<const FieldPair> pairs, const std::byte* record,
   return all;
 }
 
-/// Calls use(row, word of its values, record) for each row.
+/// Calls use(row, hash of its values, record) for each row.
 template <class Use>
 void for_each_word(RowSource& source, std::span<const FieldPair> pairs, Word word, const PhaseProgress& progress,
                    Use use) {
@@ -37,7 +37,7 @@ void for_each_word(RowSource& source, std::span<const FieldPair> pairs, Word wor
   }
 }
 
-/// The words of the output, one after another.
+/// A sequential reader of the hashes of the output's rows.
 class OutputWords {
  public:
   OutputWords(RowSource& out, std::span<const FieldPair> pairs) : out_(out), pairs_(pairs) { fill(); }
@@ -93,7 +93,7 @@ std::vector<std::uint64_t> sample_of_both(const RowAlignment& alignment, std::ui
   const std::uint64_t of_kept = std::min<std::uint64_t>(kept.size(), size - std::min(size / 2, left_out));
   std::vector<std::uint64_t> rows;
   for (const std::uint64_t i : sample_rows(kept.size(), of_kept, seed)) rows.push_back(kept[i]);
-  std::uint64_t before = 0;  // rows of the output before the i-th that was left out
+  std::uint64_t before = 0;  // rows of the output before the i-th dropped row
   for (const std::uint64_t i : sample_rows(left_out, size - of_kept, seed)) {
     while (before < kept.size() && kept[before] - before <= i) ++before;
     rows.push_back(i + before);
@@ -106,7 +106,7 @@ std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& al
                                            const PhaseProgress& progress) {
   const std::size_t stride = in.schema().stride;
   std::vector<std::string> records;
-  std::unordered_map<std::uint64_t, std::vector<std::size_t>> of_word;  // rows by number
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> of_word;  // rows by number of their hash
   std::vector<bool> has_twin(rows.size());
   for_each_record(in, rows, [&](std::size_t i, const std::byte* record) {
     records.emplace_back(reinterpret_cast<const char*>(record), stride);

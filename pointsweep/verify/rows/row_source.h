@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Points read in pieces and in sequence, from a cloud and from a single file alike.
+/// A source of rows, read in blocks and in sequence from a cloud or a single file.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ using PhaseProgress = std::function<void(const char* phase, std::uint64_t done, 
 
 class RowSource {
  public:
-  /// Borrow what they are made of.
+  /// Borrows the cloud or the reader.
   explicit RowSource(InputCloud& cloud);
   explicit RowSource(Reader& reader);
   /// Selects some rows of another source; `chosen` ascends.
@@ -29,12 +29,12 @@ class RowSource {
 
   const Schema& schema() const { return *schema_; }
   std::uint64_t count() const { return count_; }
-  const std::string& name() const { return name_; }  ///< of the (first) file
+  const std::string& name() const { return name_; }  ///< name of the first file
   /// Returns the number of rows that make a piece of about 4 MB.
   std::size_t block_rows() const { return std::max<std::size_t>(1, kBlockBytes / schema_->stride); }
 
-  /// The records [first, first + count), all of which exist; valid until the next call. Throws Error when the file
-  /// has changed.
+  /// Returns the records [first, first + count), all of which exist; valid until the next call. Throws Error if the
+  /// file has changed.
   std::span<const std::byte> read(std::uint64_t first, std::size_t count);
 
  private:
@@ -51,7 +51,7 @@ class RowSource {
 void for_each_position(RowSource& source, const char* phase, const PhaseProgress& progress,
                        const std::function<void(std::uint64_t row, Vec3 position)>& use);
 
-/// Calls `use(i, record)` for every i-th of `rows`, which ascend. Blocks without such a row are not read.
+/// Calls `use(i, record)` for every i-th of `rows`, which ascend. Blocks without any of these rows are not read.
 void for_each_record(RowSource& source, std::span<const std::uint64_t> rows,
                      const std::function<void(std::size_t i, const std::byte* record)>& use);
 

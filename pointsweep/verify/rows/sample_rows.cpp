@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The random sample of the rows that a check evaluates, and their places in an output in the order of the sweep.
+/// The random sample of rows for a check, and the places of these rows in an output in the order of a sweep.
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -59,7 +59,7 @@ std::vector<std::uint64_t> sweep_rows(RowSource& in, std::span<const std::uint64
   std::vector<PlaceInOrder> sorted;
   for (const std::size_t i : order) sorted.push_back(places[i]);
 
-  // Points between one chosen point and the next, these not counted with those before.
+  // Counts the points between successive chosen points.
   std::vector<std::uint64_t> between(rows.size() + 1);
   for_each_position(in, "ordering", progress, [&](std::uint64_t row, Vec3 p) {
     ++between[std::upper_bound(sorted.begin(), sorted.end(), place_of(p, row, axis)) - sorted.begin()];
@@ -67,7 +67,7 @@ std::vector<std::uint64_t> sweep_rows(RowSource& in, std::span<const std::uint64
   std::vector<std::uint64_t> ranks(rows.size());
   std::uint64_t before = 0;
   for (std::size_t s = 0; s < order.size(); ++s) ranks[order[s]] = before += between[s];
-  // A chosen point is counted after itself, so every rank holds the chosen points before it and not itself.
+  // A chosen point is counted after itself, so its rank includes the chosen points before it.
   return ranks;
 }
 

@@ -13,10 +13,11 @@ namespace {
 
 constexpr int kFinest = 30;  ///< a grid has at most 2^30 cells along an axis
 
-/// A little more than the square root, so that rounding, also of squares too small for a double, cuts nothing off.
+/// Returns slightly more than the square root, so that rounding, also of squares below the range of double, excludes no
+/// point.
 double radius_of(double reach2) { return std::sqrt(reach2) * (1 + 1e-9) + 1e-150; }
 
-/// The finest grid over `extent` whose cells are at least `width` wide.
+/// Returns the level of the finest grid over `extent` whose cells are at least `width` wide.
 int level_of(double width, double extent) {
   int level = 0;
   while (level < kFinest && std::ldexp(extent, -(level + 1)) >= width) ++level;

@@ -10,13 +10,14 @@
 
 namespace pointsweep {
 
-/// Regular grids whose cells halve from one to the next; a ball is listed in the cells it touches of the finest grid
-/// whose cells are as wide as the ball, so in 8 at most, and a point is asked for in one cell of each grid that lists a
-/// ball. Cells are hashed, hence a point may be shown balls that are far away, but every ball it lies in once.
+/// Regular grids, each with cells half as wide as the one before. A ball is listed in the cells that it touches of the
+/// finest grid whose cells are at least as wide as the ball, so in at most 8. A query visits one cell of each grid that
+/// lists a ball. Cells are hashed, so a query may also visit balls that are far away, but it visits every ball that
+/// contains the point exactly once.
 class BallIndex {
  public:
-  /// Balls around `centers` with squared radii `reach2`, which may be infinite. Balls are numbered from 0 and fewer
-  /// than 2^28.
+  /// Indexes balls around `centers` with squared radii `reach2`, which may be infinite. Balls are numbered from 0;
+  /// there are fewer than 2^28.
   BallIndex(const std::vector<Vec3>& centers, const std::vector<double>& reach2);
 
   /// Calls use(ball) for each ball with distance2(center, p) <= reach2, and for some others.
@@ -33,13 +34,14 @@ class BallIndex {
 
   struct Grid {
     double per_length = 0;             ///< cells per unit of length
-    double last = 0;                   ///< greatest number of a cell; what lies beyond is there too
+    double last = 0;                   ///< greatest number of a cell; points beyond are in that cell
     std::uint32_t mask = 0;            ///< number of buckets - 1
-    std::vector<std::uint32_t> begin;  ///< by bucket, into balls
+    std::vector<std::uint32_t> begin;  ///< first entry of each bucket in `balls`
     std::vector<std::uint32_t> balls;
 
     Cell cell(Vec3 p, Vec3 low) const { return {along(p.x, low.x), along(p.y, low.y), along(p.z, low.z)}; }
-    /// Never descends with `value`, so a cell between two others is found between them.
+    /// Returns the number of the cell along an axis. It never descends as `value` ascends, so the cells of a ball form
+    /// a range.
     std::uint32_t along(double value, double low) const {
       const double t = (value - low) * per_length;
       return t > 0 ? static_cast<std::uint32_t>(t < last ? t : last) : 0;

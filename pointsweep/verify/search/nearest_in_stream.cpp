@@ -59,7 +59,7 @@ std::vector<NearPoint>& NearestInStream::nearest(std::size_t place) {
   return found_[place];
 }
 
-/// A few bound the distances roughly, and all of them with that more closely.
+/// A few points give rough bounds; with these, all points give closer bounds.
 std::vector<double> bounds_of_reach2(const std::vector<Vec3>& places, std::vector<double> reach2, std::size_t most,
                                      std::span<const KnownPoint> some, NearestInStream::Space space) {
   constexpr std::size_t kFew = 1024;
@@ -74,7 +74,7 @@ std::vector<double> bounds_of_reach2(const std::vector<Vec3>& places, std::vecto
 std::vector<std::vector<NearPoint>> nearest_of_cloud(std::span<const Vec3> places, const PointsOfCloud& points,
                                                      std::uint64_t count, const NearestQuery& query) {
   const bool flat = query.space == NearestInStream::Space::plane;
-  std::map<Key, std::size_t> known;  // places that are equal have the same answer
+  std::map<Key, std::size_t> known;  // equal places have equal answers
   std::vector<Vec3> different;
   std::vector<std::size_t> number;
   for (const Vec3 p : places) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The nearest points of chosen places by brute force: every point of a stream is held against every place that it
-/// could still be near to. Shares nothing with the search of the engine.
+/// The nearest points of chosen places by brute force: every point of a stream is compared with every place within
+/// whose bound it lies. Shares no code with the search of the engine.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ struct NearPoint {
   Vec3 position;
   std::uint64_t row;
 
-  /// Compares by distance, then x, y, z, then row: the order of neighbours.
+  /// Orders by distance, then x, y, z, then row: the order of neighbours.
   friend bool operator<(const NearPoint& a, const NearPoint& b);
 };
 
@@ -34,19 +34,18 @@ class NearestInStream {
  public:
   static constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
-  /// The space in which distances are measured. In the plane x and y alone count, and all places have z = 0.
+  /// The space in which distances are measured. `plane`: only x and y count, and all places have z = 0.
   enum class Space : std::uint8_t { all, plane };
 
-  /// Keeps the `most` nearest of each place among the points with distance2 <= reach2. Where the answer is known to lie
-  /// nearer, a smaller reach2 saves work. About 40 bytes for each point kept.
+  /// Keeps the `most` nearest points of each place among those with distance2 <= reach2. A smaller reach2, where known,
+  /// saves work. About 40 bytes for each kept point.
   NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most, Space space = Space::all);
 
-  /// Offers one point of the stream, whose points come in any order; points that are not finite are neighbours of no
-  /// point.
+  /// Takes one point of the stream; points come in any order. Points that are not finite are ignored.
   void offer(Vec3 p, std::uint64_t row);
-  /// Squared distance beyond which nothing is wanted any more at `place`.
+  /// Returns the squared distance beyond which points cannot be among the nearest of `place`.
   double reach2(std::size_t place) const { return reach2_[place]; }
-  /// Returns the points found, nearest first; nothing may be offered afterwards.
+  /// Returns the points found, nearest first. No point may be offered afterwards.
   std::vector<NearPoint>& nearest(std::size_t place);
 
  private:
@@ -54,27 +53,27 @@ class NearestInStream {
   std::vector<double> reach2_;
   std::size_t most_;
   Space space_;
-  std::vector<std::vector<NearPoint>> found_;  ///< heaps whose first is the farthest, once they are full
+  std::vector<std::vector<NearPoint>> found_;  ///< heaps; once full, the first point is the farthest
   BallIndex index_;
 };
 
-/// Returns for each place a squared distance within which its `most` nearest points lie, at most `reach2`: what holds
-/// for some of the points is a bound for all.
+/// Returns for each place an upper bound, at most `reach2`, of the squared distance of its `most` nearest points. A
+/// bound found from some of the points holds for all.
 std::vector<double> bounds_of_reach2(const std::vector<Vec3>& places, std::vector<double> reach2, std::size_t most,
                                      std::span<const KnownPoint> some,
                                      NearestInStream::Space space = NearestInStream::Space::all);
 
-/// A function that gives all points of a cloud, the same points each time.
+/// A function that passes all points of a cloud to `take`, the same points each time.
 using PointsOfCloud = std::function<void(const std::function<void(std::uint64_t row, Vec3 position)>& take)>;
 
 struct NearestQuery {
   std::size_t most = 1;
-  double reach2 = std::numeric_limits<double>::infinity();  ///< squared distance beyond which none is wanted
+  double reach2 = std::numeric_limits<double>::infinity();  ///< squared distance beyond which no point is needed
   NearestInStream::Space space = NearestInStream::Space::all;
 };
 
-/// Returns the nearest points of each place. Asks for the points twice: first for a thin subset of about `count`
-/// points, which bounds the distances.
+/// Returns the nearest points of each place. Reads the points twice: first about `count` of them to bound the
+/// distances.
 std::vector<std::vector<NearPoint>> nearest_of_cloud(std::span<const Vec3> places, const PointsOfCloud& points,
                                                      std::uint64_t count, const NearestQuery& query);
 

@@ -13,17 +13,17 @@ namespace {
 
 constexpr std::size_t kMostPoints = std::size_t{1} << 28;
 
-/// A sum of two distances, with room for its rounding.
+/// Returns the square of a sum of two lengths, rounded up.
 double square_of_sum(double a2, double b2) {
   const double sum = (std::sqrt(a2) + std::sqrt(b2)) * (1 + 1e-9) + 1e-150;
   return sum * sum;
 }
 
-/// Points at one place have the same nearest points, but for themselves.
+/// The distinct places of points. Points at one place share the nearest points, except themselves.
 struct Places {
   std::vector<Vec3> position;
   std::vector<double> reach2;
-  std::vector<std::size_t> of_point;  ///< by point of the ring
+  std::vector<std::size_t> of_point;  ///< place of each point of the ring
 };
 
 class Finder {
@@ -101,7 +101,8 @@ class Finder {
     }
     out_.list_begin.push_back(out_.neighbors.size());
     if (out_.neighbors.size() - first < rule_.k) return;
-    // A neighbour has this point and the others around it: k of them, none farther than the way here and then on.
+    // The neighbours of a neighbour j are bounded by the triangle inequality: k of them are this point and its other
+    // neighbours.
     for (std::size_t n = first; n < out_.neighbors.size(); ++n) {
       const std::uint32_t j = out_.neighbors[n];
       reach2_[j] = std::min(reach2_[j], square_of_sum(distance2(position(i), position(j)), farthest2));
@@ -110,11 +111,12 @@ class Finder {
 
   RowSource& in_;
   const NeighborRule rule_;
-  const std::size_t most_;  ///< of a place: a point of it is among its own nearest
+  const std::size_t most_;  ///< number of points to find per place, including a point of the place itself
   const PhaseProgress& progress_;
   Surroundings out_;
   std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  ///< by row
-  std::vector<double> reach2_;                                ///< by point: its neighbours are no farther, squared
+  std::vector<double> reach2_;                                ///< for each point, the squared bound of its neighbours'
+                                                              ///< distances
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Chosen points with their neighbours, the neighbours' neighbours, and so on as far as a chain of operators looks.
+/// Chosen points with their neighbours, the neighbours' neighbours, and so on as far as a chain of operators needs.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace pointsweep {
 
-/// The k nearest other points, those within `radius` (inclusive), or the k nearest of these.
+/// The k nearest other points, the points within `radius` (inclusive), or the k nearest of these.
 struct NeighborRule {
   static constexpr std::size_t kUnlimited = NearestInStream::kAll;
   std::size_t k = 8;
@@ -21,7 +21,7 @@ struct NeighborRule {
 };
 
 /// Chosen points with their neighbours, numbered ring by ring: first the chosen points, then their neighbours that were
-/// not chosen, and so on. All points but the points of the last ring have their neighbours.
+/// not chosen, and so on. All points except those of the last ring have lists of neighbours.
 struct Surroundings {
   std::vector<double> x, y, z;
   std::vector<std::uint64_t> row;
@@ -32,8 +32,8 @@ struct Surroundings {
   std::size_t size() const { return row.size(); }
 };
 
-/// Reads the whole input once for each of `rings` (1 or more). `subset` is a sample of the input, random or evenly
-/// spaced, that gives first bounds of the distances of neighbours.
+/// Reads the whole input once for each of `rings` (1 or more). `subset`: a random or evenly spaced sample of the input,
+/// which bounds the distances of neighbours.
 Surroundings find_surroundings(RowSource& in, std::span<const KnownPoint> chosen, std::span<const KnownPoint> subset,
                                const NeighborRule& rule, std::size_t rings, const PhaseProgress& progress);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Independent evaluation of stages whose values come from all points of a cloud: a search in another cloud, a raster,
-/// a graph. What they read of all rows is taken from the input, or from the output, where it is checked on its own.
+/// Independent evaluation of stages whose values depend on all points of a cloud: a search in another cloud, a raster,
+/// a graph. Values that such a stage reads are taken from the input, or from the output, where they are checked
+/// separately.
 #pragma once
 
 #include <memory>
@@ -26,11 +27,13 @@ struct CloudPoint {
 
 struct CloudInput {
   CloudRows& rows;
-  std::vector<std::optional<ColumnSource>> reads;  ///< of all rows, in the order of the contract; none: nowhere
-  std::vector<std::optional<ColumnSource>> makes;  ///< what the output has of what the stage makes
+  std::vector<std::optional<ColumnSource>> reads;  ///< sources of the values read for all rows, in the order of the
+                                                   ///< contract; none: there is no source
+  std::vector<std::optional<ColumnSource>> makes;  ///< sources in the output of the values that the stage makes
   NeighborRule neighborhood;
   bool has_rule;                       ///< true if a rule keeps a part of the neighbours
-  InputCloud* before_means = nullptr;  ///< all points of the voxels of which each point is the only one left
+  InputCloud* before_means = nullptr;  ///< all points of the cloud before voxel(keep=centroid); null without such a
+                                       ///< stage
 
   /// Throws NotTold if the values of a read are nowhere.
   const ColumnSource& source(std::size_t read) const;
@@ -41,7 +44,7 @@ class CloudFormula {
   virtual ~CloudFormula() = default;
   /// Looks at all points, once before the first evaluate(). Throws NotTold.
   virtual void prepare(const CloudInput& in) = 0;
-  /// Returns what the check does not look at, without a full stop; empty: nothing.
+  /// Returns which values are not checked, without a full stop; empty if all are.
   virtual std::string limits() const { return {}; }
   /// Returns the estimates of the values that the stage makes of each point, as StageFormula::evaluate().
   virtual std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
@@ -66,8 +69,8 @@ std::unique_ptr<CloudFormula> cloud_formula_made(const FormulaSetup& stage) {
 
 /// Returns whether the operator has a formula over the whole cloud.
 bool has_cloud_formula(const Operator& op);
-/// Null for operators that are local, and where no formula has the name of the operator. `makers`: of each attribute of
-/// contract().reads, or null where the input has it.
+/// Returns null for local operators, and if no formula has the name of the operator. `makers`: the operator that makes
+/// each attribute of contract().reads, or null for attributes of the input.
 std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers);
 
 /// The formula of the classes that the ground filter gives.

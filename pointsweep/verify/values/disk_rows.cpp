@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The rows that poisson keeps, by its definition: one point after another, in the order of their hashes.
+/// The rows that poisson keeps, by its definition: points are visited one by one in the order of their hashes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,11 +25,11 @@ class KeptPoints {
  public:
   explicit KeptPoints(double radius) : radius2_(radius * radius), width_(1.0001 * radius) {}
 
-  /// Keeps p unless it is within the radius of one that is kept.
+  /// Keeps p unless a kept point lies within the radius.
   bool offer(Vec3 p) {
     const auto from = cube_of({p.x - width_, p.y - width_, p.z - width_});
     const auto to = cube_of({p.x + width_, p.y + width_, p.z + width_});
-    // Ascending keys: for each x and y, one range of z.
+    // Keys ascend: the cells of equal x and y form one range of z.
     for (double x = from[0]; x <= to[0]; x = above(x))
       for (double y = from[1]; y <= to[1]; y = above(y))
         for (auto cube = cubes_.lower_bound({x, y, from[2]}); cube != cubes_.end(); ++cube) {
@@ -60,7 +60,7 @@ std::vector<bool> rows_of_disks(InputCloud& cloud, double radius, std::uint64_t 
   std::vector<bool> kept(cloud.count(), true);
   KeptPoints points(radius);
   const std::uint64_t turns = 1 + cloud.count() * 2 * sizeof(HashedRow) / std::max<std::uint64_t>(memory_bytes, 1);
-  const std::uint64_t share = turns == 1 ? 0 : ~std::uint64_t{0} / turns + 1;  // of hashes, in one turn
+  const std::uint64_t share = turns == 1 ? 0 : ~std::uint64_t{0} / turns + 1;  // range of hashes of one turn
   for (std::uint64_t turn = 0; turn < turns; ++turn) {
     std::vector<HashedRow> rows;
     RowSource source(cloud);

@@ -53,7 +53,7 @@ std::vector<std::uint32_t> items_of_rows(const SortedCloud& cloud, std::uint64_t
 
 constexpr std::uint64_t kSetBytes = 12 + 24;
 
-/// The square of an option `distance`; infinite where there is none.
+/// Returns the square of option `distance`; infinite without the option.
 double most_distance2(const FormulaSetup& stage) {
   const std::optional<double> most = stage.options.number_if_given("distance");
   return most ? *most * *most : std::numeric_limits<double>::infinity();
@@ -66,8 +66,8 @@ LabelsOfRows labels_of_points(const SortedCloud& cloud, JoinedSets& sets, std::u
           formulas::labels_of(sets, cloud.size(), one, all)};
 }
 
-/// Numbers and sizes of components: by the whole graph, or, where the memory does not hold it, by the labels of
-/// neighbours.
+/// Numbers and sizes of components. The whole graph is used, or the labels of neighbours if the graph does not fit in
+/// memory.
 class LabelFormula : public CloudFormula, protected JoiningRule {
  public:
   void prepare(const CloudInput& in) final {
@@ -175,7 +175,8 @@ class ClusterFormula final : public LabelFormula {
 
 double product(const double* n, const double* m) { return n[0] * m[0] + n[1] * m[1] + n[2] * m[2]; }
 
-/// Residuals of some segments, which number_of(row, values of the columns) tells; in two passes over all rows.
+/// Returns the residuals of the given segments, in two passes over all rows. number_of(row, values of the columns)
+/// returns the segment of a row.
 template <class NumberOf>
 std::map<std::int64_t, formulas::Flatness> flatness_of(std::map<std::int64_t, formulas::Flatness> segments,
                                                        const CloudInput& in, std::span<const ColumnSource> columns,
@@ -192,8 +193,8 @@ std::map<std::int64_t, formulas::Flatness> flatness_of(std::map<std::int64_t, fo
   return segments;
 }
 
-/// Segments. Where the whole graph does not fit the memory, the residual is computed from the points with the number in
-/// the output.
+/// Segments. If the whole graph does not fit in memory, the residual is computed from the points with the same number
+/// in the output.
 class SegmentFormula final : public LabelFormula {
  public:
   std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
@@ -307,7 +308,7 @@ class SignFormula final : public CloudFormula {
   }
 
   std::optional<Vec3> viewpoint_;
-  std::vector<std::int8_t> turned_;  ///< by row; -1: the data do not tell
+  std::vector<std::int8_t> turned_;  ///< for each row; -1: undecided
 };
 
 }  // namespace

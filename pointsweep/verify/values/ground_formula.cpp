@@ -106,7 +106,7 @@ class GroundFormula final : public CloudFormula {
 
   formulas::GroundParameters parameters_;
   bool all_returns_, noise_;
-  std::optional<std::size_t> class_, number_, returns_;  ///< places among what it reads
+  std::optional<std::size_t> class_, number_, returns_;  ///< indices of the attributes read
   std::optional<formulas::GroundRaster> raster_;
 };
 

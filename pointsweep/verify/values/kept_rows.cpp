@@ -25,12 +25,12 @@
 namespace pointsweep {
 namespace {
 
-/// A flag for each of the present rows of a cloud: whether it is kept.
+/// A flag for each selected row of a cloud: true if it is kept.
 using Mask = std::vector<bool>;
 
 constexpr std::uint64_t kVoxelSeed = 0x766f78656c;  // "voxel" in ASCII
 
-/// A point that competes with others of the same group. The least of a group is kept.
+/// A point that competes with the other points of its group; the least of a group is kept.
 struct Competitor {
   Vec3 group;
   double first = 0;          ///< decides,
@@ -44,7 +44,7 @@ struct Competitor {
 /// Returns the group of a point, and the values by which it competes there.
 using Competes = std::function<Competitor(Vec3 p, std::uint64_t row)>;
 
-/// Returns the turn that looks at a group. Equal groups have the same turn, with -0 and 0 too.
+/// Returns the turn that processes a group. Equal groups have the same turn, also if they differ in -0 and 0.
 std::uint64_t turn_of(Vec3 p, std::uint64_t turns) {
   std::uint64_t hash = 0;
   for (const double v : {p.x, p.y, p.z}) {
@@ -215,7 +215,7 @@ Mask kept_by(const StageOperator& stage, InputCloud& cloud, std::uint64_t memory
   return least_of_groups(cloud, competes, memory_bytes, progress);
 }
 
-/// Returns `kept` as a selection of all rows of the cloud, of which `cloud` may have selected some already.
+/// Returns `kept`, flags of the rows that `cloud` has selected, as a selection of all its rows.
 RowSelection selection_of(const InputCloud& cloud, const Mask& kept) {
   const RowSelection* before = cloud.selection();
   const std::uint64_t rows = before == nullptr ? cloud.count() : before->rows();

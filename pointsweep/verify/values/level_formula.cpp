@@ -37,7 +37,7 @@ class LevelFormula final : public CloudFormula {
   }
 
  private:
-  std::vector<std::size_t> number_;  ///< of the point of each row among those with a place
+  std::vector<std::size_t> number_;  ///< for each row, its number among the points with a finite place
   std::vector<std::uint8_t> levels_;
 };
 

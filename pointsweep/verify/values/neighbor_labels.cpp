@@ -29,7 +29,7 @@ std::vector<std::vector<Estimate>> labels_of_neighbors(std::span<const CloudPoin
       places, all, in.rows.count(),
       {.most = list.k == NeighborRule::kUnlimited ? list.k : list.k + 1, .reach2 = list.radius * list.radius});
 
-  std::unordered_map<std::uint64_t, std::vector<double>> values;  // by row: of the points and their neighbours
+  std::unordered_map<std::uint64_t, std::vector<double>> values;  // of the points and their neighbours, by row
   for (std::size_t i = 0; i < points.size(); ++i) {
     values[points[i].at.row];
     for (const NearPoint& n : near[i]) values[n.row];
@@ -38,7 +38,7 @@ std::vector<std::vector<Estimate>> labels_of_neighbors(std::span<const CloudPoin
   in.rows.for_each(columns, [&](std::uint64_t row, Vec3, std::span<const double> read) {
     if (const auto known = values.find(row); known != values.end()) known->second.assign(read.begin(), read.end());
   });
-  std::unordered_map<double, std::uint64_t> sizes;  // by number
+  std::unordered_map<double, std::uint64_t> sizes;  // size of each component, by its number
   for (const auto& [row, read] : values) sizes[read[0]];
   in.rows.for_each(std::span(columns).first(1), [&](std::uint64_t, Vec3, std::span<const double> read) {
     if (const auto known = sizes.find(read[0]); known != sizes.end()) ++known->second;

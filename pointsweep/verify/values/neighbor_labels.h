@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Components of graphs too large for the memory: whether chosen points have the labels of their neighbours.
+/// A local check of components of graphs that do not fit in memory: chosen points must have the labels of their
+/// neighbours.
 #pragma once
 
 #include <span>

@@ -63,7 +63,7 @@ class AssignmentFormula final : public StageFormula {
   }
 
  private:
-  /// Returns whether the attribute consists of the assigned component alone.
+  /// Returns whether the attribute has only the assigned component.
   bool is_alone() const { return !moves_ && width_ == 1; }
 
   formulas::PlainExpression value_;
@@ -76,7 +76,7 @@ class AssignmentFormula final : public StageFormula {
   formulas::Storage storage_;
 };
 
-/// 1 where the condition of a `where` holds, else 0; open where ranges do not tell.
+/// The condition of a `where`: 1 if it holds, else 0; undecided if the ranges do not decide.
 class ConditionFormula final : public StageFormula {
  public:
   explicit ConditionFormula(const FormulaSetup& stage)

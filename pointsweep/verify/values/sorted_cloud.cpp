@@ -24,7 +24,7 @@ SortedCloud::SortedCloud(const CloudInput& in, std::span<const ColumnSource> col
     std::uint64_t row;
   };
   std::vector<Point> points;
-  std::vector<double> read;  // of the points, as they come
+  std::vector<double> read;  // values of the points in the order of rows
   in.rows.for_each(columns, [&](std::uint64_t row, Vec3 p, std::span<const double> values) {
     if (!is_finite(p)) return;
     points.push_back({{p.x + 0.0, p.y + 0.0, p.z + 0.0}, row});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// All finite points of a cloud in memory, with a search among them: the base of graphs over the whole cloud.
+/// All finite points of a cloud in memory, with a search: the base of graphs over the whole cloud.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ class SortedCloud {
  public:
   static constexpr std::uint32_t kNone = 0xffffffff;
 
-  /// Holds the components of `columns` as well. Throws NotTold where the cloud does not fit the memory beside
-  /// `more_bytes` a point.
+  /// Also holds the components of `columns`. Throws NotTold if the cloud does not fit in memory, with `more_bytes` more
+  /// per point.
   SortedCloud(const CloudInput& in, std::span<const ColumnSource> columns, std::uint64_t more_bytes);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(place_of_.size()); }

@@ -194,7 +194,7 @@ class GraphFormula final : public StageFormula {
 
  private:
   std::size_t wide() const { return std::max<std::size_t>(k_, 3); }
-  /// Up to three numbers are one estimate.
+  /// Joins up to three numbers into one estimate.
   Estimates as_attribute(const Estimates& numbers) const {
     if (k_ > 3) return numbers;
     Estimate one{.value = {numbers[0].value.x, numbers[1].value.x, numbers[2].value.x}};

@@ -22,16 +22,16 @@
 
 namespace pointsweep {
 
-/// A point, its neighbours in the order of their list, and what a stage reads of them, in the order of its contract.
+/// A point, its neighbours in the order of their list, and the values that a stage reads, in the order of its contract.
 struct FormulaInput {
   formulas::Place place;
   std::span<const formulas::Place> neighbors;
-  std::span<const std::uint64_t> rows;                        ///< of the neighbours, in the input
-  std::vector<formulas::Estimate> reads;                      ///< by attribute
-  std::vector<std::vector<formulas::Estimate>> of_neighbors;  ///< by attribute, then neighbour
+  std::span<const std::uint64_t> rows;                        ///< rows of the neighbours in the input
+  std::vector<formulas::Estimate> reads;                      ///< values of the point, by attribute
+  std::vector<std::vector<formulas::Estimate>> of_neighbors;  ///< values of neighbours, by attribute, then neighbour
 };
 
-/// A pure function of a point and its neighbourhood, like the operator, but in formulas/ alone.
+/// A pure function of a point and its neighbourhood, like the operator, implemented in formulas/.
 class StageFormula {
  public:
   virtual ~StageFormula() = default;
@@ -43,7 +43,7 @@ class StageFormula {
 /// Estimates that an attribute takes.
 inline std::size_t estimates_of(const Attribute& a) { return a.fields.size() <= 3 ? 1 : a.fields.size(); }
 
-/// A value of the whole cloud that a stage needs, as the user's own check found it; NaN: not found.
+/// A value of the whole cloud that a stage needs, found independently; NaN: not found.
 struct CloudThreshold {
   formulas::Real value = std::numeric_limits<formulas::Real>::quiet_NaN();
   formulas::Real error = 0;
@@ -53,8 +53,8 @@ struct CloudThreshold {
 struct FormulaSetup {
   NamedOptions options;
   Contract contract;
-  CloudThreshold threshold = {};                 ///< of "outlier", the only one that needs it
-  std::span<const Operator* const> makers = {};  ///< of the attributes of contract.reads; null: the input has it
+  CloudThreshold threshold = {};                 ///< threshold of "outlier", the only stage that needs one
+  std::span<const Operator* const> makers = {};  ///< makers of the attributes of contract.reads; null: the input has it
 };
 FormulaSetup setup_of(const Operator& op);
 
@@ -93,14 +93,13 @@ std::vector<NamedFormula> transform_formulas();
 /// The formula of statistics().
 std::vector<NamedFormula> statistics_formulas();
 
-/// The value that a name in an expression stands for: a component of an attribute that a stage reads, by number in its
-/// contract, or of the position.
+/// The value that a name in an expression means: a component of an attribute that a stage reads, or of the position.
 struct ReadValue {
   int attribute = -1;  ///< negative: the position
   std::size_t component = 0;
 };
 
-/// Finds what `name` means, in any spelling. `reads`: of a stage that reads it.
+/// Finds the meaning of `name`, in any spelling. `reads`: attributes that the stage reads.
 ReadValue read_of(const std::string& name, const std::vector<Attribute>& reads);
 
 formulas::Estimate estimate_of(const ReadValue& value, const FormulaInput& in);

@@ -46,7 +46,7 @@ class StatisticsFormula final : public StageFormula {
     bool is_whole;
   };
 
-  /// A neighbour with what the stage reads of neighbours.
+  /// Returns neighbour j with the values that the stage reads of it.
   static FormulaInput neighbor_of(const FormulaInput& in, std::size_t j) {
     FormulaInput neighbor{.place = in.neighbors[j], .neighbors = {}, .rows = {}, .reads = {}, .of_neighbors = {}};
     for (const std::vector<Estimate>& attribute : in.of_neighbors) neighbor.reads.push_back(attribute[j]);

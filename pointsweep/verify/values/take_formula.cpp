@@ -68,9 +68,9 @@ class TakenValues final : public CloudFormula {
 
  private:
   struct Taken {
-    std::size_t field;  ///< of the other cloud
+    std::size_t field;  ///< field of the other cloud
     Type type;
-    ReadValue target;  ///< among what is made
+    ReadValue target;  ///< its place among the made attributes
   };
 
   /// The taken values of the rows that were found.
@@ -117,7 +117,7 @@ class TakenValues final : public CloudFormula {
     return made;
   }
 
-  /// The values that the point has; of new attributes, those of rows without a value.
+  /// Returns the values that the point had before; for new attributes, the values of rows without a value.
   Estimates values_before(const CloudPoint& point) const {
     Estimates made;
     for (const Attribute& a : contract_.makes) {
@@ -131,7 +131,7 @@ class TakenValues final : public CloudFormula {
     return made;
   }
 
-  /// The factor from a colour channel of the other cloud to one of the type.
+  /// Returns the factor that converts a colour channel of the other cloud to the target type.
   Real brightness(const Taken& taken, Type type) const {
     const Schema& schema = other_->schema();
     const std::string own = library_name_of(schema.fields[taken.field].name);
