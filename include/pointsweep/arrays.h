@@ -53,7 +53,7 @@ class PointsView {
   Coordinates xyz_;
 };
 
-/// Results of a run in memory: the positions, and what the chain makes or what Chain::keep names.
+/// Results of a run in memory: the positions, and the attributes that the chain makes or Chain::keep names.
 class POINTSWEEP_EXPORT ArrayResults {
  public:
   /// Takes `records` in the layout of `schema`, and the attributes that the chain has made.
@@ -63,7 +63,7 @@ class POINTSWEEP_EXPORT ArrayResults {
         records_(std::move(records)),
         statistics_(std::move(statistics)) {}
 
-  /// The number of rows: one for each point, fewer after a select.
+  /// Returns the number of rows: the number of points, or fewer after a select.
   std::size_t size() const { return records_.size() / schema_.stride; }
   const Statistics& statistics() const { return statistics_; }
 
@@ -98,11 +98,11 @@ class POINTSWEEP_EXPORT ArrayResults {
   Statistics statistics_;
 };
 
-/// Runs `chain` over points in an array. The bytes of the results are those of run() to files. Throws as run() does.
+/// Runs `chain` over points in an array. The results have the same bytes as those of run() to files. Throws like run().
 POINTSWEEP_EXPORT ArrayResults run(PointsView points, const Chain& chain, const RunOptions& options = {});
 
-/// Unit normals of the points, by row; (0, 0, 0) where undefined. Without a neighbourhood they are those of as many
-/// neighbours as `pointsweep normals` takes. Throws as run() does.
+/// Returns the unit normals of the points, by row; (0, 0, 0) where undefined. The default neighbourhood is that of
+/// `pointsweep normals`. Throws like run().
 POINTSWEEP_EXPORT std::vector<std::array<float, 3>> normals(PointsView xyz, const NormalsOptions& options = {},
                                                             const Neighborhood& neighborhood = {
                                                                 .k = Neighborhood::kOfOperators});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Attributes of points: what operators read and make, and how a record in memory holds them (paper Section 5.1).
+/// Attributes of points, which operators read and make, and the layout of records in memory (paper Section 5.1).
 #pragma once
 
 #include <cstddef>
@@ -34,16 +34,16 @@ struct Attribute {
   std::vector<std::string> fields;  ///< the library's name of each component in files
   std::string unit;                 ///< "1", "length", "1/length", ...
   std::string meaning;              ///< one phrase for people
-  /// Every byte of the value where a stage has none: of a point without a finite place, unless the stage looks at its
-  /// own point alone, and of a row of which an in-order operator finds nothing.
+  /// Each byte of the value that a row gets without a result: for a point without a finite place, unless the stage
+  /// reads only the point itself, and for a row about which an in-order operator finds nothing.
   std::byte fill{0};
 
   std::size_t bytes() const { return size_of(type) * fields.size(); }
-  /// A list of m values, stored as N×m even where m is 1; otherwise a scalar.
+  /// Returns whether the attribute is a list of m values, stored as N×m even if m is 1, and not a scalar.
   bool is_list() const { return fields.size() != 1 || fields.front() != name; }
 };
 
-/// A scalar attribute whose only field bears its own name.
+/// Makes a scalar attribute whose only field has the attribute's name.
 inline Attribute scalar(std::string name, Type type, std::string unit, std::string meaning) {
   return {name, type, Kind::scalar, {name}, std::move(unit), std::move(meaning)};
 }
@@ -54,16 +54,15 @@ inline Attribute normal_attribute() {
 }
 
 /// The position, N×3 f64. An operator that makes it moves the points: stages after it see the new positions of a point
-/// and of its neighbours, while neighbourhoods and order stay those of the input until they are made again.
+/// and of its neighbours, but neighbourhoods and order remain those of the input until Reneighbor and Resort.
 inline Attribute position_attribute() {
   return {"position", Type::f64, Kind::position, {"x", "y", "z"}, "length", "moved position"};
 }
 
-/// One named value, or `count` equal ones side by side, inside a record.
-/// value = bits(raw) * scale + bias, where bits() takes `bit_width` bits from `bit_shift` on, or all if `bit_width` is
-/// 0.
+/// One named value, or `count` equal ones side by side, inside a record. value = bits(raw) * scale + bias. bits() takes
+/// `bit_width` bits from `bit_shift` on, or all bits if `bit_width` is 0.
 struct Field {
-  std::string name;  ///< as the file calls it
+  std::string name;  ///< name in the file
   Type type = Type::f32;
   std::uint32_t offset = 0;  ///< bytes from the start of the record
   std::uint32_t count = 1;
@@ -76,8 +75,8 @@ struct Field {
   friend bool operator==(const Field&, const Field&) = default;
 };
 
-/// The layout of points in memory: one record of `stride` bytes for each point, in the byte order of the
-/// machine. Bytes that no field names are kept too, so that attributes that no stage reads pass through unchanged.
+/// The layout of points in memory: one record of `stride` bytes for each point, in the byte order of the machine. Bytes
+/// outside of all fields are kept, too.
 struct POINTSWEEP_EXPORT Schema {
   std::vector<Field> fields;
   std::uint32_t stride = 0;  ///< bytes of a record; may exceed the sum of the fields

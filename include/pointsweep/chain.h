@@ -18,13 +18,13 @@ namespace pointsweep {
 
 class Cloud;
 
-/// The stages after it have the neighbourhoods of the current positions, exact and certified like the first ones: they
-/// make what they would make of a file that holds these positions in float64 and everything made so far. Points that a
-/// mover has taken to a place that is not finite have no neighbours from here on.
+/// Searches the neighbourhoods again, at the current positions, for the stages after it. They are exact and certified
+/// like the first ones. The results are the same as from a file that holds these positions in float64 and all
+/// attributes made so far. Points that were moved to a place that is not finite have no neighbours from here on.
 ///
-/// Without it, neighbourhoods stay those of the positions before, wherever the points go. Cost: one more sweep, and
-/// between the two one temporary record for each point, of the positions and of what is still needed. With Resort it is
-/// what the paper asks for in Section 8: "new sort-update and k-nearest-update stream operators".
+/// Without Reneighbor, neighbourhoods remain those of the earlier positions when points move. Cost: one more sweep, and
+/// before it one temporary record for each point with its position and the attributes still needed. With Resort it is
+/// the extension that Section 8 of the paper asks for: "new sort-update and k-nearest-update stream operators".
 struct Reneighbor {
   /// The previous definition of a neighbourhood applies.
   Reneighbor() = default;
@@ -33,10 +33,10 @@ struct Reneighbor {
 };
 
 /// With Order::sweep the output has its rows in canonical order of the current positions, along the axis of their
-/// largest extent unless one is chosen, exactly as sort() of a file that holds these positions in float64. Without it
-/// that order is the one of the input's positions, also after Reneighbor. An order never changes a value:
-/// neighbourhoods stay the same, and with Order::input it is a no-op. The last one in a chain counts. Cost: none in the
-/// sweep, one more ordering of the output.
+/// largest extent unless one is chosen, exactly as sort() of a file that holds these positions in float64. Without
+/// Resort the order is that of the input's positions, also after Reneighbor. Resort changes no value and no
+/// neighbourhood; with Order::input it is a no-op. The last Resort of a chain counts. Cost: none in the sweep, one more
+/// ordering of the output.
 struct Resort {};
 
 /// Later stages do not see these attributes, and they are not written: attributes made before, or fields of the input
@@ -63,23 +63,24 @@ class POINTSWEEP_EXPORT CompositeOperator : public Operator {
   virtual std::vector<ChainStage> parts() const = 0;
 };
 
-/// Neighbourhoods, and what is computed from them, in order. Built-in operators come from operators.h, or by name from
+/// A definition of neighbourhoods, and the stages in order. Built-in operators come from operators.h, or by name from
 /// the functions below:
 ///
 ///   Chain chain{.neighborhood = {.k = 16}, .stages = {operators::normals(), std::make_shared<Roughness>()}};
 struct Chain {
   Neighborhood neighborhood = {.k = Neighborhood::kOfOperators};
   std::vector<ChainStage> stages = {};
-  /// Attributes to write, by the name of the attribute ("normal") or of its column ("nx"). Of the made attributes those
-  /// named are written, or all if none is named; of those of the input likewise; positions always are. Empty: all.
+  /// Attributes to write, by the name of the attribute ("normal") or of a column ("nx"). If any made attribute is
+  /// named, only the named ones of these are written; the same holds for attributes of the input. Positions are always
+  /// written. Empty: all.
   std::vector<std::string> keep = {};
 };
 
-/// The chain that a pipeline describes, as text, `knn(k=16) | normals(orient=up) | where(nz > 0.5)`, or as JSON,
-/// `[{"type": "knn", "k": 16}, {"type": "normals", "orient": "up"}]`. docs/pipelines.md has the language and
-/// docs/operators.md the operators with their options. Where it names neither k nor a radius, each point has as many
-/// neighbours as the largest Contract::default_k of its operators says, or all within their largest
-/// Contract::all_within. Throws UsageError, naming the place in the text, for an unknown name and a value out of range.
+/// Parses a pipeline: text, `knn(k=16) | normals(orient=up) | where(nz > 0.5)`, or as JSON, `[{"type": "knn", "k": 16},
+/// {"type": "normals", "orient": "up"}]`. docs/pipelines.md has the language and docs/operators.md the operators with
+/// their options. If the pipeline states neither k nor a radius, the number of neighbours is the largest
+/// Contract::default_k of its operators, or the radius is their largest Contract::all_within. Throws UsageError, naming
+/// the place in the text, for an unknown name and a value out of range.
 POINTSWEEP_EXPORT Chain parse_chain(std::string_view pipeline, const Cloud& cloud);
 
 /// Appends the stages of a pipeline, which has no `knn`, to a chain for the same cloud.

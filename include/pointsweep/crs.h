@@ -25,29 +25,29 @@ struct GeoTiffKeys {
 enum class CrsKind : std::uint8_t { unknown, projected, geographic, geocentric };
 
 struct Crs {
-  std::string name;                 ///< as the file calls it, e.g. "NAD83 / UTM zone 10N"; may be empty
-  CrsKind kind = CrsKind::unknown;  ///< of the horizontal system: metres or feet, or degrees
+  std::string name;                 ///< name in the file, e.g. "NAD83 / UTM zone 10N"; may be empty
+  CrsKind kind = CrsKind::unknown;  ///< unit of the horizontal system: metres or feet, or degrees
   int epsg = 0;                     ///< EPSG code of the horizontal system; 0: not stated
   int vertical_epsg = 0;            ///< EPSG code of the heights; 0: not stated
-  std::string wkt;                  ///< in one line; empty if the file has GeoTIFF keys only
+  std::string wkt;                  ///< on one line; empty if the file has only GeoTIFF keys
   GeoTiffKeys geotiff;              ///< empty if the file has WKT only
 };
 
-/// A statement about the system that coordinates are in. It changes no coordinate.
+/// A statement about the coordinate reference system of points. It changes no coordinate.
 struct StatedCrs {
   std::optional<Crs> crs = {};  ///< absent: outputs state no system
   bool replaces = false;        ///< inputs may state another system, which then does not count
 };
 
 /// Returns the system that `text` names: "EPSG:2154", "EPSG:2154+5720" (with heights), WKT, or a file of WKT such as a
-/// .prj; none for "none". A code becomes GeoTIFF keys, since there is no registry from which to take WKT. Throws
+/// .prj; none for "none". A code becomes GeoTIFF keys, since the library has no registry with the WKT of codes. Throws
 /// UsageError, beginning with `where`, for anything else and for codes that GeoTIFF keys cannot state.
 POINTSWEEP_EXPORT std::optional<Crs> parse_crs(const std::string& text, std::string_view where = "--crs");
 
 /// `wkt` in one line or several; a text that is not WKT has neither name nor kind nor codes.
 POINTSWEEP_EXPORT Crs crs_of_wkt(std::string_view wkt);
 
-/// "EPSG:26910 (NAD83 / UTM zone 10N)", or as much of it as is known; for sentences, at most about 80 characters.
+/// Returns "EPSG:26910 (NAD83 / UTM zone 10N)", or the known part of it, in at most about 80 characters.
 POINTSWEEP_EXPORT std::string short_text(const Crs& crs);
 
 }  // namespace pointsweep

@@ -10,8 +10,8 @@
 namespace pointsweep {
 
 /// The user, a file or the machine is at fault. `what()` is one sentence for the user: file, place (`line 7`, `byte
-/// 312`, `stage 'normals'`) and remedy. Thrown at set-up and by input and output; no output is left half-written.
-/// Degenerate data never throw: they get a documented value, and Statistics counts them.
+/// 312`, `stage 'normals'`) and remedy. Thrown during set-up, input and output; no half-written output remains.
+/// Degenerate data cause no Error: they get a documented value, and Statistics counts them.
 class POINTSWEEP_EXPORT Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

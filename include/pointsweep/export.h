@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Marks what the shared library exports. Everything else in it is hidden.
+/// The macro that marks exported symbols of the shared library. All other symbols are hidden.
 #pragma once
 
 #if defined(__GNUC__)

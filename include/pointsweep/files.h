@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The point files that paths, folders and patterns stand for.
+/// The point files that are meant by paths, folders and patterns.
 #pragma once
 
 #include <filesystem>
@@ -12,22 +12,23 @@ namespace pointsweep {
 
 struct ListedFile {
   std::filesystem::path path;
-  /// Its name in a folder of outputs: below the folder that was named, below the folders before the first wildcard of a
-  /// pattern or below that of a .vpc file; the file name of a file that was named itself.
+  /// The path of the file in a folder of outputs. For a file in a named folder, a pattern or a .vpc file: the path
+  /// below that folder, below the folders before the first wildcard, or below the folder of the .vpc file. For a file
+  /// that was named itself: its name.
   std::filesystem::path relative;
 };
 
 struct InputList {
   std::vector<ListedFile> files;
-  std::vector<std::string> notices;  ///< which files of folders and patterns are left out, a sentence for each argument
+  std::vector<std::string> notices;  ///< which files of folders and patterns are not listed: one sentence per argument
 };
 
-/// A folder stands for the point files in it, with those of its sub-folders if `recursive`; a pattern that is no file
-/// for those that it matches; a .vpc file (virtual point cloud) for those that it names; any other path for itself. The
-/// files of a folder or pattern come in the order of the bytes of their relative names. Hidden files are not listed,
-/// and files that are no point files are left out with a notice. `format`: as CloudOptions::format; files named *.bin
-/// are point files then. Throws Error where an argument stands for no file, UsageError where a file is listed twice and
-/// not by its own name both times.
+/// Lists the files that arguments stand for: a folder for the point files in it, if `recursive` also in its
+/// sub-folders; a pattern that is no file for its matches; a .vpc file (virtual point cloud) for the files that it
+/// names; any other path for itself. The files of a folder or pattern come in the order of the bytes of their relative
+/// names. Hidden files are not listed, and files that are no point files are left out with a notice. `format`: as
+/// CloudOptions::format; files named *.bin are point files then. Throws Error if an argument stands for no file,
+/// UsageError if a file is listed twice, unless both arguments are its own name.
 POINTSWEEP_EXPORT InputList list_inputs(const std::vector<std::filesystem::path>& named, bool recursive,
                                         const std::string& format = "");
 
@@ -35,7 +36,7 @@ POINTSWEEP_EXPORT InputList list_inputs(const std::vector<std::filesystem::path>
 /// the input. A COPC file is written as LAZ, and programs tell it by its name.
 POINTSWEEP_EXPORT std::filesystem::path tile_name(const std::filesystem::path& relative, const std::string& format);
 
-/// Returns whether the path stands for more than itself.
+/// Returns whether the path stands for other files: a folder, a pattern or a .vpc file.
 POINTSWEEP_EXPORT bool stands_for_files(const std::filesystem::path& path);
 
 }  // namespace pointsweep

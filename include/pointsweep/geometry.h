@@ -48,7 +48,7 @@ struct Box {
     lo = {std::min(lo.x, b.lo.x), std::min(lo.y, b.lo.y), std::min(lo.z, b.lo.z)};
     hi = {std::max(hi.x, b.hi.x), std::max(hi.y, b.hi.y), std::max(hi.z, b.hi.z)};
   }
-  /// 0, 1 or 2; the first of equal ones.
+  /// Returns 0, 1 or 2; the first of equally long axes.
   int longest_axis() const {
     const Vec3 e = extent();
     return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;

@@ -21,35 +21,36 @@ namespace pointsweep {
 
 class Scratch;
 
-/// Points on their way into an InOrderWork. They ascend by place along one axis, then by x, y and z of the place, then
-/// by row: points of one place follow one another.
+/// A batch of points for an InOrderWork. All batches ascend by place along one axis, then by x, y and z of the place,
+/// then by row, so points of one place are consecutive.
 struct OrderedPoints {
   std::span<const Vec3> places;
   std::span<const Vec3> positions;      ///< finite
   std::span<const std::uint64_t> rows;  ///< input rows, ascending for equal places
   std::span<const double> values;       ///< the components of InOrderContract::reads, of one point after another
-  /// The same components, each as a value of its type in the first of 8 bytes: whole numbers of 64 bits are exact.
+  /// The same components as values of their types, each in the first of 8 bytes. Whole numbers of 64 bits are exact
+  /// here.
   std::span<const std::array<std::byte, 8>> words;
 };
 
-/// The results of a call to an InOrderWork. A run names each row at most once. A row that is named nowhere stays, and
-/// has Attribute::fill of what the operator makes.
+/// The results of a call to an InOrderWork. A run may name each row once. A row that is never named is kept, with
+/// Attribute::fill as the value of the made attributes.
 struct Findings {
   std::vector<std::uint64_t> dropped;    ///< rows that are left out from here on
   std::vector<std::uint64_t> rows;       ///< rows whose values are known
-  std::vector<std::byte> values;         ///< what the operator makes of `rows`, of one row after another
+  std::vector<std::byte> values;         ///< made attributes of `rows`, row after row
   std::vector<std::uint64_t> undecided;  ///< rows about which points decide that may be missing (Reach::is_guess)
 };
 
-/// One run of an operator over all points. Its findings depend only on the set of points, not on how they are divided
-/// into calls, nor on the axis.
+/// The work of an operator in one run over all points. Its findings depend only on the set of points, not on their
+/// division into batches and not on the axis.
 class POINTSWEEP_EXPORT InOrderWork {
  public:
   virtual ~InOrderWork() = default;
   /// Number of times that the points come.
   virtual unsigned rounds() const { return 1; }
-  /// Takes the next points of round `round`, which counts from 0, and appends what is known by now, also of points that
-  /// came before.
+  /// Takes the next points of round `round`, which counts from 0. Appends all findings known by then, also about
+  /// earlier points.
   virtual void add(unsigned round, const OrderedPoints& points, Findings& findings) = 0;
   /// Follows the last point of a round.
   virtual void end(unsigned round, Findings& findings) { (void)round, (void)findings; }
@@ -62,7 +63,7 @@ using MakeScratch = std::function<std::unique_ptr<Scratch>()>;
 struct OtherPoints {
   std::span<const Vec3> positions;
   std::span<const std::uint64_t> rows;
-  std::span<const std::byte> values;  ///< of InOrderOperator::other_reads(), of one point after another
+  std::span<const std::byte> values;  ///< attributes InOrderOperator::other_reads(), point after point
 };
 
 /// Gives all finite points of another cloud in their order.
@@ -70,12 +71,12 @@ using GiveOtherPoints = std::function<void(const std::function<void(const OtherP
 
 /// The setting of an InOrderWork: its axis, its memory, and access to files and to the other cloud.
 struct InOrderSetup {
-  int axis = 0;                    ///< along which places ascend; with Places::in_plane 0 or 1
-  std::uint64_t memory_bytes = 0;  ///< that the work may hold
+  int axis = 0;                    ///< axis along which places ascend; 0 or 1 for Places::in_plane
+  std::uint64_t memory_bytes = 0;  ///< most memory that the work may use
   MakeScratch make_scratch = {};
-  GiveOtherPoints other_points = {};  ///< of InOrderOperator::other_cloud()
-  /// Returns whether points of the cloud within a distance of a position may be missing; empty: none is. For operators
-  /// whose Reach is a guess.
+  GiveOtherPoints other_points = {};  ///< passes on the points of InOrderOperator::other_cloud()
+  /// Returns whether points of the cloud within a distance of a position may be missing. Empty: no points are missing.
+  /// For operators whose Reach is an estimate.
   std::function<bool(Vec3 position, double distance)> may_lack = {};
 };
 
@@ -84,11 +85,11 @@ struct CloudEstimate {
   std::uint64_t points = 0;
   std::span<const Vec3> sample;  ///< finite positions
   int axis = 0;                  ///< along which places will ascend
-  /// Estimates the most points between two planes across the axis, which are so far apart.
+  /// Estimates the largest number of points between two planes across the axis, `thickness` apart.
   std::function<std::uint64_t(double thickness)> slice_points;
 };
 
-/// Estimate, within a factor of about two, of the time that an in-order operator takes apart from reading the points.
+/// Estimated time of an in-order operator without reading the points, within a factor of about two.
 struct InOrderEffort {
   double seconds = 0;       ///< CPU time on one core of 2.6 GHz
   std::string cause = {};   ///< "The window"
@@ -103,26 +104,27 @@ enum class Places : std::uint8_t {
   in_plane,     ///< InOrderOperator::place_of() of the positions, with z = 0: points ascend along x or y
 };
 
-/// Which points an operator has to know for what it finds about a point, where these are not all of the cloud: then the
-/// cloud may be divided into parts.
+/// The points that an operator needs for its finding about a point, if these are not all points. The cloud may then be
+/// divided into parts.
 struct Reach {
-  double distance = 0;      ///< all points whose places differ by no more along any axis from the place of the point,
-  std::size_t nearest = 0;  ///< or, if not 0, so many nearest ones no farther away, in the plane with Places::in_plane
+  double distance = 0;      ///< needs all points within this distance along each axis from the place of the point,
+  std::size_t nearest = 0;  ///< or, if not 0, this many nearest points within the distance, in the plane with
+                            ///< Places::in_plane
   /// The distance is only likely to do: a part with Findings::undecided about its rows is done again with twice as
   /// much.
   bool is_guess = false;
 };
 
 struct InOrderContract {
-  std::vector<Attribute> reads = {};  ///< of the point itself, in addition to its position
+  std::vector<Attribute> reads = {};  ///< attributes of the point itself, besides its position
   std::vector<Attribute> makes = {};
-  bool drops_rows = false;  ///< later stages and the output have the other rows alone
+  bool drops_rows = false;  ///< later stages and the output have only the rows that are not dropped
   Places places = Places::positions;
-  std::string arrival = {};  ///< how points come, for the dry run: "equal ones together"
+  std::string arrival = {};  ///< order of the points in words, for the dry run: "equal ones together"
 };
 
-/// Takes all points with a finite place in order. A point without one stays, keeps its position and what the operator
-/// reads of it and makes again, and has Attribute::fill of all else.
+/// Takes all points with a finite place in order. A point without a finite place is kept. Its position, and attributes
+/// that the operator both reads and makes, stay unchanged; other made attributes are Attribute::fill.
 class POINTSWEEP_EXPORT InOrderOperator : public Operator {
  public:
   virtual InOrderContract in_order_contract() const = 0;
@@ -143,19 +145,19 @@ class POINTSWEEP_EXPORT InOrderOperator : public Operator {
   /// Returns the reach of the operator among the points of the cloud; empty: it may have to know any of them. Places
   /// then ascend along each axis with the positions.
   virtual std::optional<Reach> reach() const { return std::nullopt; }
-  /// Returns the numbers of those of some points that parts of the cloud have to know where they do not hold them,
-  /// rather too many than too few; empty: all of them. Called from many threads at once.
+  /// Returns which points of a batch the other parts of the cloud need although they do not contain them: at least all
+  /// that are needed; by number in the batch. Empty function: all points. Called from many threads at once.
   using ChoosePoints = std::function<std::vector<std::uint32_t>(const OrderedPoints& points)>;
   virtual ChoosePoints for_other_parts() const { return {}; }
-  /// Returns the path, folder or pattern of the other cloud that the operator reads; empty: it reads none.
+  /// Returns the path, folder or pattern of the other cloud that the operator reads; empty if it reads none.
   virtual std::string other_cloud() const { return {}; }
-  /// Returns the attributes that the operator reads of the points of the other cloud, beside their positions: after
-  /// bound_to_other() with the names and types of its fields.
+  /// Returns the attributes that the operator reads of the points of the other cloud, besides their positions. After
+  /// bound_to_other() they have the names and types of its fields.
   virtual std::vector<Attribute> other_reads() const { return {}; }
-  /// Returns the reach of the operator among the points of the other cloud; see reach().
+  /// Returns the points of the other cloud that the operator needs; see reach().
   virtual std::optional<Reach> other_reach() const { return std::nullopt; }
-  /// Returns the operator for another cloud with these fields. It is called before bound(), and only where
-  /// other_reads() names attributes. Throws UsageError for a name that no field has.
+  /// Returns the operator for another cloud with these fields. Called before bound(), and only if other_reads() names
+  /// attributes. Throws UsageError for a name that no field has.
   virtual std::shared_ptr<const InOrderOperator> bound_to_other(const Schema& other) const {
     (void)other;
     return nullptr;

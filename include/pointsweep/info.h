@@ -23,7 +23,8 @@ namespace pointsweep {
 
 /// The range of the values of one field of the records, all components together.
 struct FieldRange {
-  double lo = std::numeric_limits<double>::infinity(), hi = -lo;  ///< of the finite ones; lo > hi: there is none
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;  ///< range of the finite values; lo > hi: there are
+                                                                  ///< none
   std::uint64_t nonfinite = 0;                                    ///< NaN and infinite values
 };
 
@@ -41,20 +42,21 @@ struct GpsTimes {
 struct FileSummary {
   /// The description by the reader, without extras. The warnings also say where the header does not fit the points.
   FileInfo info;
-  Box bounds;                                       ///< of the finite points
+  Box bounds;                                       ///< bounds of the finite points
   std::uint64_t nonfinite = 0;                      ///< points with a NaN or infinite coordinate
   std::array<bool, 3> ascending{true, true, true};  ///< no finite point lies below the one before it along x, y, z
   std::array<bool, 3> descending{true, true, true};
-  std::vector<FieldRange> ranges;            ///< of the fields of the schema
+  std::vector<FieldRange> ranges;            ///< ranges of the fields of the schema
   std::array<std::uint64_t, 256> classes{};  ///< points of each class, if there is a field `classification`
   std::array<std::uint64_t, 16> returns{};   ///< points of each return number, if there is such a field
   std::uint64_t returns_beyond = 0;          ///< points whose return number is above their number of returns
-  double area = 0, cell_side = 0;            ///< of the occupied cells in x and y, and the side of a cell
+  double area = 0, cell_side = 0;            ///< area of the occupied cells in x and y, and the side of a cell
   std::vector<double> nearest;               ///< distances to the nearest neighbours of a sample, ascending
   bool has_classes = false, has_returns = false;
-  bool of_header = false;  ///< of the header alone: bounds are those that it states, and nothing of the points is known
+  bool of_header = false;  ///< only the header was read: bounds are those that it states, and no facts about the points
+                           ///< are known
 
-  /// Finite points for each unit of occupied area; none without area.
+  /// Returns the number of finite points per unit of occupied area; nothing without an area.
   std::optional<double> density() const;
   /// The median of `nearest`.
   std::optional<double> spacing() const;
@@ -71,8 +73,7 @@ struct SummaryOptions {
 /// Reads all points of a file in sequence. Memory: about 10 MB. Throws Error where the file cannot be read to its end.
 POINTSWEEP_EXPORT FileSummary summarize(Reader& reader, const SummaryOptions& options = {});
 
-/// Returns what the header says, without a look at the points. Formats without a header were read when they were
-/// opened.
+/// Returns the facts in the header, without reading points. Formats without a header were read when they were opened.
 POINTSWEEP_EXPORT FileSummary summarize_header(const Reader& reader);
 
 /// Returns the range of the field `gps_time`, with the clock of the LAS header; none without the field or if all are 0.
@@ -96,7 +97,7 @@ class POINTSWEEP_EXPORT FileComparison {
   FileComparison(FileComparison&&) noexcept;
   FileComparison& operator=(FileComparison&&) noexcept;
   void add(const FileSummary& file);
-  /// Returns the sentences of inconsistencies_of() the files so far.
+  /// Returns the sentences of inconsistencies_of() about the files so far.
   std::vector<std::string> sentences() const;
 
  private:
@@ -107,11 +108,11 @@ class POINTSWEEP_EXPORT FileComparison {
 /// A value of an attribute: a whole number where the attribute has whole numbers, unsigned if it is a uint64.
 using AttributeValue = std::variant<double, std::int64_t, std::uint64_t>;
 
-/// The values of one attribute, all components together. Integers with a decimal scale count as the decimal fractions
-/// that they mean. Where no value is finite, min, max and mean are absent and there are no quantiles.
+/// The values of one attribute, all components together. Integers with a decimal scale are taken as decimal fractions.
+/// Without a finite value, min, max and mean are absent and there are no quantiles.
 struct AttributeStatistics {
   std::string name;
-  Type type = Type::f64;        ///< that the records of the cloud have
+  Type type = Type::f64;        ///< type in the records of the cloud
   std::uint64_t count = 0;      ///< finite values
   std::uint64_t nonfinite = 0;  ///< NaN and infinite values
   std::optional<AttributeValue> min, max;
@@ -121,8 +122,8 @@ struct AttributeStatistics {
   std::vector<AttributeValue> quantiles;  ///< one for each of PointStatistics::kPercent
 };
 
-/// Counts of the finite values of one attribute: counts[i] of those from edges[i] on and below edges[i + 1]. Edges are
-/// multiples of their distance, which is 1, 2 or 5 times a power of ten, and 1 or more for whole numbers.
+/// Counts of the finite values of one attribute: counts[i] is the number of values in [edges[i], edges[i + 1]). Edges
+/// are multiples of the bin width, which is 1, 2 or 5 times a power of ten, and at least 1 for whole numbers.
 struct AttributeHistogram {
   std::string name;
   std::vector<double> edges;          ///< ascending, one more than counts; empty without finite values
@@ -132,10 +133,10 @@ struct AttributeHistogram {
 /// The points that have one value of an attribute, or all points.
 struct PointGroup {
   std::optional<AttributeValue>
-      value;  ///< of PointStatistics::by, a whole number; absent where all points are one group
+      value;  ///< value of PointStatistics::by, a whole number; absent if all points are one group
   std::uint64_t points = 0;
   std::vector<AttributeStatistics> attributes;
-  std::vector<AttributeHistogram> histograms;  ///< with the same edges in each group
+  std::vector<AttributeHistogram> histograms;  ///< all groups have the same edges
 };
 
 struct PointStatistics {
@@ -151,19 +152,18 @@ struct PointStatistics {
 struct PointStatisticsOptions {
   std::string by;       ///< groups points by the values of this attribute, all whole numbers; empty: one group
   bool values = false;  ///< make PointGroup::attributes
-  std::vector<std::string> keep;        ///< of these attributes alone; empty: of all, coordinates included
+  std::vector<std::string> keep;        ///< names of the attributes to evaluate; empty: all, coordinates included
   std::vector<std::string> histograms;  ///< attributes that get one
-  std::uint64_t bins = 20;              ///< of a histogram, at most; 2 to 1,000
-  /// Called after each piece of work of a reading of all points, the first of which is 1; may throw to end it.
+  std::uint64_t bins = 20;              ///< largest number of bins of a histogram; 2 to 1,000
+  /// Called after each piece of work of a reading of all points. Readings count from 1. May throw to end the work.
   std::function<void(unsigned reading, std::uint64_t done, std::uint64_t total)> progress = {};
 };
 
 /// Reads all points of a cloud once, and again for histograms and for quantiles: two or three times for clouds of up to
 /// a million points, about three to five times for others, more for many groups. Every number is exact or rounded as
 /// stated, and the same for any number of threads and order of the points. Memory: at most 256 MB, and less than 100 MB
-/// without `by`. Throws UsageError for an attribute that is not there, and for `by` one that has a value that is no
-/// whole number, more than kMostGroups values, or so many that the statistics do not fit in that memory; Error for a
-/// file that cannot be read.
+/// without `by`. Throws UsageError for a missing attribute, and for `by` if the attribute has a value that is no whole
+/// number, more than kMostGroups values, or too many for that memory; Error for a file that cannot be read.
 POINTSWEEP_EXPORT PointStatistics point_statistics(Cloud& cloud, const PointStatisticsOptions& options);
 
 /// Returns the value of `statistics` in the JSON object of `info`; docs/info.md lists its keys.

@@ -23,8 +23,8 @@ namespace pointsweep {
 
 class NeighborhoodRule;
 
-/// A rule that several neighbourhoods share, or none. A shared pointer would do, were its destructor not inlined: GCC
-/// 12 then warns wrongly, in code that writes a chain in braces, of the destruction of an uninitialized object.
+/// A rule that several neighbourhoods may share, or no rule. A shared pointer with a destructor that is not inlined:
+/// with an inlined one GCC 12 wrongly warns of an uninitialized object where a chain is written in braces.
 class POINTSWEEP_EXPORT SharedRule {
  public:
   SharedRule() = default;
@@ -43,14 +43,14 @@ class POINTSWEEP_EXPORT SharedRule {
 };
 
 /// The definition of a neighbourhood: the `k` nearest points, those within `radius` (inclusive), or the k nearest of
-/// these, the point itself excluded; where there is a rule, the first of these that it keeps. Exact: distances are
-/// evaluated in double at the positions of the search; equal ones go by x, y, z, then input row.
+/// these, the point itself excluded. A rule shortens this list. Exact: distances are evaluated in double at the
+/// positions of the search; equal distances are ordered by x, y, z, then input row.
 struct Neighborhood {
   static constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
-  /// Stands for the neighbours that the operators of a chain use by default: so many as the largest Contract::default_k
-  /// of them says, or all within their largest Contract::all_within.
+  /// Stands for the default of the operators of a chain: their largest Contract::default_k, or all points within their
+  /// largest Contract::all_within.
   static constexpr std::size_t kOfOperators = kUnlimited - 1;
-  std::size_t k = 8;                                        ///< 1 or more; kUnlimited: as many as the radius holds
+  std::size_t k = 8;                                        ///< 1 or more; kUnlimited: all points within the radius
   double radius = std::numeric_limits<double>::infinity();  ///< > 0, in length units of the cloud
   SharedRule rule = {};
 
@@ -72,7 +72,7 @@ struct PointColumns {
   const double* y = nullptr;
   const double* z = nullptr;
   const std::uint64_t* row = nullptr;         ///< input rows
-  const std::byte* const* columns = nullptr;  ///< by column number of the plan
+  const std::byte* const* columns = nullptr;  ///< values by number of column of the plan
 };
 
 /// Throws UsageError: an operator has asked for `asked` bytes of a value that has `bytes`.
@@ -82,16 +82,16 @@ struct PointColumns {
 /// LocalOperator::apply.
 ///
 /// The list of a point is in the ORDER OF THE SEARCH: nearest first, equal distances by x, y, z and input row, all of
-/// them at the positions at which the search found the neighbours (those of the input, or those a `reneighbor` saw).
-/// Positions here are those of now. After an operator that moves points, without `reneighbor`, the set N_i is still
-/// the same, but distances along a list rise and fall: the last neighbour need not be the farthest, the first not the
-/// nearest, and neighbours may lie on p_i at any place of the list or have coordinates that are not finite. What needs
-/// a least or a greatest distance must look at all of N_i unless sorted_by_distance(), or call farthest_distance2().
+/// them at the positions at which the search found the neighbours (those of the input, or of the last `reneighbor`).
+/// Positions in this class are the current ones. After an operator that moves points, without `reneighbor`, N_i is the
+/// same set, but distances along a list are not sorted: the last neighbour need not be the farthest, the first not the
+/// nearest, and any neighbour may coincide with p_i or have coordinates that are not finite. For a least or greatest
+/// distance, read all of N_i unless sorted_by_distance(), or call farthest_distance2().
 class Neighborhoods {
  public:
-  /// The engine makes batches. `position_column`: the column of moved positions to be seen instead of those of the
-  /// search; negative: none. `moved`: the positions in `own` and `slots` are themselves no longer those of the search.
-  /// `column_bytes`: of values, by column number; null: types are not checked.
+  /// Called by the engine. `position_column`: number of the column of moved positions, which replace those of the
+  /// search; negative: none. `moved`: the positions in `own` and `slots` are moved already. `column_bytes`: bytes of
+  /// values by number of column; null: types are not checked.
   Neighborhoods(const PointColumns& own, std::size_t size, const PointColumns* slots, const std::uint32_t* begin,
                 const NeighborRef* refs, std::span<const std::uint16_t> reads,
                 std::span<const std::uint16_t> reads_neighbors, int position_column = -1, bool moved = false,
@@ -113,7 +113,7 @@ class Neighborhoods {
   /// |N_i|
   std::size_t count(std::size_t i) const { return begin_[i + 1] - begin_[i]; }
 
-  /// True if positions are those of the search, so that distance2(i, j) never falls as j grows.
+  /// Returns whether positions are those of the search, so that distance2(i, j) never decreases as j grows.
   bool sorted_by_distance() const { return sorted_by_distance_; }
   /// max_j |p_j - p_i|² over N_i, at the positions of now; 0 without neighbours, NaN if one of them has no finite
   /// place.
@@ -130,7 +130,7 @@ class Neighborhoods {
     return farthest2;
   }
 
-  /// N_i in the order of the search, for loops that look at many neighbours.
+  /// Returns N_i in the order of the search, for loops over many neighbours.
   const NeighborRef* neighbors(std::size_t i) const { return refs_ + begin_[i]; }
   Vec3 position_of(NeighborRef ref) const { return position_in(slots_[slot_of(ref)], index_of(ref)); }
   Vec3 neighbor_position(std::size_t i, std::size_t j) const { return position_of(neighbors(i)[j]); }
@@ -144,14 +144,14 @@ class Neighborhoods {
     return slots_[slot_of(ref)].row[index_of(ref)];
   }
 
-  /// Attribute `a` of the operator's contract().reads at point i. T is the whole value, e.g. std::array<float, 3>; in
-  /// what the engine makes, a type of another size throws UsageError.
+  /// Returns attribute `a` of the operator's contract().reads at point i. T is the whole value, e.g. std::array<float,
+  /// 3>. If the engine made the batch, a type of another size throws UsageError.
   template <class T>
   T value(std::size_t a, std::size_t i) const {
     require_size<T>(reads_[a]);
     return load<T>(own_.columns[reads_[a]], i);
   }
-  /// Attribute `a` of contract().reads at all points of the batch, one after the other; std::byte fits any type.
+  /// Returns attribute `a` of contract().reads of all points of the batch; std::byte is allowed as T for any type.
   template <class T>
   const T* values(std::size_t a) const {
     if constexpr (!std::is_same_v<T, std::byte>) require_size<T>(reads_[a]);
@@ -202,7 +202,7 @@ class Neighborhoods {
     return v;
   }
 
-  /// One float at a time: what is copied as a whole goes through memory on its way into a vector.
+  /// Loads one float at a time, since a copy of the whole struct would go through memory.
   static Vec3 load_vector(const std::byte* column, std::size_t i) {
     return {load<float>(column, 3 * i), load<float>(column, 3 * i + 1), load<float>(column, 3 * i + 2)};
   }
@@ -229,10 +229,10 @@ class POINTSWEEP_EXPORT NeighborhoodRule {
   virtual ~NeighborhoodRule() = default;
   /// Returns a description of the neighbours that it keeps, which ends the sentence "of these ...".
   virtual std::string meaning() const = 0;
-  /// Attributes of the point itself that it looks at; the input has them.
+  /// Returns the attributes of the point itself that the rule reads; the input has them.
   virtual std::vector<Attribute> reads() const = 0;
-  /// The options that tell rules of one class apart, e.g. {{"k_from", "scale"}}: a run with other options is another
-  /// run.
+  /// Returns the options that distinguish rules of one class, e.g. {{"k_from", "scale"}}. They are part of the identity
+  /// of a run.
   virtual Options options() const { return {}; }
   /// Sets counts[i] to how many neighbours point i keeps, at most in.count(i). Called from many threads at once.
   virtual void choose(const Neighborhoods& in, std::span<std::uint32_t> counts) const = 0;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// The operators that a user writes. Each derives from the kind that it is:
+/// Base classes for operators of your own:
 ///   LocalOperator      makes attributes from a point and its neighbours (paper Definition 4.1; Figure 11)
 ///   PointOperator      a LocalOperator that takes a point at a time
 ///   SelectOperator     drops rows by a condition on the point
 ///   InOrderOperator    takes all points in order, and drops rows or makes attributes (in_order_operator.h)
-///   CompositeOperator  is short for other stages (chain.h)
+///   CompositeOperator  stands for a sequence of other stages (chain.h)
 ///
 ///   class Roughness final : public PointOperator {
 ///     std::string name() const override { return "roughness"; }
@@ -39,8 +39,8 @@ namespace pointsweep {
 
 class DegeneratePoints;
 
-/// Takes the points of a part of the cloud. Its result depends only on the set of points that it and those merged into
-/// it took, not on their order or division, so that results do not depend on threads: sums must be exact.
+/// Takes the points of a part of the cloud. Its result depends only on the set of points that it and the accumulators
+/// merged into it took, not on their order or division. So results do not depend on threads; sums must be exact.
 class POINTSWEEP_EXPORT Accumulator {
  public:
   virtual ~Accumulator() = default;
@@ -48,8 +48,8 @@ class POINTSWEEP_EXPORT Accumulator {
   virtual void add(const double* values, std::size_t points) = 0;
   /// Takes what `other`, of the same reduction, took.
   virtual void merge(const Accumulator& other) = 0;
-  /// Returns what it took, as bytes for load() in another process. No run of one process calls these two functions; an
-  /// accumulator that does not override them throws Error.
+  /// Returns the state as bytes for load() in another process. Needed only for runs of several processes; without
+  /// overrides both functions throw Error.
   virtual std::vector<std::byte> save() const {
     throw Error("An accumulator is to be saved that does not override save().");
   }
@@ -61,36 +61,37 @@ class POINTSWEEP_EXPORT Accumulator {
   virtual std::vector<double> finish() const = 0;
 };
 
-/// Values of the whole cloud that operators need before their first point: a mean, a deviation, a diagonal. Of the
-/// points that are left when the pass ends that makes what it reads: all of them, or those that a select keeps.
+/// A value of the whole cloud that operators need before their first point: a mean, a deviation, a diagonal. It covers
+/// the points that are left at the end of the pass that makes the attributes it reads: all points, or those that a
+/// select keeps.
 class POINTSWEEP_EXPORT Reduction {
  public:
   virtual ~Reduction() = default;
   /// Returns its description, with its options. Reductions of one text over the same attributes are done once.
   virtual std::string text() const = 0;
   virtual std::vector<Attribute> reads() const = 0;
-  /// Returns whether it reads the values that the input has, whatever earlier stages have made; it costs no sweep then.
+  /// Returns whether it reads the values of the input even if earlier stages have changed them. Then it needs no sweep.
   virtual bool of_input() const { return false; }
   virtual std::unique_ptr<Accumulator> start() const = 0;
 };
 
 /// The attributes that an operator reads and makes. From these alone the engine derives how long points are buffered
-/// before it (paper Section 5.2): nothing in `reads_neighbors` makes it a through-buffer, anything else a pre-buffer.
-/// An attribute that neither the input nor an earlier stage has is refused before the first point is read. To move
-/// points, make position_attribute().
+/// before it (paper Section 5.2): with an empty `reads_neighbors` the operator has a through-buffer, else a pre-buffer.
+/// If neither the input nor an earlier stage has an attribute, the run throws UsageError before it reads a point. To
+/// move points, make position_attribute().
 struct Contract {
-  std::vector<Attribute> reads = {};            ///< of the point itself, in addition to its position
-  std::vector<Attribute> reads_neighbors = {};  ///< of the points in N_i, in addition to their positions
+  std::vector<Attribute> reads = {};            ///< attributes of the point itself, besides its position
+  std::vector<Attribute> reads_neighbors = {};  ///< attributes of the points in N_i, besides their positions
   std::vector<Attribute> makes = {};
-  std::vector<std::shared_ptr<const Reduction>> values = {};  ///< of the whole cloud, given by with_values()
-  /// The default number of neighbours, for chains that name none (Neighborhood::kOfOperators). 0: the operator never
-  /// looks at a neighbour, not even at its position. Then it need not wait for neighbours that moved, and it
-  /// gets the points without a finite place, too. Other operators do not get these: such a point keeps its position and
-  /// what the operator reads of it and makes again, and has Attribute::fill of all else.
+  std::vector<std::shared_ptr<const Reduction>> values = {};  ///< values of the whole cloud, passed to with_values()
+  /// The default number of neighbours, for chains that state none (Neighborhood::kOfOperators). 0: the operator reads
+  /// no neighbour, not even its position. It then does not wait for neighbours that moved, and also gets the points
+  /// without a finite place. Other operators do not get such points: their position, and attributes that the operator
+  /// both reads and makes, stay unchanged; other made attributes are Attribute::fill.
   std::size_t default_k = 8;
-  /// The distance within which it looks at all neighbours, in the unit of the coordinates; 0: at as many as there are.
-  /// A chain that names no neighbourhood, and in which no other operator looks at neighbours, has all points within the
-  /// largest of these.
+  /// The radius within which the operator reads all neighbours, in units of the coordinates; 0: there is no such
+  /// radius. The largest of these is the neighbourhood of a chain that states none and has no other operators that read
+  /// neighbours.
   double all_within = 0;
 };
 
@@ -102,17 +103,17 @@ inline Attribute selection_attribute() {
 /// The columns an operator fills for a batch, in the order of its contract().makes. The engine makes them.
 class POINTSWEEP_EXPORT Columns {
  public:
-  /// `degenerate` gets the points that are marked. `unwanted`: by number, the columns that are never read; may be
-  /// shorter. `bytes`: of a value, by number; empty: types are not checked.
+  /// `degenerate` receives the marked points. `unwanted`: by number, true for columns that are never read; may be
+  /// shorter. `bytes`: bytes of a value, by number; empty: types are not checked.
   Columns(std::span<std::byte* const> made, std::size_t size, DegeneratePoints& degenerate,
           std::vector<bool> unwanted = {}, std::vector<std::size_t> bytes = {})
       : made_(made), size_(size), degenerate_(&degenerate), unwanted_(std::move(unwanted)), bytes_(std::move(bytes)) {}
 
   /// Points in the batch.
   std::size_t size() const { return size_; }
-  /// Column `m` of contract().makes, 0 before the operator runs; T is the whole value, e.g. std::array<float, 3> or
-  /// float, of Attribute::bytes() bytes: in what the engine makes, a type of another size throws UsageError, except
-  /// std::byte.
+  /// Returns column `m` of contract().makes, all 0 before the operator runs. T is the whole value, e.g.
+  /// std::array<float, 3> or float, of Attribute::bytes() bytes. If the engine made the columns, a type of another size
+  /// throws UsageError, except std::byte.
   template <class T>
   std::span<T> column(std::size_t m) {
     assert(m < made_.size());
@@ -144,7 +145,7 @@ class POINTSWEEP_EXPORT Operator {
   virtual std::string name() const = 0;
   virtual Contract contract() const = 0;
 
-  /// Returns the options that tell objects of this class apart: those that were declared, else own_options(). Name and
+  /// Returns the options that distinguish objects of this class: the declared options, else own_options(). Name and
   /// options are part of a run: `resume_folder` refuses a run with other options, and outputs record them.
   Options declared_options() const { return declared_ ? *declared_ : own_options(); }
   /// Sets the declared options, unless they are set: the first call, that of the class that has the options, counts.
@@ -153,7 +154,7 @@ class POINTSWEEP_EXPORT Operator {
   }
 
  protected:
-  /// To be overridden by a class whose objects can differ, e.g. {{"width", width_}}.
+  /// Override this in a class whose objects can differ, e.g. return {{"width", width_}}.
   virtual Options own_options() const { return {}; }
 
  private:
@@ -161,11 +162,12 @@ class POINTSWEEP_EXPORT Operator {
 };
 
 /// A pure function of a point and its neighbourhood: the same input gives the same bytes, on any thread, at any time,
-/// in any batch. It never queues, waits, counts references or keeps state between calls.
+/// in any batch. It keeps no state between calls.
 class POINTSWEEP_EXPORT LocalOperator : public Operator {
  public:
-  /// Fills out.column(m)[i] for every point i of the batch and every made attribute m; all are 0 before. Called from
-  /// many threads at once. Neighbours come nearest first only if in.sorted_by_distance(): see Neighborhoods.
+  /// Fills out.column(m)[i] for every point i of the batch and every made attribute m; all values are 0 before the
+  /// call. Called from many threads at once. Neighbours come nearest first only if in.sorted_by_distance(): see
+  /// Neighborhoods.
   virtual void apply(const Neighborhoods& in, Columns& out) const = 0;
 
   /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`, where its contract
@@ -180,13 +182,12 @@ class POINTSWEEP_EXPORT LocalOperator : public Operator {
     (void)values;
     return nullptr;
   }
-  /// Returns for x, y and z whether a point may get coordinates of another system. Only operators that make
-  /// position_attribute() are asked.
+  /// Returns for x, y and z whether a point may get coordinates of another coordinate reference system. Only called for
+  /// operators that make position_attribute().
   virtual std::array<bool, 3> changes_system() const { return {true, true, true}; }
 };
 
-/// An operator that takes the points of a batch one at a time. As fast as a batch where a point costs more than a
-/// virtual call, about 2 ns.
+/// An operator that takes the points of a batch one at a time. The overhead is a virtual call per point, about 2 ns.
 class POINTSWEEP_EXPORT PointOperator : public LocalOperator {
  public:
   void apply(const Neighborhoods& in, Columns& out) const final {
@@ -198,21 +199,21 @@ class POINTSWEEP_EXPORT PointOperator : public LocalOperator {
   virtual void apply_to(std::size_t i, const Neighborhoods& in, Columns& out) const = 0;
 };
 
-/// A condition on a point. The rows that it does not keep are left out of all later stages and of the output, and
-/// neighbours are found among the others alone. Points without a finite place are asked, too.
+/// A condition on a point. The rows that it does not keep are dropped: later stages, the output and neighbourhoods do
+/// not contain them. Points without a finite place are tested, too.
 class POINTSWEEP_EXPORT SelectOperator : public Operator {
  public:
   /// Attributes of the point itself that decide, in addition to its position.
   virtual std::vector<Attribute> reads() const { return {}; }
-  /// Sets kept[i] to 1 for every point i of the batch whose row stays; all are 0 before. `points` have no neighbours.
-  /// Called from many threads at once.
+  /// Sets kept[i] to 1 for every point i of the batch whose row stays; all values are 0 before the call. `points` have
+  /// no neighbours. Called from many threads at once.
   virtual void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const = 0;
   /// Returns the operator for such a cloud, or null; see LocalOperator::bound().
   virtual std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;
   }
-  /// Returns the box in x and y, with z = 0, outside of which no point is kept; absent: there is none.
+  /// Returns a box in x and y, with z = 0, that contains all kept points; absent: unknown.
   virtual std::optional<Box> extent() const { return std::nullopt; }
 
   Contract contract() const final { return {.reads = reads(), .makes = {selection_attribute()}, .default_k = 0}; }

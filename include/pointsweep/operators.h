@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The built-in operators and rules of neighbourhoods as typed functions. docs/operators.md has their formulas, sources
-/// and costs, docs/attributes.md what they make. All of them throw UsageError for options out of their ranges.
+/// and costs, docs/attributes.md their attributes. All of them throw UsageError for options out of their ranges.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ namespace pointsweep {
 
 /// The choice between the two directions of a normal. `none` applies where a rule does not decide (a dot product of 0).
 enum class Orient {
-  none,       ///< the component of largest magnitude is positive, the first of equal ones
+  none,       ///< the component of largest magnitude (the first of equal ones) is positive
   up,         ///< nz >= 0
   viewpoint,  ///< towards NormalsOptions::viewpoint, which is required
   input,      ///< agrees with the normal the file has
@@ -33,7 +33,7 @@ struct NormalsOptions {
 
 /// The matrix that determines the direction and the ratio of the ellipse of a splat.
 enum class SplatAxes {
-  automatic,  ///< curvature if an earlier stage makes it, else positions
+  automatic,  ///< uses curvature if an earlier stage makes it, else positions
   positions,  ///< M_i of Equation 1: long where the neighbours are spread
   curvature,  ///< C_i of Equation 2, by way of k1, k2 and k1_direction: long along ridges and valleys
 };
@@ -46,9 +46,9 @@ struct SplatsOptions {
 /// both to 0.5 % of the diagonal of the bounding box (Section 7.3). A variance is a squared length, so this is read as
 /// the standard deviation.
 struct FairOptions {
-  double f = 0;  ///< width of the Gaussian of |p_j - p_i|: how far smoothing reaches; > 0
-  /// Width of the Gaussian of |Π_j(p_i) - p_i|: how far a point may be off a neighbour's tangent plane and still follow
-  /// it; > 0.
+  double f = 0;  ///< width of the Gaussian of |p_j - p_i|, which is the range of smoothing; > 0
+  /// Width of the Gaussian of |Π_j(p_i) - p_i|, the distance of a point from a neighbour's tangent plane up to which
+  /// the neighbour moves it; > 0.
   double g = 0;
 };
 
@@ -77,11 +77,11 @@ struct StatisticsOptions {
   /// Names of the attributes to make, each once: ATTRIBUTE_STATISTIC, with mean, median, min, max, range, deviation,
   /// majority or count, as in "z_range"; or "count".
   std::vector<std::string> of = {};
-  std::string where = {};  ///< only neighbours for which this condition holds count; empty: all
+  std::string where = {};  ///< condition for the neighbours that count; empty: all
 };
 
 struct DensityOptions {
-  std::optional<double> radius = {};  ///< of the ball, > 0; absent: the distance to the farthest neighbour
+  std::optional<double> radius = {};  ///< radius of the ball, > 0; absent: the distance to the farthest neighbour
 };
 
 /// The values that the formulas of features() call λ.
@@ -92,14 +92,15 @@ enum class EigenvalueScale {
 };
 
 struct FeaturesOptions {
-  std::vector<std::string> names = {};  ///< of the attributes to make, each once; empty: all
+  std::vector<std::string> names = {};  ///< names of the attributes to make, each once; empty: all
   EigenvalueScale eigenvalues = EigenvalueScale::raw;
   bool with_point = true;  ///< the point itself is one of the points whose covariance is taken
 };
 
-/// Names of attributes (scalars of any type, taken as double); empty: no such limit.
+/// Names of attributes that limit each point's neighbourhood (scalars of any type, converted to double); empty: no
+/// limit.
 struct AttributeLimits {
-  std::string k = {};       ///< the point keeps as many neighbours as the whole part of the value says
+  std::string k = {};       ///< number of neighbours to keep, rounded down
   std::string radius = {};  ///< the point keeps the neighbours within the value, inclusive, in length units
 };
 
@@ -113,18 +114,18 @@ enum class VoxelKeep {
 
 /// Options of head(). `number` is required.
 struct HeadOptions {
-  std::uint64_t number = 0;  ///< number of the rows whose points are kept; >= 1
+  std::uint64_t number = 0;  ///< number of first rows to keep; >= 1
 };
 
 /// Options of decimate(). `share` is required.
 struct DecimateOptions {
-  double share = std::numeric_limits<double>::quiet_NaN();  ///< share of the points that are kept, 0 to 1
+  double share = std::numeric_limits<double>::quiet_NaN();  ///< fraction of the points to keep, 0 to 1
   std::uint64_t seed = 0;                                   ///< another seed keeps other points
 };
 
 /// Options of sample(). `number` is required.
 struct SampleOptions {
-  std::uint64_t number = 0;  ///< number of the points that are kept; >= 1
+  std::uint64_t number = 0;  ///< number of points to keep; >= 1
   bool rest = false;         ///< keep all other points instead
   std::uint64_t seed = 0;    ///< another seed keeps other points
 };
@@ -142,30 +143,31 @@ struct VoxelOptions {
 };
 
 struct PoissonOptions {
-  double radius = 0;             ///< a kept point leaves out the other points within this distance; > 0
+  double radius = 0;             ///< kept points are farther apart than this; > 0
   std::string radius_from = {};  ///< name of an attribute that holds the radius of each point, at most `radius`
 };
 
 /// Options of simplify(). All are lengths.
 struct SimplifyOptions {
-  double error = 0;  ///< how far a kept point may be off the tangent plane of a point that it represents; > 0
-  /// The largest distance from a kept point to a point that it represents, on flat parts, > 0; absent: 32 times error.
+  double error = 0;  ///< largest distance of a kept point from the tangent plane of a point that it represents; > 0
+  /// The largest distance of a kept point from a point that it represents, reached on flat parts; > 0. Absent: 32 times
+  /// error.
   std::optional<double> most = {};
-  double least = 0;  ///< the smallest such distance, where noise looks like curvature; 0 to `most`
+  double least = 0;  ///< the smallest such distance, for places where noise looks like curvature; 0 to `most`
 };
 
 /// Options of crop(). `bounds` or `polygon` is required; if both are given, a point inside lies in both.
 struct CropOptions {
   std::vector<double> bounds = {};  ///< corners of a box: xmin, ymin, zmin, xmax, ymax, zmax, or without z
   std::string polygon = {};         ///< name of a file with polygons, WKT or GeoJSON, or such a text itself
-  bool outside = false;             ///< keep what is not inside
+  bool outside = false;             ///< keep the points outside instead of those inside
   std::string checksum = {};        ///< checksum that the polygon file must have; empty: any
 };
 
 /// Options of distance_to(). `cloud` is required.
 struct DistanceToOptions {
   std::string cloud = {};           ///< the other cloud: a file, a folder or a pattern
-  std::optional<double> most = {};  ///< a nearest point farther than it does not count, length, > 0; absent: no limit
+  std::optional<double> most = {};  ///< nearest points farther than this do not count; length, > 0; absent: no limit
 };
 
 /// Options of m3c2() (Lague et al. 2013). `cloud`, `cylinder` and `depth` are required.
@@ -178,7 +180,7 @@ struct M3c2Options {
 
 /// The value that the k points of another cloud give.
 enum class TakeVote {
-  majority,  ///< the most frequent value; of several, the one that the nearest point has
+  majority,  ///< the most frequent value; among equally frequent ones that of the nearest point
   mean,      ///< the mean of the values
   nearest,   ///< the value of the nearest point; k is 1
 };
@@ -186,10 +188,10 @@ enum class TakeVote {
 /// Options of take(). `cloud` and `attributes` are required.
 struct TakeOptions {
   std::string cloud = {};                    ///< the other cloud: a file, a folder or a pattern
-  std::vector<std::string> attributes = {};  ///< of the other cloud, each once, in any spelling
+  std::vector<std::string> attributes = {};  ///< attributes of the other cloud, each once, in any spelling
   std::uint64_t k = 1;                       ///< number of the nearest points that vote; 1 to 1,000
   TakeVote vote = TakeVote::majority;
-  std::optional<double> most = {};     ///< points farther than it do not count, length, > 0; absent: no limit
+  std::optional<double> most = {};     ///< points farther than this do not count; length, > 0; absent: no limit
   std::optional<double> missing = {};  ///< value where no point counts; needs `most`
 };
 
@@ -207,7 +209,7 @@ enum class ColorMap { viridis, turbo, gray, classes /**< colours of the classes 
 
 /// The number of bits of a channel of color().
 enum class ColorBits {
-  automatic,  ///< 16 where the input has colours of 16 bits or fields of LAS, else 8
+  automatic,  ///< 16 bits if the input has colours of 16 bits or fields of LAS, else 8
   eight,
   sixteen,
 };
@@ -224,9 +226,9 @@ struct GroundOptions {
   double cell = 1;           ///< edge of a cell of the raster, length; > 0
   double slope = 0.15;       ///< steepest slope of the ground, rise over run
   double window = 18;        ///< radius of the largest disk of the filter, length; at most 1,000 cells
-  double threshold = 0.5;    ///< how far a point may be off a level surface, length
+  double threshold = 0.5;    ///< largest distance of a ground point from a level surface; length
   double scalar = 1.25;      ///< added to `threshold` for each unit of the slope, length
-  bool all_returns = false;  ///< all returns take part, not only last returns
+  bool all_returns = false;  ///< all returns take part, instead of last returns
   bool noise = false;        ///< points of the classes 7 and 18 take part, too
 };
 
@@ -266,9 +268,9 @@ namespace operators {
 
 /// Makes "normal": the unit normal of the surface the points were taken from (paper Section 3.2, Equation 1).
 POINTSWEEP_EXPORT ChainStage normals(const NormalsOptions& options = {});
-/// Makes "k1", "k2", "k1_direction" and what follows from them (paper Section 4.3.2, Equation 2). Needs "normal".
+/// Makes "k1", "k2", "k1_direction" and derived attributes (paper Section 4.3.2, Equation 2). Needs "normal".
 POINTSWEEP_EXPORT ChainStage curvature();
-/// Makes "splat_axis", "splat_length" and "splat_ratio", ellipses that cover the surface together (paper Section
+/// Makes "splat_axis", "splat_length" and "splat_ratio", ellipses that together cover the surface (paper Section
 /// 4.3.3). Needs "normal"; with SplatAxes::curvature also curvature().
 POINTSWEEP_EXPORT ChainStage splats(const SplatsOptions& options = {});
 /// Moves the points: feature-preserving smoothing in one pass (paper Section 4.3.4, Equation 3). Needs "normal" and
@@ -276,8 +278,8 @@ POINTSWEEP_EXPORT ChainStage splats(const SplatsOptions& options = {});
 POINTSWEEP_EXPORT ChainStage fair(const FairOptions& options);
 /// fair() with widths that follow the extent of the cloud.
 POINTSWEEP_EXPORT ChainStage fair_in_percent(const FairPercent& percent = {});
-/// Makes "mean_distance" and "outlier": whether the mean distance to the neighbours exceeds its mean over the cloud by
-/// more than `multiplier` standard deviations, by one of five definitions.
+/// Makes "mean_distance" and "outlier", which is 1 if the mean distance to the neighbours exceeds its mean over the
+/// cloud by more than `multiplier` standard deviations, by one of five definitions.
 POINTSWEEP_EXPORT ChainStage sor(const SorOptions& options = {});
 /// Leaves out the outliers of sor() and makes nothing.
 POINTSWEEP_EXPORT ChainStage denoise(const SorOptions& options = {});
@@ -295,8 +297,9 @@ POINTSWEEP_EXPORT ChainStage statistics(const StatisticsOptions& options);
 /// Keeps the rows for which a condition on attributes holds, e.g. "classification == 2 && z < 100"
 /// (docs/pipelines.md). Throws UsageError for a text that is no condition.
 POINTSWEEP_EXPORT ChainStage where(std::string_view condition);
-/// Assigns numbers to attributes, e.g. "classification = 7 where outlier == 1", several with commas between. `type`: of
-/// new attributes; absent: that of LAS for the name, else float64. Throws UsageError for a text that assigns nothing.
+/// Assigns numbers to attributes, e.g. "classification = 7 where outlier == 1", several with commas between. `type`:
+/// type of new attributes; absent: the type of the LAS field of that name, else float64. Throws UsageError for a text
+/// that assigns nothing.
 POINTSWEEP_EXPORT ChainStage set(std::string_view assignments, std::optional<Type> type = std::nullopt);
 /// Moves the points by a matrix, turns their normals and other directions, and scales lengths. Throws Error for a file
 /// that is no matrix of 4 rows of 4 numbers, and UsageError for a matrix that is singular.
@@ -332,13 +335,13 @@ POINTSWEEP_EXPORT ChainStage components(const ComponentsOptions& options = {});
 /// Makes "core", "cluster" and "cluster_size": DBSCAN, with border points in the cluster of the nearest core point.
 /// Neighbourhoods have to hold all points within eps.
 POINTSWEEP_EXPORT ChainStage dbscan(const DbscanOptions& options);
-/// Makes "segment" and "segment_size": components of neighbours whose normals differ by less than an angle, and that
-/// are not farther from each other than a distance; and "segment_residual", the root mean square distance of their
-/// points to their plane. Needs "normal".
+/// Makes "segment" and "segment_size": connected components of neighbours with an angle between normals below a limit
+/// and a distance within a limit; and "segment_residual", the root mean square distance of their points to their plane.
+/// Needs "normal".
 POINTSWEEP_EXPORT ChainStage segments(const SegmentsOptions& options = {});
 /// Makes "normal_turned" and "normal": normals with signs that are consistent over each component of the graph of
-/// neighbours, by its minimum spanning forest (Hoppe et al. 1992); most of them face the viewpoint, if there is one,
-/// and else point out of closed surfaces and up from open ones. With OrientMethod::trajectory makes "normal" alone:
+/// neighbours, by its minimum spanning forest (Hoppe et al. 1992); most normals face the viewpoint if there is one;
+/// else they point out of closed surfaces and up on open ones. With OrientMethod::trajectory makes "normal" alone:
 /// normals that face the sensor. Needs "normal", and "gps_time" for a trajectory. Throws Error for a file that cannot
 /// be read.
 POINTSWEEP_EXPORT ChainStage orient(const OrientOptions& options = {});
@@ -353,22 +356,23 @@ POINTSWEEP_EXPORT ChainStage m3c2(const M3c2Options& options);
 /// Makes features of the shape of neighbourhoods from the eigenvalues of their covariance: "linearity", "planarity",
 /// "sphericity" and more (docs/operators.md).
 POINTSWEEP_EXPORT ChainStage features(const FeaturesOptions& options = {});
-/// Keeps points of which none is within the radius of another: in the order of a hash of the coordinates, a point is
-/// kept unless a kept one lies within its radius.
+/// Keeps points at mutual distances greater than the radius: points are visited in the order of a hash of their
+/// coordinates, and a point is kept unless a kept one lies within its radius.
 POINTSWEEP_EXPORT ChainStage poisson(const PoissonOptions& options);
 /// Keeps few points where the surface is flat: poisson() with "simplify_radius", which it makes. Needs curvature().
 POINTSWEEP_EXPORT ChainStage simplify(const SimplifyOptions& options);
 /// Makes "neighbor_count", |N_i|, and "neighbor_radius", the distance to the farthest neighbour.
 POINTSWEEP_EXPORT ChainStage neighborhood_size();
 /// Makes "neighbors", N×k: the rows of the k nearest neighbours among `points` points (Cloud::count()), as u32, or u64
-/// from 2^32 - 1 points on; and, if asked, "distances", N×k f64. For neighbourhoods of `k`.
+/// from 2^32 - 1 points on; and, if asked, "distances", N×k f64. The chain must have the same `k`.
 POINTSWEEP_EXPORT ChainStage neighbors(std::size_t k, std::uint64_t points, bool distances = false);
 
-/// For Neighborhood::rule: each point keeps the k, from `least` to Neighborhood::k, at which its neighbours look most
-/// like a line, a plane or a volume: least eigenentropy (Weinmann et al. 2014). Throws UsageError if `least` < 3.
+/// For Neighborhood::rule: each point keeps the k, from `least` to Neighborhood::k, at which the eigenentropy of its
+/// neighbours is least (Weinmann et al. 2014): the neighbours then resemble a line, a plane or a volume most. Throws
+/// UsageError if `least` < 3.
 POINTSWEEP_EXPORT SharedRule least_eigenentropy(std::size_t least = 10);
-/// For Neighborhood::rule: attributes of each point say how many neighbours it keeps, or up to which distance; k and
-/// radius of the Neighborhood stay upper limits. Throws UsageError where neither attribute is named.
+/// For Neighborhood::rule: attributes of each point limit the number of its neighbours or their distance; k and radius
+/// of the Neighborhood remain upper limits. Throws UsageError if no attribute is named.
 POINTSWEEP_EXPORT SharedRule limits_from_attributes(const AttributeLimits& limits);
 
 }  // namespace operators

@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// A whole number, a number, a word or text, or a point; std::monostate: no value.
+/// The value of an option: a whole number, a number, a word or text, or a point; std::monostate: no value.
 using OptionValue = std::variant<std::monostate, std::uint64_t, double, std::string, Vec3>;
 
 inline bool has_value(const OptionValue& value) { return !std::holds_alternative<std::monostate>(value); }
@@ -24,7 +24,7 @@ struct Option {
   friend bool operator==(const Option&, const Option&) = default;
 };
 
-/// All options of one object, in the order of their declaration.
+/// All options of an object, in the order of their declaration.
 using Options = std::vector<Option>;
 
 }  // namespace pointsweep

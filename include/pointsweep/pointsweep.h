@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// The public interface of the core. In reading order:
-///   attribute.h     what points carry, and how a record holds it
+///   attribute.h     attributes of points, and the layout of records
 ///   reader.h        inputs: files, arrays, readers of your own
-///   files.h         the files that folders and patterns stand for
+///   files.h         lists of the files in folders and patterns
 ///   url.h           URLs in place of their paths
 ///   cloud.h         several inputs as one cloud
 ///   neighborhood.h  which points are neighbours, and a batch of points as operators see it
@@ -13,9 +13,9 @@
 ///   arrays.h        points and results in arrays, without files: the shortest way
 ///   run.h           running a chain: outputs, options, resources, observation
 ///   statistics.h    what a run did
-///   error.h         what is thrown
-/// crs.h, geometry.h, option.h and export.h hold what these share. info.h, what is in a file, and verify.h, the check
-/// of a result, belong to libraries of their own.
+///   error.h         exceptions
+/// crs.h, geometry.h, option.h and export.h have types that several of these headers use. info.h (contents of files)
+/// and verify.h (checks of results) belong to separate libraries.
 #pragma once
 
 #include "pointsweep/arrays.h"

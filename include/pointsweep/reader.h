@@ -29,14 +29,14 @@ struct LasOrigin;
 /// PLY: comments and obj_info). A writer of another format ignores it.
 struct POINTSWEEP_EXPORT FormatExtras {
   virtual ~FormatExtras() = default;
-  /// The name of the format, "las". One name stands for one class.
+  /// Returns the name of the format, "las". Each name belongs to one class.
   virtual std::string_view format() const = 0;
-  /// Returns whether these extras of an input after the first tell a writer the same as `other`, those of another such
-  /// input of this format: then it gets only one of both.
+  /// Returns whether the extras mean the same for a writer as `other`. Both belong to inputs of this format after the
+  /// first. A writer gets only one of several such extras.
   virtual bool is_like(const FormatExtras& other) const { return this == &other; }
 };
 
-/// Statements of a header about the points, as the file has them. They may be wrong.
+/// Statements of a header about the points. They may be wrong.
 struct HeaderClaims {
   Box bounds;                               ///< the ends may be in any order, or NaN
   std::vector<std::uint64_t> returns = {};  ///< points of return number 1, 2, ...; empty: it does not count them
@@ -44,22 +44,22 @@ struct HeaderClaims {
 
 /// The facts that are known of an input when it is open.
 struct FileInfo {
-  std::filesystem::path path;  ///< for messages; of what is no file, any name
-  std::string format;          ///< for people: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
+  std::filesystem::path path;  ///< for messages; any name if there is no file
+  std::string format;          ///< for messages: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
   Schema schema;
-  std::uint64_t count = 0;             ///< points really in the file, never merely what a header claims
+  std::uint64_t count = 0;             ///< points in the file, even if its header states another number
   std::uint64_t left_out = 0;          ///< points of the file that `count` and read() leave out
   std::uint64_t bytes = 0;             ///< size of the file
   bool decode_once = false;            ///< decoding costs much more than writing and reading its records
-  std::uint64_t decoder_bytes = 0;     ///< what each thread takes that decodes it, in addition to the records
-  std::optional<Box> bounds;           ///< as a header states them: a hint, not to be trusted
-  std::optional<double> root_spacing;  ///< of the points of depth 0, where chunks are nodes of levels of detail
-  std::optional<HeaderClaims> claims;  ///< of a header that says more of the points than their number
+  std::uint64_t decoder_bytes = 0;     ///< memory of each decoding thread, besides the records
+  std::optional<Box> bounds;           ///< bounds in the header; they may be wrong
+  std::optional<double> root_spacing;  ///< spacing of the points of depth 0, if chunks are nodes of levels of detail
+  std::optional<HeaderClaims> claims;  ///< set if the header states more about the points than their number
   bool z_is_up = false;                ///< the format says that z is the height
-  std::vector<std::string> warnings;   ///< what was wrong but harmless, one sentence each
+  std::vector<std::string> warnings;   ///< harmless faults, one sentence each
   std::shared_ptr<const FormatExtras> extras;
   std::optional<Crs> crs;                ///< the coordinate reference system, if the file states one
-  std::shared_ptr<const LasOrigin> las;  ///< if the file is LAS, or its points once were; for LAS writers
+  std::shared_ptr<const LasOrigin> las;  ///< set if the file is LAS, or was made from LAS; for LAS writers
   std::vector<std::string> provenance;   ///< lines that say how the file was made; may be empty
   std::string asked_for_as;  ///< the `format` of open_reader() that the file has; empty if it has a signature
 };
@@ -68,8 +68,8 @@ struct FileInfo {
 struct Chunk {
   std::uint64_t first_row = 0, rows = 0;
   std::uint64_t begin = 0, end = 0;  ///< its bytes in the file; 0 and 0 where they are in several places or unknown
-  std::optional<Box> bounds;         ///< of its points, as the file states it: a hint, not to be trusted
-  std::optional<int> depth = {};     ///< of its node, where chunks are nodes of levels of detail
+  std::optional<Box> bounds;         ///< bounds of its points in the file; they may be wrong
+  std::optional<int> depth = {};     ///< depth of its node, if chunks are nodes of levels of detail
 
   std::uint64_t end_row() const { return first_row + rows; }
 };
@@ -80,12 +80,12 @@ class POINTSWEEP_EXPORT RowDecoder {
   virtual ~RowDecoder() = default;
 
   /// Decodes the records `row`, `row+1`, ... into `records` (as many whole records as fit, fewer only at the end of the
-  /// file) and returns how many. A call that continues the one before costs nothing more than its own rows; a jump
-  /// decodes the rows of the chunk that are before `row`. Throws Error when the file fails or has changed.
+  /// file) and returns their number. A call that continues the previous one decodes only its own rows; a jump also
+  /// decodes the rows of the chunk before `row`. Throws Error if reading fails or the file has changed.
   virtual std::size_t read(std::uint64_t row, std::span<std::byte> records) = 0;
 };
 
-/// Fields of a schema by index. Empty: all of them.
+/// Indices of fields of a schema. Empty: all fields.
 using WantedFields = std::vector<std::size_t>;
 
 /// Gives the points of one input by rows, from row 0 on.
@@ -102,14 +102,14 @@ class POINTSWEEP_EXPORT Reader {
   virtual ~Reader() = default;
   const FileInfo& info() const { return info_; }
 
-  /// The chunk that holds `row` < info().count. Thread-safe. By default all rows are one chunk.
+  /// Returns the chunk that contains `row` < info().count. Thread-safe. By default all rows are one chunk.
   virtual Chunk chunk_of(std::uint64_t row) const;
-  /// Returns whether decoder() gives decoders. If not, one thread at a time reads rows by read(). Thread-safe.
+  /// Returns whether decoder() returns decoders. If not, only read() reads rows, on one thread at a time. Thread-safe.
   virtual bool has_decoders() const { return false; }
   /// Returns whether any range of rows is a chunk, as where all records have one size. Thread-safe.
   virtual bool decodes_any_range() const { return false; }
-  /// A decoder for one thread, beside which others may decode. Thread-safe. Only the `wanted` fields of its records are
-  /// sure to have their values; the bytes of the others are unspecified. Null without has_decoders().
+  /// Returns a decoder for one thread; other threads may decode at the same time. Thread-safe. In its records only the
+  /// `wanted` fields have their values; the bytes of the others are unspecified. Null if not has_decoders().
   virtual std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const;
 
   /// Reads records as RowDecoder::read does, through the reader's own decoder. Not thread-safe.
@@ -127,15 +127,15 @@ class POINTSWEEP_EXPORT Reader {
   FileInfo info_;
 
  private:
-  std::unique_ptr<RowDecoder> own_decoder_;  ///< of read(), between the first row and the last
+  std::unique_ptr<RowDecoder> own_decoder_;  ///< decoder of read(), between the first row and the last
 };
 
-/// Opens a point file of any known format, told by its content. `format` names one that has no signature ("kitti",
-/// "float32-xyz"); it is that of the file unless the name of the file ends as those of another format.
-/// "depth:3" and "spacing:0.5" choose levels of detail, those of depths 0 to 3, or of as many depths as it takes until
-/// points lie no farther apart; only their bytes are read. Throws Error for a file without levels.
-/// "text:x,y,z,-,intensity" names the columns of a text file, "-" for those to skip, and replaces its header. Throws
-/// Error in one sentence when it cannot, UsageError for an unknown `format`.
+/// Opens a point file. Its content tells the format. `format` names a format without a signature ("kitti",
+/// "float32-xyz"), which applies unless the extension of the file belongs to another format. "depth:3" and
+/// "spacing:0.5" choose levels of detail: depths 0 to 3, or all depths up to the first with this spacing or less; only
+/// their bytes are read. Throws Error for a file without levels. "text:x,y,z,-,intensity" names the columns of a text
+/// file, "-" for those to skip, and replaces its header. Throws Error if the file cannot be opened, UsageError for an
+/// unknown `format`.
 POINTSWEEP_EXPORT std::unique_ptr<Reader> open_reader(const std::filesystem::path& path, std::string_view format = "");
 
 /// Points from arrays, which are borrowed and must outlive the reader.
@@ -145,7 +145,7 @@ class POINTSWEEP_EXPORT ArrayReader final : public Reader {
   explicit ArrayReader(std::span<const float> xyz);
   explicit ArrayReader(std::span<const double> xyz);
 
-  /// One more attribute: N×names.size() values, those of one point side by side, e.g. {"nx", "ny", "nz"}.
+  /// Adds an attribute: N×names.size() values, those of one point side by side, e.g. {"nx", "ny", "nz"}.
   void add(const std::vector<std::string>& names, std::span<const float> values);
   void add(const std::vector<std::string>& names, std::span<const double> values);
 
@@ -154,7 +154,7 @@ class POINTSWEEP_EXPORT ArrayReader final : public Reader {
  private:
   struct Column {
     const std::byte* values;
-    std::size_t bytes;  ///< of one point
+    std::size_t bytes;  ///< bytes per point
   };
   void add_column(const std::vector<std::string>& names, Type type, std::span<const std::byte> values);
 

@@ -25,8 +25,8 @@ namespace pointsweep {
 /// The order of the output's rows. It never changes a value.
 enum class Order : std::uint8_t {
   input,  ///< row i of the output is row i of the input
-  sweep,  ///< canonical order along the sweep axis: coordinate on it, ties by x, y, z, row; not finite ones last, by
-          ///< row. Of the input's positions, or of those at the last Resort of the chain
+  sweep,  ///< canonical order along the sweep axis: coordinate on it, ties by x, y, z, row; not finite points last, by
+          ///< row; at the positions of the input, or of the last Resort of the chain
 };
 
 /// The engine, which finds the neighbourhoods and moves the points through the operators. The library has only `exact`.
@@ -65,8 +65,8 @@ class POINTSWEEP_EXPORT Observer {
   /// Called with each sentence about the input, the request or the output that may have an unexpected result, as soon
   /// as the sentence is known.
   virtual void on_warning(const std::string& sentence);
-  /// Called with each sentence about what the run does by itself: defaults in another unit, an earlier process that is
-  /// continued, and the estimate of a long run while there is time to stop. Calls on_warning() unless overridden.
+  /// Called with each sentence about an automatic decision of the run: defaults in another unit, the continuation of an
+  /// earlier process, and the estimate of a long run before it starts. Calls on_warning() unless overridden.
   /// Statistics::warnings has the sentences of both functions, except estimates.
   virtual void on_note(const std::string& sentence);
 
@@ -81,24 +81,25 @@ class POINTSWEEP_EXPORT Observer {
 
 /// The resources of the machine that a run may take. No result depends on them.
 struct Resources {
-  std::uint64_t memory_bytes = 0;  ///< budget of the whole process; 0: half of what is available
-  unsigned threads = 0;            ///< most threads; 0: one for each core. Fewer work where the budget is too small
+  std::uint64_t memory_bytes = 0;  ///< memory budget of the whole process; 0: half of the available memory
+  unsigned threads = 0;            ///< most threads; 0: one for each core. Fewer are used if the budget is too small
   /// Folder for data that do not fit the budget. Must exist and be writable, even if nothing is spilled; empty: the
   /// folder of the system.
   std::filesystem::path temp_folder = {};
 };
 
 /// The division of the points of an output among several point files: by square tiles in x and y, or by the values of
-/// an attribute. Each point is in exactly one file, where the points keep their order. All files have one layout, one
-/// grid and one header but for counts and bounds. Files without points are not written.
+/// an attribute. Each point is in exactly one file, and points keep their order. All files have the same layout, grid
+/// and header, except for counts and bounds. Files without points are not written.
 struct OutputDivision {
   /// Length of the edge of a tile, above 0; absent: no tiles. Tile (i, j) holds origin.x + i * tile <= x < origin.x +
   /// (i + 1) * tile, and y likewise, in float64, of the coordinates that a reader of the output gets. Its name is
   /// `X_Y`, its lower corner. Points whose x or y is not finite are in the file `unplaced`.
   std::optional<double> tile = {};
   std::array<double, 2> tile_origin = {0, 0};  ///< a corner of tiles
-  /// From 0 to `tile`: a tile also holds the points of the eight tiles around it that are less than this outside of it
-  /// in x and in y, at its lower sides up to this. All points have the attribute `buffer`, which is 1 for these.
+  /// Width of a buffer around each tile, from 0 to `tile`. A tile also contains the points of the eight adjacent tiles
+  /// that are less than this outside of it in x and in y; on its lower sides, at most this. All points have the
+  /// attribute `buffer`, which is 1 for these.
   double tile_buffer = 0;
   /// Name of an attribute of the output, of whole numbers. The name of a file is `ATTRIBUTE_VALUE`. Empty: none.
   std::string split = {};
@@ -111,55 +112,58 @@ struct OutputDivision {
 /// Options of a run: first the options that the results depend on, then its resources, then its observer.
 struct RunOptions {
   Order order = Order::input;
-  std::optional<int> axis = {};  ///< of the sweep: 0, 1, 2; absent: the longest
+  std::optional<int> axis = {};  ///< axis of the sweep: 0, 1, 2; absent: the longest
   Engine engine = Engine::exact;
   Nonfinite nonfinite = Nonfinite::by_format;
   bool overwrite = false;  ///< outputs may replace existing files
-  /// Type of x, y and z in the output, Type::f64 or Type::f32, to which positions are then rounded while normals and
-  /// all else describe the unrounded ones. Absent: that of the input, Type::f64 where the chain moves points. Refused
-  /// for LAS, which stores integers.
+  /// Type of x, y and z in the output, Type::f64 or Type::f32. Positions are rounded to it, while normals and other
+  /// results belong to the positions before rounding. Absent: the type of the input, or Type::f64 if the chain moves
+  /// points. A UsageError for LAS, which stores integers.
   std::optional<Type> positions = {};
-  FileLayout layout = {};  ///< of the files
-  /// Of Outputs::points, whose path then has a * in the place of the name of each file. At most 10,000 files are
-  /// written, unless `overwrite` allows more, which it refuses before the first. Not with resume_folder.
+  FileLayout layout = {};  ///< layout of the point files
+  /// Divides Outputs::points, whose path must have a * for the names of the files. More than 10,000 files are an error
+  /// before the first is written, unless `overwrite`. Not with resume_folder.
   OutputDivision division = {};
-  /// Attributes of the input that made ones may overwrite, although they are not the same: `curvature`, above all,
-  /// which programs disagree about. What bears the very name of a made one (nx, ny, nz) is overwritten in any case.
+  /// Attributes of the input that made attributes may overwrite although their meanings may differ, such as
+  /// `curvature`, which programs define differently. Attributes with exactly the name of a made one (nx, ny, nz) are
+  /// always overwritten.
   std::vector<std::string> replace = {};
   std::string prefix = {};  ///< before the names of made attributes in outputs, except positions
   /// Outputs hold a record of this run: its operators with their options, and the inputs. The records of the inputs
   /// stay in any case.
   bool provenance = true;
-  bool input_paths = false;  ///< that record holds the absolute paths of the inputs instead of their file names
+  bool input_paths = false;  ///< the record has the absolute paths of the inputs instead of their file names
 
   Resources resources = {};
-  /// A folder for checkpoints, in the place of the temporary folder: if this process ends before the run is complete,
-  /// the same run, given the same folder, goes on from the last checkpoint. Refused if another run is in it, removed
-  /// when the run is complete. Everything is spilled. Needs inputs that are files, and Engine::exact. Empty: none.
+  /// A folder for checkpoints, used instead of the temporary folder. If the process ends before the run is complete,
+  /// the same run with the same folder continues from the last checkpoint. The folder of another run is an error; it is
+  /// removed when the run is complete. All intermediate data go to files. Needs inputs that are files, and
+  /// Engine::exact. Empty: no checkpoints.
   std::filesystem::path resume_folder = {};
-  Observer* observer = nullptr;  ///< borrowed; null: none
+  Observer* observer = nullptr;  ///< borrowed; null: no observer
 };
 
 /// Destinations of the results: any of the first three, e.g. {.points = "out.ply"}, or tiles. A run without a
 /// destination is refused.
 struct Outputs {
-  /// Point file with the attributes of the input and the made ones; the extension says the format. With
+  /// Point file with the attributes of the input and the made ones; its extension tells the format. With
   /// RunOptions::division: the point files, e.g. out/*.laz, where * stands for their names. Missing folders are made.
   std::filesystem::path points = {};
   /// Made attribute -> .npy file; needs Order::input.
   std::vector<std::pair<std::string, std::filesystem::path>> arrays = {};
   /// Makes a writer for the same records as `points` would get: an ArrayWriter, or one of your own.
   std::function<std::unique_ptr<Writer>(const OutputPlan&)> writer = {};
-  /// In place of the others: a point file for each input of the cloud, in their order, with its rows in their order,
-  /// its own attributes in their types, its header and grid, and what was made of the whole cloud. Each is complete or
+  /// Used instead of the members above: a point file for each input of the cloud, in their order. It has the input's
+  /// rows, attributes, types, header and grid, and the attributes made from the whole cloud. Each file is complete or
   /// absent. Needs Order::input. Missing folders are made.
   std::vector<std::filesystem::path> tiles = {};
 };
 
-/// Runs `chain` over `cloud`: complete outputs, or none and an exception; of tiles, those that were complete before it
-/// stay. The bytes of the outputs depend on the points, the chain and the options above `resources` alone. Throws
-/// UsageError for a chain that does not fit and for an output that is an input or another output, by whatever path;
-/// Error for files, memory and disk, and for a budget that is too small, before the work starts; Cancelled.
+/// Runs `chain` over `cloud`: all outputs are complete, or there are none and an exception; tiles that were complete
+/// before the exception remain. The bytes of the outputs depend on the points, the chain and the options above
+/// `resources` alone. Throws UsageError for a chain that does not fit and for an output that is an input or another
+/// output, by whatever path; Error for files, memory and disk, and for a budget that is too small, before the work
+/// starts; Cancelled.
 POINTSWEEP_EXPORT Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs,
                                  const RunOptions& options = {});
 
@@ -168,8 +172,8 @@ POINTSWEEP_EXPORT Statistics run(Cloud& cloud, const Chain& chain, const Outputs
 POINTSWEEP_EXPORT Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options = {},
                                   const std::vector<std::string>& keep = {});
 
-/// Describes a run() in lines for people: passes, stages with their buffers, columns, slabs and memory. Looks at a
-/// sample of the cloud and writes nothing. Throws what run() would throw before the work. `output`: the point file to
+/// Describes a run() in lines for people: passes, stages with their buffers, columns, slabs and memory. Reads a sample
+/// of the cloud and writes nothing. Throws the errors that run() throws before the work. `output`: the point file to
 /// write, which need not exist.
 POINTSWEEP_EXPORT std::string plan_text(Cloud& cloud, const Chain& chain, const std::filesystem::path& output = {},
                                         const RunOptions& options = {});

@@ -20,9 +20,9 @@ POINTSWEEP_EXPORT bool is_url(std::string_view name);
 POINTSWEEP_EXPORT bool is_url(const std::string& name);
 POINTSWEEP_EXPORT bool is_url(const std::filesystem::path& name);
 
-/// Returns the place that a user has named: a path for file://, a URL without its password and its signature, or the
-/// name as it is. The process keeps what it leaves out for requests. Cloud and list_inputs() call it themselves; a
-/// program that shows names of its own calls it before.
+/// Returns the place that a user has named: a path for file://, a URL without its password and signature, or the
+/// unchanged name. The process remembers passwords and signatures for requests. Cloud and list_inputs() call this
+/// function; a program that prints names calls it first.
 POINTSWEEP_EXPORT std::filesystem::path known_place(const std::filesystem::path& named);
 /// Returns a text, such as a pipeline, in which known_place() has replaced each URL.
 POINTSWEEP_EXPORT std::string with_known_places(const std::string& text);

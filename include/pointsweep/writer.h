@@ -30,14 +30,14 @@ struct Anchor {
   friend bool operator==(const Anchor&, const Anchor&) = default;
 };
 
-/// The wishes of a user about the way in which a file stores its points. A writer chooses what is absent. Only some
-/// formats have a place for each wish; a run refuses it for outputs of other formats.
+/// Options of a user for the way in which a file stores points. The writer chooses absent options. Only some formats
+/// support each option; for other formats a run throws UsageError.
 struct FileLayout {
   /// LAS: length of a step of the integer coordinates on each axis, above 0. Coordinates are rounded to the nearest
   /// step. Absent: the scale of the inputs, or the finest that reaches all points.
   std::optional<Vec3> scale = {};
-  /// LAS: coordinates of the integers 0. A chosen offset is the multiple of 1,000 steps nearest to the middle. Absent:
-  /// that of the inputs if it reaches all points, else another one, whole steps away.
+  /// LAS: the coordinates that integers 0 stand for. A chosen offset is the multiple of 1,000 steps nearest to the
+  /// middle. Absent: the offset of the inputs if it reaches all points, else another one, a whole number of steps away.
   std::optional<Anchor> offset = {};
   std::optional<int> point_format = {};  ///< LAS: 0 to 10. Attributes without a field there become extra bytes
   std::optional<int> las_version = {};   ///< LAS: 0 to 4 for LAS 1.0 to 1.4
@@ -51,38 +51,38 @@ struct OutputPlan {
   std::filesystem::path path;
   Schema schema;                               ///< lists the fields in the order of columns
   std::uint64_t count = 0;                     ///< exact number of records that will come
-  std::shared_ptr<const FormatExtras> extras;  ///< of the (first) input; null if there is none
-  bool overwrite = false;                      ///< without it an existing file is refused
+  std::shared_ptr<const FormatExtras> extras;  ///< extras of the (first) input; null if there are none
+  bool overwrite = false;                      ///< if false, an existing file is an error
   /// Box of the finite coordinates. Formats that store integers (LAS) need it where the input is not of that format,
   /// for their scale has to be known before the first record.
   std::optional<Box> bounds = std::nullopt;
-  /// Coordinate reference system of the points. Not needed where `extras` have it for a writer of the same format.
+  /// Coordinate reference system of the points. Not needed if `extras` have it for a writer of the same format.
   std::optional<Crs> crs = std::nullopt;
   /// `crs`, or none where it is absent, counts in place of what `extras` state.
   bool replaces_crs = false;
   /// The meaning of coordinates and times in an input that is or was LAS.
   std::shared_ptr<const LasOrigin> las = nullptr;
-  /// The known ranges of the values of the input's fields, which are the first of `schema`; null: only types are known.
+  /// Known ranges of the values of the input's fields, which come first in `schema`; null: only types are known.
   std::shared_ptr<const KnownValues> values = nullptr;
-  /// The extras of the inputs after the first; of some that are alike (FormatExtras::is_like), one may stand for all.
+  /// The extras of the inputs after the first; one of several alike (FormatExtras::is_like) may represent all.
   std::vector<std::shared_ptr<const FormatExtras>> other_extras = {};
   /// The attributes in `schema` that operators made: formats that describe attributes take the meaning from here.
   std::vector<Attribute> made = {};
-  /// Lines that the file is to hold about how it was made, those of `extras` first. Formats without a place for them
-  /// ignore them.
+  /// Lines about how the file was made, which the file stores; those of `extras` come first. Formats without a place
+  /// for them ignore them.
   std::vector<std::string> provenance = {};
   FileLayout layout = {};
-  /// Memory that the writer may take to encode several pieces at once; 0: as much as a few of them take.
+  /// Memory for encoding several pieces at once; 0: enough for a few.
   std::uint64_t encoder_bytes = 0;
-  /// Makes files for what a writer that puts points in another order puts aside. Null: all of it stays in memory.
+  /// Makes files for a writer that stores all points until it knows their order. Null: they stay in memory.
   std::function<std::unique_ptr<Scratch>()> scratch = {};
-  /// Where an output to a URL waits until it is complete; empty: the system's folder for temporary files.
+  /// Folder in which an output to a URL is stored until it is complete; empty: the system's folder for temporary files.
   std::filesystem::path temp_folder = {};
 };
 
-/// Takes the records of an output. The writers of files let the file grow under a hidden name beside its destination,
-/// and finish() renames it; destruction without finish() removes it, so that no half-written output is ever visible. A
-/// writer of your own should do likewise.
+/// Takes the records of an output. The library's writers write a hidden file beside its destination, which finish()
+/// renames. Destruction without finish() removes it, so that no half-written output is ever visible. A writer of your
+/// own should do the same.
 class POINTSWEEP_EXPORT Writer {
  public:
   virtual ~Writer() = default;
@@ -92,11 +92,12 @@ class POINTSWEEP_EXPORT Writer {
 
   /// True for formats whose records have a fixed size in the file, so that write_at() works.
   virtual bool can_write_at() const { return false; }
-  /// Writes whole records at `row`; every row must be written at least once, in any order. Not to be mixed with
-  /// write(). Not thread-safe.
+  /// Writes whole records at `row`; every row must be written at least once, in any order. A caller uses either write()
+  /// or write_at(). Not thread-safe.
   virtual void write_at(std::uint64_t row, std::span<const std::byte> records);
 
-  /// Completes the file and gives it its name. Nothing may follow. Throws Error if fewer or more records came.
+  /// Completes the file and renames it to its destination. Must be the last call. Throws Error if the number of records
+  /// was wrong.
   virtual void finish() = 0;
 
   std::uint64_t bytes_written() const { return bytes_written_; }
@@ -121,7 +122,7 @@ POINTSWEEP_EXPORT std::vector<std::string_view> writable_extensions();
 template <class T>
 class POINTSWEEP_EXPORT ArrayWriter final : public Writer {
  public:
-  /// Throws UsageError if a field is missing or `values` has another size; both are borrowed until finish().
+  /// Throws UsageError if a field is missing or `values` has another size. Borrows `values` until finish().
   ArrayWriter(const OutputPlan& plan, const std::vector<std::string>& names, std::span<T> values);
 
   void write(std::span<const std::byte> records) override;
@@ -130,7 +131,7 @@ class POINTSWEEP_EXPORT ArrayWriter final : public Writer {
   void finish() override;
 
  private:
-  std::vector<Field> fields_;  ///< one for each column of values, of one component each
+  std::vector<Field> fields_;  ///< fields of one component each, for the columns of values
   std::size_t stride_;
   std::span<T> values_;
   std::uint64_t count_;
