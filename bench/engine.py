@@ -39,9 +39,10 @@ def tool(options, verb, cloud, *words, threads=None):
 
 
 def threads(options, cloud):
-    every, one = f"normals, {options.threads} threads", "normals, 1 thread"
-    return [Case(every, tool(options, "normals", cloud, "-k", 8), in_memory=True),
-            Case(one, tool(options, "normals", cloud, "-k", 8, threads=1), over=every, in_memory=True)]
+    """One, two, four and so on, up to all."""
+    counts = sorted({options.threads, *(2**i for i in range(options.threads.bit_length()))})
+    return [Case(f"normals, {n} thread{'s' if n > 1 else ''}", tool(options, "normals", cloud, "-k", 8, threads=n), over="normals, 1 thread" if n > 1 else None,
+                 in_memory=True) for n in counts]
 
 
 def memory(options, cloud):
@@ -122,7 +123,7 @@ def measure(options, part, size):
 def remarks(row):
     median, ratio = row["median"], row.get("ratio", {})
     if row["part"] == "threads" and "busy_seconds" in ratio:
-        yield f"search and operators {ratio['busy_seconds']:.2f}"
+        yield f"{1 / ratio['wall_seconds']:.1f} times as fast as one thread, search and operators {1 / ratio['busy_seconds']:.1f}"
     if row["part"] in ("threads", "memory"):
         yield (f"order {median['order_seconds'] / median['total_seconds']:.0%}, write {median['write_seconds'] / median['total_seconds']:.0%}"
                " of the wall time")
