@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Blocks of one size, carved from pieces of memory that grow with what is needed.
+/// Blocks of one size, cut from pieces of memory that grow with demand.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ class BlockPool {
   /// Returns a block whose content is undefined. The pool owns it.
   std::byte* take();
   void give_back(std::byte* block);
-  /// Returns all memory of the pool to the system. All blocks must have been given back.
+  /// Returns all memory to the system. All blocks must have been returned to the pool.
   void clear();
   /// Returns the bytes of the blocks that are taken now.
   std::size_t taken_bytes() const;

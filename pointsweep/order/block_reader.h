@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Reads blocks of rows of a source for one thread, beside others, and decodes their positions.
+/// A reader of blocks of rows for one thread, which also decodes their positions. Other threads may read at the same
+/// time.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +19,7 @@ std::vector<std::size_t> position_columns(const Schema& schema);
 
 class BlockReader {
  public:
-  /// `wanted`: the fields that are needed; empty: all. The source must outlive the reader and have for_thread().
+  /// `wanted`: the required fields; empty: all. The source must outlive the reader and have for_thread().
   BlockReader(const PointSource& source, const std::vector<std::size_t>& wanted);
 
   /// Throws Error if the source ends before.

@@ -24,7 +24,7 @@ std::uint64_t ascending_bits(double value) {
 
 int bits_of(std::uint64_t value) { return 64 - std::countl_zero(value); }
 
-/// Sorts by one coordinate after the other: 32 significant bits at a time by radix, then what these leave tied.
+/// Sorts by one coordinate after another: 32 significant bits at a time by radix sort, then the ties.
 class CanonicalSort {
  public:
   CanonicalSort(int axis, std::span<const double> x, std::span<const double> y, std::span<const double> z,
@@ -39,7 +39,7 @@ class CanonicalSort {
       if (static_cast<int>(a) != axis) levels_[level++] = xyz[a];
   }
 
-  /// Sorts order_[begin, end), all of which are equal in the levels before `level`.
+  /// Sorts order_[begin, end), whose points are equal in the levels before `level`.
   void sort(std::size_t level, std::size_t begin, std::size_t end) {
     if (end - begin <= kSmall) return sort_small(level, begin, end);
     std::uint64_t least = std::numeric_limits<std::uint64_t>::max(), greatest = 0, ones = 0;
@@ -61,7 +61,7 @@ class CanonicalSort {
       items_[i] = ((key(level, order_[i]) >> shift) - (least >> shift)) << 32 | order_[i];
     radix_sort(begin, end, bits_of((greatest >> shift) - (least >> shift)));
     for (std::size_t i = begin; i < end; ++i) order_[i] = static_cast<std::uint32_t>(items_[i]);
-    // Points still tied are equal in this coordinate if all its bits were looked at.
+    // Tied points are equal in this coordinate if all its bits were compared.
     settle_ties(shift == zeros ? level + 1 : level, begin, end);
   }
 

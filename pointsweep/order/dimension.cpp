@@ -53,8 +53,8 @@ double box_counting_dimension(std::span<const Vec3> sample) {
     if (contains(box, sample[i])) inside.push_back(sample[i]);
   if (inside.size() < kTooFew / 2) return kUndecided;
 
-  // With fewer than about eight points in a cell of the finer grid, some cells that the surface crosses hold no sample
-  // point. Whole numbers of cells: a grid that ends within a cell would count it as full.
+  // With fewer than about eight points per cell of the finer grid, some cells that the surface crosses would contain no
+  // sample point. The numbers of cells are whole, since a cell cut off by the end of the grid would count as full.
   const std::size_t wanted = inside.size() / 8;
   std::uint64_t coarse_cells = 1;
   while (occupied_cells(inside, box, 2 * coarse_cells) < wanted && coarse_cells < kMostCells / 4) coarse_cells *= 2;

@@ -40,10 +40,10 @@ struct Chunk {
   std::uint64_t next = 0, end = 0;  ///< records that its thread has taken, but not read
   std::unique_ptr<std::byte[]> records, sorted;
   std::unique_ptr<double[]> numbers;       ///< x, then y, then z, then rows if they are the key
-  std::unique_ptr<std::uint16_t[]> list;   ///< by record
-  std::unique_ptr<std::uint32_t[]> place;  ///< by record, in `sorted`
-  std::vector<std::uint32_t> begin;        ///< by list, in `sorted`
-  std::vector<GrowingBox> boxes;           ///< by list, of all records this chunk ever held
+  std::unique_ptr<std::uint16_t[]> list;   ///< list of each record
+  std::unique_ptr<std::uint32_t[]> place;  ///< place of each record in `sorted`
+  std::vector<std::uint32_t> begin;        ///< first record of each list in `sorted`
+  std::vector<GrowingBox> boxes;           ///< for each list, the box of all records that this chunk ever had
 };
 
 class Distribution {
@@ -107,8 +107,8 @@ class Distribution {
     return true;
   }
 
-  /// The next records of what the thread has taken, or of what no thread has: up to `end`, or as many as there is room
-  /// for where that is next_.
+  /// Takes the next records: of the thread's own range, else of the rows that no thread has. A new range ends at `end`,
+  /// or where the chunk is full if `end` is not after next_.
   bool take(Chunk& chunk, std::uint64_t end) {
     if (chunk.next == chunk.end) {
       if (next_ == input_.count) return false;
@@ -169,7 +169,7 @@ class Distribution {
     for (std::size_t i = 0; i < chunk.count; ++i) ++begin[chunk.list[i] + std::size_t{1}];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     for (std::size_t i = 0; i < chunk.count; ++i) chunk.place[i] = begin[chunk.list[i]]++;
-    // Each begin is now the begin of the next list.
+    // Each begin has advanced to the begin of the next list.
     std::copy_backward(begin.begin(), begin.end() - 1, begin.end());
     begin[0] = 0;
     input_.record.scatter(chunk.records.get(), input_.schema.stride, chunk.count, chunk.first, chunk.place.get(),
@@ -194,7 +194,7 @@ class Distribution {
   std::size_t capacity_ = 0;  ///< most records of a chunk
   std::uint64_t next_ = 0;    ///< number of the first record that no thread has taken
   std::uint64_t read_ = 0;    ///< records read
-  FirstFailure failure_;      ///< by row
+  FirstFailure failure_;      ///< ordered by row
   std::mutex reading_;
   std::vector<Chunk> chunks_;  ///< one for each thread
 };

@@ -31,20 +31,21 @@ struct PartitionInput {
   ReadRecords read;             ///< called by one thread at a time, in order
   const WorkingRecord& record;  ///< makes the record that the store gets from a record read
   SortKey key;
-  std::span<const Splitters> splitters;  ///< one, and a second one for sparse places, whose pieces are numbered on
+  std::span<const Splitters> splitters;  ///< one, or a second one for sparse places, whose pieces are numbered after
+                                         ///< the first
   std::size_t first_list;                ///< piece p goes to list first_list + p of the store
-  std::optional<std::size_t>
-      nonfinite_list;                     ///< without it all points are taken to be finite, or the key to be the row
+  std::optional<std::size_t> nonfinite_list;  ///< absent: all points are finite, or the key is the row
   std::size_t memory_bytes;               ///< aim for all buffers of the pass
   const LocalSpacing* spacing = nullptr;  ///< knows the sparse places, where there are two splitters
   /// Makes a function that replaces `read` for one thread while other threads read with theirs; may return an empty
   /// one.
   std::function<ReadRecords()> for_thread = {};
   std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};  ///< has the meaning of PointSource::chunk_end
-  std::function<void(std::uint64_t rows)> progress = {};  ///< told the records read; called by one thread at a time
+  std::function<void(std::uint64_t rows)> progress = {};  ///< called with the number of records read, by one thread at
+                                                          ///< a time
 };
 
-/// Returns the tight boxes of the pieces. Which points a piece gets and its box never depend on threads.
+/// Returns the tight boxes of the pieces. The points of a piece and its box do not depend on threads.
 std::vector<Box> distribute(const PartitionInput& input, SlabStore& store);
 
 }  // namespace pointsweep

@@ -14,10 +14,10 @@ namespace pointsweep {
 namespace {
 
 constexpr Encoding kSpacingEncoding{"local spacing", 1};
-/// Side of the root cube in extents of the middle 98 % of the sample. With 2, the end of the middle would be where cubes
-/// meet, and the last points of an even cloud, those along its edges, would be alone in large cubes and seem sparse.
+/// Side of the root cube, relative to the extent of the middle 98 % of the sample. With 2, that extent would end where
+/// cubes meet: the last points of an even cloud, along its edges, would be alone in large cubes and seem sparse.
 constexpr double kRootSide = 2.1;
-constexpr int kLevels = 21;          ///< three coordinates of so many bits fit 64
+constexpr int kLevels = 21;          ///< three coordinates of this many bits fit in 64 bits
 constexpr int kTableLevels = 4;      ///< levels of the table that finds a run
 constexpr std::size_t kFew = 16;     ///< a leaf has fewer sample points
 constexpr double kInLeaf = 6;        ///< sample points in a leaf across which a surface lies, on average

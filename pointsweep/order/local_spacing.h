@@ -12,15 +12,14 @@
 
 namespace pointsweep {
 
-/// Space as an octree over the sample: a cube with fewer than 16 sample points is a leaf, and the side of its leaf
-/// tells how far apart points lie at a place. A place off a surface is in a leaf about as large as its distance to it,
-/// so that outliers are found too. Far outside the middle 98 % of the sample, distance takes the place of the side.
-///
-/// No result depends on it: it decides how slabs and cells are cut. The paper has nothing like it and names outliers as
+/// The local spacing of points, from an octree over the sample: a cube with fewer than 16 sample points is a leaf,
+/// whose side measures the spacing in it. A place off a surface is in a leaf about as large as its distance to it, so
+/// that outliers are found too. Far outside the middle 98 % of the sample, the distance to it replaces the side. No
+/// result depends on it: it decides how slabs and cells are cut. The paper has no such structure, and names outliers as
 /// its major limitation (Section 8).
 class LocalSpacing {
  public:
-  /// Knows nothing: no place is sparse.
+  /// Makes an empty object, by which no place is sparse.
   LocalSpacing() = default;
   /// `points` is the number of points of the cloud that the sample was taken from, `dimension` its intrinsic dimension.
   /// Takes about 13 ms for 65,536 sample points.
@@ -33,10 +32,10 @@ class LocalSpacing {
   /// Estimates of the distance between neighbouring points at each sample point, in length units, within a factor of
   /// about two; empty if nothing is known.
   const std::vector<double>& at_sample() const { return at_sample_; }
-  /// Returns whether there are sparse places: whether some sample points lie where points are 16 times farther apart
-  /// than at most sample points.
+  /// Returns whether there are sparse places: whether the spacing at some sample points is more than 16 times that of
+  /// most sample points.
   bool has_sparse_places() const { return !begin_.empty(); }
-  /// Returns whether a place is sparse. `p` must be finite. The answer depends on the place alone. Takes about 10 ns.
+  /// Returns whether a place is sparse. `p` must be finite. The answer depends only on the place. Takes about 10 ns.
   bool is_sparse(Vec3 p) const;
 
  private:
@@ -55,10 +54,11 @@ class LocalSpacing {
   std::vector<double> at_sample_;
   Vec3 lo_;                        ///< corner of the root cube
   double side_ = 0;                ///< length of the side of the root cube
-  std::int32_t sparse_level_ = 0;  ///< this level and those below it are sparse
+  std::int32_t sparse_level_ = 0;  ///< leaves of this level and coarser ones are sparse
   std::vector<std::uint64_t>
-      begin_;  ///< runs of leaves along the Z-curve, ascending: not sparse, sparse, not sparse...
-  std::vector<std::uint32_t> first_;  ///< by leading bits of a code: the run it falls into; one more at the end
+      begin_;  ///< begins of runs of leaves along the Z-curve, ascending: not sparse, sparse, not sparse...
+  std::vector<std::uint32_t> first_;  ///< for each value of the leading bits of a code: its run; one more entry at the
+                                      ///< end
   double inverse_side_ = 0;
 };
 

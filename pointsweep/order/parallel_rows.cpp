@@ -6,7 +6,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kLeastPieceRows = 1024;  ///< where any range is a chunk
+constexpr std::uint64_t kLeastPieceRows = 1024;  ///< for a source that may be split at any row
 
 }  // namespace
 

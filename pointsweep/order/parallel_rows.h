@@ -13,15 +13,15 @@
 
 namespace pointsweep {
 
-/// Has a reader for each thread. Each chunk is read by one of them, also where it is continued by the next call. Where
-/// only one thread at a time can read the source, it is read in turn.
+/// Reads a source on all threads, each with its own reader. A chunk is always read by the same reader, also if the next
+/// call continues it. If only one thread at a time can read the source, one reader reads all rows.
 class ParallelRows {
  public:
   explicit ParallelRows(PointSource source) : source_(std::move(source)) {}
 
   /// Returns whether several threads read the source, so that others may read it meanwhile, too.
   bool is_parallel();
-  /// Fills `records` (whole ones) from `row` on, or throws Error if the source ends before. Not thread-safe.
+  /// Fills `records` (whole records) from `row` on. Throws Error if the source ends before. Not thread-safe.
   void read(std::uint64_t row, std::span<std::byte> records);
 
  private:
@@ -36,7 +36,7 @@ class ParallelRows {
   std::size_t next_ = 0;           ///< reader of the chunk at which the last call ended
 };
 
-/// The rows of a task that only works on what is in memory.
+/// Number of rows for a task that works only on data in memory.
 inline constexpr std::size_t kTaskRows = 4096;
 
 /// Calls work(first, n) for tasks that cover rows [0, rows), on all threads.

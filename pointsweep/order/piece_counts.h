@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// One reading of a source that counts its points piece by piece and stores none.
+/// A reading of a source that counts the points of each piece and stores none.
 #pragma once
 
 #include <array>
@@ -33,18 +33,18 @@ struct RowBlock {
 };
 
 struct PieceCounts {
-  std::vector<std::uint64_t> points;  ///< by piece
-  std::vector<Box> boxes;             ///< by piece, tight
+  std::vector<std::uint64_t> points;  ///< for each piece
+  std::vector<Box> boxes;             ///< tight box of each piece
   std::uint64_t nonfinite = 0;        ///< points in no piece
-  std::vector<RowBlock> blocks;       ///< all rows, ascending
+  std::vector<RowBlock> blocks;       ///< cover all rows, ascending
 };
 
 /// Cuts the rows of a source of `count` rows into blocks of at most `most` rows. A block does not cross the end of one
 /// of the `boxes`, which ascend and do not overlap.
 std::vector<RowBlock> cut_into_blocks(std::uint64_t count, std::uint64_t most, std::span<const RowBox> boxes);
 
-/// Reads all `blocks` of the source on all threads; the source must have for_thread(). The counts never depend on
-/// threads. `progress` is told the rows read by one thread at a time.
+/// Reads all `blocks` of the source on all threads; the source must have for_thread(). The counts do not depend on
+/// threads. `progress` is called with the rows read, by one thread at a time.
 PieceCounts count_pieces(const PointSource& source, const PieceFinder& finder, int axis, std::vector<RowBlock> blocks,
                          const std::function<void(std::uint64_t rows)>& progress);
 

@@ -10,12 +10,11 @@
 
 namespace pointsweep {
 
-/// The pieces of one Splitters, and those of a second Splitters for points in sparse places if there is one. Pieces of
-/// the second are numbered after the pieces of the first.
+/// Finds the piece of a point. A second Splitters may exist for points in sparse places; its pieces are numbered after
+/// those of the first.
 class PieceFinder {
  public:
-  /// `splitters` and `spacing` are borrowed. `spacing` knows the sparse places where there are two splitters; else it
-  /// may be null.
+  /// Borrows both. `spacing` tells sparse places; it may be null if there is one Splitters.
   PieceFinder(std::span<const Splitters> splitters, const LocalSpacing* spacing)
       : splitters_(splitters), spacing_(spacing) {}
 

@@ -15,21 +15,21 @@ namespace pointsweep {
 
 class RowFile {
  public:
-  /// Room for `rows` records of `record_bytes`: in memory or spilled.
+  /// Makes room for `rows` records of `record_bytes`, in memory or in a spill file.
   RowFile(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& spill);
-  /// Records that are kept elsewhere: read(row, records) fills them, and is thread-safe.
+  /// Refers to records that are stored elsewhere: read(row, records) fills `records`, and is thread-safe.
   using ReadRecords = std::function<void(std::uint64_t row, std::span<std::byte> records)>;
   RowFile(std::uint64_t rows, std::size_t record_bytes, ReadRecords read);
-  /// A kept file to which `rows` records had been appended.
+  /// Opens a kept file that has `rows` records.
   static RowFile kept(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& kept);
 
-  /// Appends whole records, in all no more than there is room for. Throws Error where the disk is full.
+  /// Appends whole records, up to `rows` of them in all. Throws Error if the disk is full.
   void append(std::span<const std::byte> records);
   /// Appends `rows` records that write() will fill, and returns the row of the first.
   std::uint64_t extend(std::uint64_t rows);
   /// Stores whole records from `row` on. Thread-safe for different rows. Throws Error where the disk is full.
   void write(std::uint64_t row, std::span<const std::byte> records);
-  /// Fills `records` (whole ones, all of them appended before) from `row` on. Thread-safe.
+  /// Fills `records` (whole records, all appended before) from `row` on. Thread-safe.
   void read(std::uint64_t row, std::span<std::byte> records) const;
   std::size_t record_bytes() const { return record_bytes_; }
   std::uint64_t spilled_bytes() const { return file_ ? file_->written_bytes() : 0; }

@@ -23,9 +23,9 @@ constexpr Encoding kRowStoreEncoding{"row store", 1};
 
 using Consume = std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>;
 
-constexpr std::size_t kRunBytes = std::size_t{4} << 20;      ///< most bytes that one call of `consume` gets
+constexpr std::size_t kRunBytes = std::size_t{4} << 20;      ///< most bytes of one call of `consume`
 constexpr std::size_t kGoodBlockBytes = 65536;               ///< block of a bucket that suits the disk
-constexpr std::size_t kLeastBlockBytes = 4096;               ///< smaller writes would cost more than they save
+constexpr std::size_t kLeastBlockBytes = 4096;               ///< smaller writes would cost more time than they save
 constexpr std::size_t kCachedBytes = std::size_t{1} << 20;   ///< memory of this size takes random stores without delay
 constexpr std::size_t kOffsetBytes = sizeof(std::uint32_t);  ///< a spilled record follows its row in the bucket
 constexpr std::size_t kLineBytes = 64;                       ///< bytes of a cache line
@@ -55,7 +55,7 @@ void repeat(std::span<const std::byte> record, std::span<std::byte> records) {
 
 bool is_zero(std::byte b) { return b == std::byte{0}; }
 
-/// All rows as one array.
+/// The store in memory: all rows as one array.
 class RowArray {
  public:
   RowArray(std::uint64_t rows, const std::vector<std::byte>& fill)
@@ -91,9 +91,9 @@ class RowArray {
   PageMemory memory_;
 };
 
-/// Rows in buckets of 2^shift consecutive rows. While filling, half of the memory buffers the buckets; afterwards it
-/// holds windows, at most half of it each, in which buckets are put in order by several threads: buckets that fit the
-/// cache if the buffers allow so many. A bucket larger than a window is read more than once.
+/// The store in a spill file: buckets of 2^shift consecutive rows. While it is filled, half of the memory buffers the
+/// buckets. Afterwards the memory contains windows, each at most half of it, in which several threads put buckets in
+/// order; buckets fit the cache if the buffers allow that many. A bucket larger than a window is read more than once.
 class RowBuckets {
  public:
   RowBuckets(std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& spill, std::size_t buffer_bytes)
@@ -121,7 +121,7 @@ class RowBuckets {
   }
 
   void drain(const Consume& consume) {
-    store_->finish();  // which frees the buffers of the buckets for windows
+    store_->finish();  // frees the buffers of the buckets, for windows
     const std::uint64_t window_bytes = std::min(rows_, window_rows_) * record_bytes_;
     const std::uint64_t windows = (rows_ + window_rows_ - 1) / window_rows_;
     const std::uint64_t at_once = std::clamp<std::uint64_t>(buffer_bytes_ / std::max<std::uint64_t>(window_bytes, 1), 2,

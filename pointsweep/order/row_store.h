@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Results on their way from sweep order to rows: a second distribution, by row, so that the output is written in
-/// sequence instead of scattered (what the paper's deferred write does with a memory-mapped array).
+/// A store that takes results in the order of a sweep and returns them by row: a second distribution, by row, so that
+/// the output is written sequentially. The paper's deferred write uses a memory-mapped array instead.
 #pragma once
 
 #include <cstddef>
@@ -15,11 +15,11 @@
 
 namespace pointsweep {
 
-/// One record per row, 0 <= row < rows. In memory an array; spilled, one list per range of rows. A row that is never
-/// put reads as the record `fill`. All records have the size of `fill`.
+/// One record for each row, 0 <= row < rows: an array in memory, or one list per range of rows in a spill file. A row
+/// without put() has the record `fill`. All records have the size of `fill`.
 class RowStore {
  public:
-  /// Without a spill place, all records are held in memory. With one, memory stays under `buffer_bytes`.
+  /// Without a spill place, all records are in memory. With one, memory stays below `buffer_bytes`.
   RowStore(std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& spill, std::size_t buffer_bytes);
   /// Decodes a store whose records are in the file `kept`. `buffer_bytes` may differ from that of the encoded store.
   RowStore(Decoder& in, std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& kept,
@@ -29,11 +29,12 @@ class RowStore {
   /// Stores records.size()/record_bytes records, record i at rows[i]. Thread-safe; a row must not be put twice.
   void put(std::span<const std::uint64_t> rows, std::span<const std::byte> records);
 
-  /// After the last put(): calls `consume(first_row, records)` for consecutive runs that cover all rows in order.
+  /// Calls `consume(first_row, records)` for consecutive runs that cover all rows in order. Must be called after the
+  /// last put().
   void drain(const std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>& consume);
   std::uint64_t spilled_bytes() const;
-  /// Writes all records that were put to the kept file, and encodes their places in it. Only for a store in a kept
-  /// file. No thread may call put() meanwhile.
+  /// Writes all records so far to the kept file, and encodes their places in it. Only for a store in a kept file. No
+  /// thread may call put() at the same time.
   void encode(Encoder& out);
 
  private:

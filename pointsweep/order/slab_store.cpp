@@ -64,9 +64,9 @@ struct SlabStore::State {
     return out;
   }
 
-  /// Returns an offset in the file for `bytes` bytes: the place of a full block that was released, if there is one. To
-  /// punch a hole for each released block instead would take milliseconds once its bytes are on the disk, and a run
-  /// under a small budget has a million blocks.
+  /// Returns an offset in the file for `bytes` bytes: the place of a full block that was released, if there is one.
+  /// Punching a hole in the file for each released block instead would take milliseconds per block, and a run with a
+  /// small budget has a million blocks.
   std::uint64_t place_of(std::size_t bytes) {
     const std::scoped_lock lock(free_mutex);
     if (bytes < block_bytes || free_places.empty()) return file->reserve(bytes);
@@ -207,7 +207,7 @@ void SlabStore::release(std::size_t slab) {
 
 std::uint64_t SlabStore::count(std::size_t slab) const { return state_->lists[slab].count; }
 
-/// The blocks of a slab are hundreds and far apart, so the disk is told about all of them at once.
+/// A slab has hundreds of blocks far apart, so all reads are announced to the system at once.
 void SlabStore::read(std::size_t slab, std::uint64_t first, std::span<std::byte> out) const {
   const State& s = *state_;
   assert(first + out.size() / s.record_bytes <= s.lists[slab].count);

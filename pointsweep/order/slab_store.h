@@ -25,28 +25,27 @@ class SlabStore {
   SlabStore(Decoder& in, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& kept);
   ~SlabStore();
 
-  /// Adds `slabs` empty slabs and returns the number of the first. No other function may run meanwhile.
+  /// Adds `slabs` empty slabs and returns the number of the first. No other function may run at the same time.
   std::size_t add_slabs(std::size_t slabs);
   /// Appends whole records to a slab. Thread-safe.
   void append(std::size_t slab, std::span<const std::byte> records);
-  /// Flushes the buffers. After it, append() may be called only for slabs that add_slabs() makes later.
+  /// Flushes the buffers. Later calls of append() may only name slabs that add_slabs() adds later.
   void finish();
-  /// Writes everything that was appended, and that encode() refers to, to the kept file. No thread may call append()
-  /// meanwhile.
+  /// Writes all records to which encode() refers to the kept file. No thread may call append() at the same time.
   void flush();
   /// Encodes the places of the records in the kept file.
   void encode(Encoder& out) const;
-  /// Gives the space of blocks of a finished slab that end before `record` to blocks that will be filled, in memory as
-  /// in the file; no thread may be reading it, or ever read records before that one again. Others may append to other
-  /// slabs.
+  /// Frees the blocks of a finished slab that end before `record`, in memory or in the file, for reuse by other blocks.
+  /// No thread may be reading the slab, and no earlier record of it may be read again. Other threads may append to
+  /// other slabs.
   void release_before(std::size_t slab, std::uint64_t record);
-  /// Forgets the records of a slab and gives their space back. No thread may be reading it.
+  /// Frees all records of a slab. No thread may be reading it.
   void release(std::size_t slab);
 
   std::uint64_t count(std::size_t slab) const;
   /// Copies records [first, first + out.size()/record_bytes) of a finished slab. Thread-safe.
   void read(std::size_t slab, std::uint64_t first, std::span<std::byte> out) const;
-  /// Bytes written to the spill file so far.
+  /// Returns the number of bytes written to the spill file so far.
   std::uint64_t spilled_bytes() const;
   /// Bytes of memory held now.
   std::uint64_t memory_bytes() const;

@@ -34,8 +34,8 @@ struct Partition {
   Partition(const PointSource& source, const std::vector<std::size_t>& wanted) : rows(source, wanted) {}
 
   BlockReader rows;
-  std::vector<std::uint32_t> slab, place;  ///< by record
-  std::vector<std::uint32_t> begin;        ///< by slab of the block, in `sorted`
+  std::vector<std::uint32_t> slab, place;  ///< for each record
+  std::vector<std::uint32_t> begin;        ///< for each slab of the block, its first record in `sorted`
   std::vector<std::byte> sorted;
 };
 
@@ -81,7 +81,8 @@ std::size_t waiting_block_bytes(std::uint64_t slab_points, std::size_t record_by
 }
 
 std::uint64_t most_waiting(const CountedSlabs& slabs, std::size_t ahead) {
-  std::vector<std::uint64_t> decoded(slabs.points.size() + 1);  // by slab: points of the blocks whose first slab it is
+  std::vector<std::uint64_t> decoded(slabs.points.size() + 1);  // for each slab: points of the blocks whose first slab
+                                                                // it is
   for (const SlabBlock& block : slabs.blocks) decoded[block.first_slab] += block.rows;
   std::uint64_t most = 0, read = 0, handed_over = 0;
   std::size_t next = 0;
@@ -122,8 +123,8 @@ class SlabsOnDemand::State {
   }
 
  private:
-  /// Marks the slab as begun and returns true if it is the next slab or within the read-ahead, and not begun before.
-  /// Only such slabs are read in order.
+  /// Returns whether the slab is the next one or within the read-ahead, and not begun before; marks it as begun. Only
+  /// such slabs are read in order.
   bool begin(std::size_t slab) {
     const std::lock_guard lock(mutex_);
     if (begun_[slab] || slab >= next_slab_ + ahead_) return false;
@@ -140,7 +141,7 @@ class SlabsOnDemand::State {
     if (--left_ == 0) waiting_.reset();
   }
 
-  /// Decodes, one by one, the blocks that no other thread has taken; then waits for the other threads.
+  /// Decodes the blocks that no other thread has taken, one by one, and then waits for the other threads.
   void decode_blocks_of(std::size_t slab) {
     std::unique_lock lock(mutex_);
     for (;;) {
@@ -217,7 +218,7 @@ class SlabsOnDemand::State {
     copy_by_row(record_.schema(), records, slabs_.blocks, out);
   }
 
-  /// Slabs that were made again. They are kept until other slabs are made again.
+  /// Slabs that were made again. They stay in memory until other slabs are made again.
   struct Again {
     Again(std::size_t from, std::size_t to, std::size_t record_bytes, std::size_t block_bytes)
         : first(from), end(to), slabs(to - from, record_bytes, block_bytes, nullptr) {}
@@ -247,8 +248,8 @@ class SlabsOnDemand::State {
     again_ = std::move(made);
   }
 
-  /// Returns the range of slabs around `slab` that fit into memory, half of it on each side. While points wait for
-  /// slabs in order, the memory is theirs, and the range is the slab alone.
+  /// Returns the range of slabs around `slab` that fits in memory, half of it on each side. While points wait for slabs
+  /// in order, these have the memory, and the range is one slab.
   std::pair<std::size_t, std::size_t> slabs_around(std::size_t slab) const {
     std::size_t first = slab, end = slab + 1;
     {
@@ -295,7 +296,7 @@ class SlabsOnDemand::State {
   std::size_t next_block_ = 0;                    ///< index in by_slab_ of the first block that is not yet taken
   std::vector<std::uint32_t> decoding_;           ///< first slabs of the blocks that are being decoded
   std::exception_ptr failure_;                    ///< error of a thread that decoded a block for all
-  std::vector<bool> begun_;                       ///< by slab: true if it is, or was, read in order
+  std::vector<bool> begun_;                       ///< for each slab: it was begun in order
   std::size_t next_slab_ = 0;                     ///< the first slab that is not begun
   std::size_t left_;                              ///< slabs that have not been handed over in order
   std::optional<SlabStore> waiting_;              ///< lists of points by slab, until all have been handed over

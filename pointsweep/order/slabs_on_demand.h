@@ -25,10 +25,10 @@ struct SlabBlock {
 
 /// The slabs and their blocks, known once all points have been counted.
 struct CountedSlabs {
-  std::vector<Splitters> splitters;  ///< one, and a second one if there are sparse places
+  std::vector<Splitters> splitters;  ///< one, or a second one for sparse places
   LocalSpacing spacing;              ///< knows the sparse places where there are two splitters
   std::vector<std::uint32_t> slab_of_piece;
-  std::vector<std::uint64_t> points;  ///< by slab
+  std::vector<std::uint64_t> points;  ///< for each slab
   std::vector<SlabBlock> blocks;      ///< ascending by first row; blocks without points are left out
 };
 
@@ -36,17 +36,17 @@ struct CountedSlabs {
 /// `ahead` of them at once.
 std::uint64_t most_waiting(const CountedSlabs& slabs, std::size_t ahead);
 
-/// Returns the size of a block of memory for the waiting points of a slab. It is small against the slab, so that a slab
-/// with few waiting points wastes little.
+/// Returns the bytes of a memory block for the waiting points of a slab: small relative to the slab, so that little of
+/// a slab with few waiting points is wasted.
 std::size_t waiting_block_bytes(std::uint64_t slab_points, std::size_t record_bytes);
 
-/// Slabs read in their order: a block is decoded when the first slab that holds one of its points is read, and its
-/// points for later slabs wait in memory. A slab that is read again is made of its blocks once more, together with
-/// those next to it as far as `most_points` allows, since a recall reads neighbouring slabs.
+/// Slabs made while they are read in order: a block of rows is decoded when the first slab that contains one of its
+/// points is read; its points for later slabs wait in memory. To read a slab again, its blocks are decoded again,
+/// together with neighbouring slabs as far as `most_points` allows, since a recall reads neighbouring slabs.
 class SlabsOnDemand {
  public:
-  /// `source` must have for_thread() and is copied; `wanted`: its fields that working records carry. At most `ahead`
-  /// slabs are read at once.
+  /// Copies `source`, which must have for_thread(). `wanted`: its fields that working records have. At most `ahead`
+  /// slabs are read concurrently.
   SlabsOnDemand(const PointSource& source, const WorkingRecord& record, std::vector<std::size_t> wanted, int axis,
                 CountedSlabs slabs, std::size_t ahead, std::uint64_t most_points);
   ~SlabsOnDemand();

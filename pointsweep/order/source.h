@@ -27,9 +27,9 @@ struct PointSource {
   std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};
 };
 
-/// Fills `records` (whole ones) from `row` on, or throws Error if the source ends before.
+/// Fills `records` (whole records) from `row` on. Throws Error if the source ends before.
 void read_fully(const PointSource& source, std::uint64_t row, std::span<std::byte> records);
-/// Fills `records` (whole ones) from `row` on with `read` instead of source.read, or throws Error if the source ends
+/// Fills `records` (whole records) from `row` on with `read` instead of source.read. Throws Error if the source ends
 /// before.
 void read_fully(const PointSource& source, const ReadRows& read, std::uint64_t row, std::span<std::byte> records);
 

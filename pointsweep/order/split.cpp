@@ -22,7 +22,7 @@ constexpr std::size_t kReadBytes = 256 << 10;
 
 class Splitting {
   static constexpr std::size_t kRowLevel = 3;
-  using Sample = std::array<std::vector<double>, kRowLevel + 1>;  ///< by level
+  using Sample = std::array<std::vector<double>, kRowLevel + 1>;  ///< values of each level
 
  public:
   Splitting(const Schema& working, const SplitOptions& options, SlabStore& store)
@@ -37,8 +37,8 @@ class Splitting {
     keys_.push_back(SortKey::row);
   }
 
-  /// Appends `piece`, or the pieces that it is split into, to `done`. If the order is to be canonical, all its points
-  /// are equal in the keys before `level`.
+  /// Appends `piece`, or the pieces into which it is split, to `done`. For canonical order, all its points must be
+  /// equal in the keys before `level`.
   void split(const StreamPiece& piece, std::size_t level) {
     stop_if_cancelled();
     if (piece.count == 0) return;
@@ -64,9 +64,9 @@ class Splitting {
     return piece.box.hi[static_cast<int>(keys_[level])];
   }
 
-  /// Returns the level of the coordinate whose middle four fifths of the sample spread widest, so that a noisy wall is
-  /// not split into sheets thinner than its noise, however far away a few other points are. On a tie, returns the level
-  /// with the longer side of the piece's box.
+  /// Returns the level of the coordinate with the widest spread over the middle four fifths of the sample. So a noisy
+  /// wall is not split into sheets thinner than its noise, for any outliers. On a tie, returns the level with the
+  /// longer side of the piece's box.
   std::size_t level_of_widest_spread(const StreamPiece& piece, const Sample& sample) const {
     std::size_t widest = 0;
     std::array<double, 2> most{};
@@ -86,7 +86,7 @@ class Splitting {
     const Splitters splitters(part_limits);
     const std::size_t first = store_.add_slabs(splitters.pieces());
     const auto read = [&](std::uint64_t i, std::span<std::byte> records) {
-      store_.release_before(piece.list, i);  // so that no record is stored twice
+      store_.release_before(piece.list, i);  // no record is stored twice
       store_.read(piece.list, i, records);
     };
     const std::vector<Box> boxes = distribute({.schema = working_,
@@ -124,8 +124,8 @@ class Splitting {
     return std::clamp<std::uint64_t>((piece.count - 1) / options_.aim + 1, 2, options_.most_pieces);
   }
 
-  /// Returns all keys of some records. The choice of records depends on their rows alone, since the order in which
-  /// threads stored the records is not the same in every run.
+  /// Returns all keys of some records. The choice depends only on the rows of the records, since the order in which
+  /// threads stored them differs between runs.
   Sample sample_of(const StreamPiece& piece) const {
     const std::uint64_t size = std::max(kLeastSample, kSamplesPerPiece * parts(piece));
     const std::uint64_t every = piece.count / size + 1;

@@ -14,7 +14,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr std::size_t kCellsPerLimit = 16, kMostLookupCells = 65536;
 constexpr double kThinnest = 4;  ///< least thickness of a piece, in median spacings of its points
 
-/// Returns the median spacing at no more than 255 points of the sample, evenly chosen.
+/// Returns the median spacing at 255 evenly chosen points of the sample, or at all of them if there are fewer.
 double median_spacing(std::span<const std::pair<double, double>> sample) {
   constexpr std::size_t kLook = 255;
   std::vector<double> spacings;

@@ -20,7 +20,7 @@ class Splitters {
 
   std::size_t pieces() const { return limits_.size(); }
 
-  /// One table look-up and one comparison for nearly every value; exact for all of them.
+  /// Returns the piece of a value: one table look-up and, for nearly all values, one comparison. Exact.
   std::uint32_t piece_of(double value) const {
     const std::size_t cell = cell_of(value);
     std::uint32_t piece = first_[cell];
@@ -40,17 +40,17 @@ class Splitters {
   std::uint32_t search(std::size_t cell, double value) const;
 
   std::vector<double> limits_;        ///< the limits, then infinity, which no value reaches
-  std::vector<std::uint16_t> first_;  ///< by cell: number of limits in lower cells; one more entry at the end
+  std::vector<std::uint16_t> first_;  ///< for each cell: number of limits in lower cells; one more entry at the end
   double lo_ = 0, scale_ = 0, last_cell_ = 0;
 };
 
-/// Returns at most `pieces` - 1 quantiles of a sample. A value that fills more than one piece gets its own piece, so
-/// that it can be split by something else. Reorders the sample.
+/// Returns at most `pieces` - 1 quantiles of a sample. A value that fills more than one piece gets its own piece, which
+/// can be split by another key. Reorders the sample.
 std::vector<double> quantile_limits(std::vector<double>& sample, std::size_t pieces);
 
 /// Returns the subset of the ascending `limits` that leaves every piece at least as thick as four times the median
-/// spacing of its points. Thinner slabs are slivers that wait for each other. `spacing` holds the spacing at each
-/// sample point; if it is empty, all limits are kept.
+/// spacing of its points. Thinner slabs would wait for each other. `spacing` holds the spacing at each sample point; if
+/// it is empty, all limits are kept.
 std::vector<double> limits_not_too_near(std::span<const double> limits, std::span<const double> sample,
                                         std::span<const double> spacing);
 

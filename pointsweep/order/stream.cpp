@@ -22,7 +22,7 @@ namespace {
 constexpr Encoding kStreamEncoding{"stream", 1};
 constexpr std::size_t kMostPieces = 4096;                           ///< most pieces of one pass
 constexpr std::size_t kFewPieces = 64;                              ///< block sizes allow at least this many pieces
-constexpr std::size_t kSamplesPerSlab = 16;                         ///< with fewer samples, slabs are uneven
+constexpr std::size_t kSamplesPerSlab = 16;                         ///< fewer samples would make slabs uneven
 constexpr std::size_t kLeastBlock = 8192, kLargestBlock = 1 << 20;  ///< bytes
 
 /// Splitting does not stop at the axis, so a slab of one point is possible and one of none is not.
@@ -35,8 +35,8 @@ std::size_t most_pieces(const StreamOptions& options) {
   return std::clamp<std::size_t>(options.buffer_bytes / 2 / kLeastBlock, 2, kMostPieces);
 }
 
-/// Returns the bytes of a block of a slab. In memory, blocks are small against a slab, so that little of the last block
-/// is wasted. Spilled blocks are as large as the buffers allow, so that the disk writes long pieces.
+/// Returns the bytes of a block of a slab. In memory, blocks are small relative to a slab, so that little of the last
+/// block is wasted. Spilled blocks are as large as the buffers allow, so that the disk writes long pieces.
 std::size_t block_bytes(const StreamOptions& options, std::size_t pieces, std::size_t record_bytes) {
   if (!options.spill)
     return std::clamp<std::size_t>(options.slab_points * record_bytes / 16, kLeastBlock / 2, kLargestBlock / 4);
@@ -44,7 +44,7 @@ std::size_t block_bytes(const StreamOptions& options, std::size_t pieces, std::s
   return std::clamp<std::size_t>(options.buffer_bytes / 2 / open, kLeastBlock, kLargestBlock);
 }
 
-/// Returns the limits of at most `most` pieces of about `aim` points each, for the points that the sample stands for.
+/// Returns the limits of at most `most` pieces of about `aim` points each. `sample` represents all points.
 Splitters splitters_of(const std::vector<Vec3>& sample, const std::vector<double>& spacing, std::uint64_t aim,
                        std::size_t most, double points_per_sample, const StreamOptions& options) {
   std::vector<double> coordinates;
@@ -58,8 +58,8 @@ Splitters splitters_of(const std::vector<Vec3>& sample, const std::vector<double
   return Splitters(limits);
 }
 
-/// Returns the points of a slab of sparse places. Such points are few, so their slabs are no burden on memory, but thin
-/// slabs would hold leaves that reach across the cloud.
+/// Returns the number of points per slab of sparse places. Such points are few, so larger slabs would save little, and
+/// thin slabs would have leaves that extend across the cloud.
 std::uint64_t sparse_aim(const StreamOptions& options) { return std::min<std::uint64_t>(options.slab_points, 4096); }
 
 /// Returns one Splitters for the whole cloud, or one for its dense part and one for its sparse places.
@@ -81,8 +81,8 @@ std::vector<Splitters> first_splitters(std::uint64_t points, const Survey& surve
   return {splitters_of(sample[0], spacings[0], options.slab_points, rest, each, options), thin};
 }
 
-/// Returns the number of rows of a block, which are decoded together. It is small, so that the rows lie close together,
-/// but large enough to be worth a read of the file.
+/// Returns the number of rows that are decoded together. It is small, so that the rows lie close together, but large
+/// enough for efficient reads.
 std::uint64_t block_rows(const PointSource& source, const OnDemandOptions& how) {
   constexpr std::uint64_t kBytes = 512 << 10, kLeastRows = 256, kMostRows = 8192, kMostBlocks = 1 << 18;
   if (how.block_rows != 0) return how.block_rows;
@@ -210,8 +210,8 @@ struct Stream::State {
     merge(join(split_large_pieces(pieces, record.schema(), options, *store), options.aim));
   }
 
-  /// The others as late as may be, but before the first slab that reaches to where they, or any after them, begin: its
-  /// points would wait for theirs, which are few. Either kind keeps its order.
+  /// Inserts `others` as late as possible, but before the first slab that extends to the begin of one of them: its
+  /// points would otherwise wait for the few points of `others`. Both lists keep their order.
   void merge(std::vector<PiecedSlab> others) {
     const std::vector<double> begin_of_others = least_begins(others);
     std::vector<PiecedSlab> merged;

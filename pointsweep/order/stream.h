@@ -28,8 +28,8 @@ struct Slab {
   std::uint64_t first = 0;  ///< points in slabs before it
   std::uint64_t count = 0;
   Box box;                      ///< tight box of its points, in double precision
-  std::uint64_t least_row = 0;  ///< no input row in it is below
-  bool is_halo = false;         ///< of a part of a cloud: its points are only looked at by points of other slabs
+  std::uint64_t least_row = 0;  ///< least input row in it, or less
+  bool is_halo = false;         ///< in a part of a cloud: its points are only neighbours of points of other slabs
 };
 
 struct StreamOptions {
@@ -39,7 +39,7 @@ struct StreamOptions {
   /// Slabs in canonical order, as an output in that order needs them. Otherwise in the order in which a sweep should
   /// read them.
   bool canonical = true;
-  bool whole_records = false;  ///< working records carry the whole input record, otherwise the position and `payload`
+  bool whole_records = false;  ///< working records contain the whole input record instead of the position and `payload`
   /// Records of the source are working records, which end with their row: it is not their place in the source.
   bool numbered = false;
   std::vector<std::size_t> payload = {};  ///< indices of source fields to carry when not whole_records
@@ -50,20 +50,20 @@ struct StreamOptions {
 
 /// Options for making slabs from the input when they are read.
 struct OnDemandOptions {
-  std::vector<RowBox> boxes;       ///< no block of rows that are decoded together crosses the end of a box
+  std::vector<RowBox> boxes;       ///< no block of rows that are decoded together extends past the end of a box
   std::uint64_t block_rows = 0;    ///< most rows of a block; 0: chosen by the stream
   std::size_t read_ahead = 1;      ///< slabs that are read at once
   std::uint64_t most_waiting = 0;  ///< points that may be decoded and wait for their slabs
 };
 
-/// Slabs whose records are kept elsewhere: what a part of a cloud sweeps, and what its recall may read beside.
+/// Slabs whose records are stored elsewhere: those that a part of a cloud sweeps, and further slabs for its recall.
 struct StoredSlabs {
   int axis = 0;
   std::vector<Slab> slabs;
   std::size_t swept_slabs = 0;  ///< Stream::swept_slabs()
   Schema record_schema;         ///< Stream::record_schema()
   std::uint64_t nonfinite_count = 0;
-  std::function<void(std::size_t slab, std::span<std::byte> out)> read;  ///< as Stream::read()
+  std::function<void(std::size_t slab, std::span<std::byte> out)> read;  ///< reads a slab like Stream::read()
   std::function<void(std::uint64_t first, std::span<std::byte> out)> read_nonfinite;
 };
 
@@ -73,7 +73,7 @@ struct StoredSlabs {
 /// by where they begin along the axis. Points with a NaN or infinite coordinate are in no slab but in `nonfinite`.
 class Stream {
  public:
-  /// The distribution pass: reads the source once, and once more what a slab that turned out too big needs.
+  /// Performs the distribution pass: reads the source once, and the records of too large slabs once more to split them.
   /// Works on all threads; throws Error from the source or the temporary folder.
   Stream(const PointSource& source, const Survey& survey, const StreamOptions& options);
   /// Decodes a stream whose records are in a kept file, without reading the source. The schema and number of points of
@@ -93,8 +93,8 @@ class Stream {
 
   int axis() const { return axis_; }
   const std::vector<Slab>& slabs() const { return slabs_; }
-  /// Returns how many slabs a sweep reads, the first ones. The others only a recall reads. All of them, but for a part
-  /// of a cloud.
+  /// Returns the number of slabs that a sweep reads, which are the first ones; in a part of a cloud, later slabs are
+  /// for the recall alone.
   std::size_t swept_slabs() const { return swept_slabs_; }
   /// The sparse places of a cloud whose slabs hold points inside and outside of them.
   const LocalSpacing& spacing_in_slabs() const { return spacing_; }
@@ -103,9 +103,9 @@ class Stream {
   /// Returns the bytes of memory that the stored records take; 0 for a stream on demand.
   std::uint64_t memory_bytes() const;
 
-  /// Layout of a working record: the carried fields under their names in the source (x, y, z first in type and scale of
-  /// the source unless whole_records), then the input row as the last field: u32 if all rows fit, else u64, named
-  /// "row".
+  /// Returns the layout of working records: the fields of the source that are needed, under their names (x, y, z first,
+  /// in type and scale of the source, unless whole_records), then the input row as the last field: u32 if all rows fit,
+  /// else u64, named "row".
   const Schema& record_schema() const { return record_schema_; }
   /// Reads all working records of a slab. `out.size()` = count * record_schema().stride. Thread-safe.
   void read(std::size_t slab, std::span<std::byte> out) const;

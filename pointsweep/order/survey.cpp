@@ -21,11 +21,11 @@ constexpr std::uint64_t kRuns = 1024;              ///< jumps a reader has to ma
 constexpr std::uint64_t kInRun = kSample / kRuns;  ///< rows sampled in each run
 constexpr std::uint64_t kMostGap = 16;             ///< at most this many times the rows of the sample are read
 
-/// The rows of the sample, ascending. They lie in runs that are spread over the whole file.
+/// The rows of the sample, ascending, in short runs spread over the whole file.
 class SampledRows {
  public:
-  /// A scanner writes line after line. With gaps as wide as this, the sample of a square of lines is about as dense
-  /// along the lines as across them, where successive rows would be short pieces of few lines.
+  /// A scanner writes line by line. With gaps this wide, the sample of a square of lines is about as dense along the
+  /// lines as across them. Successive rows would be short pieces of few lines.
   explicit SampledRows(std::uint64_t rows)
       : rows_(rows),
         gap_(std::min(static_cast<std::uint64_t>(std::sqrt(static_cast<double>(rows / kSample))), kMostGap)) {}
@@ -64,8 +64,8 @@ class Surveyor {
     }
   }
 
-  /// Takes the sample, or all rows if there are no more than a sample has, and the bounds of all finite points. Uses
-  /// all threads.
+  /// Takes the sample, or all rows if there are no more than that, and the bounds of all finite points. Uses all
+  /// threads.
   void look_at_all() {
     std::optional<SampledRows> rows;
     if (source_.count > kSample) rows.emplace(source_.count);

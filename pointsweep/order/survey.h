@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A look at a sample of the cloud before the work starts.
+/// A survey of a sample of the cloud before the work starts.
 #pragma once
 
 #include <cstdint>
@@ -33,12 +33,12 @@ Survey survey(const PointSource& source, std::optional<int> axis, bool exact);
 /// Returns 2 if the sample is too small to tell.
 double box_counting_dimension(std::span<const Vec3> sample);
 
-/// Points per slab that keep a slab several point spacings thick: about 16 * n^((D-1)/D) for D = 2, 6 * ... for D = 3
-/// (linear between), never under 16,384.
+/// Returns a number of points per slab with which slabs are several point spacings thick: about 16 * n^((D-1)/D) for D
+/// = 2, 6 * ... for D = 3 (linear between), at least 16,384.
 std::uint64_t recommended_slab_points(std::uint64_t points, double dimension);
 
-/// Throws Error where the extent of the cloud is such that squares of distances in double precision are all zero or all
-/// infinite, so that every point would be every other's neighbour.
+/// Throws Error if squared distances in the cloud would all be zero or infinite in double precision, so that all points
+/// would be equally near.
 void require_distances(const Box& bounds);
 
 }  // namespace pointsweep

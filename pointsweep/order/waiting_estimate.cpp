@@ -15,7 +15,8 @@ std::uint64_t estimate_waiting(std::span<const RowBox> boxes, int axis, std::spa
   std::vector<double> along;
   for (const Vec3& p : sample) along.push_back(p[axis]);
   sort_ascending(std::span(along));
-  std::vector<std::pair<double, std::uint64_t>> begins;  // by box: the coordinate at which it begins, and its rows
+  std::vector<std::pair<double, std::uint64_t>> begins;  // for each box: its least coordinate along the axis, and its
+                                                         // rows
   for (const RowBox& box : boxes) {
     const double begin = box.box.lo[axis];
     begins.emplace_back(begin == begin ? begin : -Box::kInf, box.rows);
@@ -25,7 +26,7 @@ std::uint64_t estimate_waiting(std::span<const RowBox> boxes, int axis, std::spa
   std::size_t next = 0;
   for (std::uint64_t handed_over = 0; handed_over < points; handed_over += slab_points) {
     const std::uint64_t read = handed_over + slab_points * std::max<std::size_t>(ahead, 1);
-    // The front: all boxes that begin before it are decoded.
+    // The front of decoding: all boxes that begin before it are decoded.
     const double share = static_cast<double>(read) / static_cast<double>(points);
     const auto at = static_cast<std::size_t>(share * static_cast<double>(along.size()));
     for (; next < begins.size() && (at >= along.size() || begins[next].first <= along[at]); ++next)

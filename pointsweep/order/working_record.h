@@ -23,7 +23,7 @@ class WorkingRecord {
   /// Source schema (with names, types, scales), then "row".
   const Schema& schema() const { return schema_; }
 
-  /// Makes `count` working records. Record i, of row first_row + i, becomes the one numbered place[i] of `to`.
+  /// Makes `count` working records. The record of row first_row + i becomes number place[i] in `to`.
   void scatter(const std::byte* from, std::size_t from_stride, std::size_t count, std::uint64_t first_row,
                const std::uint32_t* place, std::byte* to) const;
 

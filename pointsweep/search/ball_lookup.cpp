@@ -7,8 +7,8 @@
 namespace pointsweep {
 namespace {
 
-/// Numbers of the cells from one end of a ball to the other. The ball is less than two cells wide. If the grid is finer
-/// than doubles are apart, cells between two adjacent doubles hold no point and are left out.
+/// The numbers of the cells from one end of a ball to the other. The ball is less than two cells wide. Cells that lie
+/// between two adjacent doubles contain no point and are left out.
 struct CellNumbers {
   std::array<double, 4> number;
   std::size_t count = 0;
@@ -73,8 +73,8 @@ std::size_t BallLookup::find(std::uint64_t key) const {
   return at;
 }
 
-/// Cells are at least twice as wide as the ball, so that its ends, with all rounding, are in one cell or in two
-/// adjacent ones.
+/// Cells are at least twice as wide as the ball, so that its ends lie in one cell or in two adjacent ones, even after
+/// rounding.
 BallLookup::BallLookup(std::span<const Ball> balls) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> entries;  // key, number
   for (std::uint32_t number = 0; number < balls.size(); ++number) {

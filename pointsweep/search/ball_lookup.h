@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Look-up of the balls that hold a point, and the union of many balls, for balls of very different sizes: both by
-/// grids of cells for balls of similar size. The sizes of cells are powers of two.
+/// Look-up of the balls that contain a point, and the union of many balls, for balls of very different sizes. For each
+/// power of two there is a grid of cells for balls of about that size.
 #pragma once
 
 #include <bit>
@@ -32,8 +32,8 @@ struct BallGrid {
   double scale;  ///< 2^-exponent
   Box bounds;    ///< box of the balls
 
-  /// Returns the number of a cell along an axis. If the grid is finer than doubles are apart, numbers of adjacent
-  /// doubles are adjacent doubles.
+  /// Returns the number of a cell along an axis. If the grid is finer than the spacing of doubles, adjacent coordinates
+  /// have numbers that are adjacent doubles.
   double cell_of(double coordinate) const { return std::floor(coordinate * scale); }
   /// Returns the key of a cell, which is never 0. Two cells may share a key.
   std::uint64_t key_of(double x, double y, double z) const {
@@ -81,8 +81,9 @@ class BallLookup {
   std::vector<std::uint32_t> numbers_, unbounded_;
 };
 
-/// Union of many balls. The cells of half to all of the width of a ball that it may touch are marked, at most 64. So a
-/// query costs the same however many balls overlap: one look-up for each size of balls, about 10 ns. Thread-safe.
+/// The union of many balls. Each ball marks the cells that it may touch, at most 64; a cell has half to the whole width
+/// of the ball. A query takes one look-up for each size of balls, about 10 ns, for any number of overlapping balls.
+/// Thread-safe.
 class BallCover {
  public:
   explicit BallCover(std::span<const Ball> balls);

@@ -29,7 +29,7 @@ inline bool nearer(const Candidate& a, const Candidate& b) {
   return a.row < b.row;
 }
 
-/// Puts `c` into a list of `size` candidates in order, of which the `most` nearest stay. Returns how many it has then.
+/// Inserts `c` into an ordered list of `size` candidates, which keeps the `most` nearest. Returns its new size.
 inline std::size_t insert_sorted(const Candidate& c, Candidate* list, std::size_t size, std::size_t most) {
   std::size_t place = size;
   if (size == most && !nearer(c, list[--place])) return size;
@@ -51,7 +51,7 @@ class BestList {
   /// Returns a squared distance. A candidate farther away cannot belong to the neighbourhood; a candidate at this
   /// distance may.
   double limit() const { return limit_; }
-  /// Returns whether `c` would enter the neighbourhood now.
+  /// Returns whether `c` belongs to the k nearest candidates so far.
   bool wants(const Candidate& c) const { return c.distance2 <= limit_ && !(full_ && nearer(worst_, c)); }
   void offer(const Candidate& c) {
     if (c.distance2 > limit_) return;
@@ -64,7 +64,8 @@ class BestList {
     if (kept_.size() > k_) kept_.resize(k_);
     return kept_;
   }
-  /// True if k candidates are known, so that limit() is the distance of the kth so far or the radius.
+  /// Returns whether k candidates are known, so that limit() is the distance of the kth nearest so far; else it is the
+  /// radius.
   bool full() const { return full_; }
 
  private:
@@ -81,7 +82,7 @@ class BestList {
   std::size_t k_ = 0;
   double limit_ = 0;
   bool full_ = false;
-  Candidate worst_{};  ///< the kth so far, if full
+  Candidate worst_{};  ///< the kth nearest so far, if full
   std::vector<Candidate> kept_;
 };
 

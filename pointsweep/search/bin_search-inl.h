@@ -26,20 +26,20 @@ namespace pointsweep {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Half as long as the bits of a distance and a name, such keys are sorted in half the time: bin | number among the
-/// gathered points. No bin holds nearer points than the one before it; which of the same bin are nearer is left to the
-/// caller.
+/// Sorts points by keys of a bin of distances and the number of the gathered point. Such a key has half the bits of a
+/// distance with a name, so that sorting takes half the time. Bins ascend with distance; the caller orders points of
+/// equal bins.
 class BinSearch {
  public:
   /// Among the first `size` of the gathered points.
   BinSearch(GatheredPoints& points, std::size_t size, double limit2)
       : points_(points), size_(size), limit2_(limit2), low_bits_(static_cast<std::uint32_t>(std::bit_width(size))) {}
 
-  /// Distances of which bins can be made.
+  /// Returns whether distances up to this limit can be divided into bins.
   static bool can_bin(double limit2) { return limit2 > 1e-280 && limit2 < 1e280; }
 
-  /// Finds the points within sqrt(limit2) of p but the one with the number `self`, and returns how many. At least the
-  /// first `wanted` of them are then in order.
+  /// Finds the points within sqrt(limit2) of p, except number `self`, and returns their number. At least the first
+  /// `wanted` of them are then in order.
   std::size_t find(Vec3 p, std::size_t self, std::size_t wanted) {
     const std::size_t count = keep(p, self);
     sorted_ = BinSort(low_bits_, points_.spare_key.data())
@@ -93,7 +93,8 @@ class BinSearch {
     const auto own = hn::Set(di, static_cast<std::int32_t>(self)), none = hn::Set(di, -1);
     const auto end = hn::Set(di, static_cast<std::int32_t>(size_)),
                step = hn::Set(di, static_cast<std::int32_t>(lanes));
-    auto number = hn::Iota(di, 0);  // counted on: made of a number known only at run time it would go through memory
+    auto number = hn::Iota(di, 0);  // a counter that is incremented; computing it from a run-time number would go
+                                    // through memory
     std::size_t count = 0;
     for (std::size_t i = 0; i < size_; i += lanes, number = hn::Add(number, step)) {
       const auto dx = hn::Sub(hn::LoadU(d, &from.x[i]), px), dy = hn::Sub(hn::LoadU(d, &from.y[i]), py);

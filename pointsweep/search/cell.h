@@ -20,8 +20,9 @@ namespace pointsweep {
 
 inline constexpr std::uint32_t kLeafCapacity = 16;
 
-/// Structure of arrays, one allocation. Leaf l holds the points [16 l, min(16 l + 16, size)). Its box is kept in single
-/// precision relative to `origin`, rounded outward, so that distances to it are never overestimated.
+/// The points of a cell as a structure of arrays, in one allocation. Leaf l holds the points [16 l, min(16 l + 16,
+/// size)). Its box is kept in single precision relative to `origin`, rounded outward, so that distances to it are never
+/// overestimated.
 class Cell {
  public:
   Cell() = default;
@@ -49,7 +50,7 @@ class Cell {
   std::uint64_t* row = nullptr;
   /// Leaf boxes: lo x, y, z, hi x, y, z; each padded to a multiple of 16 with boxes infinitely far away.
   float* leaf_box[6] = {};
-  std::uint64_t* leaf_lowest_row = nullptr;  ///< as lowest_row, of each leaf
+  std::uint64_t* leaf_lowest_row = nullptr;  ///< least row of each leaf
 
  private:
   Box bounds_of_leaf(std::uint32_t leaf) const;
@@ -63,15 +64,15 @@ class Cell {
   std::size_t bytes_ = 0;
 };
 
-/// v as a float that is not above it; at most two steps below it.
+/// Returns a float that is not above v, and at most two steps below it.
 inline float round_down(double v) {
   const float f = std::min(static_cast<float>(v), std::numeric_limits<float>::max());
   return static_cast<double>(f) > v ? f - (std::abs(f) * 0x1p-23f + std::numeric_limits<float>::denorm_min()) : f;
 }
-/// v as a float that is not below it; at most two steps above it.
+/// Returns a float that is not below v, and at most two steps above it.
 inline float round_up(double v) { return -round_down(-v); }
 
-/// Indices of points in a cell, ascending: a run of them, or chosen ones, which the caller keeps.
+/// Indices of points in a cell, ascending: a run of points, or chosen ones in an array of the caller.
 class CellSubset {
  public:
   CellSubset(const Cell& cell) : CellSubset(0, cell.size()) {}  ///< all points of the cell

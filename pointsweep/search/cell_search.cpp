@@ -25,8 +25,8 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep {
 namespace HWY_NAMESPACE {
 
-/// The search of one cell: its leaves in turn. The queries of a leaf go in groups, as many as a vector has lanes; which
-/// leaves are near, and their coordinates in single precision, serve all groups.
+/// The search of one cell, leaf by leaf. The queries of a leaf form groups, one query per vector lane. All groups share
+/// the list of near leaves and their coordinates in single precision.
 template <std::size_t K>
 class CellSearch {
  public:
@@ -53,7 +53,7 @@ class CellSearch {
     }
   }
 
-  /// Searches the leaf and keeps the lists of `points` alone.
+  /// Searches the leaf and keeps only the lists of `points`.
   void search_some(std::uint32_t leaf, const CellSubset& points) {
     const std::size_t before = out_.reach2.size();
     const bool all = points.size() == cell_.leaf_size(leaf);
@@ -77,7 +77,8 @@ class CellSearch {
   }
 
   static constexpr std::uint32_t kGroup = hn::MaxLanes(Lanes()), kGroups = kLeafCapacity / kGroup;
-  static constexpr float kWide = 64;               ///< in widths of the queries' leaf; a leaf that exceeds it is wide
+  static constexpr float kWide = 64;               ///< in widths of the queries' leaf; wider leaves are filtered by
+                                                   ///< points
   static constexpr std::size_t kFew = 2 * K + 16;  ///< up to this many candidates are sorted by insertion
 
   void search_leaf(std::uint32_t leaf) {
@@ -162,8 +163,8 @@ class CellSearch {
                                       : std::numeric_limits<double>::infinity();
   }
 
-  /// Collects the leaves that a query may need, nearest first, except leaves [begin, end) of its own cell, which were
-  /// tried before.
+  /// Collects the leaves that a query may need, nearest first, except leaves [begin, end) of its own cell, which are
+  /// searched already.
   void find_leaves(std::uint32_t begin, std::uint32_t end) {
     const double reach2 = unscaled(farthest_reach2());
     if (reach2 > scratch_.near.reach2) scratch_.near.find(query_, 4 * reach2);
@@ -207,15 +208,15 @@ class CellSearch {
     leave_out_beyond(1.001f * (std::sqrt(farthest_reach2()) + static_cast<float>(leaf_extent_)), others, packed_);
   }
 
-  /// Writes out the lists. Where two keys are too close, the found are put in order by their exact distances; where it
-  /// is not even certain who belongs, because the first one out or the radius is too close, the point is settled in
-  /// double.
+  /// Writes the lists. If two keys are too close to decide their order, the neighbours found are sorted by exact
+  /// distances. If they are too close to decide which points belong to the list, at the kth neighbour or the radius,
+  /// the point is searched in double.
   void settle(const Group<K>& group, std::uint32_t first, std::uint32_t queries) {
     const Vec empty = hn::Set(d_, kEmptyKey), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
     const Vec surely_within = hn::Set(d_, limited_ ? radius2_ * (1 - 1e-6f) : kEmptyKey);
     Vec set_unsure = hn::Zero(d_);
-    std::uint64_t close_to_next[kGroup] = {};  // by lane: a bit for each place in the list
+    std::uint64_t close_to_next[kGroup] = {};  // for each lane: a bit for each place in the list
     for (std::size_t i = 0; i <= K; ++i) {
       const Vec key = group.selection.list[i];
       hn::Store(key, d_, keys_[i]);
@@ -254,8 +255,8 @@ class CellSearch {
     out_.refs.resize(written_);
   }
 
-  /// Makes room in out_.refs for the lists of `queries` queries, which are written in place: a copy of values that have
-  /// just been written one by one would have to wait for these writes.
+  /// Makes room in out_.refs for the lists of `queries` queries, which are written in place. Copying values right after
+  /// they were written one by one would stall.
   void make_room(std::uint32_t queries) {
     written_ = out_.refs.size();
     out_.refs.resize(written_ + queries * K);
@@ -355,8 +356,8 @@ class CellSearch {
   Frame frame_{};
   Packed packed_;
   Group<K> groups_[kGroups];
-  Vec limits_[kGroups];          ///< of each query: the squared distance, in the frame, beyond which it needs nothing
-  float group_reach2_[kGroups];  ///< by group: the largest squared reach of its queries
+  Vec limits_[kGroups];          ///< for each query: the squared distance in the frame beyond which it needs no point
+  float group_reach2_[kGroups];  ///< for each group: the largest squared reach of its queries
   std::uint32_t group_count_ = 0;
   HWY_ALIGN float keys_[K + 1][kLeafCapacity];
   std::size_t written_ = 0;                      ///< neighbours in out_.refs, while there is room for more
@@ -387,7 +388,7 @@ void search_lanes(const CellQuery& query, const CellSubset& points, SearchScratc
 namespace pointsweep {
 HWY_EXPORT(search_lanes);
 
-/// With few neighbours a point, the lists of a whole cell are smaller than any limit worth setting.
+/// With few neighbours per point, the lists of a whole cell are small, so `most` is ignored.
 std::uint32_t search(const CellQuery& query, const CellSubset& points, std::uint64_t most, SearchScratch& scratch,
                      CellNeighbors& out) {
   out.refs.clear();

@@ -4,7 +4,7 @@
 ///
 /// Deviation from the paper: instead of a kD-heap that is updated point by point, all points of a leaf walk the leaves
 /// of the window together, one query per vector lane, and keep their k nearest in registers. Single precision only
-/// filters: wherever two candidates are too near to a tie to be told apart, the point is settled in double.
+/// filters: if it cannot decide between two candidates, the point is searched in double.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,8 @@ namespace pointsweep {
 struct CellNeighbors {
   std::vector<std::uint32_t> begin;  ///< size + 1; list of point i is refs[begin[i] .. begin[i+1]), nearest first
   std::vector<NeighborRef> refs;
-  /// By point: an upper bound of the squared radius of the ball in which every point must be known for the list to be
-  /// exact. The ball reaches to the kth neighbour or has the radius of the query; the bound is infinite where fewer
+  /// For each point: an upper bound of the squared radius of the ball in which every point must be known for the list
+  /// to be exact. The ball extends to the kth neighbour or has the radius of the query; the bound is infinite if fewer
   /// than k points were found and no radius limits the search.
   std::vector<double> reach2;
 
@@ -31,11 +31,11 @@ struct CellNeighbors {
   std::uint64_t list_bytes() const { return refs.size() * sizeof(NeighborRef) + begin.size() * sizeof(std::uint32_t); }
 };
 
-/// Points copied together, each with its name, and what a search among them needs.
+/// Points copied together with their names, and buffers for a search among them.
 struct GatheredPoints {
   std::vector<double> x, y, z;
   std::vector<NeighborRef> ref;
-  std::vector<std::uint32_t> end;  ///< by leaf: end of its points
+  std::vector<std::uint32_t> end;  ///< for each leaf: end of its points
   std::vector<std::uint64_t> key;
   std::vector<std::uint32_t> bin_key, spare_key;  ///< keys and scratch of BinSort
   std::vector<Candidate> run;
@@ -92,12 +92,13 @@ struct SearchScratch {
   std::uint64_t settled_in_double = 0;  ///< points that single precision could not decide
 };
 
-/// Finds the neighbourhoods of the first of `points`, until `most` neighbours are found (a list is never cut) or there
-/// are no more points. Returns how many; `out` holds their lists alone. Thread-safe with one scratch per thread.
+/// Finds the neighbourhoods of the first of `points`, until `most` neighbours are found (lists are complete) or there
+/// are no more points. Returns the number of points; `out` holds exactly their lists. Thread-safe with one scratch per
+/// thread.
 ///
-/// Where k is at most 64 all points are searched, and a leaf is searched as a whole if any of its points is among them,
-/// at the cost of all 16. Memory in addition to `out`: 8 bytes for each point within the radius of one point, or 100
-/// bytes for each of k.
+/// If k is at most 64, all points are searched; a leaf is searched as a whole if `points` has any of its points, at the
+/// cost of all 16. Memory in addition to `out`: 8 bytes for each point within the radius of one point, or 100 bytes for
+/// each of k.
 std::uint32_t search(const CellQuery& query, const CellSubset& points, std::uint64_t most, SearchScratch& scratch,
                      CellNeighbors& out);
 
@@ -105,10 +106,9 @@ std::uint32_t search(const CellQuery& query, const CellSubset& points, std::uint
 inline constexpr std::uint64_t kAllLists = ~std::uint64_t{0};
 
 /// The function search() for any k > 0 and any radius, for many neighbours: the points around a leaf are gathered once,
-/// then every point of the leaf scans them, a candidate per vector lane, all in double precision. Appends to `out`.
-/// If more than 32,768 points lie around a leaf, the search does not gather them: each point of the leaf looks at their
-/// cells, or, with a limit k, is searched plainly. 15 to 30 ns per neighbour on one core with AVX-512, about half of it
-/// for putting them in order.
+/// then every point of the leaf scans them, a candidate per vector lane, all in double precision. Appends to `out`. If
+/// more than 32,768 points lie around a leaf, they are not gathered: each point of the leaf scans their cells, or, with
+/// a limit k, is searched plainly. 15 to 30 ns per neighbour on one core with AVX-512, about half of it for sorting.
 std::uint32_t search_gathered(const CellQuery& query, const CellSubset& points, std::uint64_t most,
                               SearchScratch& scratch, CellNeighbors& out);
 

@@ -54,7 +54,8 @@ float pivot_near(const CutPoint* points, std::size_t n, std::size_t rank, std::s
   return sample[at];
 }
 
-/// Quickselect: afterwards no coordinate of the first `rank` points is above a coordinate of the other points.
+/// Quickselect: rearranges the points so that no coordinate of the first `rank` points exceeds a coordinate of the
+/// others.
 void select(CutPoint* points, std::size_t n, std::size_t rank, std::size_t axis) {
   while (rank > 0 && rank < n) {
     if (n <= 8) {
@@ -89,7 +90,7 @@ class Cutter {
     const Extent e = extent_of({points, n});
     const auto axis = static_cast<std::size_t>(e.longest());
     if (!(e.lo[axis] < e.hi[axis])) return same_place(points, n);
-    // Any split near the middle will do: a cell need not be full.
+    // The split need not be exactly in the middle, since cells need not be full.
     const float pivot = pivot_near(points, n, n / 2, axis);
     std::size_t left = partition_branchless(points, n, [=](const CutPoint& i) { return i.c[axis] < pivot; });
     if (left < n / 4 || left > n - n / 4) {

@@ -14,12 +14,12 @@ namespace pointsweep {
 /// boxes are made from doubles later.
 struct alignas(16) CutPoint {
   std::array<float, 3> c;
-  std::uint32_t index;  ///< which point it is, for the caller
+  std::uint32_t index;  ///< number of the point, for the caller
 };
 
 /// Reorders fewer than 2^32 points into cells of at most `cell_points` (a multiple of 16, at most kCellCapacity): cell
-/// c is points [begin[c], begin[c+1]). The same input gives the same cells. Points at one and the same place are
-/// ordered by `row_of(index)`. About 30 ns per point.
+/// c is points [begin[c], begin[c+1]). The same input gives the same cells. Coincident points are ordered by
+/// `row_of(index)`. About 30 ns per point.
 void cut_into_cells(std::span<CutPoint> points, std::uint32_t cell_points,
                     const std::function<std::uint64_t(std::uint32_t index)>& row_of, std::vector<std::uint32_t>& begin);
 
@@ -28,9 +28,9 @@ void cut_into_cells(std::span<CutPoint> points, std::uint32_t cell_points,
 void cut(std::span<CutPoint> points, std::uint32_t cell_points,
          const std::function<std::uint64_t(std::uint32_t index)>& row_of, std::vector<std::uint32_t>& begin);
 
-/// Reorders at most kCellCapacity points so that consecutive runs of 16 are compact: halves across the longest side,
-/// at a multiple of 16, again and again. Points at one and the same place are ordered by `row_of(index)`. The same
-/// order on every instruction set. About 30 ns per point.
+/// Reorders at most kCellCapacity points so that consecutive runs of 16 are compact, by recursive halving across the
+/// longest side, at a multiple of 16. Coincident points are ordered by `row_of(index)`. The same order on every
+/// instruction set. About 30 ns per point.
 void cut_into_leaves(std::span<CutPoint> points, const std::function<std::uint64_t(std::uint32_t index)>& row_of);
 
 }  // namespace pointsweep

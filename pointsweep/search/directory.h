@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The cells a search may look at, and how to find those near a box.
+/// The cells that a search may visit, with a look-up of those near a box.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ class CellDirectory {
 
  private:
   std::vector<const Cell*> cells_;       ///< by slot
-  std::vector<std::uint32_t> position_;  ///< by slot: index into the arrays below
+  std::vector<std::uint32_t> position_;  ///< for each slot: index into the arrays below
   std::vector<std::uint32_t> slots_;
   std::vector<double> side_[6];  ///< lo x, y, z, hi x, y, z
 };

@@ -83,8 +83,8 @@ class GatheredSearch {
     }
   }
 
-  /// Searches for points [i, end) of whole leaves that all lie at one place. They have the same neighbours, and are
-  /// neighbours of each other.
+  /// Searches for points [i, end) of whole leaves that all coincide. They have the same neighbours, and are neighbours
+  /// of each other.
   std::uint32_t search_same(std::uint32_t i, std::uint32_t end) {
     if (!unlimited()) {
       const std::uint64_t points = std::max<std::uint64_t>((most_ - out_.refs.size()) / what_.k, 1);
@@ -140,8 +140,7 @@ class GatheredSearch {
     return true;
   }
 
-  /// Names the leaves within sqrt(reach2) of a box in the cell, nearest first; in no order if they are more than
-  /// `most`.
+  /// Finds the leaves within sqrt(reach2) of a box in the cell, nearest first; unordered if there are more than `most`.
   void find_leaves(const Box& around, double reach2, std::size_t most) {
     if (!(reach2 <= scratch_.near.reach2))
       scratch_.near.find(query_, unlimited() ? reach2 : 4 * reach2);  // no reach exceeds the radius
@@ -189,7 +188,7 @@ class GatheredSearch {
     for (const std::uint64_t key : keys) out_.refs.push_back(static_cast<NeighborRef>(key));
   }
 
-  /// Reserves just the memory that the lists need if the next power of two would be more than they may take.
+  /// Reserves exactly the memory that the lists need if the next power of two would exceed their limit.
   void make_room(std::size_t more) {
     const std::size_t needed = out_.refs.size() + more;
     if (needed <= out_.refs.capacity()) return;
@@ -245,7 +244,7 @@ class GatheredSearch {
     return count;
   }
 
-  /// Adds the list as append_by_distances() does. If too many points share a bin, adds nothing and clears by_bins_.
+  /// Adds the list like append_by_distances(). If too many points share a bin, adds nothing and clears by_bins_.
   std::size_t append_by_bins(std::uint32_t i, Vec3 p, double limit2, std::size_t candidates) {
     BinSearch bins(scratch_.gathered, candidates, limit2);
     const std::size_t count = bins.find(p, own_begin_ + i % kLeafCapacity, what_.k);

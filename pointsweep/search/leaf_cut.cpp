@@ -20,7 +20,7 @@ namespace pointsweep {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// One cell while it is cut: coordinates and numbers of its points, in vectors that are parted level after level.
+/// Cuts one cell: coordinates and numbers of its points in vectors, which are partitioned level by level.
 class LeafCut {
  public:
   LeafCut(std::span<CutPoint> points, const std::function<std::uint64_t(std::uint32_t)>& row_of)
@@ -93,7 +93,7 @@ class LeafCut {
     return static_cast<std::int32_t>(std::min(std::int64_t{1} << (kCoordinateBits + bits), std::int64_t{kBeyondKeys}));
   }
 
-  /// A number that just `rank` of the keys are below: by bisection, which needs no branch that a processor could
+  /// Returns a number with exactly `rank` keys below it, by bisection without branches that a processor could
   /// mispredict.
   std::int32_t select(std::size_t n, std::size_t rank, std::int32_t high) const {
     std::int32_t low = 0;
@@ -147,9 +147,9 @@ class LeafCut {
     std::sort(order_ + first, order_ + first + n, [&row](std::int32_t a, std::int32_t b) { return row(a) < row(b); });
   }
 
-  static constexpr int kCoordinateBits = 20;  ///< with 11 for the place a number of 31 bits
+  static constexpr int kCoordinateBits = 20;  ///< with 11 bits for the place, a number of 31 bits
   static constexpr std::int32_t kBeyondKeys = 0x7FFFFFFF;
-  /// Below it the scale of the keys would overflow.
+  /// Smaller extents would overflow the scale of the keys.
   static constexpr float kLeastExtent = 1e-30f;
 
   const std::span<CutPoint> points_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// One group of queries, a vector lane each, against the leaves around them. Included once per instruction set.
+/// A group of queries, one per vector lane, against the leaves around them. Included once per instruction set.
 #if defined(POINTSWEEP_SEARCH_LEAF_QUERY_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_SEARCH_LEAF_QUERY_INL_H_
 #undef POINTSWEEP_SEARCH_LEAF_QUERY_INL_H_
@@ -25,8 +25,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::CappedTag<float, kLeafCapacity>;
 using Vec = hn::Vec<Lanes>;
 
-/// Keys are squared distances whose lowest bits hold the number of the candidate, so that selecting is min and max
-/// alone.
+/// Keys are squared distances whose lowest bits hold the number of the candidate, so that selection needs only min and
+/// max.
 inline constexpr std::uint32_t kCandidateBits = 10;
 inline constexpr std::uint32_t kCandidates = 1u << kCandidateBits;
 inline constexpr float kEmptyKey = 1e30f;      ///< key of an empty entry
@@ -77,7 +77,7 @@ HWY_INLINE void sort_sixteen(Vec (&keys)[kLeafCapacity]) {
   (std::make_index_sequence<Comparators::kCount>());
 }
 
-/// The last steps of a bitonic merge of N keys per lane that lie `stride` apart, in registers.
+/// The last steps, in registers, of a bitonic merge of N keys per lane that are `stride` apart.
 template <std::size_t N>
 HWY_INLINE void merge_bitonic(Vec* keys, std::size_t stride) {
   Vec v[N];
@@ -90,11 +90,10 @@ HWY_INLINE void merge_bitonic(Vec* keys, std::size_t stride) {
   for (std::size_t i = 0; i < N; ++i) keys[i * stride] = v[i];
 }
 
-/// The K + 1 smallest keys per lane, ascending. With k < K the first K - k places hold -1 for good.
+/// The K + 1 smallest keys per lane, ascending. If k < K, the first K - k places are always -1.
 template <std::size_t K>
 struct Selection {
-  /// From this number of keys on, sorting sixteen keys and merging them costs less than inserting them one after
-  /// another.
+  /// With at least this many keys, sorting sixteen keys and merging them is cheaper than inserting them one by one.
   static constexpr std::size_t kMergeFrom = K >= 32 ? 6 : kLeafCapacity + 1;
   Vec list[K + 1];
 
@@ -105,8 +104,8 @@ struct Selection {
     for (std::size_t i = K; i > 0; --i) list[i] = hn::Max(list[i - 1], hn::Min(list[i], key));
     list[0] = hn::Min(list[0], key);
   }
-  /// Takes sixteen keys at once. The smaller halves of two ascending lists, one of them reversed, make a bitonic
-  /// one; of what falls out the smallest is the new last key.
+  /// Takes sixteen keys at once. The smaller elements of two ascending lists, one of them reversed, form a bitonic
+  /// list. The smallest of the excluded keys becomes the new last key.
   HWY_INLINE void merge(Vec (&keys)[kLeafCapacity]) {
     static_assert(K % kLeafCapacity == 0 && K <= 64);
     sort_sixteen(keys);
@@ -187,8 +186,8 @@ HWY_INLINE void pack(const Frame& frame, const Cell& cell, std::uint32_t slot, s
   packed.farthest = std::max(packed.farthest, farthest);
 }
 
-/// Makes padding of those points of the leaf packed last that lie farther than `reach` from the centre, so that one
-/// leaf of outliers, whose box holds everything, does not take the precision from all others.
+/// Replaces points of the leaf packed last that lie farther than `reach` from the centre by padding. Otherwise one leaf
+/// with outliers, whose box is huge, would reduce the precision for all others.
 HWY_INLINE void leave_out_beyond(float reach, float farthest_of_others, Packed& packed) {
   const std::size_t first = (packed.leaves - 1) * kLeafCapacity;
   packed.farthest = farthest_of_others;
@@ -223,8 +222,8 @@ struct Group {
     const hn::RebindToUnsigned<Lanes> du;
     const std::size_t first = (packed.leaves - 1) * kLeafCapacity;
     const Vec limit = hn::Min(selection.list[K], radius_key);
-    // First computes all keys and the candidates that any query needs, then inserts them: one branch to mispredict
-    // instead of sixteen.
+    // First computes all keys and finds the candidates that any query needs, then inserts these: one branch to
+    // mispredict instead of sixteen.
     HWY_ALIGN float keys[kLeafCapacity * hn::MaxLanes(Lanes())];
     std::uint32_t wanted = 0;
     for (std::size_t j = 0; j < kLeafCapacity; ++j) {
@@ -251,7 +250,7 @@ struct Group {
     selection = best;
   }
 
-  /// Tries the last packed leaf where it is the leaf of the queries, the first of which is at `first_query`. A point is
+  /// Searches the last packed leaf if it is the leaf of the queries, the first of which is at `first_query`. A point is
   /// not its own neighbour.
   HWY_INLINE void try_own_leaf(Lanes d, const Packed& packed, std::size_t first_query) {
     const hn::RebindToUnsigned<Lanes> du;

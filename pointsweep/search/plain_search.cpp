@@ -71,8 +71,8 @@ void search_cell(const Cell& cell, std::uint32_t slot, Vec3 p, std::uint64_t sel
   }
 }
 
-/// Offers to `best` every point of the cells in `near` (sorted as CellDirectory::find leaves them, by distance from a
-/// box that contains `p`) that may belong, except the one of row `self_row`.
+/// Offers to `best` every point of the cells in `near` that may belong to the list, except the one of row `self_row`.
+/// `near` is sorted by distance from a box that contains `p`, as CellDirectory::find returns it.
 void search_exact(const CellDirectory& directory, const std::vector<CellDirectory::Near>& near, Vec3 p,
                   std::uint64_t self_row, BestList& best) {
   for (const CellDirectory::Near& candidate : near) {

@@ -32,17 +32,16 @@ inline Candidate candidate_from(const CellDirectory& directory, NeighborRef ref,
   return {distance2(at, p), at, cell.row[index_of(ref)], ref};
 }
 
-/// Puts runs of a list of at most 64 neighbours of p, which single precision could not tell apart, into exact order:
-/// bit i of `close_to_next` says that places i and i + 1 belong to one run.
+/// Sorts runs of a list of at most 64 neighbours of p exactly, where single precision could not decide. Bit i of
+/// `close_to_next` says that places i and i + 1 belong to one run.
 void order_runs(const CellDirectory& directory, Vec3 p, std::uint64_t close_to_next, NeighborRef* refs);
 
-/// Returns the end of the leaves of a cell, from this one on, that all lie at one place; the leaf itself if it does
-/// not.
+/// Returns the end of the run of leaves, from `leaf` on, whose points all coincide; returns `leaf` if its own points
+/// differ.
 std::uint32_t end_of_copies(const Cell& cell, std::uint32_t leaf);
 
-/// Appends the neighbourhoods of points [first, end), all at one place, to `out`. One search is enough: the points have
-/// the same k + 1 nearest, and each leaves out itself, whereas searched one by one each would look at all others.
-/// scratch.near as in search_point_plainly().
+/// Appends the neighbourhoods of points [first, end), which coincide, to `out`. One search is enough: the points have
+/// the same k + 1 nearest points, and each leaves out itself. scratch.near is used as in search_point_plainly().
 void search_copies(const CellQuery& query, std::uint32_t first, std::uint32_t end, SearchScratch& scratch,
                    CellNeighbors& out);
 

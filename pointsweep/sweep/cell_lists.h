@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Neighbour lists of the cells of a window or a region: finds and shortens them, keeps those that later steps of a
-/// sweep need as far as there is memory, and notes which cells they name.
+/// Neighbour lists of the cells of a window or a region: finds and shortens them, stores lists for later steps while
+/// memory lasts, and records which cells each list refers to.
 #pragma once
 
 #include <atomic>
@@ -25,11 +25,11 @@ class Stopwatch {
 };
 
 struct ListMemory {
-  /// Bytes for the cells of the window, lists included. Lists that later steps need and that do not fit are not kept; a
-  /// later step finds equal lists again.
+  /// Memory for the cells of the window with their lists. Lists for later steps that do not fit are dropped; a later
+  /// step finds equal lists again.
   std::uint64_t cells_bytes;
-  /// Bytes for the lists that one thread works on; the list of a single point may take more. Larger lists of a cell are
-  /// found, used and dropped for one run of its points after another.
+  /// Memory for the lists that one thread uses at a time; the list of a single point may take more. A cell with larger
+  /// lists is processed in runs of points.
   std::uint64_t lists_bytes;
 };
 
@@ -39,11 +39,11 @@ class CellLists {
   CellLists(const SweepPlan& plan, const CellSet& cells, const ListMemory& memory)
       : plan_(plan), cells_(cells), memory_(memory), point_bytes_(window_point_bytes(plan)) {}
 
-  /// Fills worker.reach2: how far each neighbourhood of the cell reaches. True if all lists were found on the way and
-  /// are in worker.neighbors. Without a limit k the reach is the radius, and no search is needed to know it.
+  /// Fills worker.reach2, the squared radius of each neighbourhood of the cell. Returns whether this has found all
+  /// lists, in worker.neighbors. Without a limit k the reach is the radius, so no search is needed.
   bool find_reaches(std::uint32_t slot, Worker& worker) const;
-  /// Finds the lists of the first of `points`, as many as the memory for them allows, in worker.neighbors, before the
-  /// rule. Returns how many.
+  /// Finds the lists of the first of `points`, as many as fit in memory, in worker.neighbors, without the rule. Returns
+  /// their number.
   std::uint32_t find(std::uint32_t slot, const CellSubset& points, Worker& worker) const;
   /// Applies the rule of the plan to worker.neighbors, the lists of `points`.
   void truncate(const WindowCell& cell, const CellSubset& points, Worker& worker) const;
@@ -64,7 +64,7 @@ class CellLists {
   const CellSet& cells_;
   ListMemory memory_;
   std::uint64_t point_bytes_;                     ///< bytes of a point in the window, with its columns
-  mutable std::atomic<std::uint64_t> bytes_ = 0;  ///< bytes of all lists kept now
+  mutable std::atomic<std::uint64_t> bytes_ = 0;  ///< bytes of all stored lists
 };
 
 }  // namespace pointsweep

@@ -59,8 +59,8 @@ double end_of_list(const Neighborhood& what, Vec3 p, const CellNeighbors& lists,
 }
 
 /// Certifies the points of a cell. The ball of a point has the squared radius worker.reach2 and must touch no unread
-/// slab and no dropped cell; otherwise the point is deferred. Returns false if so many balls touch a slab that is still
-/// to be read that the cell is to wait and be searched again.
+/// slab and no dropped cell; otherwise the point is deferred. Returns false if too many balls touch slabs that the
+/// sweep has still to read: the cell then waits and is searched again.
 bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
   const std::vector<double>& reach2s = worker.reach2;
   const Box& box = cell.cell.box;
@@ -89,8 +89,8 @@ bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
   return true;
 }
 
-/// Defers the points of the cell, from `first` on, whose lists name a point that was deferred before this step: what it
-/// could not give in time they cannot use.
+/// Defers the points of the cell, from `first` on, whose lists contain a point that was deferred before this step,
+/// since its values are missing.
 void defer_dependents(const Neighborhood& what, WindowCell& cell, std::uint32_t first, const CellNeighbors& lists,
                       const Window& window) {
   const auto any = std::any_of(cell.refers_to.begin(), cell.refers_to.end(),
@@ -139,7 +139,7 @@ void CellRunner::run(std::uint32_t slot, std::uint32_t step, Worker& worker) con
   if (cell.steps_done == plan_.step_count()) finish(cell, worker);
 }
 
-/// Nobody asks what the last step makes of the points of this cell.
+/// Skips the last step in a cell whose results no other cell needs.
 void CellRunner::look_no_further(WindowCell& cell, std::uint32_t step) const {
   if (step == 0) cell.reach = cell.wait_reach;
   cell.steps_done = step + 1;
@@ -174,8 +174,8 @@ void CellRunner::run_first_step(std::uint32_t slot, bool all_found, Worker& work
   CellLists::hold_references(cell, worker);
 }
 
-/// Takes a later step with the lists that were kept, or finds equal lists again: no point has come into their certified
-/// balls, and the cells that they name are still in the window.
+/// Takes a later step with the stored lists, or finds equal lists again. They are equal because no point has entered
+/// the certified balls, and the cells of the lists are still in the window.
 void CellRunner::run_later_step(std::uint32_t slot, std::uint32_t step, Worker& worker) const {
   WindowCell& cell = window_.at(slot);
   const std::uint32_t size = cell.cell.size();
@@ -247,7 +247,7 @@ void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
   }
 }
 
-/// After the only step others may still read some of what the file gave.
+/// After the only step, other cells may still read some file columns, which are kept.
 void CellRunner::drop_columns(WindowCell& cell) const {
   for (std::size_t c = 0; c < cell.columns.size(); ++c) {
     if (read_of_neighbors_[c]) continue;

@@ -33,7 +33,7 @@ class CellRunner {
   Window& window_;
   const Frontier& frontier_;
   Sink& sink_;
-  std::vector<bool> read_of_neighbors_;  ///< by column: whether a stage looks at it in other cells
+  std::vector<bool> read_of_neighbors_;  ///< for each column: whether a stage reads it of points in other cells
   CellLists lists_;
 };
 

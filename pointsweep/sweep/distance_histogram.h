@@ -9,8 +9,8 @@
 
 namespace pointsweep {
 
-/// Counts of distances in eight bins for each octave, whatever their size: the bin is what the first bits of the
-/// squared distance as an IEEE double say. 64 KB; the same counts in any order.
+/// Counts of distances in eight bins per octave. The bin is given by the leading bits of the squared distance as an
+/// IEEE double. 64 KB. Counts do not depend on the order of distances.
 class DistanceHistogram {
  public:
   static constexpr std::size_t kBins = 8192;

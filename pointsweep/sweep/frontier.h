@@ -22,12 +22,12 @@ struct DroppedCell {
 };
 
 /// The boxes of the unread slabs and of the cells that have left the window. Only the thread of the sweep changes it;
-/// asking is thread-safe.
+/// queries are thread-safe.
 ///
 /// Among coincident points, only the k + 1 with the lowest rows belong to any neighbourhood. A location is saturated
-/// when a cell has been read that holds more than k points there, the ones with the lowest rows. Slabs and cells that
-/// hold only further copies are superfluous, unread or dropped, so that more copies of a point than fit in memory can
-/// pass.
+/// when a cell has been read that contains more than k points there, including those with the lowest rows. Slabs and
+/// cells that contain only further copies are superfluous: they need not be read or kept. So a cloud may have more
+/// copies of a point than fit in memory.
 class Frontier {
  public:
   /// `slabs` is borrowed. The slabs may have any order; they ascend along the axis only for the most part. The sweep
@@ -38,9 +38,9 @@ class Frontier {
   std::size_t slabs_read() const { return read_; }
   void slab_was_read() { ++read_; }
   void slabs_were_read(std::size_t first) { read_ = first; }
-  /// Returns whether the sweep has slabs to read. If not, some may be unread still, which the recall reads.
+  /// Returns whether the sweep has slabs to read. Slabs for the recall alone do not count.
   bool more_to_read() const { return read_ < swept_slabs_; }
-  /// After the last slab: the slabs that were not read count as cells that have left the window.
+  /// Must be called after the last slab of the sweep. The unread slabs are treated as cells that have left the window.
   void leave_unread_slabs();
   void cell_was_dropped(std::uint32_t slab, const DroppedCell& cell);
   /// Points at `place` with a row above `row` are superfluous.
@@ -70,12 +70,12 @@ class Frontier {
   const std::vector<Slab>& slabs_;
   int axis_;
   std::size_t swept_slabs_;
-  /// By slab that the sweep reads: where it or any later one of these begins along the axis.
+  /// For each slab that the sweep reads: the least coordinate along the axis of it and all later ones.
   std::vector<double> least_begin_;
   BoxTree beyond_;  ///< the boxes of the slabs that only the recall reads
   std::size_t read_ = 0;
   std::vector<std::uint32_t> dropping_slabs_;      ///< numbers of the slabs with dropped cells
-  std::vector<std::vector<DroppedCell>> dropped_;  ///< by slab
+  std::vector<std::vector<DroppedCell>> dropped_;  ///< for each slab
   std::map<std::array<double, 3>, std::uint64_t> saturated_locations_;
 };
 

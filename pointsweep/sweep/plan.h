@@ -15,7 +15,7 @@ namespace pointsweep {
 
 /// The time for which the values of a column are needed.
 enum class Lifetime : std::uint8_t {
-  none,  ///< no stage reads it and it is not written
+  none,  ///< no stage reads the column, and it is not written
   step,  ///< later stages of the same step read the point's own value, or it is written after the step
   cell,  ///< needed as long as the point is in memory
 };
@@ -27,7 +27,7 @@ struct Stage {
   std::vector<std::uint16_t> reads, reads_neighbors, makes;
   int position = -1;  ///< column of the moved positions that the stage sees; negative: positions of the input
 
-  /// `op`, if it emits edges instead of filling its columns; else null.
+  /// Returns `op` if it is a connecting stage, which emits edges instead of filling its columns; else null.
   const ConnectOperator* connects() const {
     const auto* connecting = std::get_if<std::shared_ptr<const ConnectOperator>>(&op);
     return connecting != nullptr ? connecting->get() : nullptr;
@@ -38,7 +38,7 @@ struct Stage {
 struct FileColumn {
   std::uint16_t column;
   std::vector<std::size_t> fields;  ///< indices of the fields, one for each component
-  Type type;                        ///< what the operator was promised; values are converted to it
+  Type type;                        ///< type that the operator expects; values are converted to it
 };
 
 /// A made column that is written: copied to `offset` of the result record.
@@ -85,8 +85,8 @@ struct Finished {
   std::size_t size;
 };
 
-/// Receives finished points: the deferred-write operator Φ_W (paper Section 4.2.1). For every point that has a slab
-/// either finished() or recalled() is called once, from many threads. Slabs of a halo do not count.
+/// Receives finished points: the deferred-write operator Φ_W (paper Section 4.2.1). For every point in a slab that is
+/// no halo, either finished() or recalled() is called once, from many threads.
 class Sink {
  public:
   virtual ~Sink() = default;

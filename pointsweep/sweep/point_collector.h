@@ -24,11 +24,11 @@ struct NeededPlace {
 
 /// The points to be collected, and how many at most.
 struct WantedPoints {
-  /// Balls of which only the `nearest` nearest points are wanted, with all points as far as the last of them.
+  /// Balls for which the `nearest` nearest points are needed, with all further points at the same distance.
   std::vector<Ball> balls = {};
   std::uint64_t nearest = 1;
-  /// Balls of which all points are wanted. Some points near the balls come in, too. Much cheaper than `balls` if many
-  /// of them overlap.
+  /// Balls for which all points are needed. Some points near the balls are collected, too. Much cheaper than `balls` if
+  /// many balls overlap.
   std::vector<Ball> whole_balls = {};
   std::vector<NeededPlace> places = {};  ///< ascending
   std::uint64_t most_points = 0;         ///< the search ends if it finds more
@@ -62,7 +62,8 @@ struct SlabsRead {
   void add(const SlabsRead& more) { slabs += more.slabs, bytes += more.bytes; }
 };
 
-/// One reading of the stream for wanted points. Superfluous points (see Frontier) are found by their places only.
+/// One reading of the stream that collects needed points. Superfluous points (see Frontier) are collected only for
+/// `places`.
 class PointCollector {
  public:
   /// `frontier` comes from a sweep that has ended: it holds the boxes of all cells except superfluous cells.
@@ -92,8 +93,9 @@ class PointCollector {
   const Frontier& frontier_;
   WantedPoints wanted_;
   PositionFields position_;
-  std::unique_ptr<std::atomic<double>[]> reach2_;  ///< by ball: its present squared radius
-  std::vector<std::vector<double>> distances2_;    ///< by ball: a heap of the squared distances of the nearest points
+  std::unique_ptr<std::atomic<double>[]> reach2_;  ///< current squared radius of each ball
+  std::vector<std::vector<double>> distances2_;    ///< for each ball: a heap of the squared distances of the nearest
+                                                   ///< points
   BallCover cover_;
   std::array<std::mutex, 64> mutexes_;  ///< mutex i guards the heaps of the balls i, i + 64, ...
   std::vector<CollectedPoints> found_;

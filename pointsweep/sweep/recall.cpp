@@ -17,7 +17,7 @@ constexpr std::size_t kMostGrowth = 4;
 
 }  // namespace
 
-/// On a surface, the surroundings of a point are as many neighbourhoods as the square of the steps and one more.
+/// On a surface, the surroundings of a point contain about (steps + 1)² neighbourhoods.
 std::size_t Recall::first_guess() const {
   const double k = static_cast<double>(std::min<std::size_t>(plan_.neighborhood.k, 100'000));
   const double width = static_cast<double>(plan_.step_count()) + 1;
@@ -31,7 +31,7 @@ void Recall::run(Sink& sink, const std::function<void(std::size_t points, std::s
   worker.deferred = take_deferred();
   group_ = first_guess();
   while (!worker.deferred.empty()) {
-    return_free_memory();  // of the sweep, and of the group before
+    return_free_memory();  // memory of the sweep and of the previous group
     const std::size_t points = run_group(worker.deferred, sink);
     worker.certified += points;
     done(points, worker.deferred.size());
@@ -54,8 +54,7 @@ std::vector<DeferredPoint> Recall::take_deferred() {
   return deferred;
 }
 
-/// Takes as many points from the end of `points` as there is memory for, at least one, and returns how many of them it
-/// has finished.
+/// Finishes points from the end of `points`, as many as fit in memory, at least one. Returns their number.
 std::size_t Recall::run_group(std::vector<DeferredPoint>& points, Sink& sink) {
   for (;;) {
     const std::size_t size = std::min(group_, points.size());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Finishes the points that the sweep deferred: what they need has left the window and is read again.
+/// Finishes the points that the sweep deferred: points that they need have left the window and are read again.
 ///
-/// The paper has no such thing: its neighbourhoods are approximate there (Section 8). A recall collects the points
+/// The paper has no recall; its neighbourhoods are approximate in such places (Section 8). A recall collects the points
 /// around some deferred points in a region, finds the neighbourhoods of these points, of their neighbours, and so on
 /// for each step of the chain, and takes them all through the steps: by the same search and stages as the sweep, cell
 /// by cell, on all threads. It evaluates each point at most once in each step, and reads each slab that the points
@@ -20,8 +20,9 @@
 namespace pointsweep {
 
 struct RecallMemory {
-  std::uint64_t bytes;            ///< for points, columns and lists; the surroundings of a single point may take more
-  std::uint64_t lists_bytes;      ///< for the lists that each thread has in hand
+  std::uint64_t bytes;            ///< memory for points, columns and lists; the surroundings of a single point may take
+                                  ///< more
+  std::uint64_t lists_bytes;      ///< memory for the lists that each thread uses at a time
   std::size_t slabs_at_once = 1;  ///< number of slabs that may be read ahead; their memory comes in addition to `bytes`
 };
 
@@ -31,8 +32,8 @@ class Recall {
          const RecallMemory& memory, std::vector<Worker>& workers)
       : stream_(stream), plan_(plan), loader_(loader), frontier_(frontier), memory_(memory), workers_(workers) {}
 
-  /// Finishes the deferred points of all workers and hands them to `sink`, group after group from the end of the
-  /// stream. Calls done(points of the group, points left) after each; at that moment, the first worker holds the points
+  /// Finishes the deferred points of all workers and passes them to `sink`, group by group from the end of the stream.
+  /// Calls done(points of the group, points left) after each group, when the first worker holds the points that are
   /// left.
   void run(Sink& sink, const std::function<void(std::size_t points, std::size_t left)>& done);
   const SlabsRead& slabs_read() const { return slabs_read_; }
@@ -48,7 +49,7 @@ class Recall {
   const Frontier& frontier_;
   RecallMemory memory_;
   std::vector<Worker>& workers_;
-  std::size_t group_ = 0;  ///< how many points to try next
+  std::size_t group_ = 0;  ///< number of points for the next group
   SlabsRead slabs_read_;
 };
 

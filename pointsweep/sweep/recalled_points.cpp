@@ -21,7 +21,7 @@ constexpr std::uint64_t kFewPoints = 8192, kFewForNeighbor = 128;
 /// Reach of a BallCover in multiples of the radius of a ball: three radii along each axis.
 constexpr double kCoverReach = 5.2;
 
-/// Memory of a ball while points are collected, without its distances; and of a whole ball with the cells that it
+/// Memory of a ball while points are collected, without its distances; memory of a whole ball with the cells that it
 /// marks, most of which it shares with other balls.
 constexpr std::uint64_t kBallBytes = 2 * sizeof(Ball) + sizeof(std::vector<double>) + 8 * 24;
 constexpr std::uint64_t kWholeBallBytes = 2 * sizeof(Ball) + 64;
@@ -171,7 +171,8 @@ bool RecalledPoints::begin_next_level() {
   return (wanted.whole_balls.empty() && wanted.balls.empty()) || collect(std::move(wanted));
 }
 
-/// Moves balls that may hold many points from `whole_balls` to `balls`, of which only the nearest points are collected.
+/// Moves balls that may contain many points from `whole_balls` to `balls`, for which only the nearest points are
+/// collected.
 void RecalledPoints::separate_large(WantedPoints& wanted) const {
   std::vector<std::uint8_t> is_large(wanted.whole_balls.size());
   parallel_for(is_large.size(), [&](std::size_t i, unsigned) {
@@ -290,7 +291,7 @@ void RecalledPoints::take_step(std::uint32_t slot, std::uint32_t step, Worker& w
   }
 }
 
-/// The sweep has counted what the steps before made of a deferred point; these are not counted again.
+/// Applies a step to deferred points without counting the results of earlier steps again, which the sweep has counted.
 void RecalledPoints::apply_deferred(std::uint32_t slot, std::uint32_t step, const CellSubset& points,
                                     const CellNeighbors& lists, Worker& worker, Sink& sink) const {
   const auto& counted_from = cells_[slot].counted_from;

@@ -17,7 +17,7 @@
 
 namespace pointsweep {
 
-/// The cells that a recall has read. collect() adds points, in new cells; a slot (0, 1, ...) names the same cell as
+/// The cells that a recall has read. collect() adds points, in new cells; a slot (0, 1, ...) refers to the same cell as
 /// long as the region lives. All functions but collect() are thread-safe.
 class Region : public CellSet {
  public:
@@ -44,13 +44,13 @@ class Region : public CellSet {
   const SlabLoader& loader_;
   const Frontier& frontier_;
   std::size_t slabs_at_once_;
-  std::vector<std::vector<std::uint32_t>> held_;  ///< by slab: the places of its points in the region, ascending
+  std::vector<std::vector<std::uint32_t>> held_;  ///< for each slab: the places of its points in the region, ascending
   SlabsRead slabs_read_;
 };
 
-/// Level s holds the points whose values after step s are needed: the last level the deferred points, every other level
-/// the points of the next one and their neighbours. Lists are found from the last level to the first, values from the
-/// first step to the last.
+/// Level s contains the points whose values after step s are needed. The last level contains the deferred points; every
+/// other level contains the points of the next level and their neighbours. Lists are found from the last level to the
+/// first, values from the first step to the last.
 ///
 /// A bound of the neighbourhood of each point is known before its list is found. The bound of a deferred point is the
 /// reach that the sweep found, or a shorter one within which whole cells hold enough points. The bound of a neighbour q
@@ -94,8 +94,9 @@ class RecalledPoints {
   };
   /// Knowledge about a cell of the region.
   struct CellState {
-    std::vector<std::uint8_t> reached;   ///< by point: whether it is in a level, or is to come into the next one
-    std::vector<double> bound2;          ///< by point reached: a squared distance within which its neighbourhood lies
+    std::vector<std::uint8_t> reached;   ///< for each point: it is in a level, or will be in the next one
+    std::vector<double> bound2;          ///< for each such point: a squared distance within which its neighbourhood
+                                         ///< lies
     std::vector<std::uint32_t> pending;  ///< points whose lists are to be found, ascending
     std::vector<Listed> listed;
     /// The deferred points, ascending, each with the first step whose degenerate results count.

@@ -72,7 +72,7 @@ bool Region::touches_more_than(std::uint64_t count, Vec3 p, double reach2) const
   return false;
 }
 
-/// Takes the nearest slab first, so that few other slabs have to be looked at.
+/// The nearest slab comes first, so that few other slabs need be visited.
 double Region::reach2_that_holds(Vec3 p, std::uint64_t count) const {
   const std::vector<Slab>& slabs = stream_.slabs();
   WholeCells found{p, count, Box::kInf, {}};

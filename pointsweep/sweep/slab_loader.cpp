@@ -17,7 +17,7 @@ struct LoadScratch {
   std::vector<std::uint32_t> begin, sparse_begin;
 };
 
-/// Exclusive use of a LoadScratch during a load. There are as many as loads at once, so that the steady state allocates
+/// Exclusive use of a LoadScratch during a load. There is one for each concurrent load, so that a long run allocates
 /// nothing.
 class SlabLoader::OwnScratch {
  public:
@@ -83,8 +83,8 @@ std::size_t make_cut_points(const PositionFields& position, std::size_t stride, 
 
 using RowOf = std::function<std::uint64_t(std::uint32_t index)>;
 
-/// Cuts the first `dense` points and the others apart, so that a few outliers do not stretch the cells and leaves of a
-/// surface.
+/// Cuts the first `dense` points and the other points separately, so that a few outliers do not stretch the cells and
+/// leaves of a surface.
 void cut_apart(std::size_t dense, std::uint32_t cell_points, const RowOf& row_of, LoadScratch& s) {
   const std::span<CutPoint> points(s.points);
   cut_into_cells(points.first(dense), cell_points, row_of, s.begin);
@@ -128,7 +128,7 @@ std::vector<std::unique_ptr<WindowCell>> SlabLoader::cells_of(std::uint32_t slab
   return cells;
 }
 
-/// Their index_in_slab counts the records.
+/// The index_in_slab of the points numbers the records.
 std::vector<std::unique_ptr<WindowCell>> SlabLoader::cut_into_window_cells(std::uint32_t slab,
                                                                            const std::vector<std::byte>& records,
                                                                            LoadScratch& s) const {
@@ -147,7 +147,8 @@ std::vector<std::unique_ptr<WindowCell>> SlabLoader::cut_into_window_cells(std::
   return cells;
 }
 
-/// Brings a cell's records together first: one cache miss for each point, all else runs through the first-level cache.
+/// Gathers the records of a cell first. This costs one cache miss for each point; all later accesses hit the
+/// first-level cache.
 std::unique_ptr<WindowCell> SlabLoader::make_cell(std::uint32_t slab, std::span<const CutPoint> points,
                                                   const std::vector<std::byte>& records,
                                                   std::vector<std::byte>& cell_records) const {

@@ -20,7 +20,7 @@ struct LoadScratch;
 
 struct LoadedSlab {
   std::vector<std::unique_ptr<WindowCell>> cells;  ///< ascending by number
-  std::vector<std::byte> records;                  ///< kept only if asked for
+  std::vector<std::byte> records;                  ///< empty unless requested
 };
 
 /// Reads slabs and cuts them into cells. A slab gives equal cells every time, so that a resumed run finds the cells of
@@ -34,7 +34,7 @@ class SlabLoader {
   /// these points has no number.
   std::vector<std::unique_ptr<WindowCell>> cells_of(std::uint32_t slab, std::span<const std::uint32_t> index_in_slab,
                                                     const std::vector<std::byte>& records) const;
-  /// Returns the error of the lowest row loaded so far that has a value which a stage cannot read.
+  /// Returns the error of the lowest row loaded so far with a value that a stage cannot read.
   FirstRowError refused() const;
 
  private:

@@ -20,8 +20,8 @@ namespace pointsweep {
 
 struct Batch;
 
-/// Takes what a connecting stage emits for a batch to a sink. Each thread has its own emitter, which
-/// owns the memory that is reused from batch to batch, so it is not thread-safe.
+/// Passes the edges that a connecting stage emits for a batch to a sink. Not thread-safe: each thread has its own
+/// emitter, whose memory is reused from batch to batch.
 class EdgeEmitter {
  public:
   explicit EdgeEmitter(EdgeSink& sink) : sink_(sink) {}
@@ -43,17 +43,18 @@ class EdgeEmitter {
 /// Number of points that a bucket should hold.
 inline constexpr std::uint64_t kBucketPoints = 16384;
 
-/// Returns the places where buckets begin: at each slab, at `places`, and inside a large slab so often that each bucket
-/// holds about kBucketPoints if the points of the slab lie evenly along the axis.
+/// Returns the places where buckets begin: at each slab, at `places`, and within large slabs, so that each bucket
+/// contains about kBucketPoints if points are spread evenly along the axis.
 std::vector<PointKey> bucket_begins(const class Stream& stream, std::span<const Vec3> places);
 
 /// Times, degenerate points and errors of the stages that one thread ran.
 struct StageTally {
-  std::vector<double> seconds;           ///< by stage
-  std::vector<DegeneratePoints> marked;  ///< by stage, those of the step that was run last: points of its batch
-  /// By stage: the rows of marked points whose results are final. Callers of run_step() add these rows.
+  std::vector<double> seconds;           ///< seconds of each stage
+  std::vector<DegeneratePoints> marked;  ///< marked points of each stage in its last batch, for the stages of the last
+                                         ///< step
+  /// For each stage: the rows of marked points whose results are final. Callers of run_step() add these rows.
   std::vector<DegenerateRows> degenerate;
-  FirstRowError refused;                         ///< by a stage that cannot make the value of a row; ends the pass
+  FirstRowError refused;                         ///< error of a stage that refused a row, which ends the pass
   std::unique_ptr<NeighborDistances> distances;  ///< filled if not null
   std::unique_ptr<EdgeEmitter> edges;            ///< takes the edges of a connecting stage if not null
 };

@@ -40,9 +40,8 @@ class Sweep {
     if (options.resume_from != nullptr) restart_.emplace(*options.resume_from, stream, plan);
   }
 
-  /// The paper's main loop. While the stream has points, a turn reads some slabs of them; then every step in order
-  /// takes the cells that have become ready; cells that are no longer needed leave. At the end, all deferred points are
-  /// recalled.
+  /// The paper's main loop. In each turn some slabs are read; then every step in order processes the cells that have
+  /// become ready; then cells that are no longer needed are dropped. At the end, all deferred points are recalled.
   SweepStatistics run() {
     const std::uint32_t first = restart(), slabs = static_cast<std::uint32_t>(stream_.swept_slabs());
     Prefetch<LoadedSlab> loaded([this](std::size_t slab) { return load(slab); }, first, slabs, options_.read_ahead);
@@ -102,8 +101,8 @@ class Sweep {
     }
   }
 
-  /// Gives the progress to the keeper if the keeper wants it. Keeps nothing while a resumed run reads slabs again: the
-  /// finished points of slabs that are not yet read again would be forgotten.
+  /// Gives the progress to the keeper if the keeper wants it. Does not while a resumed run reads slabs again, since
+  /// finished points of slabs not yet read again would be lost.
   void keep_progress() {
     const bool reads_again = restart_ && restart_->was_read(static_cast<std::uint32_t>(frontier_.slabs_read()));
     if (options_.keeper == nullptr || reads_again || !options_.keeper->wants_progress() || refused().any()) return;

@@ -23,9 +23,9 @@ namespace pointsweep {
 /// The state of a point during a sweep.
 enum class PointState : std::uint8_t {
   unread,
-  waiting,   ///< in the window, waits for unread slabs near it
+  waiting,   ///< in the window, waiting for unread slabs near it
   searched,  ///< its neighbourhood is known; waits for values of its neighbours
-  kept,      ///< finished (or left to the recall), but others still look at it
+  kept,      ///< finished (or deferred), but other points still need it
   gone,      ///< has left the window
 };
 
@@ -48,16 +48,17 @@ struct SaturatedLocation {
   std::uint64_t row;
 };
 
-/// The progress of a sweep between two turns: all that another process needs to continue the sweep (docs/adr/0008).
+/// The progress of a sweep between two turns: all data that another process needs to continue the sweep
+/// (docs/adr/0008).
 struct SweepProgress {
   std::uint32_t slabs_read = 0;
-  std::vector<WindowedCell> window;        ///< by slab and number; read cells that are not listed are finished
+  std::vector<WindowedCell> window;        ///< by slab and number; cells that were read and are not listed are finished
   std::vector<DroppedCellOfSlab> dropped;  ///< also once all slabs were read, for the recall
   std::vector<SaturatedLocation> saturated_locations;
   std::vector<DeferredPoint> deferred;  ///< points of finished cells that are not yet recalled
   /// Counts over finished cells and recalled points, with the meaning that they have in SweepStatistics.
   std::uint64_t certified = 0, recalled = 0, recalled_slabs = 0, peak_points = 0;
-  std::vector<DegenerateRows> degenerate;  ///< by stage; may be shorter than the chain
+  std::vector<DegenerateRows> degenerate;  ///< for each stage; may have fewer entries than the chain has stages
 
   void encode(Encoder& out) const;
   static SweepProgress decode(Decoder& in);
@@ -76,45 +77,45 @@ class ProgressKeeper {
 struct SweepOptions {
   std::uint32_t cell_points = 1024;      ///< a multiple of 16, at most kCellCapacity
   std::size_t read_ahead = 1;            ///< slabs being read and cut while others are worked on
-  std::uint32_t slabs_per_turn = 1;      ///< slabs that come into the window before the steps are taken; at least 1
+  std::uint32_t slabs_per_turn = 1;      ///< slabs that are read before the steps are taken; at least 1
   std::size_t recall_bytes = 64u << 20;  ///< memory for a batch of recalled points
-  /// Memory for the cells of the window. They take what they must; lists for later steps only what is left of it.
+  /// Memory for the cells of the window. Cells may exceed it; lists for later steps use only the rest.
   std::uint64_t cells_bytes = std::numeric_limits<std::uint64_t>::max();
-  /// Memory for the lists that each thread has in hand. Cells whose lists take more are worked on run by run of their
-  /// points; one point is the least.
+  /// Memory for the lists that each thread uses at a time. Cells with larger lists are processed in runs of points, at
+  /// least one point each.
   std::uint64_t lists_bytes = 16u << 20;
   bool count_distances = false;  ///< fill SweepStatistics::distances
-  /// If given, receives the PointState of every input row at the moment when half of the points have been read. Its
-  /// size must be the number of rows of the input.
+  /// If not null, receives the PointState of every input row when half of the points have been read. Its size must be
+  /// the number of rows of the input.
   std::vector<PointState>* half_way = nullptr;
-  /// Takes the edges that a connecting stage emits. They are not part of a SweepProgress: with edges, no keeper.
+  /// Receives the edges that a connecting stage emits. Edges are not part of a SweepProgress, so `keeper` must be null.
   EdgeSink* edges = nullptr;
   ProgressKeeper* keeper = nullptr;
-  /// If not null, the sweep continues from this progress, which a keeper was given, perhaps in another process. Stream,
-  /// plan and `cell_points` must be equal to those of that sweep, and the sink must hold the results that had been
-  /// handed over. Not together with half_way.
+  /// If not null, the sweep continues from this progress, which a keeper has received, perhaps in another process.
+  /// Stream, plan and `cell_points` must be equal to those of that sweep, and the sink must contain the results
+  /// delivered by then. Not together with half_way.
   const SweepProgress* resume_from = nullptr;
   /// Called by the sweep's thread after each turn with the points read and finished so far; may throw to end the run.
   std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
 };
 
 struct SweepStatistics {
-  /// Points whose neighbourhood is proven exact; in the end all of them, but for those of a halo.
+  /// Points whose neighbourhoods are proven exact; at the end all of them, except points of a halo.
   std::uint64_t certified = 0;
   std::uint64_t recalled = 0;  ///< certified points that were finished in the recall
   std::uint64_t recalled_slabs = 0;
   std::uint64_t recalled_bytes = 0;        ///< bytes of the slabs that the recall of this process has read
-  std::vector<DegenerateRows> degenerate;  ///< by stage
+  std::vector<DegenerateRows> degenerate;  ///< for each stage
   double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads (recall: wall)
-  std::vector<double> stage_seconds;                                ///< by stage, summed over threads
+  std::vector<double> stage_seconds;                                ///< for each stage, summed over threads
   std::uint64_t peak_points = 0;
   double mean_points = 0;
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active; one entry a turn
-  /// One series for each step, named after the operators of the step: points read, and points in the window that have
-  /// still to take this step. The last series counts the points of finished cells that stay in the window for others.
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active; one entry per turn
+  /// A series for each step, named after its operators: points read, and points in the window that have not taken this
+  /// step. The last series counts the points of finished cells that stay in the window for other cells.
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
   double lifespan_mean = 0, lifespan_max = 0;  ///< seconds
-  NeighborDistances distances;                 ///< one count for each finite point, if asked for
+  NeighborDistances distances;                 ///< one count for each finite point, if requested
 };
 
 /// Runs the plan over the whole stream; every point of every slab that is no halo is handed to `sink` exactly once.

@@ -12,18 +12,19 @@
 
 namespace pointsweep {
 
-/// Called by the thread of the sweep. No result depends on it.
+/// Collects statistics and reports progress. Called by the thread of the sweep. No result depends on it.
 class SweepObserver {
  public:
   SweepObserver(const Stream& stream, const SweepPlan& plan, const SweepOptions& options);
 
-  /// The sweep goes on after `from`; it reads the slabs from `first_slab` on.
+  /// Records that the sweep continues from `from` and reads the slabs from `first_slab` on.
   void resumed(const SweepProgress& from, std::uint32_t first_slab);
   void slab_was_read(std::uint32_t slab, const std::vector<std::unique_ptr<WindowCell>>& cells);
-  /// To be called when all steps of a turn have been taken, before cells are dropped from the window.
+  /// Must be called when all steps of a turn have been taken, before cells are dropped from the window.
   void steps_were_taken(const Window& window);
   void cells_were_dropped(const Window& window);
-  /// The recall has finished so many points more, and read these slabs in all; `left` points are to come.
+  /// Records that the recall has finished `points` more points. `read`: all slabs it has read. `left`: points still to
+  /// be finished.
   void recalled(std::uint64_t points, const SlabsRead& read, std::uint64_t left);
 
   const SweepStatistics& so_far() const { return statistics_; }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Takes down how far a sweep has come, and puts another sweep, of another process perhaps, back to that place
-/// (docs/adr/0008).
+/// Saves the progress of a sweep, and restores it in another sweep, perhaps of another process (docs/adr/0008).
 ///
-/// The cells that were in the window come back to it, and the boxes of dropped cells to the frontier. Where later steps
-/// look at what earlier steps made, the last slabs are read again and their cells go through all steps once more, for
-/// others to look at; results that had been handed over are not handed over again. No value depends on how far this
-/// goes back: points that cannot be certified are recalled.
+/// Restores the cells of the window, and the boxes of dropped cells in the frontier. If later steps read values that
+/// earlier steps have made of neighbours, the last slabs are read again and their cells take all steps once more, to
+/// provide these values; results delivered earlier are not delivered again. No value depends on the number of slabs
+/// read again: points that cannot be certified are recalled.
 #pragma once
 
 #include <cstdint>
@@ -33,8 +32,8 @@ class SweepRestart {
   std::uint32_t first_slab() const { return first_slab_; }
   /// Returns whether the slab had been read before.
   bool was_read(std::uint32_t slab) const { return slab < from_.slabs_read; }
-  /// Brings back all that is known of the slabs before the first, and gives the counts and deferred points of the other
-  /// sweep to a worker.
+  /// Restores all knowledge of the slabs before the first one to be read, and gives the counts and deferred points of
+  /// the other sweep to a worker.
   void restore(const SlabLoader& loader, Window& window, Frontier& frontier, Sink& sink, Worker& worker) const;
   /// Prepares a slab that was read again, before its cells go into the window: marks the cells that had been finished,
   /// and tells the sink.
@@ -51,7 +50,7 @@ class SweepRestart {
   const SweepPlan& plan_;
   std::uint32_t first_slab_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, WindowedCell> window_;  ///< by slab and number
-  std::map<std::uint32_t, std::vector<std::uint32_t>> deferred_;            ///< by slab: indices in it
+  std::map<std::uint32_t, std::vector<std::uint32_t>> deferred_;            ///< for each slab: indices in it
 };
 
 }  // namespace pointsweep

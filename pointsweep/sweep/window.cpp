@@ -10,8 +10,8 @@
 namespace pointsweep {
 namespace {
 
-/// A cell is much denser than a leaf if its reach is more than this many times shorter. On a surface, such a cell has
-/// 16 times as many points per area.
+/// A cell counts as much denser than a leaf if its reach is more than this many times shorter. On a surface, such a
+/// cell has 16 times as many points per area.
 constexpr double kMuchDenser = 4;
 
 Box leaf_box(const Cell& cell, std::uint32_t leaf) {
@@ -35,8 +35,8 @@ double reach_of_most(std::vector<double> reach) {
 /// centred in the leaf.
 constexpr double kAllowance = 1.3;
 
-/// Estimates the reach from the density of the leaf itself. Returns the larger of two estimates: one takes the points
-/// of the leaf as a surface, one as a volume.
+/// Estimates the reach from the density of the leaf. Returns the larger of two estimates: one for points on a surface,
+/// one for points in a volume.
 double expected_reach(const Cell& cell, std::uint32_t leaf, const Neighborhood& what) {
   double side[3];
   for (int a = 0; a < 3; ++a) side[a] = double{cell.leaf_box[a + 3][leaf]} - double{cell.leaf_box[a][leaf]};
@@ -57,7 +57,7 @@ void Window::admit(std::unique_ptr<WindowCell> cell) {
   add(std::move(cell));
 }
 
-/// After k + 1 coincident points, points with higher rows can never be neighbours.
+/// Records a location with more than k coincident points: points there with higher rows can never be neighbours.
 void Window::note_saturated_location(const WindowCell& cell) {
   const std::size_t k = plan_.neighborhood.k;
   if (cell.cell.lowest_row == Cell::kSeveralPlaces || cell.cell.size() <= k) return;
@@ -85,15 +85,15 @@ std::vector<std::uint32_t> Window::ready_for(std::uint32_t step) const {
   return slots;
 }
 
-/// Returns the distance from a cell within which points may still search it. Without a limit k: the radius plus what
-/// rounding of a square root may lose. Otherwise an estimate: twice the reach at the density of the cell.
+/// Returns the distance within which later points may search a cell. Without a limit k: the radius plus a margin for
+/// rounding. Otherwise an estimate: twice the reach at the density of the cell.
 double Window::kept_clear(double reach) const {
   return (plan_.neighborhood.k == Neighborhood::kUnlimited ? 1 + 1e-9 : 2) * reach;
 }
 
-/// Returns whether a waiting cell will probably search `cell`. Each leaf is asked in turn, since one cell may have a
-/// dense and a sparse end. A leaf needs cells as far as twice its reach. Cells whose reach is less than a quarter of
-/// the leaf's are not kept for it: its few points whose balls touch dropped cells are recalled instead.
+/// Returns whether a waiting cell will probably search `cell`. Each leaf is tested separately, since a cell may have a
+/// dense and a sparse end. A leaf needs cells within twice its reach. Cells whose reach is less than a quarter of the
+/// leaf's are not kept for it: the few points of the leaf whose balls touch dropped cells are recalled instead.
 bool Window::asks_for(const WindowCell& waiting, const WindowCell& cell) const {
   const double most = kMuchDenser * cell.reach;
   if (distance2(waiting.cell.box, cell.cell.box) > most * most) return false;
@@ -104,8 +104,8 @@ bool Window::asks_for(const WindowCell& waiting, const WindowCell& cell) const {
   return false;
 }
 
-/// A later point may need a cell that needs nothing later itself. The surroundings of a cell that something unread may
-/// look from are kept clear of unread slabs.
+/// Returns whether a later point may need the cell, even if the cell itself waits for nothing. It stays as long as an
+/// unread slab lies within kept_clear() of it, or a waiting cell will probably search it.
 bool Window::still_needed(const WindowCell& cell, const std::vector<const WindowCell*>& unsearched) const {
   const double own = kept_clear(cell.reach);
   return (frontier_.more_to_read() && frontier_.anything_unread_within(cell.cell.box, own * own)) ||

@@ -14,8 +14,9 @@
 
 namespace pointsweep {
 
-/// Cells live and leave one by one: a dense cell goes at once while a sparse one beside it stays, so that neither an
-/// outlier nor a scanner's far field holds the dense part in memory. Changed by the sweep's own thread only.
+/// The cells that the sweep has read and still needs. Each cell leaves separately: a dense cell leaves early while a
+/// sparse one beside it stays, so that neither an outlier nor a scanner's far field keeps dense parts in memory.
+/// Changed only by the thread of the sweep.
 class Window : public CellSet {
  public:
   Window(const SweepPlan& plan, Frontier& frontier) : plan_(plan), frontier_(frontier) {}
@@ -41,8 +42,7 @@ class Window : public CellSet {
   double lifespan_sum_ = 0, lifespan_max_ = 0;
 };
 
-/// Returns the expected reach of the neighbourhoods of the points of each leaf, by leaf, in units of the cloud. No
-/// result depends on it.
+/// Returns the expected reach of neighbourhoods in each leaf, in units of the cloud. No result depends on it.
 std::vector<double> expected_reaches(const Cell& cell, const Neighborhood& what);
 
 }  // namespace pointsweep

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A cell in the window, with all that is known of its points while they are active, and sets of such cells, as
-/// searches and stages look at them.
+/// A cell in the window with the data of its points while they are active, and sets of such cells for searches and
+/// stages.
 #pragma once
 
 #include <chrono>
@@ -32,25 +32,26 @@ struct WindowCell {
   std::uint32_t slab = 0;
   std::uint32_t number = 0;  ///< number of the cell in its slab
   std::vector<std::uint32_t> index_in_slab;
-  std::vector<std::vector<std::byte>> columns;    ///< by column number; empty where not made
+  std::vector<std::vector<std::byte>> columns;    ///< values by number of column; empty if not made
   std::vector<const std::byte*> column_pointers;  ///< pointers into `columns`, in the form that Neighborhoods takes
 
   std::uint32_t steps_done = 0;
-  std::vector<double> leaf_reach;        ///< how far the neighbourhoods of each leaf should reach; until searched
+  std::vector<double> leaf_reach;        ///< expected reach of the neighbourhoods of each leaf; until the cell is
+                                         ///< searched
   double wait_reach = 0;                 ///< the search waits until nothing unread is as near as this
-  std::size_t wait_for_slabs = 0;        ///< and until so many slabs have been read
-  double reach = 0;                      ///< how far most of its neighbourhoods reached, once searched
-  std::vector<CellNeighbors> lists;      ///< kept if a later step needs them and there is room: of runs of its points
+  std::size_t wait_for_slabs = 0;        ///< number of slabs to read before the cell is searched again
+  double reach = 0;                      ///< reach of most of its neighbourhoods, after the search
+  std::vector<CellNeighbors> lists;      ///< of runs of its points; stored if a later step needs them and memory allows
   std::vector<std::uint32_t> refers_to;  ///< slots of the cells its lists name
-  /// Points that could not be finished in the sweep, which are left to the recall; empty if there are none. While
-  /// cells are worked on in parallel a cell marks its own in `deferred`; others look at `deferred_before`, as it was
-  /// before the step.
+  /// Points that the sweep could not finish, which the recall will; empty if there are none. A cell marks its own
+  /// points in `deferred` while cells are processed in parallel; other cells read `deferred_before`, the state before
+  /// the step.
   std::vector<std::uint8_t> deferred, deferred_before;
   /// Counts and points that the cell adds to the counts and the deferred points of the run when it is finished.
   std::uint64_t certified = 0;
-  std::vector<DegeneratePoints> degenerate;  ///< by stage; empty if there are none
+  std::vector<DegeneratePoints> degenerate;  ///< marked points of each stage; empty if there are none
   std::vector<DeferredPoint> left_to_recall;
-  /// It was finished before the run was resumed, or belongs to a halo: nothing of it is handed over.
+  /// True if the cell was finished before the run was resumed, or belongs to a halo: its results are not delivered.
   bool is_only_looked_at = false;
   std::chrono::steady_clock::time_point read_at;
 
@@ -63,8 +64,8 @@ struct WindowCell {
   }
 };
 
-/// At most one in this many points of a cell is deferred for unread slabs. With more such points, the cell waits and is
-/// searched again. A deferred point costs several times as much as a point that is searched twice.
+/// The reciprocal of the largest share of a cell's points that may be deferred for unread slabs. With more such points,
+/// the cell waits and is searched again, since a deferred point costs several times as much as searching a point twice.
 inline constexpr std::size_t kStragglers = 8;
 
 /// Bytes of a point in the window without columns and lists: coordinates, row and place in the slab.
@@ -74,11 +75,11 @@ inline constexpr std::uint64_t kOwnPointBytes =
 inline constexpr std::uint64_t kWindowLeafBytes = 6 * sizeof(float) + sizeof(std::uint64_t) + sizeof(double);
 /// Points in each half of a cell that has one point too many and is cut in two. A smaller cell holds a whole slab.
 inline constexpr std::uint64_t kUsualCellPoints = 512;
-/// Padding of whole leaves, and what is lost between allocations: a fifth of the rest.
+/// The reciprocal of the share of memory for the padding of leaves and the overhead of allocations.
 inline constexpr std::uint64_t kLostShare = 5;
 
-/// Returns the bytes that a point takes in the window, with its columns and without its lists. The memory plan, the
-/// limit on kept lists and the recall all use this number.
+/// Returns the bytes of a point in the window, with its columns and without its list. The memory plan, the limit of
+/// stored lists and the recall use this number.
 inline std::uint64_t window_point_bytes(const SweepPlan& plan) {
   constexpr std::uint64_t kShared = kWindowLeafBytes / kLeafCapacity + 1 + sizeof(WindowCell) / kUsualCellPoints + 1;
   constexpr std::uint64_t kBytes = kOwnPointBytes + kShared;

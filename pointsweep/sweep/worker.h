@@ -19,14 +19,14 @@
 
 namespace pointsweep {
 
-/// Some points of a cell, copied together: for a rule or a step that not all points of the cell take.
+/// Copies of some points of a cell, for a rule or a step that not all points of the cell take.
 class ChosenPoints {
  public:
   /// Copies points of the cell, with the columns of the plan whose pointer in `columns` is not null.
   void take(const SweepPlan& plan, const Cell& cell, const CellSubset& points, const std::byte* const* columns);
   /// Gives every column that the step makes and that was not copied a place, filled with 0.
   void make_columns(const SweepPlan& plan, std::size_t step);
-  /// Copies what the step has made to the columns that are not null.
+  /// Copies the results of the step to the columns that are not null.
   void give_back(const SweepPlan& plan, std::size_t step, std::byte* const* columns) const;
 
   std::size_t size() const { return chosen_.size(); }
@@ -45,9 +45,9 @@ class ChosenPoints {
 struct Worker {
   SearchScratch search;
   CellNeighbors neighbors;
-  std::vector<double> reach2;        ///< by point of the cell: squared radius of its neighbourhood
+  std::vector<double> reach2;        ///< for each point of the cell: squared radius of its neighbourhood
   std::vector<std::uint32_t> named;  ///< slots that the lists of a cell name
-  std::vector<bool> is_named;        ///< by slot
+  std::vector<bool> is_named;        ///< for each slot
   std::vector<Box> dropped;
   std::vector<std::byte*> columns;  ///< columns of the current cell, by column number
   std::vector<const std::byte*> own_columns;
@@ -65,8 +65,8 @@ struct Worker {
   std::uint64_t certified = 0;
 };
 
-/// Sets worker.columns: the columns that the step makes and that outlast it are the cell's, the others the worker's.
-/// All are 0 where an operator writes nothing.
+/// Sets worker.columns: columns that the step makes for later steps belong to the cell, others to the worker. All
+/// values are 0 until an operator writes them.
 void place_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
 /// Sets worker.columns as place_columns() does, but leaves the columns that do not outlast the step null.
 void place_cell_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
