@@ -16,9 +16,9 @@ namespace pointsweep {
 
 /// The way in which a run puts its points in order.
 enum class Ordering : std::uint8_t {
-  planned,       ///< as the memory plan finds
+  planned,       ///< as the memory plan decides
   distribution,  ///< never on demand
-  on_demand,     ///< on demand where that is possible at all, whatever waits in memory
+  on_demand,     ///< on demand wherever possible, for any number of points that wait in memory
 };
 
 /// RunOptions with further options of the engine. No result depends on the further options.
@@ -27,11 +27,11 @@ struct EngineOptions : RunOptions {
   EngineOptions(const RunOptions& options) : RunOptions(options) {}
 
   std::uint64_t slab_points = 0;     ///< aim; 0: chosen from the cloud
-  std::uint32_t slabs_per_turn = 0;  ///< where memory is left; 0: chosen from the threads, but 1 with slab_points
+  std::uint32_t slabs_per_turn = 0;  ///< if memory allows; 0: chosen from the number of threads, but 1 with slab_points
   std::uint32_t cell_points = 1024;  ///< a multiple of 16 up to 2,048
   Ordering ordering = Ordering::planned;
-  std::uint64_t block_rows = 0;  ///< on demand: rows that are decoded together; 0: chosen
-  bool spill = false;            ///< use the temporary folder even where memory would do
+  std::uint64_t block_rows = 0;  ///< for slabs on demand: rows that are decoded together; 0: chosen
+  bool spill = false;            ///< use the temporary folder even if memory suffices
   /// Find neighbourhoods again for every step even where there is memory to keep them.
   bool search_again = false;
   /// Bytes for the lists of neighbours that a thread has in hand. A list of one point always fits. 0: chosen from the
@@ -39,7 +39,7 @@ struct EngineOptions : RunOptions {
   std::uint64_t lists_bytes = 0;
   bool count_distances = false;  ///< fill Statistics::neighbor_distances; about 5 ns a point
   /// A .npy file of one uint8 for each input row: its PointState (sweep/sweep.h) when half of the points have been
-  /// read. Takes a byte of memory for each point in addition to the budget; not with resume_folder. Empty: none.
+  /// read. Takes a byte of memory for each point in addition to the budget; not with resume_folder. Empty: no file.
   std::filesystem::path half_way_states;
   /// Seconds between two checkpoints inside a phase; more if a checkpoint takes longer than a hundredth of this time.
   /// 0: a checkpoint after every slab.
@@ -51,9 +51,9 @@ Statistics run(InputCloud& cloud, const Chain& chain, const Outputs& outputs, co
 Statistics sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options = {},
                 const std::vector<std::string>& keep = {});
 
-/// The type of x, y and z in the records for `output`, of a chain that makes `made`; absent: that of the input. Moved
-/// positions come to every format as float64, and one that stores integers rounds them once. Throws UsageError where
-/// such a format is asked for a type.
+/// Returns the type of x, y and z in the records for `output`, for a chain that makes `made`; absent: the type of the
+/// input. Moved positions are passed to every format as float64; a format that stores integers rounds them once. Throws
+/// UsageError if options.positions is set for such a format.
 std::optional<Type> type_of_positions(const std::vector<Attribute>& made, const std::filesystem::path& output,
                                       const EngineOptions& options);
 

@@ -15,7 +15,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kMega = 1u << 20;
-/// One byte in so many of the memory for cells is lost between allocations that come and go.
+/// The reciprocal of the share of the memory for cells that is lost to fragmentation.
 constexpr std::uint64_t kLostBetweenAllocations = 8;
 
 // Bytes of structures that grow slowly with the cloud. Each constant is the size of the structure named in its comment
@@ -23,7 +23,7 @@ constexpr std::uint64_t kLostBetweenAllocations = 8;
 
 /// A point on its way from the stream into a cell: its CutPoint, and that of a sparse place (sweep/slab_loader.cpp).
 constexpr std::uint64_t kLoadedPointBytes = 32;
-/// A thread: its stack, and what the allocator keeps for it.
+/// A thread: its stack, and the memory that the allocator keeps for it.
 constexpr std::uint64_t kThreadBytes = 256 << 10;
 /// A slab in every list that has one entry for each: Slab, PiecedSlab, StreamPiece and SlabList of the stream, its
 /// entries in Frontier, and heap overhead.
@@ -36,7 +36,7 @@ constexpr std::uint64_t kDroppedCellBytes = 63;
 constexpr std::uint64_t kBlockBytes = 2 * 24;
 /// A key of 8 bytes and a name of 4 for each neighbour of the point in hand, and an eighth more for candidates.
 constexpr std::uint64_t kNeighborInHandBytes = 14;
-/// A candidate of a search for the k nearest, of which there may be twice as many, and a copy.
+/// A candidate of a search for the k nearest. There may be twice as many, and a copy.
 constexpr std::uint64_t kCandidateBytes = 128;
 /// Smallest and largest blocks of the spilled stream (order/stream.cpp) and of spilled results (order/row_store.cpp).
 constexpr std::uint64_t kLeastStreamBlock = 8192, kLeastResultBlock = 4096, kLargestBlock = 1u << 20;
@@ -44,17 +44,19 @@ constexpr std::uint64_t kMostStreamPieces = 4096;
 /// The lists a thread has in hand, at most and at least.
 constexpr std::uint64_t kMostListBytes = 16 * kMega, kLeastListBytes = kMega / 4;
 
-/// Points of the thinnest slabs. Where later steps look at what earlier ones made, a cell waits for its neighbours and
-/// these for theirs, so that slabs thinner than some cells save no memory: more of them stay in the window.
+/// Returns the points of the thinnest slabs. If later steps read values that earlier steps made of neighbours, a cell
+/// waits for its neighbours and these for theirs. Slabs thinner than some cells then save no memory, since more of them
+/// stay in the window.
 std::uint64_t least_slab_points(const SweepPlan& plan) { return plan.step_count() == 1 ? 4096 : 16384; }
 
-/// Points that may be in the window of several steps however thin the slabs are: so many waited where a dense place
-/// lies in a sparse cloud (three steps, k = 64).
+/// Points that may be in the window of several steps with the thinnest slabs: the measured number for a dense place in
+/// a sparse cloud (three steps, k = 64).
 constexpr std::uint64_t kMostWaiting = 256 << 10;
 
 bool is_unlimited(const SweepPlan& plan) { return plan.neighborhood.k == Neighborhood::kUnlimited; }
 
-/// Lists of a point that later steps need, where they are kept. Without a limit k none are counted on.
+/// Returns the bytes of the list that a point keeps for later steps: 0 for a single step, and without a limit k, where
+/// lists are searched again.
 std::uint64_t kept_list_bytes(const SweepPlan& plan) {
   if (plan.step_count() == 1 || is_unlimited(plan)) return 0;
   return sizeof(NeighborRef) * (1 + std::min<std::size_t>(plan.neighborhood.k, 1024));
@@ -80,8 +82,8 @@ std::uint32_t most_slabs_per_turn(std::uint64_t slab_points, const MemoryDemand&
   return static_cast<std::uint32_t>(std::max<std::uint64_t>((points + slab - 1) / slab, 1));
 }
 
-/// Returns the points of the window: the slabs of a turn, their neighbours on both sides and the slabs read ahead; and
-/// the points that the radius keeps.
+/// Returns the points of the window: the slabs of a turn, their neighbours on both sides, the slabs read ahead, and
+/// points within the radius.
 std::uint64_t window_points(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand,
                             std::uint32_t slabs_per_turn = 1) {
   const std::uint64_t slabs = slabs_per_turn + 2 + plan.step_count() + std::max(1u, demand.threads / 2);
@@ -156,13 +158,13 @@ std::uint64_t waiting_bytes(std::uint64_t slab_points, const MemoryDemand& deman
          demand.points / kBlockRows * kBlockIndexBytes;
 }
 
-/// For each thread a block of rows that is decoded, and a slab that is put together.
+/// Returns the bytes of a decoded block of rows and a slab under construction, for each thread.
 std::uint64_t on_demand_buffer_bytes(std::uint64_t slab_points, const MemoryDemand& demand) {
   return std::max(1u, demand.threads) * (2 * kMega + slab_points * demand.working_record_bytes);
 }
 
-/// Bytes of the index of spilled results. Buckets have 1 MB if there is a good block of memory for each, else they are
-/// larger.
+/// Returns the bytes of the index of spilled results. Buckets have 1 MB if memory suffices for a good block for each,
+/// else they are larger.
 std::uint64_t result_index_bytes(std::uint64_t buffer, const MemoryDemand& demand) {
   constexpr std::uint64_t kGoodBlock = 64 << 10, kRowBytes = 4;
   const std::uint64_t bytes = demand.points * demand.result_record_bytes;
@@ -192,7 +194,7 @@ class Division {
     out_.lists_bytes = lists_bytes(budget, demand) / neighbor_bytes(demand) * sizeof(NeighborRef);
     if (!is_unlimited(plan))
       out_.threads_bytes = std::max(1u, demand.threads) * thread_bytes(plan, least_slab_points(plan), budget, demand);
-    // For chunks on their way to their slabs, also where these are in memory.
+    // For chunks on their way to slabs, also to slabs in memory.
     out_.stream_buffer_bytes = std::clamp<std::uint64_t>(budget / 8, 8 * kMega, 64 * kMega);
   }
 
@@ -246,7 +248,7 @@ class Division {
   std::uint64_t budget_;
   const SweepPlan& plan_;
   const MemoryDemand& demand_;
-  bool lists_;  ///< room for all lists that later steps need; else they are found again
+  bool lists_;  ///< room for all lists that later steps need; if false, lists are searched again
   MemoryPlan out_;
 };
 
@@ -286,7 +288,8 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
   return out;
 }
 
-/// In whole MB. What a plan expects grows more slowly than its budget, so that halving finds it.
+/// Returns the least sufficient budget, in whole MB. The expected memory of a plan grows more slowly than its budget,
+/// so that bisection finds it.
 std::uint64_t least_budget(const SweepPlan& plan, const MemoryDemand& demand) {
   const auto does = [&](std::uint64_t mega) {
     return Division(mega * kMega, plan, demand, false).find().expected_bytes <= mega * kMega;

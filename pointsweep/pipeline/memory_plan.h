@@ -19,7 +19,7 @@ struct MemoryDemand {
   std::uint32_t cell_points = 1024;
   std::uint64_t in_order_bytes = 0;     ///< the least that an in-order operator holds
   std::uint64_t connect_bytes = 0;      ///< estimate of a forest, which grows when the window is empty
-  std::uint64_t listed_edge_bytes = 0;  ///< of the edges of one neighbour in the lists that a thread has in hand
+  std::uint64_t listed_edge_bytes = 0;  ///< of the edges to one neighbour, in the lists that a thread uses at a time
   std::uint64_t codec_bytes = 0;        ///< for decoding the inputs and encoding the output
   /// Estimates for a radius without a limit k. `most_neighbors`: the most neighbours of a point. `slice_points`: points
   /// in a slice across the axis, as thick as the radius times (steps + 1); the radius keeps them in the window.
@@ -32,20 +32,21 @@ struct MemoryDemand {
 struct MemoryPlan {
   bool spill_stream = false;
   bool spill_results = false;
-  bool on_demand = false;  ///< slabs are made when they are read; nothing is spilled for the order
+  bool on_demand = false;  ///< slabs are made when they are read; ordering spills nothing
   std::uint64_t slab_points = 0;
-  std::uint64_t stream_buffer_bytes = 0;  ///< for the distribution pass
+  std::uint64_t stream_buffer_bytes = 0;  ///< buffers of the distribution pass
   std::uint64_t result_buffer_bytes = 0;
-  std::uint64_t most_waiting = 0;  ///< on demand: points that may wait for their slabs
+  std::uint64_t most_waiting = 0;  ///< for slabs on demand: points that may wait for their slabs
   std::uint64_t recall_bytes = 0;
   std::uint32_t slabs_per_turn = 1;  ///< slabs that come into the window before the steps are taken
   std::uint64_t window_bytes = 0;    ///< expected, with what threads have in hand
-  std::uint64_t threads_bytes = 0;   ///< what threads have in hand with the thinnest slabs; 0 if nothing is recalled
-  std::uint64_t cells_bytes = 0;     ///< what the cells of the window may take of the budget
-  std::uint64_t in_order_bytes = 0;  ///< what an in-order operator may hold
-  std::uint64_t lists_bytes = 0;     ///< for the lists that each thread has in hand
-  std::uint64_t expected_bytes = 0;  ///< in all
-  std::uint64_t needed_bytes = 0;    ///< the least budget that does, in whole MB, if this one does not; otherwise 0
+  std::uint64_t threads_bytes = 0;   ///< memory of threads with the thinnest slabs; 0 if nothing is recalled
+  std::uint64_t cells_bytes = 0;     ///< limit for the cells of the window
+  std::uint64_t in_order_bytes = 0;  ///< limit for an in-order operator
+  std::uint64_t lists_bytes = 0;     ///< for the lists that each thread uses at a time
+  std::uint64_t expected_bytes = 0;  ///< total
+  std::uint64_t needed_bytes = 0;    ///< the least sufficient budget, in whole MB, if this one is too small; otherwise
+                                     ///< 0
 };
 
 /// Memory of a run that does not grow with the cloud: code and the chunks that are being read and written.
@@ -63,7 +64,7 @@ MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const Me
 /// Memory that is free for the taking on this machine, in bytes: MemAvailable, or less inside a control group.
 std::uint64_t available_memory();
 
-/// Returns `asked_for`; where that is 0, half of available_memory().
+/// Returns `asked_for`, or half of available_memory() if that is 0.
 std::uint64_t memory_budget(std::uint64_t asked_for);
 
 }  // namespace pointsweep

@@ -170,7 +170,7 @@ std::uint64_t peak_resident_bytes() {
     std::uint64_t kilobytes;
     if (word == "VmHWM:" && status >> kilobytes) return kilobytes * 1024;
   }
-  rusage usage{};  // counts what the parent was before this program took its place, too
+  rusage usage{};  // includes the peak of the process before exec()
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }

@@ -15,12 +15,12 @@ namespace pointsweep {
 
 struct SweepPlan;
 
-/// Adds a sweep that is over to those before it.
+/// Adds the statistics of a finished sweep.
 void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep);
 
 /// "Intel(R) Xeon(R) Processor, 2 cores"
 std::string machine_description();
-/// Largest resident set of this process so far, in bytes.
+/// Returns the largest resident set of this process so far, in bytes.
 std::uint64_t peak_resident_bytes();
 
 /// Returns all bins from the first to the last that is not empty, after the bin of distance 0 if that is not empty.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Engines that take the points of a pass through its stages in place of the sweep over cells. The core has none; a
-/// program registers those that it links.
+/// Engines that can replace the sweep over cells for a pass. The core has none; a program registers those that it
+/// links.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ struct EnginePass {
   const Stream& stream;  ///< in canonical order
   const PlannedPass& pass;
   RowStore& store;             ///< receives result records by input row,
-  const OutputLayout* layout;  ///< or, if not null, whole records by place in the stream
-  std::uint64_t memory_bytes;  ///< for the points that the engine holds
+  const OutputLayout* layout;  ///< if not null, the store takes whole records by place in the stream
+  std::uint64_t memory_bytes;  ///< limit for the points that the engine holds
   std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
 };
 
@@ -33,7 +33,7 @@ class SweepEngine {
   virtual std::string name() const = 0;
   /// Throws UsageError for a request that the engine has no answer to.
   virtual void require_can(const ChainPlan& plan, const EngineOptions& options) const = 0;
-  /// Returns what a sweep would tell of itself. What only this engine tells is added to `statistics`.
+  /// Returns the statistics of a sweep. Statistics of this engine alone are added to `statistics`.
   virtual SweepStatistics sweep(const EnginePass& pass, Statistics& statistics) const = 0;
 };
 

@@ -12,21 +12,21 @@
 
 namespace pointsweep {
 
-/// The state of a run at a checkpoint. During a pass, `stream` is set first, when the points are in order. While the
-/// sweep goes on, `results` and `progress` are set, too. After the sweep only `results` is set. At last the results
-/// have become the rows that the next sweep begins with, or the output.
+/// The state of a run at a checkpoint. During a pass, `stream` is set first, when the points are in order. During the
+/// sweep, `results` and `progress` are set, too. After the sweep only `results` is set. Finally the results have become
+/// the rows of the next pass, or the output.
 struct Checkpoint {
-  std::uint64_t memory_bytes = 0;           ///< the budget, for a run that goes on and names none
-  Survey survey;                            ///< of the input: a run that goes on plans its memory from it, too
+  std::uint64_t memory_bytes = 0;           ///< the budget, for a resumed run that states none
+  Survey survey;                            ///< survey of the input, from which a resumed run also plans its memory
   std::uint64_t sweep = 0;                  ///< pass to begin, or to go on with; rows carried into it are complete
   std::uint64_t slab_points = 0;            ///< the aim of the slabs of `stream`
   std::vector<std::byte> stream;            ///< encoded Stream; empty before it is in order, and when it has been swept
   std::vector<Vec3> bucket_places;          ///< between buckets of edges of the pass
   std::vector<std::byte> results;           ///< encoded RowStore; empty before the first slab
   std::vector<std::byte> progress;          ///< encoded SweepProgress; empty before the first slab
-  std::uint64_t mask = 0;                   ///< the pass whose select decided which rows are left; 0: all are
-  std::vector<std::vector<double>> values;  ///< of the whole cloud that are known, by number; empty: not known
-  Statistics counts;                        ///< of the sweeps that are over: as take_counts()
+  std::uint64_t mask = 0;                   ///< the pass whose select decided the remaining rows; 0: all rows remain
+  std::vector<std::vector<double>> values;  ///< known values of the whole cloud, by number; empty: not known
+  Statistics counts;                        ///< counts of the finished sweeps, for take_counts()
 
   bool is_in_order() const { return !stream.empty(); }
   bool is_swept() const { return stream.empty() && !results.empty(); }

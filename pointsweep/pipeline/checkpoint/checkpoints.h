@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Makes the checkpoints of a run and finds the one that an earlier process has left.
+/// The checkpoints of a run, and the checkpoint that an earlier process has left.
 #pragma once
 
 #include <chrono>
@@ -38,9 +38,10 @@ class Checkpoints {
   void swept(RowStore& results, const Statistics& counts);
   /// The rows for the next pass are complete, and the mask of its number if `selects`.
   void updated(bool selects, const CloudValues& values, const Statistics& counts);
-  /// Tiles get their names one after the other from now on, and are listed: there must be a checkpoint.
+  /// Must be called before the first tile is renamed to its destination. Stores a checkpoint; tiles are listed from
+  /// then on.
   void writing_tiles();
-  /// The run is complete: nothing is left of the folder.
+  /// Removes the folder. Must be called when the run is complete.
   void finish() { folder_.remove(); }
 
   bool is_due() const;
@@ -51,14 +52,14 @@ class Checkpoints {
   std::set<std::string> files() const;
 
   ResumeFolder folder_;
-  std::string identity_;  ///< of the run: run_identity()
+  std::string identity_;  ///< run_identity() of the run
   Checkpoint last_;
   bool found_ = false;
   std::chrono::duration<double> least_interval_, interval_;
   std::chrono::steady_clock::time_point saved_at_ = std::chrono::steady_clock::now();
 };
 
-/// Takes a sweep's progress into the checkpoints, with the results so far.
+/// Stores the progress of a sweep in the checkpoints, with the results so far.
 class CheckpointKeeper final : public ProgressKeeper {
  public:
   CheckpointKeeper(Checkpoints& checkpoints, RowStore& results) : checkpoints_(checkpoints), results_(results) {}

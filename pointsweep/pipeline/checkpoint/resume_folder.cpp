@@ -29,7 +29,7 @@ ResumeFolder::~ResumeFolder() {
   try {
     if (!holds_work_) remove();
   } catch (const Error&) {
-    // The next run that is given this folder removes what is left or says why it cannot.
+    // Errors are ignored: the next run with this folder removes the rest or reports why it cannot.
   }
 }
 
@@ -80,7 +80,7 @@ void ResumeFolder::forget() {
   keep_only({});
 }
 
-/// The checkpoint goes first, for good: without it nothing in the folder is of use to anybody.
+/// The checkpoint is removed first, and flushed: without it the other files are useless.
 void ResumeFolder::remove() {
   {
     const std::lock_guard lock(removal_);
@@ -88,7 +88,7 @@ void ResumeFolder::remove() {
     folder_.remove(kCheckpoint);
   }
   std::error_code ignored;
-  if (is_saving())  // what is not on the disk yet need not go there
+  if (is_saving())  // data that are not on the disk yet need not be written
     for (const std::string& name : others_than({})) fs::resize_file(path() / name, 0, ignored);
   if (saving_.valid()) saving_.wait();
   forget();

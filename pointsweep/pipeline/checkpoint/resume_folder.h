@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The folder in which a run keeps what it has done, so that another process can go on with it (docs/adr/0008).
+/// The folder in which a run stores its progress, so that another process can continue it (docs/adr/0008).
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@ namespace pointsweep {
 /// it. Removed by remove(), and by the destructor if nothing was ever saved in it.
 class ResumeFolder {
  public:
-  /// Makes the folder if it is missing. Throws Error if it holds anything else, another process works in it, or what
-  /// was saved is damaged.
+  /// Makes the folder if it is missing. Throws Error if it contains other files, another process uses it, or saved data
+  /// are damaged.
   explicit ResumeFolder(const std::filesystem::path& path);
   ~ResumeFolder();
   ResumeFolder(const ResumeFolder&) = delete;
@@ -34,9 +34,10 @@ class ResumeFolder {
   const std::vector<std::byte>& saved() const { return saved_; }
   /// A file for spilled data; `name` begins with "stream-", "results-", "rows-", "mask-" or "decoded-".
   SpillPlace place(const std::string& name) const { return SpillPlace::kept(path() / name); }
-  /// Begins to save `bytes`, which describe the present data of the files `names`, and returns while another thread
-  /// flushes both to the disk: first the data, then the bytes under their name, so that not even a loss of power
-  /// leaves one without the other. Then other data files are removed. Throws what went wrong the last time.
+  /// Begins to save `bytes`, which describe the present data of the files `names`. Another thread then flushes both to
+  /// the disk: first the data, then the bytes under their name, so that even after a power failure the description
+  /// never exists without its data. Then other data files are removed. Throws the error of the previous call, if it
+  /// failed.
   void save(std::vector<std::byte> bytes, const std::set<std::string>& names);
   bool is_saving() const;
   /// Removes all spilled data but files of these names.
@@ -51,7 +52,7 @@ class ResumeFolder {
   LocalFolder folder_;
   bool holds_work_ = false;
   std::mutex removal_;     ///< between a checkpoint that gets its name and remove()
-  bool removing_ = false;  ///< no checkpoint gets its name any more
+  bool removing_ = false;  ///< no checkpoint is renamed any more
   std::vector<std::byte> saved_;
   std::future<void> saving_;
 };

@@ -13,7 +13,7 @@
 namespace pointsweep {
 namespace {
 
-/// To be raised with every change to what checkpoints hold or to how points are cut into slabs and cells.
+/// Must be increased with every change of the content of checkpoints or of the cutting of points into slabs and cells.
 constexpr int kCheckpointFormat = 9;
 
 std::string inputs_text(const InputCloud& cloud) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The identity of a run: all that its output or its checkpoints depend on.
+/// The identity of a run: all facts on which its output or its checkpoints depend.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace pointsweep {
 
-/// A line for each thing: the build, inputs (with size and time), outputs, options of the run that outputs depend on,
-/// the pipeline with every option of every stage, passes. Throws Error where an input is not a file, because changes of
-/// it would not be noticed.
+/// Returns lines of text: the build, inputs (with size and time), outputs, options that change outputs, the pipeline
+/// with every option of every stage, passes. Throws Error if an input is not a file, since changes of it could not be
+/// detected.
 std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
                          const EngineOptions& options);
 

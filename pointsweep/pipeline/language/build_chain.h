@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// From the words of a pipeline to the chain that runs, and from a chain to text.
+/// Builds the chain of a pipeline, and the text of a chain.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@
 
 namespace pointsweep {
 
-/// Throws UsageError, naming the place, for an unknown name, a value out of range, and a knn that is not the first
-/// stage. Where knn says neither k nor a radius, the neighbourhood is that of Neighborhood::kOfOperators.
+/// Throws UsageError with the place for an unknown name, a value out of range, and a knn that is not the first stage.
+/// If knn states neither k nor a radius, the neighbourhood is Neighborhood::kOfOperators.
 Chain build_chain(const std::vector<StageText>& stages, Facts facts);
 
 /// Appends stages without knn to a chain; `facts` is about its cloud.
@@ -34,20 +34,20 @@ Chain build_chain(const std::vector<StageText>& stages, const InputCloud& cloud,
 void require_operators(const Chain& chain);
 
 enum class Presets : bool {
-  left_out,     ///< for people: "normals"
-  spelled_out,  ///< says everything, whatever the presets of another version are: "normals(orient=none)"
+  left_out,     ///< omitted, for messages: "normals"
+  spelled_out,  ///< written out, independent of the presets of other versions: "normals(orient=none)"
 };
 
-/// Returns a stage as text that is equal whenever stages are equal, however they were made: from text, from JSON or by
-/// a program. parse_pipeline() understands it where all operators are registered. "normals(orient=up)": name and
-/// options, which come in the order of their declaration, numbers in their shortest form.
+/// Returns a text that is equal for equal stages, made from text, from JSON or by a program. parse_pipeline() reads it
+/// if all operators are registered. "normals(orient=up)": name and options, in the order of their declaration, with
+/// numbers in their shortest form.
 std::string canonical_text(const ChainStage& stage, Presets presets);
 
-/// Returns the neighbourhood as a stage, such as "knn(k=12)", with k wherever a number of neighbours limits it. A rule
-/// of the user's own, which has no options, is described in words, which parse_pipeline() does not read.
+/// Returns the neighbourhood as a stage, such as "knn(k=12)", with k if it is limited. A user's own rule without
+/// options is described in words that parse_pipeline() does not read.
 std::string canonical_text(const Neighborhood& neighborhood, Presets presets);
 
-/// The neighbourhood, then the stages. A number of neighbours that is left to the operators is the one that they get.
+/// Returns the neighbourhood and the stages. A default number of neighbours is written out.
 std::vector<std::string> canonical_stages(const Chain& chain, Presets presets);
 
 /// The canonical stages of a plan; "sort" for a plan without passes, "convert" for that of a chain without stages.

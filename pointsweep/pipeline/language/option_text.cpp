@@ -32,7 +32,7 @@ std::optional<Vec3> read_point(std::string_view text) {
   return point;
 }
 
-/// Throws UsageError for an option without `=`: a value without a name, or the name of an option alone.
+/// Throws UsageError for an option without `=`, which is a value without a name or a name without a value.
 [[noreturn]] void refuse_unnamed(const std::vector<OptionDeclaration>& declarations, const OptionText& option,
                                  const std::string& stage) {
   const auto named = std::ranges::find(declarations, option.value, &OptionDeclaration::name);
@@ -71,7 +71,7 @@ const OptionDeclaration& declared_for(const std::vector<OptionDeclaration>& decl
   return declared(declared_options, option, stage.name);
 }
 
-/// where(level = 3) is meant as a condition with a mistake, not as an option `level`.
+/// Treats where(level = 3) as a condition with a typing error instead of an option `level`.
 OptionText as_condition(const std::vector<OptionDeclaration>& declared_options, const OptionText& option) {
   const bool takes_one = !declared_options.empty() && declared_options.front().kind == OptionKind::condition &&
                          declared_options.front().positional;
@@ -81,7 +81,7 @@ OptionText as_condition(const std::vector<OptionDeclaration>& declared_options, 
   return {"", option.name + " = " + option.value, option.place};
 }
 
-/// drop(a, b) and set(a = 1, b = 2) have one option, of which commas part the values.
+/// Joins the values of drop(a, b) and set(a = 1, b = 2), each of which has one option whose value contains commas.
 std::vector<OptionText> with_lists_joined(const std::vector<OptionDeclaration>& declared_options,
                                           const std::vector<OptionText>& given) {
   const auto is_list = [](const OptionDeclaration& option) {

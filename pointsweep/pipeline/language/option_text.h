@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Values of options as text: the one parser of pipelines, JSON and flags.
+/// The parser of option values, shared by pipelines, JSON and flags.
 #pragma once
 
 #include <optional>

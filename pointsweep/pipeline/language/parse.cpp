@@ -13,7 +13,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::string_view kSpace = " \t\r\n";
-constexpr std::size_t kMostBytes = 1 << 20;  // of a file that is taken for a pipeline
+constexpr std::size_t kMostBytes = 1 << 20;  // largest file that is accepted as a pipeline
 
 bool is_name_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.' || c == '-';
@@ -40,9 +40,9 @@ std::size_t place_of_word(std::string_view option) {
 /// Recursive descent through
 ///   pipeline = stage {"|" stage}            stage = name ["(" [option {"," option}] ")"]
 ///   option = [name "="] (value | condition | assignment)  value = bare | quoted | "[" bare {"," bare} "]"
-/// A condition (operators/expressions/expression.h) has signs that no value has. It ends before the "," or ")" that
-/// closes none of its own parentheses. Options of the stage set are assignments, which end there too. An option without
-/// a name is an error, but one of its operator, which has to be known to say what is meant.
+/// A condition (operators/expressions/expression.h) contains signs that values cannot contain. It ends before a "," or
+/// ")" outside of its own parentheses, like the assignments of the stage set. An option without a name is refused
+/// later, with the declaration of the operator.
 class Parser {
  public:
   Parser(std::string_view text, std::string_view source) : text_(text), source_(source) {}
@@ -77,7 +77,8 @@ class Parser {
     return option;
   }
 
-  /// Takes NAME = where an option begins so. Returns the name; none where it does not.
+  /// Parses NAME = at the begin of an option and returns the name; none, without progress, if the option begins
+  /// otherwise.
   std::string name_before_equal_sign() {
     std::size_t end = at_;
     while (end < text_.size() && is_name_character(text_[end])) ++end;

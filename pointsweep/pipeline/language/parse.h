@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Pipelines as people write them, before anything is known of the operators they name:
+/// The syntax of pipelines, without knowledge of operators:
 ///   knn(k=8) | normals(orient=viewpoint, viewpoint=[0,0,1.7])
-/// or the same as JSON, an array of stages, alone or as PDAL has it under the key "pipeline":
+/// or as JSON, an array of stages, alone or like in PDAL under the key "pipeline":
 ///   [{"type": "knn", "k": 8}, {"type": "normals", "orient": "viewpoint", "viewpoint": [0, 0, 1.7]}]
 #pragma once
 
@@ -28,15 +28,15 @@ struct StageText {
   friend bool operator==(const StageText& a, const StageText& b) { return a.name == b.name && a.options == b.options; }
 };
 
-/// Reads either form: a text that begins with [ or { is JSON. Values with other characters than letters, digits and
-/// _ . + - % : / are put into quotes, single or double, with \ before a quote or a \. Throws UsageError that names the
-/// place; `source` is what the text is called there.
+/// Parses either form: a text that begins with [ or { is JSON. Values with characters other than letters, digits and _
+/// . + - % : / need quotes, single or double, with \ before a quote or a \. Throws UsageError with the place; `source`
+/// is the name of the text in it.
 std::vector<StageText> parse_pipeline(std::string_view text, std::string_view source = "pipeline");
 
 /// JSON only; also that of PDAL, of stages that we have.
 std::vector<StageText> parse_json_pipeline(std::string_view text, std::string_view source);
 
-/// The content of a file if the name ends with .json, otherwise the text itself.
+/// Parses the content of a file if the name ends with .json, otherwise the text itself.
 std::vector<StageText> parse_pipeline_or_file(const std::string& text_or_file);
 
 /// The stages in the first form; parse_pipeline() of it gives them back.

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // options stay in the order written
 
-/// The parser would keep the last of two equal keys without a word.
+/// Parses JSON and throws UsageError for repeated keys, of which the library would silently use the last.
 Json parsed(std::string_view text, std::string_view source) {
   std::vector<std::set<std::string>> keys;
   const auto refuse_twice = [&](int, Json::parse_event_t event, Json& value) {
@@ -36,7 +36,7 @@ Json parsed(std::string_view text, std::string_view source) {
   }
 }
 
-/// A number, word or truth value as one would write it without JSON; empty if it is none of these.
+/// Returns a number, word or truth value as text outside of JSON; empty for other values.
 std::optional<std::string> scalar_text(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_boolean()) return value.get<bool>() ? "true" : "false";
@@ -78,7 +78,7 @@ bool is_of_pdal(const Json& stage) {
          is_pdal_stage(stage["type"].get<std::string>());
 }
 
-/// In a pipeline of PDAL, a reader or writer by its file alone.
+/// Returns whether the stage is a reader or writer of PDAL, given only by its file.
 bool names_file(const Json& stage) {
   return stage.is_string() || (stage.is_object() && !stage.contains("type") && stage.contains("filename"));
 }

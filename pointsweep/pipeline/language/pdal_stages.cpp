@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-/// One stage of PDAL. It knows which of its options have been looked at.
+/// A stage of PDAL. It records which of its options were used.
 class PdalStage {
  public:
   explicit PdalStage(const StageText& text) : text_(text) {}
@@ -31,7 +31,7 @@ class PdalStage {
     if (!value) fail_usage("{}: {} needs its option '{}'.", place(), name(), option);
     return *value;
   }
-  /// Throws UsageError if there is an option that was not looked at.
+  /// Throws UsageError if an option was not used.
   void require_no_more(const std::string& instead) {
     known_.insert({"tag", "inputs", "user_data"});
     for (const OptionText& option : text_.options)
@@ -44,7 +44,7 @@ class PdalStage {
   std::set<std::string> known_;
 };
 
-/// `Classification[2:5)`: from 2 to 5, a bracket with its limit, a parenthesis without.
+/// Converts a range: in `Classification[2:5)` a bracket includes the limit, a parenthesis excludes it.
 std::string condition_of_range(const std::smatch& range) {
   const std::string name = range[1];
   std::vector<std::string> sides;
@@ -54,7 +54,7 @@ std::string condition_of_range(const std::smatch& range) {
   return (range[2] == "!" ? "!(" : "(") + both + ")";
 }
 
-/// Ranges of one dimension are joined by "or", those of several by "and".
+/// Joins ranges of one dimension by "or", and those of different dimensions by "and".
 std::string condition_of_limits(const std::string& limits, const std::string& place) {
   static const std::regex range(R"(\s*([A-Za-z_]\w*)(!?)([\[(])\s*([^\s:,]*)\s*:\s*([^\s\])]*)\s*([\])])\s*(,|$))");
   std::vector<std::pair<std::string, std::string>> conditions;  // name, condition

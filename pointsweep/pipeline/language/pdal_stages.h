@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// Returns whether a stage is called as PDAL calls its own: `readers.las`, `filters.range`, `writers.copc`.
+/// Returns whether the name has the form of PDAL's stages: `readers.las`, `filters.range`, `writers.copc`.
 bool is_pdal_stage(std::string_view name);
 
 /// Returns stages that do what stages of PDAL do, in order, with the neighbourhoods that these have. Readers and

@@ -26,7 +26,7 @@ std::vector<std::string> parse_names(std::string_view option, const std::string&
 std::string size_text(std::uint64_t bytes);
 /// "12.3M": three digits and a power of 1000; exact below 10,000.
 std::string count_text(double count);
-/// "1,772": all digits, in groups of three.
+/// Returns "1,772": all digits, in groups of three.
 std::string grouped_text(std::uint64_t count);
 /// "1:02:03", "0:07".
 std::string duration_text(double seconds);

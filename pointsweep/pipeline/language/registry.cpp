@@ -47,7 +47,7 @@
 namespace pointsweep {
 namespace {
 
-/// A word of other programs for what no operator here is called, and what to do instead.
+/// A name that other programs use and no operator here has, with advice.
 struct OtherWord {
   std::string_view word, advice;
 };

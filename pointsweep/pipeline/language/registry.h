@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The operators by name. A new one is its own pair of files, which declare it, and a line in registry.cpp.
+/// The operators by name. A new operator is a pair of files with its declaration, and a line in registry.cpp.
 #pragma once
 
 #include <string_view>
@@ -20,7 +20,7 @@ const OperatorDeclaration* declaration_of(std::string_view name);
 /// Returns advice for a word of other programs, e.g. "reproject" or "merge"; empty for all other words.
 std::string_view advice_for(std::string_view word);
 
-/// The operator that `stage` names. Throws UsageError naming the nearest known ones.
+/// Returns the operator of `stage`. Throws UsageError with the most similar known names.
 const OperatorDeclaration& find_operator(const StageText& stage);
 
 }  // namespace pointsweep

@@ -22,7 +22,7 @@ using enum RunOption::Group;
 using enum RunOption::Effect;
 
 constexpr int kMostThreads = 4096;
-constexpr int kMostDigits = 15;  ///< that float64 holds
+constexpr int kMostDigits = 15;  ///< decimal digits that float64 represents
 constexpr const char* kAutomatic = "auto";
 
 std::optional<int> parse_whole(const std::string& text, int least, int most) {
@@ -53,7 +53,7 @@ void read(const std::string& text, const std::string& where, std::vector<std::st
   names = parse_names(where, text);
 }
 
-/// One number stands for all axes.
+/// Parses steps. One number applies to all axes.
 void read(const std::string& text, const std::string& where, std::optional<Vec3>& steps) {
   double one = 0;
   const bool is_one = parse_number(text, one);

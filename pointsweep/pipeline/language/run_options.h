@@ -17,18 +17,18 @@ struct RunOption {
   /// The group of the flag in the help.
   enum class Group : std::uint8_t { output, machine, other };
   enum class Effect : std::uint8_t {
-    values,  ///< the option is in the record of a run: it decides what the output holds
+    values,  ///< the option is in the record of a run, since it decides values in the output
     file,    ///< the output depends on the option, but no record states it
-    none,    ///< no output depends on the option
+    none,    ///< the option has no effect on outputs
   };
 
-  std::string name;     ///< in Python, in records and in the identity of a run, e.g. "temp_folder"
-  std::string flag;     ///< of the tool, e.g. "--temp-dir"
+  std::string name;     ///< name in Python, in records and in the identity of a run, e.g. "temp_folder"
+  std::string flag;     ///< flag of the tool, e.g. "--temp-dir"
   std::string value;    ///< placeholder of the value in the help, e.g. "DIR"; empty for a switch, which has no value
   std::string meaning;  ///< sentence in the help
   Group group = Group::output;
   Effect effect = Effect::values;
-  std::vector<std::string> words = {};  ///< all values of an option whose values are words
+  std::vector<std::string> words = {};  ///< all possible values, if they are words
   /// Sets the option from a text. Throws UsageError, beginning with `where`, for a text that is no value.
   std::function<void(RunOptions&, const std::string& text, const std::string& where)> set = {};
   std::function<std::string(const RunOptions&)> text = {};  ///< the value as a text; empty for the default

@@ -110,7 +110,7 @@ MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand
   return memory;
 }
 
-/// Returns the number of points that would wait, by the boxes; absent where slabs cannot be made on demand.
+/// Returns the number of points that would wait, by the boxes; none if slabs on demand are impossible.
 std::optional<std::uint64_t> waiting_points(const OnDemandOrder& order, const Survey& survey,
                                             const MemoryDemand& demand) {
   if (!order.why_not.empty()) return {};
@@ -145,7 +145,7 @@ MemoryPlan plan_rows(std::uint64_t codec_bytes) {
   return memory;
 }
 
-/// The masks of the select before and of the one that is decided.
+/// Returns the bytes of two masks: of the previous select, and of the one being decided.
 std::uint64_t mask_bytes(const ChainPlan& planned, std::uint64_t points) {
   return planned.selects() ? 2 * RowMask::bytes(points) : 0;
 }
@@ -159,7 +159,7 @@ bool RunMemory::spills() const {
 
 namespace {
 
-/// For whole records of `record_bytes` that are only put in order. Does not throw: see MemoryPlan::needed_bytes.
+/// Plans the ordering of whole records of `record_bytes` without a sweep. Does not throw: see MemoryPlan::needed_bytes.
 MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
                                 const Survey& survey, const EngineOptions& options, std::uint64_t codec_bytes) {
   return plan(budget, unswept(0), demand(record_bytes, 0, points, survey, options, codec_bytes), options);
@@ -221,11 +221,11 @@ RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::u
 
 namespace {
 
-/// Threads beyond so many work only where they leave memory for the window and the recall.
+/// More threads than this work only if they leave enough memory for the window and the recall.
 constexpr unsigned kThreadsInAnyCase = 2;
-/// All threads together may take one part in so many of the memory that grows with the cloud, where points may be
-/// recalled. If they take more, the window is so small that many points are recalled in small groups, which costs more
-/// than the threads gain.
+/// The reciprocal of the share of the memory that grows with the cloud which all threads together may use, if points
+/// may be recalled. With a larger share the window would be so small that many points are recalled in small groups,
+/// which costs more than the threads gain.
 constexpr std::uint64_t kThreadsShare = 4;
 
 bool is_enough(std::uint64_t budget, const RunMemory& memory) {
@@ -276,7 +276,7 @@ std::uint64_t open_input_bytes(const InputCloud& cloud) {
   constexpr std::size_t kInFixedBytes = 100;          // inputs
   constexpr std::uint64_t kInput = 4000;              // reader, path in several places, mapping; measured
   constexpr std::uint64_t kRemoteService = 16 << 20;  // certificates, connections, answers on their way; measured
-  constexpr std::uint64_t kFacts = 1300;              // of FileInfo, without what its vectors and texts hold
+  constexpr std::uint64_t kFacts = 1300;              // bytes of FileInfo, without its vectors and texts
   std::uint64_t bytes = 0;
   if (std::ranges::any_of(cloud.readers(), [](const auto& reader) { return is_url(reader->info().path); }))
     bytes += kRemoteCacheBytes + kRemoteService;
@@ -285,7 +285,7 @@ std::uint64_t open_input_bytes(const InputCloud& cloud) {
     std::uint64_t held = info.schema.fields.size() * sizeof(Field);
     for (const std::string& line : info.provenance) held += sizeof line + line.size();
     if (info.crs) held += 2 * info.crs->wkt.size();
-    // The reader of decoded records has facts of its own.
+    // The reader of decoded records has its own FileInfo.
     bytes += kInput + held + (info.decode_once ? kFacts + held : 0);
   }
   return bytes;
@@ -305,7 +305,7 @@ std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const
                           std::uint64_t record_bytes, unsigned threads) {
   std::uint64_t decoders = 0;  // a thread reads one input at a time
   for (const auto& reader : cloud.readers())
-    if (!reader->info().decode_once)  // those are gone before the memory is needed (decoded_input.h)
+    if (!reader->info().decode_once)  // others are closed before the memory is needed (decoded_input.h)
       decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));
   const std::uint64_t division = options.division.divides() ? kLeastDivisionBytes : 0;
   return decoders + encoder_bytes(outputs, record_bytes, threads) + division;

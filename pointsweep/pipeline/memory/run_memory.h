@@ -20,9 +20,9 @@ namespace pointsweep {
 /// The estimated effort of a pass whose time does not follow from the number of points: a pass with a radius without a
 /// limit k, or with an in-order operator. 0 seconds for all other passes.
 struct Effort {
-  double seconds = 0;  ///< on all threads
+  double seconds = 0;  ///< CPU time of all threads
   std::string cause;   ///< "The radius"
-  std::string text;    ///< what the cause means: "about 400 neighbours per point"
+  std::string text;    ///< the cause in words: "about 400 neighbours per point"
   std::string remedy;  ///< "a smaller one takes less"
 };
 
@@ -31,20 +31,20 @@ inline constexpr double kLongSeconds = 60;
 
 /// The memory of all phases, planned before the first phase.
 struct RunMemory {
-  std::vector<MemoryPlan> passes;  ///< by pass
+  std::vector<MemoryPlan> passes;  ///< one for each pass
   std::size_t ordered_pass = 0;    ///< first_ordered_pass()
   /// The plan for `ordered_pass` by distribution, used where an order on demand is planned and turns out not to fit.
   std::optional<MemoryPlan> by_distribution;
-  std::string order_text;                   ///< how the points of that pass are put in order, and why
-  std::vector<std::uint64_t> record_bytes;  ///< of a point on its way through the stream, by pass
-  std::vector<Effort> efforts;              ///< by pass
-  MemoryPlan reordering;                    ///< of the output, if planned.reorders
-  bool spill_rows = false;                  ///< what is carried between passes, and which rows are left
-  std::uint64_t row_bytes = 0;              ///< what that takes at most, in memory or in the temporary folder
+  std::string order_text;                   ///< how the points of that pass are put in order, and why, as a sentence
+  std::vector<std::uint64_t> record_bytes;  ///< of a point in the stream, for each pass
+  std::vector<Effort> efforts;              ///< one for each pass
+  MemoryPlan reordering;                    ///< plan for the order of the output, if planned.reorders
+  bool spill_rows = false;                  ///< spill the records carried between passes, and the masks of rows
+  std::uint64_t row_bytes = 0;              ///< most bytes of these, in memory or in the temporary folder
   std::uint64_t expected_bytes = 0;         ///< the most at any time
-  std::uint64_t needed_bytes = 0;           ///< the least budget that does, if this one does not; otherwise 0
-  unsigned threads = 1;                     ///< that work after the survey
-  std::string threads_note;                 ///< for the user, where they are fewer than asked for
+  std::uint64_t needed_bytes = 0;           ///< the least sufficient budget if this one is too small; otherwise 0
+  unsigned threads = 1;                     ///< threads that work after the survey
+  std::string threads_note;                 ///< for the user, if fewer threads work than requested
   bool spills() const;
 };
 
@@ -60,17 +60,17 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs = {},
                           const OnDemandOrder& on_demand = {"it was not looked for", {}});
 
-/// Returns the bytes that the inputs take while they are open, beyond those for which kFixedBytes has room: some kB for
-/// each file. To be called before they are decoded (DecodedInput).
+/// Returns the bytes of the open inputs beyond the allowance in kFixedBytes: some kB for each file. Must be called
+/// before inputs are decoded (DecodedInput).
 std::uint64_t open_input_bytes(const InputCloud& cloud);
-/// Throws Error if the budget has no room for so many bytes of open_input_bytes().
+/// Throws Error if `open_bytes`, the result of open_input_bytes(), exceed the budget.
 void require_room_for_inputs(std::uint64_t budget, std::uint64_t open_bytes, const InputCloud& cloud);
 
-/// Returns the number of threads that the user asks for; without a wish, that of the machine.
+/// Returns the number of threads that the user requests, or that of the machine.
 unsigned threads_asked_for(const EngineOptions& options);
 
-/// Returns the number of threads that work until the memory of the passes is planned: as many as asked for, or as the
-/// budget has room for.
+/// Returns the number of threads until the memory of the passes is planned: the requested number, or as many as the
+/// budget allows.
 unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget);
 
 /// Returns the bytes that decoding the inputs and encoding records of `record_bytes` to these outputs take on `threads`
@@ -85,11 +85,12 @@ std::uint64_t once_decoder_bytes(const InputCloud& cloud, unsigned threads);
 /// The part of it for encoding one output.
 std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, unsigned threads);
 
-/// Returns the bytes that the output puts aside of so many records of `record_bytes`, where encoders may take `memory`.
+/// Returns the bytes that the output stores in scratch for `count` records of `record_bytes`, if encoders may use
+/// `memory`.
 std::uint64_t aside_bytes(const Outputs& outputs, std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                           unsigned threads);
 
-/// The order of the only sweep is the one that the output is to have: its records travel along.
+/// Returns whether the only sweep has the order of the output, so that whole records are streamed.
 bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options);
 
 }  // namespace pointsweep

@@ -17,12 +17,12 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kQueries = 512;
-constexpr std::size_t kNearest = 8;  ///< of the sample, from whose distance a density follows
+constexpr std::size_t kNearest = 8;  ///< the density follows from the distance of this many points of the sample
 
 /// ns for each neighbour and use of its list, measured with `script/bench radius` at about 1,000 neighbours.
 constexpr double kSearchCost = 20, kOtherCost = 10;
 
-/// Points of the sample within the radius of sample point `q`, as the number that they stand for.
+/// Returns the estimated number of points within the radius of sample point `q`.
 double neighbors_of(const Survey& survey, std::size_t q, double radius, double points_per_sample) {
   std::array<double, kNearest> nearest2;
   nearest2.fill(Box::kInf);
@@ -72,7 +72,7 @@ std::string counted(double value, const char* unit) {
 
 constexpr std::size_t kPlaces = 1024, kMostOthers = 16384, kOffsets = 8;
 
-/// At most `most` of the sample, evenly spaced.
+/// Returns at most `most` points of the sample, evenly spaced.
 std::vector<Vec3> some_of(const std::vector<Vec3>& sample, std::size_t most) {
   const std::size_t n = std::min(most, sample.size());
   std::vector<Vec3> some(n);
@@ -82,7 +82,7 @@ std::vector<Vec3> some_of(const std::vector<Vec3>& sample, std::size_t most) {
 
 using Offsets = std::array<Vec3, kOffsets>;
 
-/// From `place`, one of `others`, to those nearest to it.
+/// Returns the offsets from `place`, one of `others`, to the nearest of these.
 Offsets nearest_offsets(Vec3 place, const std::vector<Vec3>& others) {
   std::array<std::pair<double, std::size_t>, kOffsets + 1> nearest;
   nearest.fill({Box::kInf, 0});
@@ -92,7 +92,7 @@ Offsets nearest_offsets(Vec3 place, const std::vector<Vec3>& others) {
     nearest.back() = {d2, i};
     std::inplace_merge(nearest.begin(), std::prev(nearest.end()), nearest.end());
   }
-  Offsets offsets;  // without itself, which is the nearest
+  Offsets offsets;  // offsets to others, without the point itself, which is the nearest
   for (std::size_t j = 0; j < kOffsets; ++j) offsets[j] = others[nearest[j + 1].second] - place;
   return offsets;
 }
@@ -105,8 +105,8 @@ Vec3 scaled(Vec3 offset, double scale) {
   return offset;
 }
 
-/// The most of the places that are between the first and the last of their neighbours at once. These are at the scaled
-/// offsets, or opposite to that.
+/// Returns the largest number of places that lie between the first and the last of their neighbours at once. Neighbours
+/// are assumed at the scaled offsets and opposite to them.
 std::size_t most_open(const std::vector<Vec3>& places, const std::vector<Offsets>& offsets, double scale, int axis) {
   const AlongAxis along{axis};
   std::vector<PointKey> begins, ends;
@@ -149,13 +149,13 @@ RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, doubl
   for (const Vec3& p : survey.sample) coordinates.push_back(p[survey.axis]);
   std::ranges::sort(coordinates);
   const double most = static_cast<double>(most_within(coordinates, width));
-  const double chance = each == 1 ? 0 : 2 * std::sqrt(most);  // by which the sample may fall short
+  const double chance = each == 1 ? 0 : 2 * std::sqrt(most);  // amount by which the sample may underestimate
   result.slice_points = static_cast<std::uint64_t>(std::min((most + chance) * each, all));
   return result;
 }
 
 double neighbor_seconds(const SweepPlan& plan, double neighbors) {
-  double cost = kSearchCost * static_cast<double>(plan.step_count());  // where lists are not kept
+  double cost = kSearchCost * static_cast<double>(plan.step_count());  // if lists are not kept
   for (const Stage& stage : plan.stages) cost += cost_of(name_of(stage.op));
   return 1e-9 * cost * neighbors;
 }
@@ -172,9 +172,10 @@ std::string about_time_text(double seconds) {
   return "about " + time;
 }
 
-/// The share that is open follows from the spacing of the points in two ways: with the neighbours at the distances that
-/// they should have in the whole cloud, if there are enough open points to tell, as where a wall lies across the axis;
-/// and from the share of the sample, which is a layer as thick as the sample's spacing.
+/// Estimates the open points: those whose first neighbour along the axis the sweep has passed and whose last it has
+/// not. Two estimates from the spacing of points are combined: with neighbours at the distances expected in the whole
+/// cloud, if there are enough open points, as for a wall across the axis; and from the share of the sample that is
+/// open, a layer as thick as its spacing.
 std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, std::uint64_t k) {
   const std::vector<Vec3> others = some_of(survey.sample, kMostOthers), places = some_of(others, kPlaces);
   if (others.size() <= kOffsets) return points;

@@ -14,17 +14,18 @@
 namespace pointsweep {
 
 struct RadiusEstimate {
-  double neighbors = 0;            ///< of a point, on average
-  double most_neighbors = 0;       ///< of a point in the densest place that the sample shows
+  double neighbors = 0;            ///< average number per point
+  double most_neighbors = 0;       ///< number for a point in the densest place of the sample
   std::uint64_t slice_points = 0;  ///< most points between two planes across the axis, `width` apart
 };
 
-/// Estimates for a cloud of `points` points. Where fewer than 8 points of the sample lie within the radius, the count
-/// follows from the distance of the 8th and the survey's dimension, within a factor of about two. Takes at most 0.1 s.
+/// Estimates neighbours within a radius, for a cloud of `points` points. If fewer than 8 points of the sample lie
+/// within the radius, the number follows from the distance of the 8th point and the survey's dimension, within a factor
+/// of about two. Takes at most 0.1 s.
 RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, double radius, double width);
 
-/// CPU seconds of search and operators for so many neighbours in all, within a factor of about two on one core of
-/// 2.6 GHz.
+/// Returns the CPU seconds of search and operators for a total of `neighbors` neighbours, within a factor of about two
+/// on one core of 2.6 GHz.
 double neighbor_seconds(const SweepPlan& plan, double neighbors);
 
 /// "about 4,100 neighbours per point"
@@ -38,8 +39,8 @@ std::string about_time_text(double seconds);
 /// most 0.1 s.
 std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, std::uint64_t k);
 
-/// Places of the sample, in no particular order, between which there are about kBucketPoints points each, however the
-/// points lie along the axis. Of points with equal coordinates along the axis the other coordinates decide.
+/// Returns places of the sample, unordered, with about kBucketPoints points between successive ones along the axis, for
+/// any distribution of points. Equal coordinates along the axis are ordered by the other coordinates.
 std::vector<Vec3> places_between_buckets(const Survey& survey, std::uint64_t points);
 
 }  // namespace pointsweep

@@ -91,7 +91,7 @@ class GraphBuilder {
     graph_.nodes.push_back(std::move(node));
   }
 
-  /// Only operators that read attributes of another cloud need its fields.
+  /// Binds an operator to the fields of the other cloud if it reads attributes of that cloud.
   static StageOperator bound_to_other_cloud(const StageOperator& stage) {
     const auto* const op = std::get_if<std::shared_ptr<const InOrderOperator>>(&stage);
     if (op == nullptr || (*op)->other_reads().empty()) return stage;
@@ -107,8 +107,8 @@ class GraphBuilder {
     }
   }
 
-  /// Takes away what the names stand for: of the input and of what is made, whichever has it.
-  /// Throws UsageError if there is an attribute that the stage would drop with its own of that name.
+  /// Throws UsageError if the cloud has an attribute with the name of a helper: one that the stage makes and drops
+  /// again.
   void refuse_any(const std::vector<std::string>& helpers, const std::string& stage) const {
     for (const std::string& name : helpers)
       if (visible_.find(name) || std::ranges::find(made_, name, &Attribute::name) != made_.end())
@@ -252,18 +252,19 @@ class GraphBuilder {
     graph_.nodes.push_back({.what = std::make_shared<const MovedBounds>(), .reads = {*position_}});
   }
 
-  const Schema input_;             ///< with the row of each point, which stages may read
-  Schema visible_;                 ///< what of it is not dropped
+  const Schema input_;             ///< fields of the input, with the row of each point, which stages may read
+  Schema visible_;                 ///< fields that are not dropped
   std::set<std::string> dropped_;  ///< names of fields
   ChainGraph graph_;
-  std::string is_part_of_;  ///< name of the composite whose parts are being added; empty: of none
+  std::string is_part_of_;  ///< name of the composite whose parts are being added; empty: none
   Neighborhood neighborhood_;
-  Attributes made_;                                               ///< so far, the last versions
+  Attributes made_;                                               ///< made so far, in their last versions
   std::map<std::string, std::size_t> latest_;                     ///< version by name of the attribute
-  std::map<std::pair<std::string, Type>, std::size_t> of_input_;  ///< version by name and type, of what the input has
+  std::map<std::pair<std::string, Type>, std::size_t> of_input_;  ///< version of each field of the input, by name and
+                                                                  ///< type
   std::map<std::string, std::size_t> versions_made_;
   std::map<std::tuple<std::string, std::vector<std::size_t>, std::size_t>, std::size_t> reduce_nodes_;
-  std::size_t drops_rows_ = 0;           ///< stages so far that do
+  std::size_t drops_rows_ = 0;           ///< number of stages so far that drop rows
   std::optional<std::size_t> position_;  ///< version of the moved positions
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A chain resolved against the attributes of a cloud: its nodes, and which version of an attribute each of them reads.
-/// Composites are taken apart and conditions are bound here, once; whatever needs to know the chain reads the graph.
+/// A chain resolved against the attributes of a cloud: its nodes, and the version of each attribute that a node reads.
+/// Composites are expanded and conditions are bound here, once. All code that needs to know the chain reads the graph.
 #pragma once
 
 #include <cstddef>
@@ -33,18 +33,18 @@ struct VersionReader {
   ReadAs as;
 };
 
-/// An attribute as the input has it, or as one node makes it. No version is ever overwritten.
+/// An attribute of the input, or made by a node. No version is ever overwritten.
 struct AttributeVersion {
   Attribute attribute;
   std::size_t version = 0;                   ///< 0: the input's; the first that is made is 1
   std::optional<std::size_t> producer = {};  ///< the node that makes it; absent: the input
   std::vector<VersionReader> readers = {};   ///< in the order of the nodes
-  bool is_written = false;                   ///< to the output
+  bool is_written = false;                   ///< written to the output
 };
 
-/// Indices of versions are places in ChainGraph::versions, those of nodes in ChainGraph::nodes.
+/// A node. Versions are indices into ChainGraph::versions, nodes are indices into ChainGraph::nodes.
 struct GraphNode {
-  /// An operator; how the neighbours are found from here on; or a value of the whole cloud.
+  /// An operator; the definition of neighbourhoods from here on; or a value of the whole cloud.
   std::variant<StageOperator, Neighborhood, std::shared_ptr<const Reduction>> what;
   std::string stage = {};               ///< name of the chain's stage that the operator is, or a part of
   std::vector<std::size_t> reads = {};  ///< versions, in the order of the contract
@@ -53,7 +53,7 @@ struct GraphNode {
   std::vector<std::size_t> values = {};      ///< the reduce nodes whose values it needs
   std::optional<std::size_t> position = {};  ///< version of the moved positions that it sees; absent: the input's
 
-  /// Null for a node that is something else.
+  /// Returns the operator; null for other nodes.
   const StageOperator* op() const { return std::get_if<StageOperator>(&what); }
   const Neighborhood* neighborhood() const { return std::get_if<Neighborhood>(&what); }
   const Reduction* reduction() const {
@@ -61,14 +61,14 @@ struct GraphNode {
     return shared != nullptr ? shared->get() : nullptr;
   }
   bool drops_rows() const { return op() != nullptr && pointsweep::drops_rows(*op()); }
-  /// Returns whether the node stands for a Resort. Only the one that decides makes something.
+  /// Returns whether the node is a Resort. Only the deciding one makes an attribute.
   bool is_order() const { return op() != nullptr && std::holds_alternative<NotePosition>(*op()); }
 };
 
 struct ChainGraph {
   std::vector<GraphNode> nodes;  ///< the first is the neighbourhood with which the chain begins
   std::vector<AttributeVersion> versions;
-  /// The last version of every attribute that is made, in the order first made; without selections and orders.
+  /// The last version of every made attribute, in the order first made; without selections and orders.
   std::vector<std::size_t> made;
   /// The reduce node that finds the box of the moved positions, if the output needs it before its first record.
   std::optional<std::size_t> moved_bounds;
@@ -95,7 +95,7 @@ struct OutputNeeds {
 /// `input` names the cloud's fields.
 ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs);
 
-/// `before`, with the newer versions and the new ones of `made`.
+/// Returns `before` with the newer versions and the new attributes of `made`.
 std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<Attribute>& made);
 
 /// `input` with the values of `carried`, which follow its record one after another, instead of its fields of the same

@@ -27,7 +27,7 @@ bool is_selection(const Attribute& a) { return a.name == selection_attribute().n
 struct Draft {
   ScheduledPass pass;
   Attributes carried;  ///< before it: everything made by then
-  Attributes makes;    ///< without a selection
+  Attributes makes;    ///< without selections
   Names needed;        ///< after it
 };
 
@@ -50,7 +50,7 @@ std::vector<Draft> draft_passes(std::vector<ScheduledPass> passes, const ChainGr
   return drafts;
 }
 
-/// The attributes, of those carried into a pass, that its neighbourhoods and stages read. Every pass reads positions.
+/// Returns the attributes carried into a pass that its neighbourhoods and stages read. Every pass reads positions.
 Names reads_of_pass(const Draft& draft, const ChainGraph& graph, const Schema& input) {
   Names read;
   const auto note = [&](const Attribute& a) {
@@ -72,8 +72,8 @@ Names reads_of_pass(const Draft& draft, const ChainGraph& graph, const Schema& i
   return read;
 }
 
-/// From the last to the first: what is kept, and what later passes read and do not make. One that makes nothing of that
-/// and leaves out no rows is dropped.
+/// Finds, from the last pass to the first, the attributes that are kept or read by later passes. A pass that makes none
+/// of them and drops no rows is removed.
 void find_needed(std::vector<Draft>& drafts, Names needed, const ChainGraph& graph, const Schema& input) {
   std::set<std::size_t> needed_values;
   for (std::size_t d = drafts.size(); d-- > 0;) {
@@ -103,7 +103,7 @@ std::vector<std::string> kept_by(const Draft& draft) {
   return kept;
 }
 
-/// `carried`: into the pass, what is needed of it.
+/// Plans a pass. `carried`: needed attributes that are carried into it.
 PlannedPass planned_pass(const Draft& draft, const ChainGraph& graph, const Attributes& carried,
                          std::size_t first_stage, const Schema& input) {
   PlannedPass pass;
@@ -125,7 +125,7 @@ PlannedPass planned_pass(const Draft& draft, const ChainGraph& graph, const Attr
   return pass;
 }
 
-/// Puts what a pass makes into the order of `order`, which names all of it.
+/// Sorts the attributes made by a pass by `order`, which contains all of them.
 void put_in_order(PlannedPass& pass, const Attributes& order) {
   const std::vector<ResultColumn> results = std::move(pass.plan.results);
   const Attributes made = std::move(pass.made);
@@ -144,7 +144,7 @@ void put_in_order(PlannedPass& pass, const Attributes& order) {
 /// Keeps the fields of the input that no stage drops.
 void keep_what_is_not_dropped(ChainPlan& plan, const Schema& input) {
   Schema visible{{}, input.stride};
-  std::vector<std::size_t> index;  // in the input
+  std::vector<std::size_t> index;  // indices in the input
   for (std::size_t f = 0; f < input.fields.size(); ++f)
     if (!plan.graph.dropped.contains(f)) visible.fields.push_back(input.fields[f]), index.push_back(f);
   if (!plan.chain.keep.empty()) {
@@ -190,7 +190,7 @@ void find_order(ChainPlan& plan, const Schema& input, bool ordered) {
   if (plan.by_moved_positions) last.carried.push_back(stream_position_attribute());
   const bool makes_all = last.kind == PassKind::sweep && last.input.stride == input.stride && !last.selects;
   const bool in_its_order = makes_all && last.connecting_stage() == nullptr && !plan.graph.moved_bounds;
-  // Where other passes were left out, it may make things in another order than the whole chain.
+  // If other passes were omitted, this pass may make its attributes in another order than the chain.
   if (makes_all) put_in_order(last, last.carried);
   plan.reorders = ordered && (!in_its_order || plan.by_moved_positions);
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// The one plan of a chain: its graph, cut into passes over the cloud. A pass ends where a later stage needs what only
-/// its end can tell: the neighbours of moved points, neighbours among the rows that were kept, or a value of the whole
-/// cloud (docs/adr/0006, docs/adr/0009). The run, the dry run, the memory plan, the identity of a resumable run, the
-/// reference engine and `verify` read it.
+/// The plan of a chain: its graph, cut into passes over the cloud. A pass ends where a later stage needs a fact that
+/// only its end tells: the neighbours of moved points, neighbours among the kept rows, or a value of the whole cloud
+/// (docs/adr/0006, docs/adr/0009). The run, the dry run, the memory plan, the identity of a resumable run, the
+/// reference engine and `verify` read this one plan.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ namespace pointsweep {
 /// A value of the cloud that is known when a pass has ended, of the rows it leaves.
 struct PlannedValue {
   std::shared_ptr<const Reduction> reduction;
-  std::size_t number;  ///< among those of the whole chain
+  std::size_t number;  ///< number in the whole chain
 };
 
 /// A column of the window: one version of an attribute.
@@ -31,26 +31,25 @@ struct ColumnPlan {
   std::string attribute;
   std::string made_by;  ///< "the file", "a pass before", or the stage as "2 normals"
   std::uint32_t bytes = 0;
-  std::size_t last_step = 0;  ///< the last step that reads it; a kept one is written after the last
+  std::size_t last_step = 0;  ///< the last step that reads it; a kept column is written after the last step
   bool written = false;
 };
 
-/// One pass. To it the cloud is a file with what earlier passes made in the place of what the input has.
+/// One pass. It sees the cloud as a file in which attributes made by earlier passes replace those of the input.
 struct PlannedPass {
   PassKind kind = PassKind::sweep;
-  std::vector<std::size_t> nodes;  ///< of the graph, by stage of `plan`
-  /// Its stages; a select makes selection_attribute() beside what is kept.
+  std::vector<std::size_t> nodes;  ///< node of each stage of `plan`
+  /// The stages. A select makes selection_attribute() besides the kept attributes.
   SweepPlan plan;
-  std::vector<ColumnPlan> columns;  ///< by column number
-  /// For each of plan.file_columns, the fields of `input` it is made of.
+  std::vector<ColumnPlan> columns;  ///< by number of column
+  /// For each of plan.file_columns, its fields of `input`.
   std::vector<std::vector<std::string>> file_fields;
-  /// The last version of every attribute made and kept, in the order first made; result records hold them one after
-  /// another.
+  /// The last version of every attribute made and kept, in the order first made, which is the order in result records.
   std::vector<Attribute> made;
   /// The fields of that file: first the fields of the input's record, then the values carried from the pass before.
   Schema input;
-  /// The attributes that the rows hold after the pass, made by this or an earlier pass: attributes that later passes
-  /// read, and attributes that are kept.
+  /// The attributes that the rows have after the pass, made by this or an earlier pass: those that later passes read,
+  /// and those that are kept.
   std::vector<Attribute> carried;
   bool selects = false;  ///< the pass leaves out some of the rows that it reads
   std::vector<PlannedValue> values;
@@ -63,7 +62,7 @@ struct PlannedPass {
   bool has_places() const;
   /// The result record of a row that the pass says nothing about.
   std::vector<std::byte> fill_record() const;
-  /// The stage that emits edges; null if there is none. What it makes is known when the sweep has ended.
+  /// Returns the stage that emits edges; null if there is none. Its attributes are known when the sweep has ended.
   const Stage* connecting_stage() const;
   /// Indices of the fields of `input` that must travel with the points.
   std::vector<std::size_t> payload() const;
@@ -76,7 +75,7 @@ struct PlannedPass {
 };
 
 struct ChainPlan {
-  Chain chain;  ///< as it was asked for
+  Chain chain;  ///< the chain of the request
   ChainGraph graph;
   std::vector<PlannedPass> passes;  ///< at least one
   /// The last version of every attribute made and kept, in the order first made.
@@ -98,9 +97,9 @@ struct ChainPlan {
   std::uint64_t most_carried_bytes() const;
 };
 
-/// Resolves the chain. Throws as resolve(), and UsageError when an attribute to keep is neither made nor the input's,
-/// and where nothing is made and all rows are kept. As few passes as the chain allows: stages run in the first pass in
-/// which all they read is there, and a pass without results that are used is left out.
+/// Plans a chain. Throws the errors of resolve(), and UsageError if an attribute to keep is unknown, or if nothing is
+/// made and all rows are kept. The number of passes is minimal: stages run in the first pass in which all attributes
+/// that they read exist, and passes without needed results are omitted.
 /// A plan whose graph reads the rows of the inputs is for a cloud with InputCloud::number_rows().
 ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs = {});
 

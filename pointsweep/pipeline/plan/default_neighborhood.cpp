@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// Gives an open neighbourhood, for the stages from `first` to the next that names its own, what their operators want.
+/// Completes a default neighbourhood from the operators of the stages from `first` to the next neighbourhood.
 void close(Neighborhood& open, const std::vector<ChainStage>& stages, std::size_t first) {
   if (open.k != Neighborhood::kOfOperators) return;
   std::size_t k = 0;

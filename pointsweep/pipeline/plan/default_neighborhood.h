@@ -6,9 +6,9 @@
 
 namespace pointsweep {
 
-/// The chain with a neighbourhood in the place of each Neighborhood::kOfOperators, for the operators that stand before
-/// the next Reneighbor that names its own: all points within their largest all_within, or as many as their largest
-/// default_k says. Throws UsageError where one operator wants all within a distance and another does not.
+/// Returns the chain with each Neighborhood::kOfOperators replaced, for the operators up to the next Reneighbor with
+/// its own definition: by all points within their largest all_within, or by their largest default_k. Throws UsageError
+/// if one operator needs all points within a distance and another does not.
 Chain with_named_neighborhoods(Chain chain);
 
 }  // namespace pointsweep

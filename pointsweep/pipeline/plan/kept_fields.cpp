@@ -48,8 +48,8 @@ class Selection {
   }
 
  private:
-  /// Takes the made fields that `fits`, all of an attribute of the name `attribute`, and coordinates together; whether
-  /// there was one.
+  /// Adds the made fields that match `fits`, or all fields of the attribute named `attribute`; coordinates only
+  /// together. Returns whether there was a match.
   template <class Fits>
   bool add_made(const std::string& attribute, Fits fits) {
     bool any = false;
@@ -64,7 +64,7 @@ class Selection {
     return any;
   }
 
-  /// Takes the fields of the input of which the name or the column that an output gives them `fits`.
+  /// Adds the fields of the input whose name, or column name in outputs, matches `fits`.
   template <class Fits>
   bool add_input(Fits fits) {
     bool any = false;
@@ -108,8 +108,8 @@ class Selection {
   const std::vector<Attribute>& made_;
   const Schema& input_;
   std::string done_;
-  std::set<std::string> made_fields_;   ///< empty: all
-  std::set<std::size_t> input_fields_;  ///< empty: all
+  std::set<std::string> made_fields_;   ///< empty: all fields
+  std::set<std::size_t> input_fields_;  ///< empty: all fields
   std::vector<std::string> order_;
 };
 

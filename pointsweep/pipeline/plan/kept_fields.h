@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The attributes that an output holds: Chain::keep, resolved against the attributes of the input and the made ones.
+/// The attributes of an output: Chain::keep, resolved against the attributes of the input and the made ones.
 #pragma once
 
 #include <cstddef>
@@ -14,24 +14,25 @@
 namespace pointsweep {
 
 struct KeptFields {
-  std::vector<std::string> attributes;            ///< names of the made attributes of which a field is written
+  std::vector<std::string> attributes;            ///< names of the made attributes with a written field
   std::set<std::string> left_out;                 ///< fields of these that are not written
-  std::optional<std::vector<std::size_t>> input;  ///< indices of the input's fields, ascending; absent: all of them
+  std::optional<std::vector<std::size_t>> input;  ///< indices of the input's fields, ascending; absent: all fields
   std::vector<std::string> order = {};            ///< names of the fields that Chain::keep names, in its order, each once
 };
 
-/// Lists the fields of `schema`, an output with the attributes `made`, as they are named: unnamed fields of the input
-/// come first, and x, y and z where not all three are named; unnamed made ones last. Their places in the record stay.
+/// Returns the fields of `schema`, an output with the attributes `made`, in the order of Chain::keep: first fields of
+/// the input that are not named, and x, y and z unless all three are named; last made fields that are not named. Their
+/// offsets do not change.
 Schema in_named_order(Schema schema, const KeptFields& kept, const std::vector<Attribute>& made);
 
-/// Returns the fields that `names` keep. A name stands for the first of these that fits: a made attribute ("normal") or
-/// a field of one ("nx"); a field of the input, under its name or the name of its column in the output; then either in
-/// another spelling that files use ("NormalX", in any case). The named made fields are kept, or all if none is named.
-/// The named fields of the input are kept, or all if none is named. x, y and z are always kept together; where points
-/// are moved, they are the moved coordinates. Throws UsageError for a name that fits nothing.
+/// Returns the fields that `names` keep. A name means the first match of: a made attribute ("normal") or a field of one
+/// ("nx"); a field of the input, under its name or the name of its column in the output; then either in another
+/// spelling that files use ("NormalX", in any case). The named made fields are kept, or all if none is named. The named
+/// fields of the input are kept, or all if none is named. x, y and z are always kept together; if points are moved,
+/// they are the moved coordinates. Throws UsageError for a name without a match.
 KeptFields kept_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input);
 
-/// The fields that the names of a list stand for, found as in kept_fields().
+/// The fields meant by a list of names, found like in kept_fields().
 struct NamedFields {
   std::set<std::string> made;   ///< fields of made attributes
   std::set<std::size_t> input;  ///< indices of the input's fields
@@ -41,8 +42,8 @@ struct NamedFields {
 NamedFields named_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input,
                          const std::string& done);
 
-/// For outputs in which made attributes have their own names, without a prefix: leaves out the fields of the input that
-/// a made attribute would replace if it were not kept in part only. No old ny stands beside a new nx.
+/// For outputs without a prefix for made attributes: removes the fields of the input that a made attribute would
+/// replace if it were written in full. So an old ny is never written beside a new nx.
 KeptFields without_replaced(KeptFields kept, const Schema& input);
 
 /// The names with `prefix` taken off where a made attribute or field is called so in an output whose names have it:

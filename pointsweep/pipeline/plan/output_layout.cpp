@@ -35,7 +35,7 @@ std::string range_text(const Field& field) {
   return std::string(name_of(field.type));
 }
 
-/// Looks for values that are not held, or whole numbers that would be rounded.
+/// Records the first value that the field cannot hold, or whole number that it would round.
 void note_refused(const Field& from, const Field& to, const std::byte* records, std::size_t stride, std::size_t n,
                   RowNumbers rows, FirstRowError& refused) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -79,8 +79,8 @@ OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& ma
   }
 }
 
-/// The fields of the input that are stored otherwise than what replaces them. Bit fields share their bytes with others
-/// and keep their storage.
+/// Returns the fields of the input that get another type from their replacement. Bit fields share their bytes with
+/// others and keep their storage.
 OutputLayout::Types OutputLayout::replaced(const Schema& input, const std::vector<Attribute>& made,
                                            const KeptFields& kept, std::optional<Type> positions) {
   Types types;
@@ -108,14 +108,14 @@ void OutputLayout::convert_positions(const Schema& input, const Types& types) {
   }
 }
 
-/// These become plain fields of their types; the fields after them in the record move up or down.
+/// Changes fields to plain fields of the given types. The fields after them in the record move.
 void OutputLayout::retype(const Types& types) {
   if (types.empty()) return;
   std::vector<std::pair<Field*, Type>> retyped;
   for (const auto& [index, type] : types) retyped.emplace_back(&schema_.fields[index], type);
   std::ranges::sort(retyped, {}, [](const auto& field) { return field.first->offset; });
   passed_.clear();
-  std::vector<Copy> pieces;  // of the input's record, between them
+  std::vector<Copy> pieces;  // parts of the input's record between them
   const std::uint32_t end = schema_.stride;
   std::uint32_t from = 0, to = 0;
   for (const auto& [field, type] : retyped) {
@@ -137,7 +137,7 @@ void OutputLayout::retype(const Types& types) {
   std::copy_if(pieces.begin(), pieces.end(), std::back_inserter(passed_), [](const Copy& c) { return c.bytes > 0; });
 }
 
-/// Fields keep their storage, except those of `types`: bit fields that share a byte each get a copy of it.
+/// Keeps some fields with their storage, except those of `types`. Bit fields of one byte each get a copy of the byte.
 void OutputLayout::keep_fields(const Schema& input, const std::vector<std::size_t>& kept, const Types& types) {
   schema_ = {};
   passed_.clear();

@@ -25,18 +25,17 @@ struct RowNumbers {
   std::uint64_t of(std::size_t i) const { return each != nullptr ? each[i] : first + i; }
 };
 
-/// The input's record unchanged, or those of its fields that are kept, without gaps; then the made values. A made
-/// attribute that the input's part already has is replaced where it stands, and gets its own type there: no value is
-/// rounded to that of the input. Bits that share a byte with others keep their storage.
+/// The layout of output records: the record of the input unchanged, or its kept fields without gaps; then the made
+/// values. A made attribute replaces an attribute of the input of the same name at its place, with its own type, so
+/// that no value is rounded to the input's type. Bit fields keep their storage.
 class OutputLayout {
  public:
-  /// `positions`: the type that x, y and z get where they stand, moved or not; absent: that of the input, and float64
-  /// of moved points.
+  /// `positions`: type of x, y and z, moved or not; absent: the type of the input, or float64 for moved points.
   OutputLayout(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept = {},
                std::optional<Type> positions = std::nullopt);
 
   const Schema& schema() const { return schema_; }
-  /// Returns whether records of the input are those of schema(), and nothing is made.
+  /// Returns whether output records equal records of the input, so that nothing is made.
   bool passes_inputs() const;
   /// `inputs` holds n records of the input, `results` n result records, `outputs` receives n records of schema().
   /// Throws RowError for the lowest row with a value that its field cannot hold.
@@ -47,7 +46,7 @@ class OutputLayout {
   struct Copy {
     std::uint32_t from, to, bytes;
   };
-  using Types = std::map<std::size_t, Type>;  ///< of fields of the input, by index
+  using Types = std::map<std::size_t, Type>;  ///< new types of fields of the input, by index
   static Types replaced(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept,
                         std::optional<Type> positions);
   void convert_positions(const Schema& input, const Types& types);
@@ -65,7 +64,7 @@ class OutputLayout {
   std::vector<Copy> passed_;                          ///< from records of the input
   std::vector<Copy> copies_;                          ///< from result records
   std::vector<std::pair<Field, Field>> conversions_;  ///< from result records
-  std::vector<std::pair<Field, Field>> retyped_;      ///< from records of the input: positions that no stage moves
+  std::vector<std::pair<Field, Field>> retyped_;      ///< from records of the input: positions that no stage has moved
 };
 
 }  // namespace pointsweep

@@ -14,7 +14,7 @@ PassPlanner::PassPlanner(const ChainGraph& graph, const std::vector<Attribute>& 
   plan_.steps = {0};
 }
 
-/// A rule looks at points as they come, before any stage.
+/// A rule reads the attributes of points before any stage.
 void PassPlanner::add_neighborhood(std::size_t node) {
   plan_.neighborhood = *graph_.nodes[node].neighborhood();
   if (!plan_.neighborhood.rule) return;
@@ -68,7 +68,7 @@ std::uint16_t PassPlanner::new_column(const Attribute& attribute, std::string ma
   return static_cast<std::uint16_t>(plan_.column_bytes.size() - 1);
 }
 
-/// A new column of what the cloud holds when the pass begins.
+/// Returns a new column with an attribute that the cloud has when the pass begins.
 std::uint16_t PassPlanner::file_column(const Attribute& attribute) {
   std::vector<std::string> fields;
   for (const std::string& name : attribute.fields)
@@ -110,7 +110,7 @@ void PassPlanner::find_results(const std::vector<std::string>& kept) {
   }
 }
 
-/// Who reads a column says how long it lasts.
+/// Derives the lifetime of each column from its readers.
 void PassPlanner::find_lifetimes() {
   plan_.lifetimes.assign(plan_.column_bytes.size(), Lifetime::none);
   for (const FileColumn& file : plan_.file_columns) plan_.lifetimes[file.column] = Lifetime::cell;

@@ -14,13 +14,13 @@ namespace pointsweep {
 /// Fills the plan, columns and fields of a pass.
 class PassPlanner {
  public:
-  /// `carried`: from the pass before into this one. `first_stage`: number of its first stage in the chain, from 0 on.
-  /// `pass.input` is the cloud as the pass sees it. All must outlive this.
+  /// `carried`: attributes carried into this pass. `first_stage`: number of its first stage in the chain, from 0.
+  /// `pass.input`: the cloud as the pass sees it. All arguments must outlive this object.
   PassPlanner(const ChainGraph& graph, const std::vector<Attribute>& carried, std::size_t first_stage,
               PlannedPass& pass);
   void add_neighborhood(std::size_t node);
   void add_stage(std::size_t node);
-  /// After the last stage: `kept` are the names of what the pass makes and keeps.
+  /// Must be called after the last stage. `kept`: names of the attributes that the pass makes and keeps.
   void finish(const std::vector<std::string>& kept);
 
  private:
@@ -41,7 +41,7 @@ class PassPlanner {
   SweepPlan& plan_;
   std::map<std::size_t, std::uint16_t> column_of_version_;
   std::vector<std::size_t> made_;  ///< versions, the last of each attribute, in the order first made
-  std::map<std::uint16_t, std::size_t> made_in_step_;  ///< by column
+  std::map<std::uint16_t, std::size_t> made_in_step_;  ///< by number of column
 };
 
 }  // namespace pointsweep

@@ -9,7 +9,8 @@
 namespace pointsweep {
 namespace {
 
-/// Every stage may look at its own position, and one that looks at neighbours at theirs.
+/// Returns the attributes that a contract reads. Every stage may read its own position, and a stage that reads
+/// neighbours their positions.
 std::vector<std::string> read_by(const Contract& contract) {
   std::vector<std::string> names = {position_attribute().name};
   for (const auto* attributes : {&contract.reads, &contract.reads_neighbors})
@@ -36,7 +37,7 @@ PassSchedule::PassSchedule(const ChainGraph& graph) : graph_(graph) {
   if (begins_with_input_values(graph)) new_pass(PassKind::rows);
 }
 
-/// A pass of pointwise stages alone needs no search and only reads the rows.
+/// A pass with only pointwise stages needs no search and reads just the rows.
 std::vector<ScheduledPass> PassSchedule::passes() {
   for (std::size_t n = 1; n < graph_.nodes.size(); ++n) add(n);
   const auto needs_no_search = [&](std::size_t n) { return is_pointwise(*graph_.nodes[n].op()); };
@@ -100,7 +101,7 @@ void PassSchedule::begin_segment() {
   used_.clear();
 }
 
-/// The first pass in which what the stage reads is there, and what it remakes is not read any more.
+/// Returns the first pass in which all attributes that the stage reads exist, and none that it changes is read later.
 std::size_t PassSchedule::earliest(const Contract& contract) const {
   std::size_t pass = segment_;
   for (const std::string& name : read_by(contract))
@@ -125,7 +126,7 @@ std::size_t PassSchedule::find_input_value() { return segment_ == 0 ? 0 : segmen
 std::size_t PassSchedule::find_value(const Reduction& reduction) {
   const std::size_t after = known_after(reduction);
   if (after >= passes_.size()) new_pass(PassKind::rows);
-  // It reads what the pass leaves, so a stage that remakes that comes later.
+  // The reduction reads the attribute at the end of the pass, so a stage that changes it must come later.
   for (const Attribute& a : reduction.reads()) {
     Use& use = used_.try_emplace(a.name, Use{segment_, segment_}).first->second;
     use.read = std::max(use.read, after + 1);

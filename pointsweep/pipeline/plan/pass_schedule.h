@@ -13,23 +13,23 @@ namespace pointsweep {
 
 enum class PassKind : std::uint8_t {
   sweep,  ///< finds neighbourhoods
-  rows,   ///< reads the rows in their order: its stages look at their own point only
+  rows,   ///< reads the rows in order; its stages read only the point itself
   order,  ///< puts the points in order, by position or by place, for an InOrderOperator
 };
 
-/// A pass of which only the nodes are known.
+/// A pass for which only the nodes are known.
 struct ScheduledPass {
   PassKind kind = PassKind::sweep;
   std::size_t neighborhood = 0;      ///< the node that says which
   std::vector<std::size_t> stages;   ///< nodes with an operator, in their order
   std::vector<std::size_t> reduces;  ///< nodes whose values are known when the pass has ended
   bool selects = false;
-  bool connects = false;  ///< one of its stages emits edges; what that one makes is known when the pass has ended
+  bool connects = false;  ///< one of its stages emits edges; the attributes of that stage are known after the pass
 };
 
-/// Takes the nodes of a graph one after another. Each comes into the first pass in which every attribute and every
-/// value it reads is known, no later stage having remade one; a select and a new neighbourhood end all passes before
-/// them. So two values that do not depend on each other are found by one pass.
+/// Assigns the nodes of a graph to passes, one after another. Each node goes to the first pass in which every attribute
+/// and value that it reads is known, and no later stage has changed it. A select and a new neighbourhood end all passes
+/// before them. So one pass computes two independent values.
 class PassSchedule {
  public:
   explicit PassSchedule(const ChainGraph& graph);
@@ -37,10 +37,10 @@ class PassSchedule {
   std::vector<ScheduledPass> passes();
 
  private:
-  /// When an attribute was made and last read, by number of the pass.
+  /// Numbers of the passes in which an attribute was made and last read.
   struct Use {
     std::size_t made = 0, read = 0;
-    bool is_made = false;  ///< by a stage of this segment
+    bool is_made = false;  ///< made by a stage of this segment
   };
   void add(std::size_t node);
   void add(std::size_t node, const StageOperator& op);
@@ -64,8 +64,8 @@ class PassSchedule {
   std::size_t neighborhood_ = 0;
   std::vector<ScheduledPass> passes_;
   std::size_t segment_ = 0;                      ///< first pass after the last select or renewal
-  std::map<std::string, Use> used_;              ///< in this segment, by attribute
-  std::map<std::size_t, std::size_t> value_of_;  ///< by reduce node, the pass whose end tells its value
+  std::map<std::string, Use> used_;              ///< by attribute, in this segment
+  std::map<std::size_t, std::size_t> value_of_;  ///< for each reduce node, the pass after which its value is known
 };
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Inputs of which a chain that begins by cutting out a region reads the nodes of that region alone.
+/// Inputs that read only some nodes of levels of detail, for chains that begin by cutting out a region.
 #pragma once
 
 #include "pointsweep/formats/cloud/input_cloud.h"
@@ -7,9 +7,9 @@
 
 namespace pointsweep {
 
-/// While it lives, the cloud reads no node of levels of detail whose box lies outside the region that the first stages
-/// of the plan keep (SelectOperator::extent()). So the nodes of a COPC file are believed to hold their points; boxes of
-/// other chunks are not. A chain that reads the numbers of rows reads all of them.
+/// During its lifetime, the cloud reads no node of levels of detail whose box lies outside of the region that the first
+/// stages of the plan keep (SelectOperator::extent()). The boxes of nodes of COPC files are trusted; boxes of other
+/// chunks are not. If a stage of the chain reads row numbers, all nodes are read.
 class CroppedInput {
  public:
   CroppedInput(InputCloud& cloud, const ChainPlan& plan);

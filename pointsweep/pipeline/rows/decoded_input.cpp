@@ -16,8 +16,8 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kBatchBytes = 1 << 20;   ///< that a thread decodes before it writes them
-constexpr std::size_t kPiecesAtOnce = 1 << 12;  ///< that are listed before threads decode them
+constexpr std::size_t kBatchBytes = 1 << 20;    ///< bytes that a thread decodes before it writes them
+constexpr std::size_t kPiecesAtOnce = 1 << 12;  ///< pieces that are listed before threads decode them
 
 std::uint64_t decoded_bytes(const FileInfo& info) { return info.decode_once ? info.count * info.schema.stride : 0; }
 
@@ -61,7 +61,7 @@ class DecodedReader final : public Reader {
   std::uint64_t begin_;
 };
 
-/// Rows of an input that one thread decodes: a chunk, or all rows where the input has no decoders.
+/// Rows of an input that one thread decodes: a chunk, or all rows if the input has no decoders.
 struct Piece {
   std::size_t input;
   std::uint64_t first, end;
@@ -74,7 +74,7 @@ class Pieces {
  public:
   explicit Pieces(const InputCloud& cloud) : cloud_(cloud) {}
 
-  /// Returns the next pieces, at most kPiecesAtOnce; none at the end.
+  /// Returns the next pieces, at most kPiecesAtOnce; none at the end of the input.
   std::vector<Piece> next() {
     std::vector<Piece> pieces;
     while (input_ < cloud_.readers().size() && pieces.size() < kPiecesAtOnce) {
@@ -96,7 +96,7 @@ class Pieces {
  private:
   const InputCloud& cloud_;
   std::size_t input_ = 0;
-  std::uint64_t row_ = 0, begin_ = 0;  ///< of that input, and its place
+  std::uint64_t row_ = 0, begin_ = 0;  ///< next row of that input, and its place
 };
 
 /// Decodes pieces for one thread.
@@ -127,11 +127,11 @@ class PieceDecoder {
 
  private:
   std::unique_ptr<RowDecoder> decoder_;
-  std::size_t input_ = 0;  ///< of decoder_
+  std::size_t input_ = 0;  ///< input of decoder_
   std::vector<std::byte> batch_;
 };
 
-/// Returns how many threads decode: so many that they take at most half of the memory budget.
+/// Returns the number of decoding threads: as many as use at most half of the memory budget.
 unsigned decoding_threads(const InputCloud& cloud, const EngineOptions& options) {
   std::uint64_t bytes = kBatchBytes;
   for (const auto& reader : cloud.readers())

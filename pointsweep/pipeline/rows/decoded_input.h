@@ -15,13 +15,13 @@
 
 namespace pointsweep {
 
-/// A run reads its input two or three times, after what FiniteInput reads. While this object lives, the cloud reads the
-/// records of each input with FileInfo::decode_once from one temporary file, `schema.stride` bytes for each point, that
-/// the constructor has filled with all threads.
+/// Decodes inputs once, since a run reads its input two or three times. During its lifetime, the cloud reads the
+/// records of each input with FileInfo::decode_once from one temporary file, with `schema.stride` bytes for each point.
+/// The constructor fills that file on all threads.
 class DecodedInput {
  public:
-  /// `place` is that of the temporary file. Throws Error where an input cannot be decoded or the place has no space; of
-  /// several such inputs, the error names the first one. Reports the phase "decoding".
+  /// `place`: place of the temporary file. Throws Error if an input cannot be decoded or the disk is full; of several
+  /// such inputs, the error names the first. Reports the phase "decoding".
   DecodedInput(InputCloud& cloud, const EngineOptions& options, const SpillPlace& place);
   ~DecodedInput();
   DecodedInput(const DecodedInput&) = delete;
@@ -35,7 +35,7 @@ class DecodedInput {
 
   InputCloud& cloud_;
   SpillFile file_;
-  /// By number of the input: its own reader, while the cloud has the other one.
+  /// number of each input, and its own reader, which the cloud does not use meanwhile
   std::vector<std::pair<std::size_t, std::unique_ptr<Reader>>> readers_;
 };
 

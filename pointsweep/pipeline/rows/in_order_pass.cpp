@@ -21,10 +21,10 @@ namespace {
 /// Points near to each other are found together (operators/nearest/place_group.h).
 constexpr std::size_t kOrderedBatch = 32768;
 
-/// No field of a file has a blank in its library name.
+/// Returns a name for the position that no field of a file can have, since library names contain no blank.
 std::string position_name(const char* axis) { return std::string("position ") + axis; }
 
-/// From records of a source to records that begin with a place.
+/// Converts records of a source to records that begin with a place.
 class Placement {
  public:
   Placement(const Schema& source, const std::vector<std::size_t>& payload, const InOrderOperator& op)
@@ -86,8 +86,8 @@ ReadRows placing(ReadRows read, std::shared_ptr<const Placement> placement) {
 /// Makes the arguments of an InOrderWork out of working records.
 class OrderedBatch {
  public:
-  /// `are_placed`: the records begin with a place, which is not their position. Values of rows that are not among
-  /// `rows` from `first_row` on may be ones that the stage cannot read.
+  /// `are_placed`: the records begin with a place that is not their position. Rows other than the `rows` rows from
+  /// `first_row` on may have values that the stage cannot read.
   OrderedBatch(const Schema& record, const PlannedPass& pass, bool are_placed, std::uint64_t first_row,
                std::uint64_t rows)
       : schema_(record),
@@ -106,7 +106,7 @@ class OrderedBatch {
             values_of_.emplace_back(record.fields[*record.find(name)], pass.plan.file_columns[c].type);
   }
 
-  /// Throws the error of the lowest row so far that has a value which the stage cannot read.
+  /// Throws the error of the lowest row so far with a value that the stage cannot read.
   void require_values() const { refused_.throw_if_any(); }
 
   /// Returns the points of `n` records, without records whose place is not finite.
@@ -173,7 +173,7 @@ void for_each_batch(const InOrderPass& run, Use use) {
   batch.require_values();
 }
 
-/// Result records of what a work finds, which hold the attributes that the pass keeps, in the order of the pass.
+/// Converts the findings of a work to result records, which contain the attributes that the pass keeps, in its order.
 class FoundRecords {
  public:
   FoundRecords(const InOrderOperator& op, const InOrderPass& run)
@@ -211,7 +211,7 @@ class FoundRecords {
     return at;
   }
 
-  /// Rows become those of the results.
+  /// In a part, removes the findings about rows outside of the results, and numbers the other rows like the results.
   void keep_own_rows(Findings& found) const {
     if (!run_.is_part) return;
     const auto is_other = [&](std::uint64_t row) { return row - run_.first_row >= run_.rows; };

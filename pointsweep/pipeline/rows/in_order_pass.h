@@ -16,8 +16,9 @@
 
 namespace pointsweep {
 
-/// The points of `source` at the places that `op` gives them. Each place is followed by the position, in its type, and
-/// by the fields `payload` of the source. A point without a finite position has no place. `op` must outlive the source.
+/// The points of `source` at the places that `op` assigns to them. Each place is followed by the position, in its type,
+/// and by the fields `payload` of the source. A point without a finite position has no place. `op` must outlive the
+/// source.
 struct PlacedSource {
   PlacedSource(const PointSource& source, const std::vector<std::size_t>& payload, const InOrderOperator& op);
   PointSource source;
@@ -25,19 +26,19 @@ struct PlacedSource {
 };
 
 struct InOrderPass {
-  const Stream& stream;  ///< canonical; of a PlacedSource if the pass has places
+  const Stream& stream;  ///< in canonical order; made from a PlacedSource if the pass has places
   const PlannedPass& pass;
   InOrderSetup setup;
-  bool is_part;              ///< the stream has other rows, too, whose findings are not kept
-  std::uint64_t first_row;   ///< of the stream, which is the first row of the results
-  std::uint64_t rows;        ///< of the results
+  bool is_part;              ///< the stream has further rows, whose findings are discarded
+  std::uint64_t first_row;   ///< row of the stream that is the first row of the results
+  std::uint64_t rows;        ///< number of rows of the results
   RowStore& results;         ///< gets a record for each row that is dropped or has values, and nothing for the others
-  std::uint64_t* undecided;  ///< gets the number of rows of the results that are undecided; null: none can be
+  std::uint64_t* undecided;  ///< receives the number of undecided rows of the results; null: no row can be undecided
   std::function<void(std::uint64_t points)> progress;
 };
 
-/// Returns the numbers of those of some working records of the pass, at their positions and all with a finite one, that
-/// other parts of a cloud have to know. Throws the error of a row that has a value which the stage cannot read.
+/// Returns which of some working records of the pass other parts of a cloud need, by number. The records are at their
+/// positions, all finite. Throws the error of a row with a value that the stage cannot read.
 std::vector<std::uint32_t> for_other_parts(const InOrderOperator::ChoosePoints& choose, const PlannedPass& pass,
                                            const Schema& record, std::span<const std::byte> records);
 

@@ -15,8 +15,8 @@
 
 namespace pointsweep {
 
-/// Calls `use` for the nonfinite points of the stream in ascending row: with the number of the first of some, and with
-/// their working records.
+/// Calls `use` for batches of the nonfinite points of the stream, by ascending row, with the number of the first point
+/// and with their working records.
 void for_each_nonfinite(const Stream& stream,
                         const std::function<void(std::uint64_t first, std::span<const std::byte> records)>& use);
 
@@ -26,22 +26,23 @@ std::vector<std::uint64_t> rows_of_records(const Stream& stream, std::span<const
 /// Numbers of the first of these rows, ascending, at most `most`.
 std::vector<std::uint64_t> first_nonfinite_rows(const Stream& stream, std::size_t most);
 
-/// `asked`, or where that is by_format: `drop` for formats that cannot hold such points (LAS), `keep` for the others.
-/// For tiles: `drop` if the format of any tile cannot hold such points and the input of that tile may have some.
+/// Returns `asked`, or its meaning if it is by_format: `drop` for formats that cannot hold such points (LAS), `keep`
+/// for others. For tiles: `drop` if the format of any tile cannot hold such points and the input of that tile may have
+/// some.
 Nonfinite nonfinite_rule(const InputCloud& cloud, const Outputs& outputs, Nonfinite asked);
 
-/// While it lives, the cloud has the rows that the run is to see. Reads the cloud once where rows may be dropped or
-/// refused and its coordinates are no integers.
+/// During its lifetime, the cloud has only the rows that the run uses. Reads the cloud once if rows may be dropped or
+/// refused and its coordinates are not integers.
 class FiniteInput {
  public:
-  /// Throws Error naming the first row where nonfinite points are refused, where the output cannot hold them although
-  /// they are to be kept, and where no other points are left.
+  /// Throws Error with the first row if nonfinite points are refused, or are to be kept in an output that cannot hold
+  /// them; also if no other points are left.
   FiniteInput(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options);
   ~FiniteInput();
   FiniteInput(const FiniteInput&) = delete;
   FiniteInput& operator=(const FiniteInput&) = delete;
 
-  /// Nothing was looked for, or nothing found, if its count is 0.
+  /// Returns the dropped rows; a count of 0 if none were searched or found.
   const NonfiniteRows& dropped() const { return dropped_; }
   /// "Dropped 3 points whose coordinates are not finite ..."; empty if none were.
   std::string warning() const;

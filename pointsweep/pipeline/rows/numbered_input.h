@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// While it lives, the records of the cloud hold the numbers of their rows if a stage of the plan reads them.
+/// During its lifetime, the records of the cloud contain their row numbers if a stage of the plan reads them.
 class NumberedInput {
  public:
   /// `first`: the number of the first row.

@@ -17,13 +17,13 @@ namespace pointsweep {
 /// the run counts the points before it relies on their places (Stream::on_demand).
 struct OnDemandOrder {
   std::string why_not;        ///< why not, as the end of a sentence; empty where an order on demand is possible
-  std::vector<RowBox> boxes;  ///< as the inputs state them; all rows, ascending
+  std::vector<RowBox> boxes;  ///< boxes that the inputs state; they cover all rows, ascending
 };
 
 /// The first pass of `planned` that puts points in order; the number of passes if none does.
 std::size_t first_ordered_pass(const ChainPlan& planned);
 
-/// For that pass.
+/// Returns what is known for making slabs on demand in the first pass that puts points in order.
 OnDemandOrder on_demand_order(const InputCloud& cloud, const ChainPlan& planned, const EngineOptions& options);
 
 }  // namespace pointsweep

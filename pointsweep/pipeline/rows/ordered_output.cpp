@@ -78,7 +78,7 @@ void write_in_order(const Stream& stream, std::size_t bytes,
   });
 }
 
-/// Rows of the input and of what was carried, for one thread.
+/// Rows of the input and of carried records, for one thread.
 class Reordering::Rows {
  public:
   Rows(const Reordering& all, ReadRows read) : all_(all), read_(std::move(read)) {}
@@ -94,7 +94,7 @@ class Reordering::Rows {
   const std::byte* input(std::size_t i) const { return inputs_.data() + i * all_.input_.schema.stride; }
   const std::byte* carried(std::size_t i) const { return carried_.data() + i * all_.rows_.record_bytes(); }
 
-  /// Puts the positions that give `n` rows their places `stride` bytes apart.
+  /// Stores the positions that decide the places of `n` rows, `stride` bytes apart.
   void put_positions(std::size_t n, std::size_t stride, std::byte* to) const {
     for (std::size_t i = 0; i < n; ++i, to += stride) {
       if (all_.by_moved_positions_) {

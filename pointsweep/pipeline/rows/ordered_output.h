@@ -18,7 +18,7 @@ namespace pointsweep {
 /// Indices of the slab's working records in canonical order.
 std::vector<std::uint32_t> order_of(const Stream& stream, const std::vector<std::byte>& records);
 
-/// The inverse: by index, the place within the slab.
+/// Returns the inverse permutation: for each index, the place within the slab.
 std::vector<std::uint32_t> ranks(const Stream& stream, const std::vector<std::byte>& records);
 
 /// Gives the first `bytes` of every working record to `write`, points without a place last.
@@ -27,12 +27,12 @@ void write_in_order(const Stream& stream, std::size_t bytes,
                     const std::function<void(std::span<const std::byte>)>& write,
                     const std::function<void(std::uint64_t)>& report);
 
-/// Output records in the order of positions that no sweep went by: each is followed by the position that gives it its
-/// place, the one carried last in `rows` if `by_moved_positions`, otherwise the input's.
+/// Output records for an order of positions that no sweep has. Each record is followed by the position that decides its
+/// place: the last one in `rows` if `by_moved_positions`, otherwise the position in the input.
 class Reordering {
  public:
   Reordering(InputCloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions);
-  /// Positions alone, for the survey. The source must not outlive this.
+  /// Returns only the positions, for the survey. This object must outlive the source.
   PointSource positions() const;
   /// Whole records. The source must not outlive this.
   PointSource records() const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Another cloud that an InOrderOperator reads beside the one that goes through the chain.
+/// Another cloud that an InOrderOperator reads in addition to the cloud of the chain.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +21,9 @@ namespace pointsweep {
 
 class OtherCloud {
  public:
-  /// Opens the files that `name` stands for (files.h). Throws Error where there is none, UsageError where they
-  /// state another coordinate reference system than `cloud` and the latter does not ignore that.
-  /// `reads`: the attributes that are read of it, by the names of its fields.
+  /// Opens the files that `name` means (files.h). Throws Error if there are none, UsageError if they state another
+  /// coordinate reference system than `cloud`, unless `cloud` ignores it. `reads`: the attributes to read, by the names
+  /// of its fields.
   OtherCloud(const std::string& name, std::vector<Attribute> reads, const InputCloud& cloud);
 
   const std::string& name() const { return name_; }
@@ -34,8 +34,8 @@ class OtherCloud {
   /// Sentences for the user.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// Puts its points in order along the axis, into a temporary file, and gives them. Throws Error if a file has changed
-  /// since it was opened. Needs working_bytes() of memory beside the file.
+  /// Puts the points in order along the axis, into a temporary file, and passes them to the caller's function. Throws
+  /// Error if a file has changed since it was opened. Needs working_bytes() of memory in addition to the file.
   void give_in_order(int axis, const SpillPlace& spill, const std::function<void(std::uint64_t rows)>& progress,
                      const std::function<void(const OtherPoints&)>& take);
   /// Puts the points of a cloud in order along the axis, into a temporary file, with their values of `reads`.
@@ -47,11 +47,11 @@ class OtherCloud {
   static void give(const Stream& stream, const std::string& name, const std::vector<Attribute>& reads,
                    const std::function<void(std::uint64_t rows)>& progress,
                    const std::function<void(const OtherPoints&)>& take);
-  /// Throws UsageError where its files store what is read in different types, so that they cannot be tiles of one
+  /// Throws UsageError if its files store the attributes to read in different types: they are then no tiles of one
   /// cloud.
   void require_same_types() const;
   std::vector<std::uint64_t> counts() const;  ///< points, by file
-  /// `value_bytes`: of what is read of a point.
+  /// Returns the memory of give_in_order(). `value_bytes`: bytes of the attributes read of a point.
   static std::uint64_t working_bytes(unsigned threads, std::uint64_t value_bytes);
 
  private:
@@ -61,7 +61,7 @@ class OtherCloud {
   std::vector<std::string> warnings_;
 };
 
-/// For each pass the other cloud that it reads, if it does.
+/// Returns, for each pass, the other cloud that it reads, if any.
 std::vector<std::optional<OtherCloud>> open_others(const ChainPlan& plan, const InputCloud& cloud);
 
 }  // namespace pointsweep

@@ -27,7 +27,7 @@ bool looks_at_input(const PlannedPass& pass, std::size_t input_stride) {
   return std::ranges::any_of(fields, [&](std::size_t f) { return pass.input.fields[f].offset < input_stride; });
 }
 
-/// Puts `n` records of `bytes` to their places, `stride` bytes apart.
+/// Copies `n` records of `bytes` bytes to places `stride` bytes apart.
 void spread(const std::byte* from, std::size_t bytes, std::size_t n, std::size_t stride, std::byte* to) {
   for (std::size_t i = 0; i < n; ++i) std::memcpy(to + i * stride, from + i * bytes, bytes);
 }
@@ -81,7 +81,7 @@ void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdat
 
 PointSource updated_source(const PointSource& input, const RowFile& carried, const PlannedPass& pass) {
   const std::size_t stride = pass.input.stride, own = input.schema.stride, rest = stride - own;
-  // Joins what `read`, which may be empty, gives of the input with what was carried.
+  // Joins fields of the input, read by `read`, which may be empty, with carried records.
   const auto joining = [=, &carried, count = input.count](ReadRows read) -> ReadRows {
     return [=, &carried, read = std::move(read), scratch = std::vector<std::byte>()](
                std::uint64_t row, std::span<std::byte> records) mutable -> std::size_t {
@@ -138,7 +138,7 @@ void PassUpdate::add(const UpdatedRows& rows) {
   if (masking) masking->wait();
 }
 
-/// Cuts the rows into tasks and finds the place of each in rows_: as many are before it as the tasks before it keep.
+/// Cuts the rows into tasks, and finds the place of each in rows_: the number of rows that earlier tasks keep.
 std::vector<PassUpdate::Task> PassUpdate::tasks_of(const UpdatedRows& rows) {
   std::vector<Task> tasks;
   for (std::size_t first = 0; first < rows.count; first += kTaskRows) {
@@ -153,7 +153,7 @@ std::vector<PassUpdate::Task> PassUpdate::tasks_of(const UpdatedRows& rows) {
   return tasks;
 }
 
-/// Finds the rows that are kept, and how many they are of each task.
+/// Decides which rows are kept, and counts them for each task.
 void PassUpdate::decide(const UpdatedRows& rows, std::vector<Task>& tasks) {
   kept_.resize(rows.count);
   parallel_for(tasks.size(), [&](std::size_t t, unsigned) {
@@ -176,7 +176,7 @@ void PassUpdate::keep(const UpdatedRows& rows, const Task& task, unsigned worker
               task.kept);
 }
 
-/// Returns the records of the rows that a task keeps one after another: in `room` if it leaves out some.
+/// Returns the kept records of a task, one after another; in `room` if the task drops some.
 const std::byte* PassUpdate::compact(const std::byte* records, std::size_t bytes, const Task& task,
                                      std::vector<std::byte>& room) const {
   if (task.kept == task.count) return records + task.first * bytes;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The results of a pass for the next pass: the input with what has been made in the place of what the input has, the
-/// remaining rows, their carried attributes, values of the whole cloud.
+/// The transition from one pass to the next: made attributes replace those of the input, dropped rows are removed,
+/// attributes are carried on, and values of the whole cloud become known.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,8 @@
 
 namespace pointsweep {
 
-/// Rows of `after`, each value from what the sweep made if it did, otherwise from what was carried into it. All three
-/// are records that hold the values of their attributes one after another.
+/// Makes the rows of `after`. Each value comes from the sweep if it made the attribute, otherwise from the rows carried
+/// into it. All three kinds of records contain the values of their attributes one after another.
 class RowUpdate {
  public:
   RowUpdate(const std::vector<Attribute>& carried, const std::vector<Attribute>& made,
@@ -40,7 +40,7 @@ class RowUpdate {
   std::size_t carried_bytes_, made_bytes_, after_bytes_;
 };
 
-/// Successive rows: what a pass has made of them, and the same updated. Either may be empty records.
+/// Successive rows: results of a pass, and the updated rows. Either may have empty records.
 struct UpdatedRows {
   std::uint64_t first;
   std::size_t count;
@@ -48,28 +48,28 @@ struct UpdatedRows {
   const std::byte* after;
 };
 
-/// Gives what a pass has made of all rows, in their order.
+/// A function that passes on the results of a pass for all rows, in order.
 using MadeRows = std::function<void(
     const std::function<void(std::uint64_t first_row, std::size_t count, const std::byte* made)>& use)>;
 
-/// Takes the rows of `results`, updated, in their order, at most rows_at_once() at once. `carried` is null before the
-/// first pass; `made_bytes` is the size of a record of `results`. On all threads.
+/// Updates the rows of `results` in order, at most rows_at_once() at a time, on all threads. `carried` is null before
+/// the first pass; `made_bytes` is the size of a record of `results`.
 void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
                  const std::function<void(const UpdatedRows&)>& use);
 
 /// Returns the cloud as `pass` sees it: the records of `input`, followed by those of `carried`, which must outlive the
-/// source. The input itself is read only if the pass needs something of it.
+/// source. The input is read only if the pass needs a field of it.
 PointSource updated_source(const PointSource& input, const RowFile& carried, const PlannedPass& pass);
 
 class PassUpdate {
  public:
-  /// `input`: the rows of `cloud`. `carried_bytes`: of a record of pass.carried.
+  /// `input`: the rows of `cloud`. `carried_bytes`: bytes of a record of pass.carried.
   PassUpdate(const PlannedPass& pass, InputCloud& cloud, PointSource input, std::size_t carried_bytes,
              const SpillPlace& rows, const SpillPlace& mask);
 
-  /// Takes the next rows. On all threads.
+  /// Takes the next rows. Works on all threads.
   void add(const UpdatedRows& rows);
-  /// After the last row: the cloud has the rows that are left, and the values are known.
+  /// Restricts the cloud to the kept rows and returns these; sets the values. Must be called after the last row.
   std::unique_ptr<RowFile> finish(CloudValues& values);
   /// Returns PassValues::save() of the rows that are left.
   std::vector<std::vector<std::byte>> saved_values() const { return values_.save(); }
@@ -79,7 +79,7 @@ class PassUpdate {
   /// Some of the rows that add() has got, for one thread.
   struct Task {
     std::size_t first, count;
-    std::uint64_t place = 0;  ///< of the first that is kept, in rows_
+    std::uint64_t place = 0;  ///< place of its first kept row in rows_
     std::uint64_t kept = 0;
   };
   std::vector<Task> tasks_of(const UpdatedRows& rows);
@@ -99,8 +99,8 @@ class PassUpdate {
   PassValues values_;
   ParallelRows input_rows_;
   std::vector<std::byte> inputs_;   ///< records of the cloud, if a value needs them
-  std::vector<std::uint8_t> kept_;  ///< by row, if the pass selects
-  std::vector<Room> rooms_;         ///< by thread
+  std::vector<std::uint8_t> kept_;  ///< for each row, if the pass selects
+  std::vector<Room> rooms_;         ///< for each thread
   std::uint64_t spilled_bytes_ = 0;
 };
 

@@ -21,11 +21,11 @@ class PassValues {
 
   /// Returns whether add() also needs the cloud's records.
   bool needs_input() const { return needs_input_; }
-  /// Takes `n` rows that the pass leaves: records of what is carried from it, and of the cloud; the latter may be null
-  /// if they are not needed. Called by worker `worker` of a loop over all threads, beside others.
+  /// Adds `n` rows after the pass: carried records, and records of the cloud, which may be null if not needed.
+  /// `worker`: number of the thread in a parallel loop; several threads may call at once.
   void add(unsigned worker, const std::byte* carried, const std::byte* inputs, std::size_t n);
   void finish(CloudValues& into) const;
-  /// Returns what was taken, by value of the pass, for finish_values() in another process.
+  /// Returns the state of each value of the pass, for finish_values() in another process.
   std::vector<std::vector<std::byte>> save() const;
 
  private:
@@ -36,7 +36,7 @@ class PassValues {
   struct Sum {
     PlannedValue value;
     std::vector<Component> reads;
-    std::vector<std::unique_ptr<Accumulator>> parts;  ///< by thread
+    std::vector<std::unique_ptr<Accumulator>> parts;  ///< for each thread
 
     std::unique_ptr<Accumulator> all() const;
   };

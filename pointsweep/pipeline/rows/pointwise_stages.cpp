@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t kBatch = 1024;
 
-/// Returns the number of the read in which a stage reads a field, and the number of the component in that read; none if
-/// the stage does not read the field.
+/// Returns where a stage reads a field: the number of the attribute and the number of the component; none if the stage
+/// does not read it.
 std::optional<std::pair<std::size_t, std::size_t>> find_read(const std::string& field,
                                                              const std::vector<Attribute>& reads) {
   for (std::size_t r = 0; r < reads.size(); ++r)
@@ -130,7 +130,7 @@ void RowPass::run(const PointSource& source,
                   const std::function<void(std::uint64_t, std::size_t, const std::byte*)>& use) {
   const std::size_t stride = source.schema.stride, most = rows_at_once(stride);
   ParallelRows input(source);
-  std::array<std::vector<std::byte>, 2> buffers;  // one of records in use, one of those read ahead
+  std::array<std::vector<std::byte>, 2> buffers;  // records in use, and records read ahead
   const auto read = [&](std::size_t turn) {
     const std::uint64_t row = turn * most;
     std::vector<std::byte>& records = buffers[turn % 2];
@@ -139,7 +139,7 @@ void RowPass::run(const PointSource& source,
     return std::span<const std::byte>(records);
   };
   const std::size_t turns = (source.count + most - 1) / most;
-  std::optional<Prefetch<std::span<const std::byte>>> ahead;  // another thread may read the source beside this one
+  std::optional<Prefetch<std::span<const std::byte>>> ahead;  // another thread may read the source at the same time
   if (input.is_parallel()) ahead.emplace(read, 0, turns, 1);
   std::vector<std::byte> results;
   std::vector<std::uint64_t> rows;

@@ -14,10 +14,10 @@
 
 namespace pointsweep {
 
-/// Takes points without neighbours through the stages of a pass: all points of a pass over rows, and the points without
-/// a finite place of any other pass. A stage that looks at its own point alone treats them as any other point. Every
-/// other stage leaves them unchanged: the position, and an attribute that the stage reads of the point and makes again,
-/// keep their values; what else it makes gets the value of none, Attribute::fill.
+/// Applies the stages of a pass to points without neighbours: all points of a pass over rows, and the points without a
+/// finite place of any other pass. A stage that reads only the point itself treats them like any other point. Other
+/// stages leave them unchanged: the position, and attributes that the stage both reads and makes, keep their values;
+/// other made attributes are Attribute::fill.
 class PointwiseStages {
  public:
   /// `pass` is bound to `records` (PlannedPass::bind). Both must outlive this.
@@ -35,17 +35,17 @@ class PointwiseStages {
   const PlannedPass& pass_;
   const Schema& records_;
   PositionFields position_;
-  std::vector<StageTally> tallies_;  ///< by thread
+  std::vector<StageTally> tallies_;  ///< for each thread
 };
 
-/// Stages that look at nothing but their own point, applied to rows in their order, without a sweep.
+/// Applies stages that read only the point itself to rows in their order, without a sweep.
 class RowPass {
  public:
   /// `pass`: of kind rows, bound to its own input (PlannedPass::bind). It must outlive this.
   explicit RowPass(const PlannedPass& pass);
 
-  /// Reads `source`, records of pass.input, and gives the result records of its rows in their order, those of
-  /// rows_at_once() at once. Reads ahead where several threads can read the source. On all threads.
+  /// Reads `source`, records of pass.input, and passes on the result records of its rows in order, rows_at_once() at a
+  /// time. Reads ahead if several threads can read the source. Works on all threads.
   void run(const PointSource& source,
            const std::function<void(std::uint64_t first_row, std::size_t count, const std::byte* results)>& use);
   StageTally tally() const { return stages_.tally(); }

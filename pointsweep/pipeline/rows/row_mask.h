@@ -16,11 +16,11 @@ namespace pointsweep {
 /// Collects a decision for each row of a cloud, which may be a selection itself; the result is one of the whole cloud.
 class RowMask {
  public:
-  /// `before`: what earlier selects have left of `rows` rows; null: all. It must outlive this.
+  /// `before`: the rows that earlier selects have kept of `rows` rows; null: all. It must outlive the mask.
   RowMask(std::uint64_t rows, const RowSelection* before, const SpillPlace& spill);
-  /// Appends the decisions on the next rows of `before`: not 0 for a row that is kept.
+  /// Appends the decisions about the next rows of `before`: not 0 for a kept row.
   void append(std::span<const std::uint8_t> kept);
-  /// After the last row.
+  /// Must be called after the last row.
   RowSelection finish();
   std::uint64_t spilled_bytes() const { return file_->spilled_bytes(); }
 
@@ -32,7 +32,7 @@ class RowMask {
  private:
   void append_any(bool kept);
 
-  std::uint64_t rows_, next_ = 0;  ///< of all rows
+  std::uint64_t rows_, next_ = 0;  ///< of all rows of the cloud
   std::optional<SelectionCursor> before_;
   std::shared_ptr<RowFile> file_;
   std::vector<std::byte> block_;
