@@ -39,7 +39,7 @@ from ._summary import AttributeSummary, GroupedSummary, Histogram, PointSummary,
 from ._verify import Verdict, verify
 
 __version__: str = _core.version
-# Without `open` and `set`, so that `from pointsweep import *` leaves the builtins of these names.
+# The public names without `open` and `set`, so that `from pointsweep import *` keeps the builtins of these names.
 __all__ = [
     "Arrays", "AttributeSummary", "Check", "Chunks", "Cloud", "CloudWithColumns", "Crs", "Error", "FileSummary", "GroupedSummary", "Histogram", "Neighbors", "Operator", "Pipeline", "Plan",
     "Picture", "PointNeighbors", "PointSummary", "Points", "PointsweepWarning", "RadiusNeighbors", "Reduction", "Report", "Select", "Stage",

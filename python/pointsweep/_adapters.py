@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Point clouds of other libraries as arrays by name. They are known by what they have; none of them is imported."""
+"""Point clouds of other libraries as arrays by name. Their types are recognised by their attributes; none of the libraries is imported."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from ._results import Arrays
 from ._types import Files
 
 _SCAN_ANGLE_STEP = 0.006  # degrees, from point format 6 on
-_CPU_DEVICES = (1, 3, 11)  # of DLPack: plain memory, and memory that CUDA or ROCm has pinned
+_CPU_DEVICES = (1, 3, 11)  # device types of DLPack: plain memory, and memory pinned by CUDA or ROCm
 
 
 _OF_CLOUDS = ("chunk_iterator", "column_names", "columns", "geometry", "has_normals", "point", "point_format")
 
 
 def are_points(value: Any) -> bool:
-    """Whether the value is a cloud in memory or opened files, and no option of a stage such as a name or three numbers."""
+    """Returns whether the value is a cloud in memory or opened files, and not an option of a stage such as a name or three numbers."""
     if isinstance(value, (Mapping, Files, Iterator)) or any(hasattr(value, name) for name in _OF_CLOUDS):
         return True
     if isinstance(value, (list, tuple)):
@@ -30,8 +30,8 @@ def are_points(value: Any) -> bool:
 
 
 def arrays_by_name(points: Any) -> dict[str, Any]:
-    """The arrays of a dict, a structured array, a table or a cloud of another library; anything else is 'xyz'."""
-    if isinstance(points, Arrays):  # 'row' is what every result calls the numbers of the rows of its own input
+    """Returns the arrays of a dict, a structured array, a table or a cloud of another library; anything else becomes 'xyz'."""
+    if isinstance(points, Arrays):  # 'row' in a result is the row number in the input of that run
         return {name: values for name, values in points.items() if name != "row"}
     if isinstance(points, Mapping):
         return dict(points)
@@ -64,7 +64,7 @@ def crs_stated_by(points: Any) -> Crs | None:
 
 
 def from_dlpack(name: str, values: Any) -> Any:
-    """An array of what has `__dlpack__` and is no array of NumPy, where its memory is that of the CPU."""
+    """Converts an object with `__dlpack__` that is no NumPy array to an array, if its memory is that of the CPU."""
     device = values.__dlpack_device__()
     if int(getattr(device[0], "value", device[0])) not in _CPU_DEVICES:  # Open3D has an enum
         raise UsageError(f"{name}: is on another device, {device}; copy it to the CPU first.")
@@ -75,7 +75,8 @@ def from_dlpack(name: str, values: Any) -> Any:
 
 
 def _las_data(las: Any) -> dict[str, Any]:
-    """Of a laspy.LasData, or of a block of points of its readers, under the names that pointsweep gives the fields of LAS files."""
+    """Returns the arrays of a laspy.LasData, or of a block of points of its readers, under the names that pointsweep
+    gives the fields of LAS files."""
     arrays = {axis: np.asarray(getattr(las, axis)) for axis in "xyz"}
     for name in las.point_format.dimension_names:
         if name in ("X", "Y", "Z"):
@@ -88,12 +89,12 @@ def _las_data(las: Any) -> dict[str, Any]:
 
 
 def _is_geometry(points: Any) -> bool:
-    """Whether it is a GeoSeries or a GeoDataFrame of geopandas."""
+    """Returns whether it is a GeoSeries or a GeoDataFrame of geopandas."""
     return hasattr(points, "geometry") and hasattr(points, "has_z") and hasattr(points, "crs")
 
 
 def _geometries(frame: Any) -> dict[str, Any]:
-    """Coordinates of the columns x, y and z, or else of the geometry; and the other columns."""
+    """Returns the coordinates of the columns x, y and z, or else of the geometry; and the other columns."""
     geometry = frame.geometry
     names = [name for name in getattr(frame, "columns", ()) if name != geometry.name]
     arrays = {str(name): _table_column(name, frame[name]) for name in names}
@@ -124,7 +125,7 @@ def _open3d_tensors(cloud: Any) -> dict[str, Any]:
 
 
 def _table_column(name: Any, column: Any) -> Any:
-    """Of a data frame; missing values of columns that can have some become NaN."""
+    """Converts a column of a data frame to an array; missing values become NaN."""
     values = column.to_numpy()
     if values.dtype.kind != "O":
         return values

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Points that come in blocks, of which the number is not known before the last."""
+"""Points that come in blocks, whose total number is unknown until the last block."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class _Column:
         self._rows += len(block)
 
     def array(self) -> np.ndarray:
-        """All of them, mapped; the file vanishes with the array."""
+        """Returns all points as a memory-mapped array, which owns the file: both vanish together."""
         shape = (self._rows, *self._shape)
         self._file.flush()
         if self._rows == 0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whether an operator is a pure function of a point and its neighbours."""
+"""A test of whether an operator is a pure function of a point and its neighbours."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from ._types import PipelineLike
 
 
 class Difference(NamedTuple):
-    """What came out differently."""
+    """A difference between two runs."""
 
-    run: str  #: what was different in this run
-    attribute: str  #: 'row': other points were kept
-    rows: np.ndarray  #: where the values differ; where the number of rows does, empty
+    run: str  #: how this run differed from the first
+    attribute: str  #: the attribute that differs; 'row': other points were kept
+    rows: np.ndarray  #: rows with different values; empty if the number of rows differs
 
 
 class Check:
-    """What `check` found. True where nothing differs."""
+    """The result of `check`. True if nothing differs."""
 
     def __init__(self, name: str, points: int, runs: list[str], differences: list[Difference]) -> None:
         self.name, self.points, self.runs, self.differences = name, points, runs, differences
@@ -54,12 +54,12 @@ def check(
 
     Parameters
     ----------
-    operator : made with `operator` or `select`.
-    points : as for `run`, but no iterator; by default 5,000 points of a surface with some outliers.
-    before : the pipeline before it, which makes what it reads.
-    options : of `run`, e.g. attributes.
+    operator : an operator made with `operator` or `select`.
+    points : as for `run`, but not an iterator; default: 5,000 points of a surface with some outliers.
+    before : a pipeline that makes the attributes the operator reads.
+    options : options of `run`, e.g. attributes.
 
-    Equal results do not prove that a function is pure. They show that it does not depend on what varies between runs.
+    Equal results do not prove that a function is pure. They only show that it gives equal results in these runs.
     """
     if not isinstance(operator, Operator):
         raise UsageError("check: give an operator, made with @pointsweep.operator or @pointsweep.select.")

@@ -36,14 +36,13 @@ def _row() -> Operator:
 class Chunks(Iterator[Arrays]):
     """The results of a run as blocks of rows; made with `chunks`.
 
-    They are in a temporary file without a name, which vanishes with this object, when it is closed, or when the process
-    ends.
+    A temporary file without a name holds them. It vanishes with this object, when it is closed, or when the process ends.
     """
 
     def __init__(
         self, results: Any, has_rows: bool, statistics: str, kept: list[str], rows: int, crs: Crs | None
     ) -> None:
-        self.report = Report(statistics)  #: what the run did
+        self.report = Report(statistics)  #: statistics of the run
         self._results: Any = results
         self._has_rows = has_rows
         self._kept = kept
@@ -85,16 +84,17 @@ def chunks(
     progress: ProgressCallback | bool | None = None,
     **options: Unpack[RunOptions],
 ) -> Chunks:
-    """Runs a pipeline and gives its results as blocks of `rows` rows, in the order of the input.
+    """Runs a pipeline and returns its results as blocks of `rows` rows, in the order of the input.
 
     Each is a dict of the arrays that `run` returns, and 'row', the number of the input row. The run ends before the first
-    block: its results are in a temporary file in `temp_folder`, so that memory holds a block and what `memory` allows.
-    Without a pipeline the blocks hold the points themselves, with all they have or what `keep` names.
+    block: its results are in a temporary file in `temp_folder`, so that memory holds only one block, besides the
+    `memory` of the run. Without a pipeline the blocks hold the points themselves, with all attributes or those that
+    `keep` names.
 
     Parameters
     ----------
     points, pipeline, keep, attributes, crs, progress, options : as for `run`.
-    rows : of a block; the last one may have fewer.
+    rows : number of rows of a block; the last block may have fewer.
 
     >>> for part in chunks("tiles/*.laz", 1_000_000, "knn(k=8) | normals", keep=["xyz", "normal"]):
     ...     part["xyz"], part["normal"], part["row"]

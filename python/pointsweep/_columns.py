@@ -22,23 +22,22 @@ if TYPE_CHECKING:
 
 
 class CloudWithColumns:
-    """Point files with arrays beside them; made with `Cloud.with_columns`. An array is read where it is: it may be a
-    `numpy.memmap`."""
+    """Point files with additional arrays; made with `Cloud.with_columns`. Arrays are not copied, so an array may be a `numpy.memmap`."""
 
     def __init__(self, cloud: Files, attributes: Mapping[str, np.dtype[Any]], columns: Mapping[str, Any]) -> None:
         self.cloud = cloud  #: the files
-        self._attributes = dict(attributes)  # of the files
+        self._attributes = dict(attributes)  # attributes of the files
         self.columns = {name: _column(name, values, len(self)) for name, values in columns.items()}
         if not self.columns:
             raise UsageError("with_columns: name at least one array, e.g. with_columns(label=labels).")
 
     @property
     def attributes(self) -> dict[str, np.dtype[Any]]:
-        """As those of `Cloud`, with the columns."""
+        """The types of the arrays, as for `Cloud`, with the columns."""
         return {**self._attributes, **self._types()}
 
     def with_columns(self, **columns: Any) -> CloudWithColumns:
-        """These files with more arrays; one of the same name takes the place of that which was there."""
+        """These files with more arrays. An array replaces a column of the same name."""
         return CloudWithColumns(self.cloud, self._attributes, {**self.columns, **columns})
 
     @with_run_options
@@ -62,7 +61,7 @@ class CloudWithColumns:
         progress: ProgressCallback | bool | None = None,
         **options: Unpack[RunOptions],
     ) -> Arrays:
-        """All points with their attributes and the columns, in a dict of arrays, as `Cloud.read`."""
+        """Returns all points with their attributes and the columns, in a dict of arrays, like `Cloud.read`."""
         if keep is None:
             keep = ["xyz", *(name for name in self.attributes if name not in ("x", "y", "z"))]
         result = self._performed([], None, keep, progress, options)

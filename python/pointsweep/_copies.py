@@ -24,7 +24,7 @@ def read(
     progress: ProgressCallback | bool | None = None,
     **options: Unpack[RunOptions],
 ) -> Arrays:
-    """The points of files, in a dict of arrays: 'xyz', (n, 3), and every attribute, or those that `keep` names.
+    """Reads the points of files into a dict of arrays: 'xyz', (n, 3), and every attribute, or those that `keep` names.
 
     ``ps.open(files).chunks(rows)`` reads files that are larger than memory. Takes the options of `run`.
     """

@@ -10,21 +10,21 @@ from typing import Any
 from . import _core
 from ._errors import Error, UsageError
 
-_PROJECTION_RECORDS = (2112, 34735, 34736, 34737)  # of LAS: WKT, and the three of GeoTIFF keys
+_PROJECTION_RECORDS = (2112, 34735, 34736, 34737)  # record numbers of LAS: WKT, and the three of GeoTIFF keys
 
 
 class Crs:
     """A coordinate reference system as a file or an array's owner states it. ``pyproj.CRS(crs)`` understands it."""
 
     def __init__(self, known: tuple[Any, ...]) -> None:
-        self._known = known  # as the extension module takes it
-        self.name: str = known[0]  #: as the file calls it; may be empty
+        self._known = known  # in the form of the extension module
+        self.name: str = known[0]  #: name in the file; may be empty
         self.epsg: int = known[2]  #: EPSG code of the horizontal system; 0: not stated
         self.vertical_epsg: int = known[3]  #: EPSG code of the heights; 0: not stated
         self.wkt: str = known[4]  #: well-known text; empty if the file has GeoTIFF keys
 
     def to_wkt(self) -> str:
-        """The well-known text; of a file with GeoTIFF keys that of their EPSG codes, which needs pyproj."""
+        """Returns the well-known text. For a file with GeoTIFF keys it is made from their EPSG codes, which needs pyproj."""
         if self.wkt:
             return self.wkt
         if not self.epsg:
@@ -46,7 +46,7 @@ class Crs:
 
 
 def crs_of(value: Any) -> Crs | None:
-    """What `crs=` takes: an EPSG code, WKT, an object of pyproj or another with `to_wkt`, or what files state."""
+    """Converts a value of `crs=`: an EPSG code, WKT, an object of pyproj or another one with `to_wkt`, or the `crs` of a cloud."""
     if value is None or isinstance(value, Crs):
         return value
     if isinstance(value, os.PathLike) or (isinstance(value, str) and value.lower().endswith((".prj", ".wkt"))):
@@ -62,7 +62,7 @@ def crs_of(value: Any) -> Crs | None:
 
 
 def las_crs(header: Any) -> Crs | None:
-    """What the header of laspy states, by the records that files have for it."""
+    """Returns the system that a header of laspy states, from the same records that LAS files have."""
     found: dict[int, bytes] = {}
     for record in [*header.vlrs, *(header.evlrs or [])]:
         if record.user_id == "LASF_Projection" and record.record_id in _PROJECTION_RECORDS:
@@ -74,7 +74,7 @@ def las_crs(header: Any) -> Crs | None:
 
 
 def given_or_stated(given: Any, stated: Crs | None) -> Crs | None:
-    """The system that the caller names; it must not contradict what the points themselves state."""
+    """Returns the system that the caller states, which must not contradict the points' own, or else the points' own."""
     crs = crs_of(given)
     if crs is not None and stated is not None and _core.differ(crs._known, stated._known):
         raise UsageError(f"crs: {crs} is given, but the points state {stated}; leave crs out, or transform the points first.")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the package raises, and its warnings."""
+"""The exceptions and warnings of the package."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import warnings
 
 
 class Error(Exception):
-    """A file, the machine or a budget of memory is at fault.
+    """An error of a file, the machine or a memory budget.
 
-    The text is one sentence: what is wrong, where, and what to do. No output is left half-written.
+    The text is one sentence: what is wrong, where, and what to do. No half-written output remains.
     """
 
 
@@ -28,7 +28,7 @@ _SAME_NAMES = ("axis", "bins", "by", "columns", "depth", "format", "histogram", 
 
 
 def with_names_of_python(sentence: str) -> str:
-    """A sentence of the library, which names options as the command-line tool does, with those of this package."""
+    """Converts a sentence of the library, which names options like the command-line tool, to the names of this package."""
     if "--" not in sentence:
         return sentence
     import re

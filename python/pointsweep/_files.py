@@ -31,19 +31,19 @@ class Cloud(Files):
 
     @property
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]] | None:
-        """The corners (least, greatest) as the headers state them; None where one does not."""
+        """The corners (least, greatest) in the headers; None if a header lacks them."""
         box: tuple[tuple[float, float, float], tuple[float, float, float]] | None = self._known["bounds"]
         return box
 
     @property
     def crs(self) -> Crs | None:
-        """The coordinate reference system; None where no file states one."""
+        """The coordinate reference system; None if no file states one."""
         known = self._known["crs"]
         return None if known is None else Crs(known)
 
     @property
     def attributes(self) -> dict[str, np.dtype[Any]]:
-        """The types of the arrays that `run` returns of what the files have, by the name in the files."""
+        """The types of the arrays that `run` returns for the attributes of the files, by their names in the files."""
         return {
             name: np.dtype(kind) if count == 1 else np.dtype((kind, count))
             for name, kind, count in self._known["attributes"]
@@ -51,11 +51,11 @@ class Cloud(Files):
 
     @property
     def warnings(self) -> list[str]:
-        """What is wrong but harmless in the files and where they meet."""
+        """Harmless faults of the files, and of their combination."""
         return list(self._known["warnings"])
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
-        """The positions, (n, 3): all points are read. ``cloud.chunks`` reads files larger than memory."""
+        """Returns the positions, (n, 3), and reads all points. Use ``cloud.chunks`` for files larger than memory."""
         if copy is False:
             raise ValueError("the points of files are in no array before they are read; leave copy=False out.")
         xyz: np.ndarray = self.read(keep=["xyz"])["xyz"]
@@ -101,7 +101,7 @@ class Cloud(Files):
         progress: ProgressCallback | bool | None = None,
         **options: Unpack[RunOptions],
     ) -> Arrays | Report:
-        """`pointsweep.run` on these files: with ``to=`` it writes files, otherwise it returns arrays."""
+        """Calls `pointsweep.run` on these files: with ``to=`` it writes files, otherwise it returns arrays."""
         workers = Workers(client, scratch, take_over)
         return performed(self, pipeline, to, keep, out, None, None, progress, options, workers)
 
@@ -113,7 +113,7 @@ class Cloud(Files):
         progress: ProgressCallback | bool | None = None,
         **options: Unpack[RunOptions],
     ) -> Arrays:
-        """All points, in a dict of arrays: 'xyz', (n, 3), and every attribute, or those that `keep` names."""
+        """Returns all points in a dict of arrays: 'xyz', (n, 3), and every attribute, or those that `keep` names."""
         if keep is None:
             keep = ["xyz", *(name for name in self.attributes if name not in ("x", "y", "z"))]
         result = performed(self, COPY, None, keep, None, None, None, progress, options)
@@ -178,14 +178,14 @@ class Cloud(Files):
         keep: Sequence[str] | str | None = None,
         progress: ProgressCallback | bool | None = None,
     ) -> PointSummary | GroupedSummary:
-        """`pointsweep.summary` of these files: exact statistics of all points, or with `by` of those of each value."""
+        """Calls `pointsweep.summary` on these files: exact statistics of all points, or with `by` of the points of each value."""
         return summary(self, by=by, histogram=histogram, bins=bins, keep=keep, progress=progress)
 
     def with_columns(self, **columns: Any) -> CloudWithColumns:
         """These files with arrays of yours as attributes: ``ps.open(f).with_columns(label=labels).write(g)``.
 
-        Each array has a row for each point, in the order of the files, and one or more numbers in it. It takes the place
-        of an attribute of the files that has its name. All else that the files have stays as it is.
+        Each array has a row for each point, in the order of the files, and one or more numbers in it. It replaces an
+        attribute of the files with its name. All other contents of the files stay unchanged.
         """
         return CloudWithColumns(self, self.attributes, columns)
 
@@ -228,17 +228,17 @@ def open(
     Parameters
     ----------
     files : a path or a URL (docs/urls.md), or several, whose points follow each other. A folder, or a pattern such as
-        ``"tiles/*.laz"``, stands for its point files, a .vpc file for those that it names.
-    recursive : folders stand for the point files in their folders, too.
-    format : of files without a signature: 'kitti' or 'float32-xyz'.
+        ``"tiles/*.laz"``, stands for its point files, a .vpc file for the files that it names.
+    recursive : folders include the point files of their sub-folders.
+    format : format of files without a signature: 'kitti' or 'float32-xyz'.
     columns : names of the columns of text files, in place of a header: ``["x", "y", "z", "intensity", "-", "red"]``; "-"
         skips a column.
-    depth : of COPC files, read the levels of detail up to this depth, of which 0 is the coarsest, and no other bytes.
+    depth : of COPC files, read the levels of detail up to this depth, of which 0 is the coarsest, and only their bytes.
     resolution : of COPC files, read as many levels of detail as it takes until points lie no farther apart.
     ignore_crs : ignore coordinate reference systems: merge files of different systems without a transformation, treat
         degrees as lengths, do not convert default lengths to feet.
     crs : coordinate reference system of the points, as `run` takes it, the path of a file with WKT (.prj, .wkt), or 'none'.
-        Coordinates do not change. Default: what the files state.
+        Coordinates do not change. Default: the systems that the files state.
     replace_crs : `crs` may replace another system that a file states.
     """
     return opened(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Objects that decorators make of functions: how they are copied and pickled."""
+"""Objects that decorators make from functions, with their copying and pickling."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any
 
 
 class MadeOfFunction:
-    """What a decorator made of a function. Pickled by reference where other processes can import it, as functions are,
-    else by value, which needs cloudpickle."""
+    """The result of a decorator. It is pickled by reference if other processes can import it, like a function, else by
+    value, which needs cloudpickle."""
 
     function: Callable[..., Any]
 

@@ -66,13 +66,13 @@ def generate(
     threads: int | None = None,
     progress: ProgressCallback | bool | None = None,
 ) -> Arrays | Cloud:
-    """Points of a shape, in random order, with its normals where it has them; the same on every machine.
+    """Makes points of a shape, in random order, with its normals if it has any. The points are equal on all machines.
 
     Parameters
     ----------
     shape : 'plane', 'sphere', 'cylinder', 'torus', 'statue', 'terrain', 'tls' or 'volume'; lengths are in metres.
     n : number of points.
-    path : a file to write, which is returned as a `Cloud`. None: arrays 'xyz' and 'normal' are returned.
+    path : the file to write, which is returned as a `Cloud`. None: the arrays 'xyz' and 'normal' are returned.
     seed : of the random sample.
     noise : standard deviation of Gaussian noise on each coordinate.
     outliers : share of points, 0 to 1, that lie at random in a box of `outlier_box` times the size of the shape.

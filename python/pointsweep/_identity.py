@@ -17,15 +17,16 @@ _BUILT_IN = (types.BuiltinFunctionType, types.MethodDescriptorType, types.Wrappe
 
 
 class Identity(NamedTuple):
-    """What tells functions apart."""
+    """A digest that distinguishes functions."""
 
     digest: str
-    unknown: list[str]  #: what the digest leaves out, since it cannot be compared: "'lock' (a lock)"
+    unknown: list[str]  #: values that the digest excludes, since they cannot be compared: "'lock' (a lock)"
 
 
 def identity_of(function: Callable[..., Any], *more: Any) -> Identity:
-    """Of the function with its code, defaults, the variables of functions around it, the globals and the attributes of
-    modules that it uses, and what these use in their turn. Libraries count by their names and versions."""
+    """Returns the identity of a function: its code, defaults, variables of enclosing functions, the globals and the
+    attributes of modules that it uses, and
+    recursively what these use. Libraries count by their names and versions."""
     digests = _Digests()
     digest = digests.of("function", (function, more))
     return Identity(digest.hex()[:16], list(dict.fromkeys(digests.unknown)))
@@ -36,13 +37,13 @@ class _Digests:
 
     def __init__(self) -> None:
         self.unknown: list[str] = []
-        self._known: dict[Any, bytes] = {}  # by id; of modules, also by the attributes that are used
-        self._kept: list[Any] = []  # so that no id is used again
-        self._attributes: frozenset[str] = frozenset()  # that the function at hand uses
+        self._known: dict[Any, bytes] = {}  # digests by id; of modules, also by the attributes that are used
+        self._kept: list[Any] = []  # keeps objects alive, so that no id is used again
+        self._attributes: frozenset[str] = frozenset()  # attributes that the current function uses
         self._in_foreign = False  # inside of an object of a library that is not Python's
 
     def of(self, name: str, value: Any) -> bytes:
-        """Of the value of a variable called `name`."""
+        """Returns the digest of the value of a variable called `name`."""
         if type(value) in _PLAIN:
             return _joined(type(value).__name__, repr(value).encode("utf-8", "backslashreplace"))
         key = (id(value), self._attributes) if isinstance(value, types.ModuleType) else id(value)
@@ -51,7 +52,7 @@ class _Digests:
             self._known[key] = _joined("seen before", str(len(self._known)).encode())  # inside of itself
             try:
                 self._known[key] = _joined(type(value).__name__, *self._parts(name, value))
-            except Exception:  # whatever the code of another library raises for what it cannot copy
+            except Exception:  # the code of another library may raise anything
                 if self._in_foreign:
                     del self._known[key]
                     raise
@@ -90,7 +91,7 @@ class _Digests:
             return [value.tobytes()]
         if isinstance(value, property):
             return self._all(name, [value.fget, value.fset, value.fdel])
-        wrapped = getattr(value, "py_func", getattr(value, "__wrapped__", None))  # of Numba, of functools
+        wrapped = getattr(value, "py_func", getattr(value, "__wrapped__", None))  # set by Numba, by functools
         if isinstance(wrapped, types.FunctionType):
             return [_reference(type(value)), self.of(name, wrapped)]
         if isinstance(value, (np.ndarray, np.generic)) or hasattr(value, "__dlpack__"):
@@ -127,7 +128,7 @@ class _Digests:
     def _of_array(self, name: str, value: Any) -> list[bytes]:
         import hashlib
 
-        array = np.asarray(value.detach() if hasattr(value, "detach") else value)  # of PyTorch
+        array = np.asarray(value.detach() if hasattr(value, "detach") else value)  # PyTorch has detach()
         if self._in_foreign and array.dtype.kind in "uiSV" and array.dtype.itemsize == 1:
             raise TypeError("an image of memory, as SciPy's trees have it, holds addresses")
         layout = repr((array.dtype.str, array.dtype.names, array.shape)).encode()
@@ -139,7 +140,7 @@ class _Digests:
         return [layout, hashlib.sha256(np.ascontiguousarray(array).data).digest(), self.of(name, mask)]
 
     def _of_object(self, name: str, value: Any) -> list[bytes]:
-        """By what pickle would keep of it."""
+        """Describes an object by the state that pickle would save."""
         outer = self._in_foreign
         module = type(value).__module__
         self._in_foreign |= _is_of_library(module) and module.partition(".")[0] not in sys.stdlib_module_names
@@ -198,7 +199,7 @@ def _has_content(cell: types.CellType) -> bool:
 
 
 def _parts_of_code(code: types.CodeType) -> tuple[Any, ...]:
-    """What is computed; not where it stands in a file."""
+    """Returns the parts of a code object that determine its results, without its place in a file."""
     arguments = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
     return (code.co_code, code.co_consts, code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars, arguments)
 
@@ -219,7 +220,7 @@ def _globals_of(function: types.FunctionType, codes: list[types.CodeType]) -> It
         if name in function.__globals__:
             yield name, function.__globals__[name]
         elif not hasattr(builtins, name):
-            yield name, None  # not there yet
+            yield name, None  # not defined yet
     for name in sorted({name for opcode, name in used if opcode == "IMPORT_NAME"}):
         yield name, _imported(name, function.__globals__.get("__package__"))
 
@@ -228,9 +229,9 @@ def _imported(name: str, package: str | None) -> Any:
     """The module that a function imports when it is called; its name where that will fail."""
     import importlib
 
-    for whole in (name, f"{package}.{name}".rstrip(".")):  # of `import name` and of `from .name import ...`
+    for whole in (name, f"{package}.{name}".rstrip(".")):  # for `import name` and for `from .name import ...`
         try:
             return importlib.import_module(whole)
-        except Exception:  # of the module's own code
+        except Exception:  # the code of the module may raise anything
             continue
     return name

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is in point files."""
+"""The contents of point files."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _Point = tuple[float, float, float]
 class Attribute(NamedTuple):
     """The values of one attribute of a file."""
 
-    type: np.dtype[Any]  #: as the file stores it
-    components: int  #: of one point
+    type: np.dtype[Any]  #: type in the file
+    components: int  #: number of components
     scale: float  #: a value is scale * stored + offset
     offset: float
-    min: float | None  #: least finite value, over all components; None: there is none
+    min: float | None  #: least finite value, over all components; None without one
     max: float | None
     nonfinite: int  #: NaN and infinite values
 
@@ -53,7 +53,7 @@ class Provenance(NamedTuple):
 
 
 class FileSummary(NamedTuple):
-    """What `info` found. docs/info.md has the definitions."""
+    """The result of `info`. docs/info.md has the definitions."""
 
     path: str
     format: str  #: e.g. 'LAS 1.4 point format 6'
@@ -62,16 +62,16 @@ class FileSummary(NamedTuple):
     nonfinite: int  #: points with a NaN or infinite coordinate
     bounds: tuple[_Point, _Point] | None  #: corners (least, greatest) of the points; None without a finite point
     crs: Crs | None
-    scale: _Point  #: of x, y and z; 1 where coordinates are stored unscaled
+    scale: _Point  #: scale of x, y and z; 1 if coordinates are stored unscaled
     offset: _Point
     density: float | None  #: points for each square unit of x and y
     density_cell: float | None  #: side of the cells that were counted
     spacing: float | None  #: median distance to the nearest other point; None: not measured
-    spacing_sample: int  #: points of which it was measured
+    spacing_sample: int  #: number of points measured
     spacing_duplicates: int  #: points of the sample that have the coordinates of another point
-    ascending: tuple[str, ...]  #: axes along which no point lies below the one before it
+    ascending: tuple[str, ...]  #: axes along which the coordinates of points never decrease
     descending: tuple[str, ...]
-    classes: dict[int, int] | None  #: points of each class; None: the file has no classification
+    classes: dict[int, int] | None  #: number of points of each class; None: the file has no classification
     returns: dict[int, int] | None  #: points of each return number
     gps_time: GpsTimes | None
     attributes: dict[str, Attribute]  #: in the order of the file, coordinates included
@@ -111,16 +111,16 @@ def info(
     resolution: float | None = None,
     progress: ProgressCallback | bool | None = None,
 ) -> FileSummary:
-    """What is in a point file, found by reading all of it: bounds, density, spacing, ranges, classes, times, records.
+    """Reads a whole point file and describes it: bounds, density, spacing, ranges, classes, times, records.
 
-    Where the header does not fit the points, `warnings` of the result says so, and a warning is issued. Memory: about
+    If the header does not fit the points, a warning is issued, which is also in `warnings` of the result. Memory: about
     10 MB for files of any size.
 
     Parameters
     ----------
     file : a path. For the files of a folder or pattern: ``[ps.info(f) for f in ps.open("tiles/*.laz").files]``.
     spacing : measure the distance between points, which takes a second reading.
-    format : of a file without a signature: 'kitti' or 'float32-xyz'.
+    format : format of a file without a signature: 'kitti' or 'float32-xyz'.
     columns, depth, resolution : as for `open`.
     progress : as for `run`.
     """

@@ -76,9 +76,9 @@ class PointNeighbors:
 
 
 class Points:
-    """A batch of some hundred points as an operator gets it. Arrays are copies: they may be changed and kept.
+    """A batch of a few hundred points, as passed to an operator. Arrays are copies: they may be changed and kept.
 
-    The batch itself can be used during the call only.
+    The batch itself is valid only during the call.
     """
 
     def __init__(self, batch: Any, reads: list[str], reads_neighbors: list[str]) -> None:
@@ -100,7 +100,7 @@ class Points:
 
     @property
     def rows(self) -> np.ndarray:
-        """(n,) int64: rows of the input; where earlier stages drop points, the rows that are left are counted from 0."""
+        """(n,) int64: rows of the input; if earlier stages drop points, the remaining rows are numbered from 0."""
         return self._batch.rows()
 
     @property
@@ -132,7 +132,7 @@ class Operator(MadeOfFunction, Joinable, FunctionStage):
     """A function of Python as a stage of pipelines; made with `pointsweep.operator`. Called on points it runs; called on
     a batch, `Points`, it calls the function."""
 
-    #: places in the padded lists of a batch; one point may have more
+    #: most places in the padded lists of a batch, though one point may have more
     _most_places = 1 << 18
 
     def __init__(
@@ -145,11 +145,11 @@ class Operator(MadeOfFunction, Joinable, FunctionStage):
         sees_neighbors: bool = True,
     ) -> None:
         self._takes_the_place_of(function)
-        #: as plans, errors and statistics call it
+        #: name in plans, errors and statistics
         self.name: str = name or str(getattr(function, "__name__", type(function).__name__))
         self.reads = list(reads)
         self.reads_neighbors = list(reads_neighbors)
-        #: False: positions and attributes of the points alone, which needs no search
+        #: False: the function reads only positions and attributes of the points, which needs no search
         self.sees_neighbors = bool(sees_neighbors)
         if self.reads_neighbors and not self.sees_neighbors:
             raise UsageError(f"operator '{self.name}': reads_neighbors needs neighbors=True.")
@@ -170,7 +170,7 @@ class Operator(MadeOfFunction, Joinable, FunctionStage):
         return identity_of(self.function, self.reads, self.reads_neighbors, self._makes, self.sees_neighbors)
 
     def _call(self, batch: Any) -> list[np.ndarray]:
-        """For the extension module: an (n, components) array for each attribute that is made."""
+        """Called by the extension module: returns an (n, components) array for each made attribute."""
         result = self.function(Points(batch, self.reads, self.reads_neighbors))
         return [
             self._checked(value, made, kind, batch.size)
@@ -249,19 +249,19 @@ def operator(
 
     Parameters
     ----------
-    makes : name -> type of what the function returns, e.g. ``{"roughness": "f4", "axis": ("f4", 3)}``.
+    makes : name -> type of the returned arrays, e.g. ``{"roughness": "f4", "axis": ("f4", 3)}``.
         ``("f8", 3)`` under the name ``position`` moves the points.
-    reads : attributes of the points: of the input, or made by earlier stages. Those of the input arrive as float64
+    reads : attributes of the points, from the input or made by earlier stages. Those of the input are passed as float64
         (64-bit integers unchanged), normals as float32.
-    reads_neighbors : attributes of the neighbours, likewise. Positions can always be read.
-    name : as errors and plans call it; by default that of the function.
-    neighbors : False for a function of the points alone, which then costs no search.
+    reads_neighbors : attributes of the neighbours, in the same types. Positions can always be read.
+    name : name in errors and plans; default: the name of the function.
+    neighbors : False for a function that reads no neighbours, which then needs no search.
 
-    The function gets a `Points` and returns an array for what it makes, or a dict of arrays. It is called from several
-    threads, on batches of any size, and may be called twice for a point: its result for a point may depend on nothing but
-    that point and its neighbours. With ``neighbors=False`` points with NaN or infinite coordinates are passed to it like
-    all others. Else they are not: an attribute that it reads and makes again keeps its value, and what else it makes is
-    NaN there, or 0 in integers. An exception ends the run, which leaves nothing behind.
+    The function gets a `Points` and returns the array of the made attribute, or a dict of arrays. It is called from several
+    threads, on batches of any size, and may be called twice for a point: its result for a point may depend only on that
+    point and its neighbours. With ``neighbors=False`` points with NaN or infinite coordinates are passed to it like all
+    others. Otherwise they are not passed to it: an attribute that the function both reads and makes keeps its value,
+    and other made attributes are NaN there, or 0 for integers. An exception ends the run; no output remains.
 
     >>> @operator(reads=["normal"], makes={"roughness": "f4"})
     ... def roughness(p):
@@ -280,15 +280,14 @@ def operator(
 
 
 def select(*, reads: Sequence[str] = (), name: str | None = None) -> Callable[[Callable[[Points], Any]], Select]:
-    """Makes a stage of a function that says which points stay; later stages see neighbours among these.
+    """Makes a stage of a function that decides which points are kept. Later stages find neighbours among these.
 
     Parameters
     ----------
     reads : attributes of the points, as for `operator`.
-    name : as errors and plans call it; by default that of the function.
+    name : name in errors and plans; default: the name of the function.
 
-    The function gets a `Points` without neighbours and returns a mask, (n,) bool. Points with NaN or infinite
-    coordinates are asked, too.
+    The function gets a `Points` without neighbours and returns a mask, (n,) bool. Points with NaN or infinite coordinates are passed, too.
 
     >>> @select(reads=["normal"])
     ... def flat(p):

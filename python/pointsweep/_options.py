@@ -24,7 +24,7 @@ _POWERS = {"": 0, "K": 1, "M": 2, "G": 3, "T": 4}
 
 
 def bytes_of(memory: int | str | None) -> int:
-    """800_000_000, "256M", "1.5GB" or "4GiB" in bytes; K, M, G and T are powers of 1024. None: 0."""
+    """Converts 800_000_000, "256M", "1.5GB" or "4GiB" to bytes; K, M, G and T are powers of 1024. None becomes 0."""
     if memory is None:
         return 0
     if isinstance(memory, str):
@@ -115,7 +115,7 @@ def _threads(_: str, threads: Any) -> str:
 
 
 def _numbers(name: str, value: Any, one_for_all: bool = False, count: int = 3) -> str:
-    """Some numbers, or one that stands for all, as a text."""
+    """Returns some numbers, or one that applies to all, as text."""
     several = [value] if isinstance(value, str) or not np.ndim(value) else list(value)
     if len(several) not in ((1, count) if one_for_all else (count,)):
         raise UsageError(f"{name}: {value!r} is not {'a number or ' if one_for_all else ''}{'two' if count == 2 else 'three'} numbers.")
@@ -147,7 +147,7 @@ def _text(name: str, value: Any) -> str:
     """The value of a run option as the extension module takes it; empty: the default."""
     placeholder, words = _core.run_options[name]
     if words and isinstance(value, (int, np.integer)):
-        value = str(value)  # of a point format
+        value = str(value)  # number of a point format
     return word(name, value) if words else "" if value is None else _TEXTS[placeholder](name, value)
 
 

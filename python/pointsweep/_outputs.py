@@ -36,8 +36,8 @@ def _writable(name: str, array: np.ndarray) -> np.ndarray:
 
 
 def outputs_of(to: Path | Sequence[Path], source: Source, divides: bool) -> str | list[str]:
-    """The file to write, or a list with a file for each input; where the run `divides` its output, the files with a * for
-    the name of each."""
+    """Returns the file to write, or a list with a file for each input; if the run `divides` its output, the path has a
+    * for the names of the files."""
     if divides:
         return _divided(to, source)
     if not isinstance(to, (str, os.PathLike)):

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 
 
 class Joinable(Stages):
-    """Stages that are joined by ``|`` and called on points. Equal are those that stand for the same stages with the same
-    options."""
+    """Stages that are joined by ``|`` and called on points. They are equal if they stand for the same stages with the same options."""
 
     @overload
     def __call__(
@@ -77,7 +76,7 @@ class Joinable(Stages):
 class Pipeline(Joinable):
     """Stages in order, made with ``|``: ``ps.knn(16) | ps.normals() | roughness | "where(roughness < 0.1)"``.
 
-    At least one side of each ``|`` has to be a stage, an operator or a pipeline. Texts are in the language of
+    At least one side of each ``|`` must be a stage, an operator or a pipeline. Texts are in the language of
     docs/pipelines.md; docs/operators.md lists the operators with their options. Call a pipeline on points to run it.
     Pipelines are equal if their stages are, and can be pickled.
     """

@@ -18,7 +18,7 @@ _JOURNAL_SECONDS = 2.0  # between two writings of a journal in a bucket
 
 
 class Place(Protocol):
-    """Files by their names. What is written is seen as a whole or not at all."""
+    """Named files. A written file becomes visible only as a whole."""
 
     name: str
 
@@ -50,7 +50,7 @@ class Place(Protocol):
         """Removes the place if it is empty."""
 
     def free_bytes(self) -> int | None:
-        """None where there is no limit."""
+        """Returns the free bytes; None without a limit."""
 
 
 def place_of(name: str) -> Place:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a run would do."""
+"""Descriptions of runs before they run."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ def plan(
     crs: Any = None,
     **options: Unpack[RunOptions],
 ) -> Plan:
-    """What `run` would do with the same arguments: passes, stages with their buffers, columns, slabs and memory.
+    """Describes what `run` would do with the same arguments: passes, stages with their buffers, columns, slabs and memory.
 
-    Looks at a sample of the cloud and writes nothing. Raises what the run would raise before its work. `to` is a file.
+    Reads a sample of the cloud and writes nothing. Raises the errors that the run would raise before its work. `to` is a file.
     """
     stages = stages_of(pipeline)
     checked = run_options(**options)

@@ -14,7 +14,7 @@ from ._types import ProgressCallback
 
 @contextmanager
 def called(progress: ProgressCallback | bool | None) -> Iterator[ProgressCallback | None]:
-    """`progress` as the extension module takes it: True shows bars of tqdm where it is installed, else a line of text."""
+    """Converts `progress` to the form of the extension module. True shows bars of tqdm if it is installed, else a line of text."""
     if progress is None or progress is False:
         yield None
     elif progress is not True:
@@ -33,7 +33,7 @@ def _has_tqdm() -> bool:
     import warnings
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # in notebooks it asks for ipywidgets, without which it shows text
+        warnings.simplefilter("ignore")  # in notebooks tqdm warns without ipywidgets, and then shows text
         try:
             import tqdm.auto  # noqa: F401
         except ImportError:
@@ -63,7 +63,7 @@ class _Bars:
 
 
 class _Line:
-    """One line on standard error, where that is a terminal."""
+    """A line on standard error if that is a terminal; otherwise nothing."""
 
     def __init__(self) -> None:
         self._is_terminal = sys.stderr is not None and sys.stderr.isatty()

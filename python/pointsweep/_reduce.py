@@ -22,7 +22,7 @@ class Reduction(MadeOfFunction):
         self.keep = keep
 
     def __call__(self, points: Any, pipeline: PipelineLike | None = None, *, rows: int = 1 << 20, **options: Any) -> Any:
-        """Of the results of a pipeline, or of the points themselves; `options` are those of `run`."""
+        """Reduces the results of a pipeline, or the points themselves. `options` are options of `run`."""
         value = copy.deepcopy(self.start)
         with chunks(points, rows, pipeline, **{"keep": self.keep, **options}) as blocks:
             for block in blocks:
@@ -34,7 +34,7 @@ class Reduction(MadeOfFunction):
 
 
 def reduce(*, start: Any, keep: Any = None) -> Callable[[Callable[[Any, Arrays], Any]], Reduction]:
-    """Makes a value of the whole cloud of a function over blocks of rows, in bounded memory.
+    """Turns a function over blocks of rows into a value of the whole cloud, computed in bounded memory.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def reduce(*, start: Any, keep: Any = None) -> Callable[[Callable[[Any, Arrays],
     keep : the arrays that the function needs, as for `run`.
 
     The function gets the value so far and a block as `chunks` gives it, and returns the new value. Blocks come in the
-    order of the input, `rows` rows each: memory and threads change no result.
+    order of the input, `rows` rows each: memory and threads do not change the result.
 
     >>> @reduce(start=-np.inf, keep=["xyz"])
     ... def highest(z, block):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Functions under their former names, which work for one release and say what the function is called now."""
+"""Former names of functions. They work for one release and warn with the new name."""
 
 from __future__ import annotations
 

@@ -20,9 +20,9 @@ class Picture:
 
     def __init__(self, png: bytes, color: str, range: tuple[float, float] | None, outside: int) -> None:
         self.png = png  #: the bytes of a PNG file
-        self.color = color  #: what gave the colours: 'rgb', 'height', 'classification', ...
-        self.range = range  #: the numbers that are violet and yellow; None: the colours are not those of numbers
-        self.outside = outside  #: points that lie so far from all others that the picture does not show them
+        self.color = color  #: source of the colours: 'rgb', 'height', 'classification', ...
+        self.range = range  #: the numbers shown as violet and as yellow; None: the colours do not show numbers
+        self.outside = outside  #: number of points too far from all others to be in the picture
 
     def save(self, file: Path, *, overwrite: bool = False) -> None:
         """Writes the picture to a file. Raises `UsageError` unless its name ends with .png, and FileExistsError."""
@@ -64,11 +64,11 @@ def render(
     view : 'front', 'top', 'iso' or 'AZIMUTH,ELEVATION' in degrees; 'auto': top for flat clouds, else 30,25.
     up : the axis that points up: 'x', 'y', 'z', '-x', '-y', '-z'; 'auto': z for LAS, else found from the shape.
     size : width and height in pixels, 16 to 16,384 each.
-    point_size : diameter of every point in pixels; None: splats or radii of the points, else as they lie apart.
+    point_size : diameter of every point in pixels; None: splats or radii of the points, else the spacing of the points.
     background : 'white', 'black' or RRGGBB in hexadecimal.
-    legend : whether the picture says what its colours mean.
+    legend : whether the picture has a legend of its colours.
 
-    Points are read twice, those of files in blocks. Memory: 11 to 75 bytes for each pixel, and 65,536 points.
+    Points are read twice; files are read in blocks. Memory: 11 to 75 bytes for each pixel, and a sample of 65,536 points.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def render(
     Raises
     ------
     UsageError : for an option out of range or an unknown attribute.
-    Error : for points of which none has a finite place, and for files that cannot be read.
+    Error : if no point has finite coordinates, and for files that cannot be read.
 
     Examples
     --------

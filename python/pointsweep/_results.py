@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What runs return."""
+"""The results of runs."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 class Neighbors(NamedTuple):
     """The k nearest neighbours of every point, the point itself excluded, nearest first.
 
-    A point has fewer than k where a radius is given, where the cloud has no more points, and where its coordinates are
-    NaN or infinite. The places that are left over hold the largest value of their type, which is the row of no point:
-    ``xyz[indices]`` raises an IndexError then. ``mask`` says which places are taken.
+    A point may have fewer than k if a radius is given or the cloud has no more points; it has none if its coordinates
+    are NaN or infinite. Unused places hold the largest value of their type, which is no row, so that ``xyz[indices]``
+    raises an IndexError. ``mask`` is True for used places.
     """
 
     indices: np.ndarray  #: (n, k) rows, uint32, or uint64 from 2**32 - 1 points on; missing: the largest value
@@ -54,14 +54,14 @@ class RadiusNeighbors(NamedTuple):
 
 
 class Report:
-    """What a run did."""
+    """The statistics of a run."""
 
     def __init__(self, statistics: str, to: str | None = None) -> None:
         import json
 
         #: everything the library counts and measures, as `pointsweep run --stats` writes it
         self.statistics: dict[str, Any] = json.loads(statistics)
-        #: the file or folder that was written; None: arrays were returned
+        #: the file or folder that was written; None: the run returned arrays
         self.to = to
 
     @property
@@ -71,7 +71,7 @@ class Report:
 
     @property
     def points_written(self) -> int:
-        """Those of them that are in the output."""
+        """The number of points in the output."""
         return int(self.statistics["points_written"])
 
     @property
@@ -81,7 +81,7 @@ class Report:
 
     @property
     def warnings(self) -> list[str]:
-        """What was also issued as warnings."""
+        """The warnings of the run, which were also issued as Python warnings."""
         return list(self.statistics["warnings"])
 
     def __repr__(self) -> str:
@@ -98,7 +98,7 @@ class Report:
 class Arrays(dict):
     """The arrays of a run by name, each with a row for each point: a dict that shows itself as a table."""
 
-    #: what the run did; None of generated points
+    #: statistics of the run; None for generated points
     report: Report | None = None
     #: the coordinate system that the input of the run states
     crs: Crs | None = None
@@ -132,7 +132,7 @@ class Arrays(dict):
         return pandas.DataFrame(self.columns(), copy=False)
 
     def to_geopandas(self) -> geopandas.GeoDataFrame:
-        """A geopandas.GeoDataFrame of points with heights, made of 'xyz', a column for each other of `columns()`, and the
+        """A geopandas.GeoDataFrame of points with heights, made from 'xyz', all other columns of `columns()`, and the
         coordinate system of the input."""
         import geopandas
 
@@ -162,13 +162,13 @@ class Arrays(dict):
 
 
 def _least_and_greatest(values: np.ndarray) -> tuple[str, str]:
-    """Of what is a number."""
+    """Returns the least and greatest value as text."""
     import warnings
 
     if values.size == 0:
         return "", ""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # all NaN
+        warnings.simplefilter("ignore", RuntimeWarning)  # raised if all values are NaN
         return f"{np.nanmin(values):.6g}", f"{np.nanmax(values):.6g}"
 
 
@@ -178,7 +178,7 @@ def arrays_of(
     keep: list[str] | None = None,
     crs: Crs | None = None,
 ) -> Arrays:
-    """The arrays, known with the names of their components, in the order of `keep`, else in their own."""
+    """Makes the arrays, with the names of their components, in the order of `keep`, else in their own order."""
     result = Arrays({name: known[name][0] for name in keep or known})
     result._components = {name: components for name, (_, components) in known.items()}
     result.crs = crs

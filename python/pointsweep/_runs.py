@@ -192,7 +192,7 @@ def performed(
     options: RunOptions,
     workers: Workers = Workers(),
 ) -> Arrays | Report:
-    """`run`, for any `to`; `COPY` stands for a pipeline without stages."""
+    """Performs `run` for any `to`; `COPY` stands for a pipeline without stages."""
     stages = [] if isinstance(pipeline, _Copy) else stages_of(pipeline)
     if workers.client is not None:
         if to is None or out is not None or attributes is not None:

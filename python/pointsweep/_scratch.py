@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The scratch of a run of many processes: a folder or a part of a bucket that all of them see. It says who works in it and
-what is done."""
+"""The scratch of a run of many processes: a folder or a part of a bucket that all of them can access. It records the
+owner and the finished tasks."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from typing import Any
 from ._errors import Error, UsageError
 from ._places import place_of
 
-STALE_SECONDS = 120.0  #: after which a lease that nobody renews may be taken over
+STALE_SECONDS = 120.0  #: age after which another process may take over a lease
 _RENEWAL_SECONDS = 10.0
 _OBJECTS, _LEASE, _RUN, _OTHERS = "objects/", "lease.json", "run.json", "others.json"
 _REQUEST, _DONE = "request.pickle", "done.jsonl"
 
 
 class Scratch:
-    """A place that this process alone gives work to, until it is closed."""
+    """A scratch in which only this process distributes work, until it is closed."""
 
     def __init__(self, place: str, identity: dict[str, Any], take_over: bool) -> None:
         """Raises `Error` where another process works in the place, or another run has begun there."""
@@ -32,7 +32,7 @@ class Scratch:
         self._lease = {"host": socket.gethostname(), "process": os.getpid(), "since": time.strftime("%Y-%m-%d %H:%M:%S")}
         self._take_lease(take_over)
         self._has_noted = False
-        self.lost = False  #: whether another process has taken over
+        self.lost = False  #: another process has taken over
         self._closing = threading.Event()
         self._renewal = threading.Thread(target=self._renew, daemon=True)
         self._renewal.start()
@@ -82,7 +82,7 @@ class Scratch:
             self._place.write(_RUN, json.dumps(identity).encode())
 
     def require_unchanged(self, states: dict[str, tuple[int, int | str]]) -> None:
-        """Notes the states of files that the run reads beside its inputs. Raises `Error` if one has changed since it began."""
+        """Records the states of files that the run reads besides its inputs. Raises `Error` if one has changed since the run began."""
         found = {path: list(state) for path, state in states.items()}
         noted = self._place.read(_OTHERS)
         if noted is None:
@@ -93,7 +93,7 @@ class Scratch:
             raise Error(f"{changed}: has changed since the run began; remove {self.path}, and begin again.")
 
     def done(self) -> Iterator[dict[str, Any]]:
-        """What earlier processes have noted, in their order."""
+        """Yields the records of earlier processes, in order."""
         for line in (self._place.read(_DONE) or b"").splitlines():
             try:
                 yield json.loads(line)
@@ -101,7 +101,7 @@ class Scratch:
                 return
 
     def has_begun(self) -> bool:
-        """Whether a task is done."""
+        """Returns whether any task is done."""
         self._place.flush()
         return self._has_noted or self._place.exists(_DONE)
 
@@ -111,7 +111,7 @@ class Scratch:
         self._place.append(_DONE, json.dumps(fact))
 
     def flush(self) -> None:
-        """Writes all notes. To be called before what a task has needed is removed."""
+        """Writes all records. Must be called before data that a task has needed are removed."""
         self._place.flush()
 
     def require_room(self, needed: int) -> None:
@@ -129,7 +129,7 @@ class Scratch:
             raise Error(f"{self.path}: another process has taken over this run; this one has stopped.")
 
     def remove(self) -> None:
-        """After the run: nothing of it stays."""
+        """Removes everything in the scratch, after the run."""
         for name in (_RUN, _OTHERS, _REQUEST, _DONE, _OBJECTS):
             self._place.remove(name)
         self.close()

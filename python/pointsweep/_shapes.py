@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Polygons of shapely, geopandas and all else that has ``__geo_interface__``."""
+"""Polygons of shapely, geopandas and other objects with ``__geo_interface__``."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ _PARTS = {"FeatureCollection": "features", "Feature": "geometry", "GeometryColle
 
 
 def is_shape(value: Any) -> bool:
-    """Whether it states a geometry. Text, paths and arrays do not."""
+    """Returns whether the value is a geometry. Text, paths and arrays are not."""
     return hasattr(value, "__geo_interface__")
 
 
 def polygons_as_text(where: str, shape: Any) -> str:
-    """All polygons of `shape` as WKT with the coordinates that it has, heights left out. `where` begins errors."""
+    """Returns all polygons of `shape` as WKT, with unchanged x and y and without heights. Errors begin with `where`."""
     polygons = list(_polygons_of(where, shape.__geo_interface__))
     if not polygons:
         raise UsageError(f"{where}: there are no polygons in this {type(shape).__name__}; give one or more.")
@@ -26,7 +26,7 @@ def polygons_as_text(where: str, shape: Any) -> str:
 
 
 def _polygons_of(where: str, geometry: Mapping[str, Any] | None) -> Iterator[str]:
-    if geometry is None:  # of a feature without one
+    if geometry is None:  # a feature may have none
         return
     kind = geometry["type"]
     if kind in _PARTS:

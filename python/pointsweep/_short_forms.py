@@ -64,13 +64,13 @@ def normals(
     progress: ProgressCallback | bool | None = None,
     **options: Unpack[RunOptions],
 ) -> np.ndarray | Stage:
-    """Unit normals of the surface that the points were taken from, (n, 3) float32; without points, a stage that makes
-    them: ``ps.knn(16) | ps.normals(orient="up")``.
+    """Returns unit normals of the surface at the points, (n, 3) float32; without points, a stage that makes them:
+    ``ps.knn(16) | ps.normals(orient="up")``.
 
     Parameters
     ----------
     points : as for `run`.
-    k : number of neighbours; where no radius is given either, the 16 of docs/operators.md.
+    k : number of neighbours; default without a radius: 16, as in docs/operators.md.
     radius : neighbours lie within it, in the unit of the coordinates; with `k`, at most k of them.
     orient : 'none' (the component of largest magnitude is positive), 'up' (nz >= 0), 'viewpoint', or 'input' (as the
         attribute 'normal' that the points have).
@@ -105,7 +105,7 @@ def normals(
     return stage
 
 
-# What the declaration of the operator says beyond its options.
+# The part of the operator's declaration that describes results.
 normals.__doc__ = f"{normals.__doc__ or ''}\n    Makes\n{(_stages.normals.__doc__ or '').partition('Makes')[2].lstrip(chr(10))}"
 
 
@@ -154,16 +154,15 @@ def neighbors(
     progress: ProgressCallback | bool | None = None,
     **options: Unpack[RunOptions],
 ) -> Neighbors | RadiusNeighbors:
-    """The exact neighbours of every point among all points, the point itself excluded; or those of other positions.
+    """Finds the exact neighbours of every point among all points, the point itself excluded; or of other positions.
 
     Parameters
     ----------
     points : as for `run`.
-    k : number of neighbours; 16 where no radius is given.
+    k : number of neighbours; default without a radius: 16.
     radius : largest distance, inclusive, in the unit of the coordinates.
-    queries : (m, 3) positions, in any form that points in arrays may have, whose neighbours among the points are wanted
-        in place of those of the points. They are no points themselves: a point at the very place of a query is its
-        nearest neighbour, at the distance 0.
+    queries : (m, 3) positions, in any form of points in arrays. Neighbours of these positions are found instead, among
+        the points. A point that coincides with a query is its nearest neighbour, at the distance 0.
     attributes, crs, progress and the other options : as for `run`.
 
     Returns

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""From what a caller has, arrays or files, to what the library reads. Arrays are copied only where a type has to change."""
+"""Converts points of a caller, arrays or files, to inputs of the library. Arrays are copied only if a type must change."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ class Source(NamedTuple):
     inputs: list[Any]  #: paths as str, or pairs (names of components, (n, m) array)
     groups: list[tuple[str, list[str]]]  #: components of the input that make one array
     is_files: bool
-    options: dict[str, Any]  #: of opening files, and the coordinate system of arrays
+    options: dict[str, Any]  #: options of opening files, and the coordinate system of arrays
     crs: Crs | None
-    names: list[str] = []  #: of files, in a folder of outputs
+    names: list[str] = []  #: names of files in a folder of outputs
 
     def field_names(self) -> list[str]:
         """Names of the components that the points have."""
@@ -43,8 +43,9 @@ class Source(NamedTuple):
 def source_of(
     points: Any, attributes: Mapping[str, Any] | None, crs: Any, options: Mapping[str, Any]
 ) -> Source:
-    """`points` as `pointsweep.run` takes it; `attributes`: more arrays, by name; `crs`: the system that these points are
-    in; `options`: those of the run. An iterator is spilled."""
+    """Makes a source of `points` in any form that `pointsweep.run` accepts. `attributes`: more arrays, by name. `crs`:
+    the system of the points. `options`:
+    options of the run. An iterator is spilled to a file."""
     if isinstance(points, (str, os.PathLike)) or _is_list_of_paths(points):
         points, crs = opened(Files, points, ignore_crs=options["ignore_crs"], crs=crs), None
     if isinstance(points, Files):
@@ -57,7 +58,7 @@ def source_of(
         crs_of_files = points._known["crs"]
         stated = None if crs_of_files is None else Crs(crs_of_files)
         return Source(list(points.files), groups, True, {**points._options, **ignores}, stated, points._names)
-    if hasattr(points, "chunk_iterator"):  # of laspy
+    if hasattr(points, "chunk_iterator"):  # a reader of laspy
         points = points.chunk_iterator(_LAS_BLOCK)
     stated = crs_stated_by(points)
     if isinstance(points, Iterator):
@@ -105,7 +106,7 @@ def opened(
     crs: Any = None,
     replace_crs: bool = False,
 ) -> _Files:
-    """The point files that `files` stands for, of which headers are read; the options are those of `pointsweep.open`."""
+    """Opens the point files that `files` means and reads their headers. The options are those of `pointsweep.open`."""
     named = [files] if isinstance(files, (str, os.PathLike)) else list(files)
     if not named:
         raise UsageError("open: name at least one point file.")
@@ -136,7 +137,7 @@ def _is_list_of_paths(points: Any) -> bool:
 
 
 def _checked_arrays(block: Any) -> dict[str, np.ndarray]:
-    """Of one block, whose columns have one length."""
+    """Returns the arrays of one block, whose columns must have the same length."""
     arrays = {name: numbers(name, values) for name, values in arrays_by_name(block).items()}
     _source_of_arrays(dict(arrays))
     return arrays

@@ -32,7 +32,7 @@ class Stage(Joinable):
 
     def __init__(self, name: str, options: Mapping[str, str], neighborhood: Mapping[str, str]) -> None:
         self.name = name
-        self.options = dict(options)  #: as text, by name; those that are not given have their defaults
+        self.options = dict(options)  #: as text, by name; other options have their defaults
         self.neighborhood = dict(neighborhood)  #: k and radius, as text; empty: those of the pipeline
 
     def _stages(self) -> list[str | FunctionStage]:
@@ -53,8 +53,9 @@ def _text_of_stage(name: str, options: Mapping[str, str]) -> str:
 def made_stage(
     name: str, options: Iterable[tuple[str, str, Any, Any]], k: int | None = None, radius: float | None = None
 ) -> Stage:
-    """The stage with (name, kind, value, default) of each option; kinds are those of the declarations. `k` and `radius`
-    are the neighbourhood that begins a pipeline."""
+    """Makes a stage from (name, kind, value, default) of each option; kinds are those of the declarations. `k` and
+    `radius` are the neighbourhood that
+    begins a pipeline."""
     neighborhood = [("k", "whole", k, None), ("radius", "number", radius, None)]
     return Stage(name, _texts_of(name, options), _texts_of(name, neighborhood))
 
@@ -105,7 +106,7 @@ def _path_of(where: str, value: Any) -> str:
 
 
 def _is_matrix(value: Any) -> bool:
-    """Whether the value holds the rows of a 4x4 matrix, or the first three of them."""
+    """Returns whether the value holds the rows of a 4x4 matrix, or the first three of them."""
     return (isinstance(value, (list, tuple)) or hasattr(value, "__array__")) and np.shape(value) in ((4, 4), (3, 4))
 
 

@@ -44,7 +44,7 @@ def _content_of(path: Path) -> str:
 
 
 def canonical_stages(pipeline: PipelineLike) -> tuple[str, ...]:
-    """Texts that are equal if the stages are, however they were written; as they were written where they are wrong."""
+    """Returns texts that are equal for equal stages, in any notation; invalid stages stay unchanged."""
     stages: list[str | FunctionStage] = []
     for stage in stages_of(pipeline):
         if not isinstance(stage, str):
@@ -59,8 +59,9 @@ def canonical_stages(pipeline: PipelineLike) -> tuple[str, ...]:
 
 
 def identified(stages: list[str | FunctionStage], resumed: bool) -> list[str | FunctionStage]:
-    """The stages with the digests of functions. A run to be `resumed` is refused where a function uses what cannot be
-    compared with what it used before."""
+    """Returns the stages with digests of their functions. Refuses a run to be `resumed` if a function uses values that
+    cannot be compared with those of the
+    earlier run."""
     result: list[str | FunctionStage] = []
     for stage in stages:
         if not isinstance(stage, str):

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 
 class AttributeSummary(NamedTuple):
-    """The finite values of one attribute, all components together. `min`, `max` and quantiles are int where the attribute
-    has whole numbers, however large, else float; NaN where there is no value. The quantile of p percent is the value of
+    """The finite values of one attribute, all components together. `min`, `max` and quantiles are int if the attribute
+    has whole numbers of any size, else float; NaN without a value. The quantile of p percent is the value of
     rank floor(p / 100 * (count - 1)), ascending from 0."""
 
     count: int  # type: ignore[assignment]  #: finite values, in place of tuple.count
@@ -32,7 +32,7 @@ class AttributeSummary(NamedTuple):
     max: int | float
     mean: float  #: the exact sum, rounded, divided by the count; NaN where the sum is beyond float64
     deviation: float  #: standard deviation, of count - 1; NaN for fewer than two values, and where squares are beyond float64
-    quantiles: dict[int, int | float]  #: by percent: 1, 5, 25, 50, 75, 95, 99
+    quantiles: dict[int, int | float]  #: by percentage: 1, 5, 25, 50, 75, 95, 99
 
     @property
     def median(self) -> int | float:
@@ -159,16 +159,16 @@ def summary(
     ignore_crs: bool = False,
     progress: ProgressCallback | bool | None = None,
 ) -> PointSummary | GroupedSummary:
-    """Exact statistics of points, as ``pointsweep info --stats`` finds them: count, range, mean, deviation, quantiles.
+    """Computes exact statistics of points, like ``pointsweep info --stats``: count, range, mean, deviation, quantiles.
 
     Parameters
     ----------
     points, attributes, ignore_crs, progress : as for `run`.
-    by : an attribute whose values are whole numbers, such as 'classification': the points of each value, of which there
-        may be 10,000, are summarized by themselves.
-    histogram : attributes of which values are counted in bins; the edges are the same for each value of `by`.
-    bins : the most bins of a histogram, 2 to 1,000.
-    keep : make the statistics of these attributes alone; [] of none, which is enough for the counts of `by`.
+    by : an attribute whose values are whole numbers, such as 'classification': the points of each value, at most 10,000
+        values, are summarized separately.
+    histogram : attributes whose values are counted in bins; all values of `by` have the same edges.
+    bins : largest number of bins of a histogram, 2 to 1,000.
+    keep : compute only the statistics of these attributes; [] for none, which suffices for the counts of `by`.
         In `keep` and `histogram` an array of several columns stands for all of them: 'xyz' for 'x', 'y' and 'z'.
 
     Files are read three to five times, in blocks. Memory: at most 256 MB, and less than 100 MB without `by`.

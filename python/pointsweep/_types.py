@@ -26,18 +26,18 @@ class FunctionStage(Stages):
 
     name: str
     function: Callable[..., Any]
-    #: of the function, in records of files and checkpoints; of a copy that such a run has
+    #: digest of the function for records of files and checkpoints, set in the copy that such a run uses
     _digest = ""
 
     def _stages(self) -> list[str | FunctionStage]:
         return [self]
 
     def _identity(self) -> tuple[str, list[str]]:
-        """The digest of the function, and what the digest leaves out since it cannot be compared."""
+        """Returns the digest of the function, and the values that the digest excludes since they cannot be compared."""
         raise NotImplementedError
 
 
-#: What `pointsweep.run` takes as a pipeline.
+#: The forms of a pipeline that `pointsweep.run` accepts.
 PipelineLike = Union[str, Stages, "os.PathLike[str]", Sequence[Any]]
 
 
@@ -47,8 +47,8 @@ class Files:
     def __init__(self, files: list[str], names: list[str], options: dict[str, Any], known: dict[str, Any]) -> None:
         self.files = files  #: paths, in the order of the rows
         self._names = names  # in a folder of outputs
-        self._options = options  # of opening them
-        self._known = known  # what headers say, from the extension module
+        self._options = options  # options of opening them
+        self._known = known  # facts in the headers, from the extension module
 
 
 class RunOptions(TypedDict, total=False):

@@ -14,13 +14,14 @@ _ONE_SLASH = re.compile(r"(https?|s3a?|gs|az|azure|abfss?|adl):/(?=[^/])")
 
 
 def is_url(name: str) -> bool:
-    """Whether a name begins with a scheme and '://'."""
+    """Returns whether a name begins with a scheme and '://'."""
     return _SCHEME.match(name) is not None
 
 
 def known_place(value: Any, name: str) -> str:
-    """`name`, which is `value` as text, without the password or the signature of a URL, which this process keeps for requests.
-    A Path has lost a slash of the URL that it was made of."""
+    """Returns `name`, the text of `value`, without the password or the signature of a URL, which this process keeps for
+    requests. If a URL was made a Path
+    and so lost a slash, the slash is restored."""
     if isinstance(value, os.PathLike):
         name = _ONE_SLASH.sub(r"\1://", name, count=1)
     return _core.known_place(name) if is_url(name) else name
@@ -32,7 +33,7 @@ def absolute(name: str) -> str:
 
 
 def state_of(name: str) -> tuple[int, int | str]:
-    """What tells whether a file has changed: its size, and its time or the ETag of an object. Raises OSError without a file."""
+    """Returns a value that changes with the file: its size, and its time or the ETag of an object. Raises OSError without a file."""
     if is_url(name):
         found = _core.object_state(name)
         if found is None:
@@ -43,7 +44,7 @@ def state_of(name: str) -> tuple[int, int | str]:
 
 
 def bytes_at(name: str) -> int:
-    """The size of a file or an object; 0 where there is none."""
+    """Returns the size of a file or an object; 0 if there is none."""
     try:
         return state_of(name)[0]
     except FileNotFoundError:

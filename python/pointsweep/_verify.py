@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whether a run has written what it should."""
+"""Checks of the outputs of runs."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from ._types import Path, PipelineLike, ProgressCallback
 
 
 class Verdict(NamedTuple):
-    """What `verify` found. True if nothing differs and all that was to be checked was checked."""
+    """The result of `verify`. True if nothing differs and every requested check was possible."""
 
     input: str  #: name of the (first) input
     output: str
     same: bool  #: nothing differs
-    complete: bool  #: nothing that was to be checked stayed undecided
-    points: int  #: of the output
-    order: str  #: of its rows: 'input' or 'sweep along x'; empty: neither
+    complete: bool  #: no requested check remained undecided
+    points: int  #: number of points of the output
+    order: str  #: order of its rows: 'input' or 'sweep along x'; empty: neither
     computed: tuple[str, ...]  #: attributes that were recomputed by brute force for a sample of the points
-    by_own_operator: tuple[str, ...]  #: those of them that were recomputed by the operator itself, for want of a formula
+    by_own_operator: tuple[str, ...]  #: attributes of `computed` that were recomputed by the operator itself, since they have no formula
     samples: int  #: points of the sample
-    wrong_samples: int  #: those of them with a wrong value
+    wrong_samples: int  #: samples with a wrong value
     values: int  #: values that were recomputed
-    open_values: int  #: those of them that rounding decides
+    open_values: int  #: recomputed values that are undecided, because rounding decides
     different_rows: int  #: rows that differ from the input's
     difference_count: int
     differences: tuple[str, ...]  #: the first few, a sentence each
     unknown: tuple[str, ...]  #: attributes of the output that are neither the input's nor computed by known stages
-    not_checked: tuple[str, ...]  #: what else was not checked, and why
+    not_checked: tuple[str, ...]  #: other values that were not checked, with the reasons
     conclusion: str  #: one sentence
-    text: str  #: what `pointsweep verify` prints
+    text: str  #: the output of `pointsweep verify`
 
     def __bool__(self) -> bool:
         return self.same and self.complete
@@ -72,22 +72,22 @@ def verify(
     ignore_crs: bool = False,
     progress: ProgressCallback | bool | None = None,
 ) -> Verdict:
-    """Checks by brute force what a run has written: ``assert ps.verify("out.ply")``.
+    """Checks the output of a run by brute force: ``assert ps.verify("out.ply")``.
 
-    Every point and attribute of the input is compared with the output. The neighbours of a sample of points are found by
-    holding every point of the input against them, and what was computed is recomputed by formulas that runs do not use.
+    Every point and attribute of the input is compared with the output. For a sample of points, a brute-force search
+    finds the neighbours, and the made attributes are recomputed by independent formulas.
 
     Parameters
     ----------
     output : a file, a folder of files, or a .npy file of neighbours or distances.
-    inputs : what was read: a path or several; folders and patterns stand for their files. None: the record in the output
-        says it; the inputs are in the folder of the output, in the current folder, or under their recorded paths.
-    pipeline : that of the run, of built-in operators. None: the record in the output says it, or it is guessed from the
-        attributes.
-    k, radius, keep, order, axis, prefix, nonfinite : those of the run, where the output has no record.
+    inputs : the inputs of the run: a path or several; folders and patterns stand for their files. None: those in the
+        output's record; the inputs are in the folder of the output, in the current folder, or under their recorded
+        paths.
+    pipeline : the pipeline of the run, with built-in operators. None: that in the output's record, or guessed from the attributes.
+    k, radius, keep, order, axis, prefix, nonfinite : options of the run, if the output has no record.
     sample, seed : number of points that are recomputed, and which.
     rows : rows of further points to recompute.
-    memory : for the neighbours of the sample; a larger sample takes several passes.
+    memory : memory for the neighbours of the sample; a larger sample takes several passes.
     recursive, format, columns, depth, resolution, ignore_crs : as for `open`.
     progress : as for `run`.
     """

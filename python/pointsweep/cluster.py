@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""What `pointsweep run TILES/ OUT/ --dask ADDRESS --scratch DIR` starts: the run on the workers of Dask, told to people as
-the tool tells it."""
+"""The program that `pointsweep run TILES/ OUT/ --dask ADDRESS --scratch DIR` starts: a run on the workers of Dask, with
+the messages of the tool."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class _Told:
 
 
 def _silence_distributed() -> None:
-    """Errors of connections are told in one sentence here."""
+    """Suppresses log messages about connections, which become one sentence here."""
     try:
         import distributed  # noqa: F401
     except ImportError:
