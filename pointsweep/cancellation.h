@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// Cancellation: how a signal handler or another thread asks work of the library to end early.
+/// Cancellation: a signal handler or another thread can ask work of the library to end early.
 #pragma once
 
 #include "pointsweep/error.h"
 
 namespace pointsweep {
 
-/// While it lives, the work that this thread does, and the work that this thread gives to others through threads.h,
-/// stops when `token` asks for it. An inner scope replaces an outer one; a null token changes nothing.
+/// During its lifetime, the work of this thread, and work that this thread starts through threads.h, stops when `token`
+/// asks for it. An inner scope replaces an outer one; a null token has no effect.
 class CancellationScope {
  public:
   explicit CancellationScope(const CancellationToken* token) noexcept : before_(current_) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The exception that a parallel loop throws: that of its lowest index or row, whichever thread comes first.
+/// The exception of a parallel loop: that of the lowest index or row, independent of the order of threads.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@ class FirstFailure {
   /// Returns whether body `i` need not run, since one below it has failed.
   bool makes_needless(std::size_t i) const { return i > lowest_.load(std::memory_order_relaxed); }
 
-  /// Calls work(), the body `i`, and takes what it throws.
+  /// Calls work(), the body `i`, and stores its exception, if any.
   template <class Work>
   void note_from(std::size_t i, const Work& work) {
     try {
@@ -33,7 +33,7 @@ class FirstFailure {
     error_ = std::current_exception();
   }
 
-  /// After the loop.
+  /// Throws the stored exception, if any. Must be called after the loop.
   void rethrow() const {
     if (error_) std::rethrow_exception(error_);
   }

@@ -13,8 +13,8 @@ namespace pointsweep {
 
 void return_free_memory() noexcept { ::malloc_trim(0); }
 
-/// glibc makes up to eight arenas for each processor and never hands memory from one to another; and once a large block
-/// has been freed, blocks as large come from the arenas, too, where they leave holes.
+/// glibc makes up to eight arenas per processor and moves no memory between them. Once a large block has been freed,
+/// blocks of its size come from the arenas, too, and leave holes there.
 void keep_little_free_memory() noexcept {
   ::mallopt(M_ARENA_MAX, 4);
   ::mallopt(M_MMAP_THRESHOLD, 128 << 10);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Freeing memory at once. What the allocator has been given back counts as the process's own until the system has it.
+/// Returning freed memory to the system at once. Freed memory that the allocator keeps counts as memory of the process.
 #pragma once
 
 namespace pointsweep {

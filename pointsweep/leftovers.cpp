@@ -14,7 +14,7 @@ namespace {
 
 enum class State : unsigned char { free, changing, listed };
 
-/// The name stays readable while a signal handler looks at it, whatever another thread does.
+/// The name stays readable while a signal handler reads it, even if other threads change the list.
 struct Place {
   std::atomic<State> state = State::free;
   std::array<char, 4096> name{};

@@ -7,9 +7,9 @@
 
 namespace pointsweep {
 
-/// Lists a file or an empty folder for remove_leftovers() while it lives; removes nothing itself. To be listed before
-/// it is made: between the two the process may be told to end. Up to 64 are listed at once; more, and paths of 4,096
-/// characters or more, are ignored.
+/// Lists a file or an empty folder for remove_leftovers() during its lifetime; removes nothing itself. It must be
+/// listed before it is made, since the process may be stopped in between. At most 64 are listed at once; others, and
+/// paths of 4,096 characters or more, are ignored.
 class Leftover {
  public:
   Leftover() = default;

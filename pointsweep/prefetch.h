@@ -21,7 +21,7 @@ class Prefetch {
     fill();
   }
 
-  /// The next one; starts the one `depth` further on. Throws what its making threw.
+  /// Returns the next thing, and starts to make the one `depth` further on. Throws the exception of its making.
   Thing next() {
     pending_.front()->task->wait();
     Thing thing = std::move(*pending_.front()->thing);
@@ -33,7 +33,7 @@ class Prefetch {
  private:
   struct Pending {
     std::optional<Thing> thing;
-    std::optional<BackgroundTask> task;  // last, so that it ends before what it works on
+    std::optional<BackgroundTask> task;  // last, so that it ends before the members that it uses
   };
 
   void fill() {

@@ -27,7 +27,7 @@ class RowError : public Error {
   RowError numbered(std::uint64_t row) const { return {row, sentence_}; }
   /// Returns this error with a sentence that calls the row `name`.
   RowError named(const std::string& name) const { return {row_, name, sentence_}; }
-  /// Orders errors by row, then by sentence: so the least error does not depend on the number of threads.
+  /// Orders errors by row, then by sentence, so that the least error does not depend on the number of threads.
   bool operator<(const RowError& other) const {
     return std::tie(row_, sentence_.before, sentence_.after) <
            std::tie(other.row_, other.sentence_.before, other.sentence_.after);
@@ -41,7 +41,7 @@ class RowError : public Error {
   RowSentence sentence_;
 };
 
-/// Keeps the least of the errors that it is given. Not thread-safe.
+/// Keeps the least of several errors. Not thread-safe.
 class FirstRowError {
  public:
   /// Calls `sentence()` and keeps the RowSentence that it returns if no lower row has been noted.

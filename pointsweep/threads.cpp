@@ -19,7 +19,7 @@ namespace tbb = oneapi::tbb;
 
 namespace {
 
-/// Whether this thread is inside a piece of work.
+/// True while this thread runs a body of a loop or a task.
 thread_local bool working = false;
 
 class Working {
@@ -60,7 +60,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t, unsig
       });
     });
   };
-  // A piece of work that waits for its own loop must not take up another one meanwhile: it may hold a lock.
+  // While a body waits for its inner loop, its thread must not start another body, since the body may hold a lock.
   working ? tbb::this_task_arena::isolate(loop) : loop();
   failure.rethrow();
 }
@@ -81,7 +81,7 @@ BackgroundTask::BackgroundTask(std::function<void()> work) : state_(std::make_un
 BackgroundTask::~BackgroundTask() {
   try {
     state_->group.wait();
-  } catch (...) {  // the run has already failed of something else
+  } catch (...) {  // the run has already failed with another error
   }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The same threads without oneTBB, for the thread sanitizer: Debian's oneTBB is not built with it, so that the
-// sanitizer would see races in the library's own structures and miss the order that it keeps.
+// The threads without oneTBB, for the thread sanitizer. Debian's oneTBB is built without the sanitizer, which would
+// report false races in its structures and miss its synchronisation.
 #if defined(__SANITIZE_THREAD__)
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-thread_local unsigned run_threads = 0;  ///< of the run this thread belongs to; 0: of none
+thread_local unsigned run_threads = 0;  ///< threads of the run to which this thread belongs; 0: none
 
 class Loop {
  public:

@@ -22,7 +22,7 @@ std::optional<double> number_in(std::string_view text) {
   return error == std::errc() && end == text.data() + text.size() && number >= 0 ? std::optional(number) : std::nullopt;
 }
 
-/// Returns the greatest depth that the word asks for in a file whose root has points so far apart.
+/// Returns the greatest depth that the word chooses. `root_spacing`: the spacing of points at the root.
 int depth_of(std::string_view word, double root_spacing) {
   if (word.starts_with(kDepth))
     return static_cast<int>(std::min<double>(*number_in(word.substr(kDepth.size())), kDeepest));
@@ -41,7 +41,7 @@ ChosenChunks::ChosenChunks(std::unique_ptr<Reader> all, const Choice& is_chosen,
     : Reader(*all), all_(std::move(all)) {
   if (!word.empty()) {
     info_.asked_for_as = word;
-    info_.bounds.reset();  // of all points
+    info_.bounds.reset();  // those of the file include all points
     info_.claims.reset();
   }
   const std::uint64_t rows = info_.count;

@@ -26,14 +26,14 @@ class ChosenChunks final : public Reader {
   void rest() override;
   /// Returns the row of the file that is row `row`.
   std::uint64_t input_row(std::uint64_t row) const;
-  /// Returns the reader of all rows; this one is of no use afterwards.
+  /// Returns the reader of all rows. This object must not be used afterwards.
   std::unique_ptr<Reader> release() { return std::move(all_); }
 
  private:
   class Decoder;
   struct Chosen {
     std::uint64_t first_row;  ///< among the chosen rows
-    Chunk chunk;              ///< of the file
+    Chunk chunk;              ///< the chunk of the file
   };
   const Chosen& chosen_at(std::uint64_t row) const;
 
@@ -41,15 +41,14 @@ class ChosenChunks final : public Reader {
   std::vector<Chosen> chosen_;
 };
 
-/// Returns the least depth at which points lie no farther apart than `spacing`, at most 31. `root`: how far they lie
-/// apart at depth 0.
+/// Returns the least depth with a spacing of points of at most `spacing`, at most 31. `root`: the spacing at depth 0.
 int depth_of_spacing(double root, double spacing);
 
-/// Returns whether a word for the format of inputs chooses levels of detail: "depth:3", all nodes of depths 0 to 3, or
-/// "spacing:0.5", all nodes of as many depths as it takes until points lie no farther apart. Throws UsageError for a
-/// word that begins so and goes on otherwise.
+/// Returns whether a word for the format of inputs chooses levels of detail: "depth:3" for nodes of depths 0 to 3, or
+/// "spacing:0.5" for nodes of all depths up to the first with this spacing or less. Throws UsageError for a word that
+/// begins like one of these and is invalid.
 bool chooses_levels(std::string_view word);
-/// Returns a reader of these nodes alone. Throws Error for a file without levels.
+/// Returns a reader of only these nodes. Throws Error for a file without levels.
 std::unique_ptr<Reader> with_chosen_levels(std::unique_ptr<Reader> all, std::string_view word);
 
 }  // namespace pointsweep

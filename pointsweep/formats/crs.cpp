@@ -49,7 +49,7 @@ struct KeyValues {
   }
 };
 
-/// "2154+5720" as two codes, the second 0 where there is none; -1 for what is no code.
+/// Parses "2154+5720" into two codes. The second is 0 if it is missing; an invalid code is -1.
 std::pair<int, int> codes_of(std::string_view text) {
   const auto code = [](std::string_view digits) {
     int number = -1;
@@ -114,7 +114,7 @@ CrsKind kind_of(const WktNode& node) {
 
 bool is_vertical(const WktNode& node) { return is_one_of(node.keyword, {"VERT_CS", "VERTCRS", "VERTICALCRS"}); }
 
-/// The code of AUTHORITY["EPSG","26910"] or ID["EPSG",26910] directly inside `node`; 0 if there is none.
+/// Returns the code of AUTHORITY["EPSG","26910"] or ID["EPSG",26910] directly inside `node`; 0 if there is none.
 int epsg_of(const WktNode& node) {
   for (const WktNode& child : node.children) {
     if (!is_one_of(child.keyword, {"AUTHORITY", "ID"}) || child.values.size() < 2) continue;
@@ -171,7 +171,7 @@ CrsAgreement compare_with_codes(const Crs& a, const Crs& b) {
 constexpr std::uint16_t kLinearUnitsKey = 3076;
 
 struct LengthUnit {
-  std::uint16_t code;  ///< of the EPSG registry
+  std::uint16_t code;  ///< code in the EPSG registry
   double metres;
   const char* name;
 };
@@ -197,8 +197,8 @@ std::optional<double> factor_at(std::string_view wkt, std::size_t bracket) {
   return error == std::errc() ? std::optional(factor) : std::nullopt;
 }
 
-/// WKT 1 writes UNIT, WKT 2 LENGTHUNIT. Before the unit of a projected system stand that of its ellipsoid (WKT 2) and
-/// that of its angles, which is no length: the last length before the vertical system counts.
+/// Returns the last unit of length before the vertical system. WKT 1 has UNIT, WKT 2 LENGTHUNIT. The unit of a
+/// projected system comes after the unit of its ellipsoid (WKT 2) and the unit of its angles.
 const LengthUnit* unit_of_wkt(std::string_view wkt) {
   const std::string_view horizontal =
       wkt.substr(0, std::min({wkt.find("VERT_CS"), wkt.find("VERTCS"), wkt.find("VERTCRS"), wkt.size()}));

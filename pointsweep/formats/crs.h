@@ -19,10 +19,11 @@ struct WktNode {
   std::vector<WktNode> children;
 };
 
-/// Nothing for a text that is not WKT or nests deeper than 64 levels.
+/// Parses WKT; nothing for a text that is not WKT or has more than 64 nested levels.
 std::optional<WktNode> parse_wkt(std::string_view text);
 
-/// The text without what follows a NUL, each run of white space outside quotes as one space, none at the ends.
+/// Returns the text up to its first NUL, with each run of white space outside of quotes as one space and without spaces
+/// at its ends.
 std::string wkt_in_one_line(std::string_view text);
 
 Crs crs_of_geotiff(GeoTiffKeys keys);
@@ -31,12 +32,11 @@ Crs crs_of_geotiff(GeoTiffKeys keys);
 /// systems and for codes that GeoTIFF keys cannot hold.
 CrsKind kind_of_epsg(int code);
 
-/// Returns GeoTIFF keys that state the system of this EPSG code, which is projected or geographic, and heights; 0:
-/// none.
+/// Returns GeoTIFF keys that state the projected or geographic system of an EPSG code, and heights; code 0 means none.
 GeoTiffKeys geotiff_of_epsg(int epsg, int vertical_epsg);
 
 /// Returns the coordinate reference system of a file with a text and keys, either of which may be empty. `wkt_counts`
-/// decides which of the two is read; the other is kept beside it. Returns none if both are empty.
+/// decides which of the two is read; the other is kept, too. Returns none if both are empty.
 std::optional<Crs> crs_of_both(const std::string& wkt, GeoTiffKeys keys, bool wkt_counts);
 
 enum class CrsAgreement : std::uint8_t { same, different, undecided };
@@ -46,8 +46,8 @@ enum class CrsAgreement : std::uint8_t { same, different, undecided };
 /// two statements defines.
 CrsAgreement compare(const Crs& a, const Crs& b);
 
-/// "m", "ft" or "US survey ft", as the system's WKT or GeoTIFF keys state it; empty for degrees and for what they do
-/// not state.
+/// Returns "m", "ft" or "US survey ft", as stated by the system's WKT or GeoTIFF keys; empty for degrees and unknown
+/// units.
 std::string length_unit_of(const Crs& crs);
 /// The metres in that unit; absent where it is not known.
 std::optional<double> metres_of_unit(const Crs& crs);

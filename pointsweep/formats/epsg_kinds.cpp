@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Kinds of the coordinate reference systems in the EPSG registry (version of PROJ 9): all that GeoTIFF keys need to
-/// know of a code.
+/// Kinds of the coordinate reference systems in the EPSG registry (version of PROJ 9), which GeoTIFF keys must state
+/// with a code.
 #include <algorithm>
 #include <array>
 #include <utility>

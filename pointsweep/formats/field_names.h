@@ -13,8 +13,7 @@ namespace pointsweep {
 /// ...; spaces, commas, semicolons, quotes and control characters become '_'; a repeated name gets _2, _3, ... added.
 std::vector<std::string> column_names(const Schema& schema);
 
-/// Names for columns without names, from the number of columns, which are at least three, and the values of the first
-/// rows, each of so many values:
+/// Returns names for at least three unnamed columns, from their number and the values of the first rows:
 /// 3: x y z;  4: x y z intensity;  6: x y z and a normal or colour;  7: x y z intensity and a colour;
 /// 9: x y z, a colour and a normal;  else x y z column_4 column_5 ...
 /// A normal has length 1 or 0, a colour integers in 0..255.

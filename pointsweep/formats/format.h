@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The description of a format and of what its files can hold. Each format defines it once, beside its code;
-/// registry.cpp lists all of them. Other layers ask a Format and never compare names or extensions.
+/// registry.cpp lists all of them. Other layers use a Format and never compare names or extensions.
 #pragma once
 
 #include <cstddef>
@@ -32,14 +32,14 @@ struct Format {
   std::string_view name;     ///< in sentences: "LAS"
   std::string_view title;    ///< in tables: "LAS 1.0 to 1.4"
   std::string_view details;  ///< page or section of docs/formats.md that says more; "" if none does
-  std::string_view reads;    ///< which of its files are read, for tables; "no" if none is
-  std::string_view writes;   ///< likewise
+  std::string_view reads;    ///< for tables: which files of the format can be read; "no" if none
+  std::string_view writes;   ///< for tables: which files can be written; "no" if none
   /// Names of its files end so, in lower case. An output whose name ends so is written in this format, if create is
   /// set.
   std::span<const std::string_view> extensions;
   /// The codec that its files need; "" if none. A build without it recognises them and refuses them in a sentence.
   std::string_view codec = "";
-  bool (*has_codec)() = nullptr;  ///< whether this build has it; null without a codec
+  bool (*has_codec)() = nullptr;  ///< returns whether this build has the codec; null without a codec
 
   /// The word for this format in --format (CloudOptions::format). A format with such a word has no signature, and its
   /// files are only read where it is asked for. "" for all other formats.
@@ -48,12 +48,12 @@ struct Format {
   /// Returns whether a file that begins with `head` (at most 4,096 bytes) is of this format. Null for a format without
   /// signature, which is tried after all other formats and the foreign formats.
   bool (*is)(std::string_view head) = nullptr;
-  /// For a format without signature: whether the first lines of a file are of it. A folder may hold other texts.
-  /// `columns`: as for open_columns; empty if none are stated.
+  /// For a format without signature: returns whether the first lines of a file belong to the format. A folder may
+  /// contain other texts. `columns`: as for open_columns; empty if none are stated.
   bool (*fits)(const std::filesystem::path& path, std::span<const std::string> columns) = nullptr;
   std::unique_ptr<Reader> (*open)(const std::filesystem::path& path) = nullptr;  ///< null: it is not read
-  /// Opens a file whose columns have these names, "-" for a column that is skipped, whatever its own header says. Null
-  /// for a format whose files say what they hold.
+  /// Opens a file whose columns have these names, "-" for a column that is skipped; its own header is ignored. Null for
+  /// formats whose files describe themselves.
   std::unique_ptr<Reader> (*open_columns)(const std::filesystem::path& path,
                                           std::span<const std::string> columns) = nullptr;
   std::unique_ptr<Writer> (*create)(const OutputPlan& plan) = nullptr;  ///< null: it is not written
@@ -61,7 +61,7 @@ struct Format {
   Content content = Content::points;
   bool holds_crs = false;         ///< a coordinate reference system
   bool holds_provenance = false;  ///< lines that say how the file was made
-  bool is_sequential = false;     ///< its writer puts all bytes one after the other, as standard output takes them
+  bool is_sequential = false;     ///< its writer writes all bytes in order, as for standard output
   bool reorders = false;          ///< its writer puts points in another order than that in which they come
   /// Coordinates are any float64, NaN and infinity included. False: integers on a grid of finite steps.
   bool real_coordinates = true;
@@ -70,15 +70,15 @@ struct Format {
   /// Returns the bytes that its writer takes to encode records of `record_bytes` on `threads` threads; null: too few to
   /// count.
   std::uint64_t (*encoder_bytes)(std::uint64_t record_bytes, unsigned threads) = nullptr;
-  /// Returns the bytes that its writer puts aside in OutputPlan::scratch, of `count` records of `record_bytes` with so
-  /// much OutputPlan::encoder_bytes on `threads` threads; null: none.
+  /// Returns the bytes that its writer stores in OutputPlan::scratch, for `count` records of `record_bytes`, with
+  /// `memory` as OutputPlan::encoder_bytes on `threads` threads; null: none.
   std::uint64_t (*aside_bytes)(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                                unsigned threads) = nullptr;
   std::size_t name_bytes = 0;  ///< longest name of an attribute; 0: any length
-  /// The name under which its outputs hold an attribute; null: its own.
+  /// Returns the name of an attribute in its outputs; null: unchanged.
   std::string (*stored_name)(const std::string& name) = nullptr;
-  /// The value that its outputs hold in the field of this name where neither an input nor a stage gives one; none for
-  /// names that are not the format's own. Null: it has no such fields.
+  /// Returns the value of a field in its outputs if neither an input nor a stage gives one; none for names that are not
+  /// the format's own. Null: the format has no such fields.
   std::optional<double> (*own_field)(std::string_view name) = nullptr;
   /// The wishes of FileLayout that its writer fulfils, by their names among the options of runs.
   std::span<const std::string_view> layout = {};
@@ -90,8 +90,8 @@ struct Format {
                         const std::function<void(std::uint64_t rows)>& progress) = nullptr;
   /// Returns whether values() reads the points of the cloud; null where values() is.
   bool (*values_need_points)(const InputCloud& cloud, const FileLayout& layout) = nullptr;
-  /// Returns how the output of a plan rounds coordinates; none where it holds them as they come. Null: its outputs hold
-  /// all coordinates as they come.
+  /// Returns how the output of a plan rounds coordinates; none if it stores them unchanged. Null: all outputs store
+  /// them unchanged.
   StoredCoordinate (*stored_coordinate)(const OutputPlan& plan) = nullptr;
 
   /// Returns whether this build reads and writes the format, as far as `open` and `create` are given.
@@ -107,7 +107,7 @@ extern const Format kNpyPointsFormat;               ///< points, as input only
 extern const Format kNpyFormat;                     ///< neighbours and distances
 extern const Format kKittiFormat, kFloatXyzFormat;  ///< files without a signature
 
-/// Returns null for extras of another format than Extras::kFormat, and where there are none.
+/// Returns null for extras of a format other than Extras::kFormat, and for no extras.
 template <class Extras>
 const Extras* extras_as(const std::shared_ptr<const FormatExtras>& extras) {
   return extras && extras->format() == Extras::kFormat ? static_cast<const Extras*>(extras.get()) : nullptr;

@@ -13,12 +13,12 @@
 
 namespace pointsweep {
 
-/// The range of values that a field can have, as far as its type or a look at all points tells.
+/// The range of values of a field, known from its type or from reading all points.
 struct ValueRange {
   double lo = std::numeric_limits<double>::infinity(), hi = -std::numeric_limits<double>::infinity();
   bool whole = true;  ///< all values are integers
 
-  /// NaN makes the range endless: nothing but a floating type holds it.
+  /// Extends the range. NaN makes it infinite, so that only a floating type can hold it.
   void include(double value) {
     if (std::isnan(value)) return include(unknown());
     lo = std::min(lo, value);
@@ -36,7 +36,7 @@ struct ValueRange {
   }
 };
 
-/// All values that the type of `field`, its bits, scale and bias allow.
+/// Returns the range of all values that the type of `field`, its bits, scale and bias allow.
 inline ValueRange range_of_type(const Field& field) {
   if (field.type == Type::f32 || field.type == Type::f64) return ValueRange::unknown();
   const bool is_signed =

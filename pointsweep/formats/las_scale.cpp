@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kUsableSteps = 2147483646;  // one below the largest integer: rounding may add one
+constexpr double kUsableSteps = 2147483646;  // one below the largest integer, since rounding may add one
 constexpr double kRoundSteps = 1000;         // offsets are multiples of this many steps
 constexpr int kLeast = -300, kMost = 300;
 
@@ -55,7 +55,8 @@ void quantize_axis(double lo, double hi, double useful, double& scale, double& o
   scale = power_of_ten(exponent);
 }
 
-/// `steps` of `scale`; of 0.001 and the like exactly rounded, so that the header has a short number.
+/// Returns `steps` times `scale`. For scales like 0.001 the result is rounded exactly, so that the header has a short
+/// number.
 double length_of(double steps, double scale) {
   const double inverse = std::nearbyint(1 / scale);
   return inverse > 0 && 1 / inverse == scale ? steps / inverse : steps * scale;

@@ -45,7 +45,8 @@ LasQuantization las_grid_for_moved(const LasQuantization& grid, const Box& bound
 /// `grid` with the offset that is the multiple of 1,000 steps nearest to the middle of `bounds`.
 LasQuantization las_grid_in_the_middle(const LasQuantization& grid, const Box& bounds);
 
-/// The smallest powers of ten that reach `bounds` from this offset and are no finer than those of las_quantization().
+/// Returns the smallest powers of ten at which 32 bits reach `bounds` from this offset, and that are no finer than
+/// those of las_quantization().
 Vec3 las_scale_from(Vec3 offset, const Box& bounds);
 
 /// The meaning of the coordinates and times of a LAS file, kept where its points become another format.
@@ -60,8 +61,8 @@ struct LasOrigin {
 };
 
 /// Returns the common origin of the inputs that are or were LAS: the finest scale of each axis with the offset of the
-/// first input that has it, and the kind of time of the first input with a time. A warning names an input whose time is
-/// of the other kind.
+/// first input that has it, and the kind of time of the first input with a time. A warning names an input with the
+/// other kind of time.
 std::optional<LasOrigin> common_las_origin(const std::vector<std::unique_ptr<Reader>>& readers,
                                            std::vector<std::string>& warnings);
 

@@ -11,8 +11,8 @@
 
 namespace pointsweep {
 
-/// Returns the field that a user means by `word` (field_meant). Throws UsageError, which begins with the option and
-/// lists what there is, where there is none.
+/// Returns the field that a user means by `word` (field_meant). If there is none, throws UsageError, which begins with
+/// the option and lists the fields.
 const Field& named_field(const Schema& schema, const std::string& word, std::string_view option);
 
 /// Returns the indices of the fields that a user means by `words`. Throws as named_field().

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kLongestProvenanceLine = 999;  ///< rply, which Open3D and CloudCompare read with, allows 1,023
 constexpr std::size_t kMostProvenanceBytes = 256 << 10;
-constexpr std::size_t kMostInputBytes = 32 << 10;  ///< for the names of one record
+constexpr std::size_t kMostInputBytes = 32 << 10;  ///< largest size of the names in one record
 
 bool is_printable(char c) { return c >= 0x20 && c < 0x7f; }
 

@@ -21,7 +21,7 @@
 
 namespace pointsweep {
 
-/// With which every line begins.
+/// The beginning of every line.
 inline constexpr std::string_view kProvenanceMark = "pointsweep ";
 
 struct ProvenanceInput {
@@ -29,10 +29,11 @@ struct ProvenanceInput {
   std::uint64_t points = 0, bytes = 0;
 };
 
-/// One run.
+/// The record of one run.
 struct ProvenanceRecord {
   std::string version;
-  std::vector<std::string> stages;                            ///< in the language of pipelines, or "sort" or "convert"
+  std::vector<std::string> stages;                            ///< stages in the language of pipelines, or "sort" or
+                                                              ///< "convert"
   std::vector<std::pair<std::string, std::string>> settings;  ///< "order", "keep", ... and their values
   std::vector<ProvenanceInput> inputs;
   std::uint64_t more_inputs = 0;  ///< inputs whose names are left out, since there are too many
@@ -43,18 +44,19 @@ struct ProvenanceRecord {
 
 /// Printable ASCII only, each line under 1,000 bytes. Other bytes of a name are written as %XX.
 std::vector<std::string> lines_of(const ProvenanceRecord& record);
-/// Oldest first. Lines that are not understood are ignored.
+/// Parses lines into records, oldest first. Ignores unknown lines.
 std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines);
-/// "pointsweep 0.1.0: knn(k=12) | normals; order sweep; from scan.ply", printable ASCII
+/// Returns "pointsweep 0.1.0: knn(k=12) | normals; order sweep; from scan.ply", in printable ASCII.
 std::string to_text(const ProvenanceRecord& record);
 
-/// Appends those records of `more` that `lines` does not have yet. Beyond 256 KiB, records are left out and one line
-/// says so, since headers must stay readable.
+/// Appends those records of `more` that `lines` does not have yet. Beyond 256 KiB, records are left out, and one line
+/// states this, since headers must stay readable.
 void add_provenance(std::vector<std::string>& lines, std::span<const std::string> more);
 /// Returns the rest of `all` after `present`, if `all` begins with `present`; returns `all` otherwise.
 std::span<const std::string> provenance_beyond(std::span<const std::string> all, std::span<const std::string> present);
 
-/// The line without spaces and line ends around it if it begins with the mark and is printable; otherwise nothing.
+/// Returns the line without surrounding spaces and line ends if it begins with the mark and is printable; otherwise
+/// nothing.
 std::optional<std::string> provenance_line(std::string_view text);
 
 }  // namespace pointsweep

@@ -53,9 +53,10 @@ constexpr Magic kExtensions[] = {
   fail("{}: is {}, which pointsweep does not read; {}.", path.string(), magic.what, magic.remedy);
 }
 
-/// Throws Error for a file that starts with `head` and is of a known format that is not read: what it is, and what to
-/// do. Refuses other binary files, too, since they have none of the signatures of `known`, as in "A, B nor C", and are
-/// none of `asked_for` ("a or b", Format::asked_for_as), unless the user says so. Returns for anything else.
+/// Throws Error for a file that begins with `head` and is of a known format that is not read; the message has the
+/// format and the remedy. Also refuses other binary files, unless the user has chosen a format: `known` lists the
+/// formats with signatures ("A, B nor C"), `asked_for` those to choose ("a or b", Format::asked_for_as). Returns for
+/// all other files.
 void refuse_foreign_format(const std::filesystem::path& path, std::string_view head, std::string_view known,
                            std::string_view asked_for) {
   for (const Magic& magic : kMagics) {
@@ -129,7 +130,7 @@ bool names_another(const std::filesystem::path& path, const Format& asked) {
   });
 }
 
-/// The first bytes of a file, enough to tell what it is.
+/// Returns the first bytes of a file, which are enough to recognise its format.
 std::string head_of(const InputFile& file) {
   std::string head(4096, '\0');
   head.resize(file.read_some(0, std::as_writable_bytes(std::span(head))));
@@ -177,7 +178,7 @@ bool is_foreign(const std::filesystem::path& path, std::string_view head) {
   }
 }
 
-/// Returns whether a file with this extension holds points. Objects of a bucket are not opened to find out, since each
+/// Returns whether a file with this extension has points. Objects of a bucket are not opened to find out, since each
 /// would cost a request.
 bool is_named_as_points(const std::string& extension, std::string_view format_name) {
   if (format_asked_for(format_name) != nullptr && extension == ".bin") return true;
@@ -293,7 +294,7 @@ bool is_point_file(const std::filesystem::path& path, std::string_view format_na
   const std::string extension = extension_of(path);
   if (is_url(path)) return is_named_as_points(extension, format_name);
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return false;  // reading a pipe would wait
+  if (!std::filesystem::is_regular_file(path, error)) return false;  // reading a pipe would block
   const InputFile file(path);
   if (format_asked_for(format_name) != nullptr && extension == ".bin") return true;
   for (const Format* format : kFormats)

@@ -12,10 +12,10 @@
 
 namespace pointsweep {
 
-/// ".ply" for "scan.PLY", ".copc.laz" for "scan.copc.laz", "" if there is none.
+/// Returns ".ply" for "scan.PLY", ".copc.laz" for "scan.copc.laz", "" if there is no extension.
 std::string extension_of(const std::filesystem::path& path);
 
-/// All formats. A file is of the first whose signature it has.
+/// Returns all formats. A file belongs to the first format with a matching signature.
 std::span<const Format* const> formats();
 
 /// The format of an output of this name; null if its extension is that of none that is written. Standard output is PLY
@@ -26,10 +26,9 @@ const Format* format_of_output(const std::filesystem::path& path);
 /// Throws UsageError for standard output in a format that is not sequential.
 void require_output_name(const std::filesystem::path& output);
 
-/// Returns whether a file in a folder is meant to be read: by the beginning of its content, or because it has the
-/// extension of a format with a signature, or the extension of any format and no content. Such files may be damaged
-/// tiles, which must not be left out like files of another kind. A URL is told by its extension alone. Throws Error if
-/// the file cannot be read.
+/// Returns whether a file in a folder should be read: if its content has a signature, if it has the extension of a
+/// format with a signature, or if it has the extension of any format and is empty. So damaged tiles are not skipped
+/// like files of other kinds. A URL is judged only by its extension. Throws Error if the file cannot be read.
 bool is_point_file(const std::filesystem::path& path, std::string_view format_name = "");
 
 /// Returns whether a file of this name holds an array, not points.

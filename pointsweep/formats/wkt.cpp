@@ -65,7 +65,7 @@ class WktParser {
     return !node.values.back().empty();
   }
 
-  /// Two quotes inside a quoted text stand for one.
+  /// Parses a quoted text, in which two quotes mean one.
   bool parse_quoted(std::string& value) {
     for (++at_; !at_end(); ++at_) {
       if (text_[at_] == '"') {

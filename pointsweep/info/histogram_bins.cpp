@@ -8,7 +8,7 @@
 namespace pointsweep {
 namespace {
 
-/// Multiples up to here are exact, and so far apart that no two edges are equal.
+/// Multiples up to this number are exact, and no two edges are equal.
 constexpr double kMostMultiple = 0x1p50;
 
 /// The greatest whole number that is not above a / b; b > 0.

@@ -11,9 +11,9 @@
 
 namespace pointsweep {
 
-/// Bins of equal width that hold all values from a least to a greatest one. A bin has the values from its lower edge up
-/// to its upper edge, and not the upper edge. Edges are multiples of the width: the least of 1, 2 and 5 times a power
-/// of ten, not below 1 for whole numbers, with which there are no more bins than wanted.
+/// Bins of equal width over a range of values. A bin includes its lower edge and excludes its upper edge. Edges are
+/// multiples of the width: the least of 1, 2 and 5 times a power of ten that gives at most the requested number of
+/// bins, and at least 1 for whole numbers.
 class HistogramBins {
  public:
   /// `least` and `most`: keys. `wanted`: 2 or more, since 0 is an edge.
@@ -33,7 +33,7 @@ class HistogramBins {
 
   int digit_ = 1, exponent_ = 0;       ///< the width is digit_ * 10^exponent_
   double power_ = 1;                   ///< 10^|exponent_|
-  Int128 whole_width_ = 1;             ///< of whole numbers
+  Int128 whole_width_ = 1;             ///< width for whole numbers
   std::int64_t first_ = 0, last_ = 0;  ///< the lower edges of the bins are these multiples of the width
 };
 

@@ -18,7 +18,7 @@
 namespace pointsweep {
 namespace {
 
-/// Files whose headers say the same but for counts and bounds.
+/// Files whose headers are equal except for counts and bounds.
 struct AlikeFiles {
   FileInfo first;         ///< without extras
   std::size_t files = 0;  ///< the first among them
@@ -123,11 +123,12 @@ std::string storage_of(const Field& field) {
 
 /// An attribute of some of the files, with all that store it in one way.
 struct SharedAttribute {
-  std::string name;  ///< as the first file calls it
+  std::string name;  ///< name in the first file
   FilesOfValues storages;
 };
 
-/// Under one entry, whatever the files call them (`nx`, `NormalX`); in the order in which they come first.
+/// Groups attributes by their meaning, under any names in the files (`nx`, `NormalX`); in the order of their first
+/// occurrence.
 std::vector<SharedAttribute> attributes_of(const SomeKinds& files) {
   std::vector<SharedAttribute> all;
   std::map<std::string, std::size_t> places;
@@ -180,7 +181,7 @@ void note_types(std::vector<std::string>& sentences, const std::vector<SharedAtt
     sentences.push_back(fmt::format("Types of {} differ: {}.", list_of(names), text));
 }
 
-/// Returns a text that is the same for files whose headers say the same but for counts and bounds.
+/// Returns a text that is equal for files whose headers are equal except for counts and bounds.
 std::string kind_of(const FileInfo& info) {
   std::string text = info.format + '\n' + clock_of(info);
   for (const Field& field : info.schema.fields) text += '\n' + field.name + '\n' + storage_of(field);
@@ -234,10 +235,10 @@ void note_copies(std::vector<std::string>& sentences, const std::vector<Extent>&
 struct FileComparison::Known {
   std::size_t files = 0;
   std::vector<AlikeFiles> alike;                          ///< in the order of their first files
-  std::unordered_map<std::string, std::size_t> place_of;  ///< in `alike`, by kind_of()
+  std::unordered_map<std::string, std::size_t> place_of;  ///< index in `alike`, by kind_of()
   SomeFiles empty, with_nonfinite;
   std::uint64_t nonfinite = 0;
-  std::vector<Extent> extents;  ///< of files with two points or more
+  std::vector<Extent> extents;  ///< extents of files with two points or more
 };
 
 FileComparison::FileComparison() : known_(std::make_unique<Known>()) {}

@@ -10,8 +10,8 @@
 
 namespace pointsweep {
 
-/// A kd-tree over the sample in which every node knows the largest distance found so far below it: a point of the cloud
-/// descends only where it may be nearer than that. Memory follows the sample.
+/// A kd-tree over the sample in which every node stores the largest nearest distance below it: a point of the cloud
+/// descends only where it may be nearer than that. Memory is proportional to the sample.
 class NearestDistances {
  public:
   struct Sampled {
@@ -20,17 +20,16 @@ class NearestDistances {
   };
   explicit NearestDistances(std::vector<Sampled> sample);
 
-  /// Shows a finite point of the cloud. The sampled point of the same row is not its own neighbour; others at distance
-  /// 0 are.
+  /// Takes a finite point of the cloud. A sampled point is not its own neighbour; other points at distance 0 are.
   void add(Vec3 position, std::uint64_t row);
 
-  /// Ascending; of the sampled points that have a neighbour.
+  /// Returns the distances of all sampled points with a neighbour, ascending.
   std::vector<double> distances() const;
 
  private:
   struct Node {
     Box box;
-    double farthest2;                 ///< largest squared distance so far of a sampled point below
+    double farthest2;                 ///< largest squared nearest distance of the sampled points below
     std::uint32_t begin, end, above;  ///< points of the sample; `above`: second child, 0 in a leaf
   };
   void build(std::uint32_t begin, std::uint32_t end);

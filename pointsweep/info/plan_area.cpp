@@ -19,7 +19,7 @@ std::size_t place_of(std::int64_t x, std::int64_t y, std::size_t size) {
   return static_cast<std::size_t>(h ^ (h >> 32)) & (size - 1);
 }
 
-/// Floor of half of `index`, for negative ones too.
+/// Returns `index` / 2 rounded down, also for negative numbers.
 std::int64_t halved(std::int64_t index) { return index >> 1; }
 
 }  // namespace

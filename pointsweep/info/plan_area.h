@@ -8,9 +8,8 @@
 namespace pointsweep {
 
 /// Counts the occupied cells of a square grid in x and y. The side of a cell is the smallest power of two for which the
-/// bounds of the points cover at most `limit` cells, occupied or not. So it depends neither on the order of the points
-/// nor on where they lie within their bounds, and fewer points within the same bounds get the same cells or larger
-/// ones. Memory: 32 bytes × limit.
+/// bounds of the points cover at most `limit` cells, occupied or not. It does not depend on the order of the points or
+/// their places within the bounds; with fewer points the cells are as large or larger. Memory: 32 bytes × limit.
 class PlanArea {
  public:
   /// Limits the number of cells to a sixteenth of `points`, at least 16 and at most 65,536. A cell of a cloud that

@@ -46,7 +46,7 @@ std::uint32_t PointGroups::number_of(std::uint64_t key, std::size_t most) {
   return known->second;
 }
 
-/// Fields of text are float64, also those of classes.
+/// Text files have float64 fields, even for classes, so the values decide.
 void PointGroups::require_whole(std::uint64_t key) const {
   if (values_->is_whole()) return;
   const double value = values_->real(key);

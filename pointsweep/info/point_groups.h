@@ -14,17 +14,17 @@
 
 namespace pointsweep {
 
-/// Numbers the values of an attribute, which are whole numbers, from 0 in the order in which they come. Without an
-/// attribute all points are group 0.
+/// Numbers the distinct values of an attribute, which are whole numbers, from 0 in the order of their first occurrence.
+/// Without an attribute all points are group 0.
 class PointGroups {
  public:
   PointGroups() : keys_({0}) {}
   /// Throws UsageError for an attribute that is not there or has several components.
   PointGroups(const Schema& schema, const std::string& by);
 
-  /// Writes the number of the group of each record, `stride` bytes apart. Throws UsageError for a value that is no
-  /// whole number, and for more than `most` groups, or PointStatistics::kMostGroups; if `most` is 0, Error for a value
-  /// that has not come before.
+  /// Writes the group of each record; records are `stride` bytes apart. Throws UsageError for a value that is no whole
+  /// number, and for more than `most` groups, or PointStatistics::kMostGroups. If `most` is 0, a new value throws
+  /// Error.
   void find(std::span<const std::byte> records, std::size_t stride, std::size_t most,
             std::vector<std::uint32_t>& groups);
 
@@ -41,7 +41,7 @@ class PointGroups {
 
   std::string name_;  ///< empty: there is no attribute
   std::optional<ValueKeys> values_;
-  std::vector<std::uint64_t> keys_;  ///< of the groups
+  std::vector<std::uint64_t> keys_;  ///< values of the groups
   std::unordered_map<std::uint64_t, std::uint32_t> numbers_;
   std::vector<std::uint64_t> of_records_;  ///< keys of the records that came last
 };

@@ -19,12 +19,12 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kBytesOfGroups = 160 << 20;  ///< at most, of moments, searches and counts of all groups
-constexpr std::uint64_t kNumbersOfSearch = 8 << 20;  ///< at most, of 8 bytes
+constexpr std::uint64_t kBytesOfGroups = 160 << 20;  ///< limit for moments, searches and counts of all groups
+constexpr std::uint64_t kNumbersOfSearch = 8 << 20;  ///< limit; 8 bytes each
 constexpr std::uint64_t kMostOfInterval = 1 << 20;   ///< numbers of one interval of a search
 constexpr std::uint64_t kLeastBins = 2, kMostBins = 1000;
 
-/// An attribute of which something is asked, and what is known of it in each group.
+/// An attribute with requested statistics, and the results for each group.
 class Column {
  public:
   Column(const Field& field, bool values, bool histogram)
@@ -36,7 +36,7 @@ class Column {
            (histogram_ ? 8 * bins : 0);
   }
 
-  /// The records of a reading, with the group of each. `groups`: how many there are by now.
+  /// Takes records of a reading with the group of each. `groups`: number of groups so far.
   void take(std::span<const std::byte> records, std::size_t stride, std::span<const std::uint32_t> group_of,
             std::size_t groups, bool is_first) {
     keys_.find(records, stride, found_);
@@ -50,7 +50,7 @@ class Column {
         take_again(group, found_[at]);
     }
   }
-  /// After the first reading.
+  /// Must be called after the first reading.
   void settle(std::size_t groups, std::uint64_t bins) {
     add_groups(groups);
     for (const ValueMoments& moments : moments_)
@@ -119,9 +119,9 @@ class Column {
   bool values_, histogram_;
   bool is_counting_ = false;
   std::vector<std::uint64_t> found_;   ///< keys of the records that came last
-  std::vector<ValueMoments> moments_;  ///< of each group, as all below
+  std::vector<ValueMoments> moments_;  ///< for each group, like all members below
   std::vector<RankSearch> searches_;
-  std::vector<std::uint64_t> room_;  ///< of the searches
+  std::vector<std::uint64_t> room_;  ///< numbers of the searches
   std::optional<HistogramBins> bins_;
   std::vector<std::uint64_t> counts_;
 };
@@ -153,7 +153,7 @@ class Readings {
 
   PointStatistics run() {
     read(true);
-    points_.resize(groups_.size());  // one without points where all are one group
+    points_.resize(groups_.size());  // without an attribute, the group may have no points
     for (Column& column : columns_) column.settle(points_.size(), options_.bins);
     bool counts = std::ranges::any_of(columns_, &Column::has_bins);
     for (std::uint64_t open = open_intervals(); open > 0 || counts; open = open_intervals(), counts = false) {
@@ -219,7 +219,7 @@ class Readings {
   std::vector<Column> columns_;
   PointGroups groups_;
   std::size_t most_groups_;
-  std::vector<std::uint64_t> points_;  ///< of each group
+  std::vector<std::uint64_t> points_;  ///< for each group
   unsigned reading_ = 0;
 };
 

@@ -12,9 +12,9 @@
 
 namespace pointsweep {
 
-/// Finds the keys at the quantile_rank() of each percentage of PointStatistics::kPercent. It holds intervals of keys,
-/// each with some of the ranks. A reading counts the keys in equal parts of each interval; then each interval shrinks
-/// to the parts in which the ranks are. An interval with few keys gets these themselves instead.
+/// Finds the keys at the quantile_rank() of each percentage of PointStatistics::kPercent. It has intervals of keys,
+/// each with some of the ranks. A reading counts the keys in equal parts of each interval, which then shrinks to the
+/// parts that contain its ranks. For an interval with few keys, the keys themselves are collected instead.
 class RankSearch {
  public:
   static constexpr std::size_t kRanks = PointStatistics::kPercent.size();
@@ -24,15 +24,15 @@ class RankSearch {
 
   /// Intervals that the next reading divides.
   std::size_t open() const { return intervals_.size(); }
-  /// Begins a reading, in which each interval may use `share` >= 2 numbers from `next` on; `next` moves on. At most
+  /// Begins a reading, in which each interval may use `share` >= 2 numbers from `next` on; advances `next`. At most
   /// 2^63 numbers.
   void begin(std::uint64_t share, std::uint64_t& next);
   /// Takes one of the keys. `room`: the numbers, 0 at first.
   void add(std::uint64_t key, std::span<std::uint64_t> room);
-  /// Ends a reading. Throws Error if it gave other keys than those before.
+  /// Ends a reading. Throws Error if its keys differ from those of earlier readings.
   void end(std::span<std::uint64_t> room);
 
-  /// The keys; without open intervals.
+  /// Returns the keys found. No interval may be open.
   const std::array<std::uint64_t, kRanks>& keys() const { return found_; }
 
  private:
@@ -48,7 +48,7 @@ class RankSearch {
   void divide(const Interval& interval, std::span<std::uint64_t> room, std::vector<Interval>& parts);
 
   std::vector<Interval> intervals_;            ///< ascending
-  std::array<std::uint64_t, kRanks> ranks_{};  ///< in the interval of each
+  std::array<std::uint64_t, kRanks> ranks_{};  ///< for each key, its rank in its interval
   std::array<std::uint64_t, kRanks> found_{};
 };
 

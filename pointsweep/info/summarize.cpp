@@ -53,8 +53,9 @@ void add_wrong_counts(const FileSummary& summary, std::vector<std::string>& faul
     faults.push_back(fmt::format("the header counts points by return as {}; there are {}.", header, points));
 }
 
-/// A sentence for each axis whose bounds the header states wrongly, by more than half a step of stored coordinates; for
-/// counts of points by return; and for points whose return number is above their number of returns.
+/// Returns a sentence for each axis on which the header's bounds are wrong by more than half a step of stored
+/// coordinates; for wrong counts of points by return; and for points whose return number exceeds their number of
+/// returns.
 std::vector<std::string> header_faults(const FileSummary& summary) {
   const FileInfo& info = summary.info;
   std::vector<std::string> faults;
@@ -96,11 +97,12 @@ void for_each_piece(Reader& reader, const std::function<void(const Piece&)>& vis
   }
 }
 
-/// One row of each of kSample equal stretches: any of its rows, so that no period of the file meets that of the sample.
+/// One random row from each of kSample equal stretches of rows, so that no period of the file coincides with a period
+/// of the sample.
 class SampledRows {
  public:
   explicit SampledRows(std::uint64_t rows) : rows_(rows), stretches_(std::min(kSample, rows)) { advance(); }
-  /// To be asked for each row in turn.
+  /// Must be called for each row in order.
   bool contains(std::uint64_t row) {
     if (row != next_row_) return false;
     advance();

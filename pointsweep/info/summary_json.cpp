@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json vector_of(Vec3 v) { return {v.x + 0.0, v.y + 0.0, v.z + 0.0}; }  // + 0: not "-0"
+Json vector_of(Vec3 v) { return {v.x + 0.0, v.y + 0.0, v.z + 0.0}; }  // adding 0 turns -0 into 0
 
 Json number_or_null(std::optional<double> value) { return value ? Json(*value) : Json(); }
 

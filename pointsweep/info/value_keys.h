@@ -16,8 +16,8 @@
 
 namespace pointsweep {
 
-/// One number for each value: a < b if and only if key(a) < key(b). Whole numbers keep all of their 64 bits. Integers
-/// on a decimal grid are the decimal fractions that they mean (GridDecimals), and -0 is 0.
+/// Maps values to numbers of the same order: a < b if and only if key(a) < key(b). Whole numbers keep all 64 bits.
+/// Integers on a decimal grid are taken as decimal fractions (GridDecimals), and -0 as 0.
 class ValueKeys {
  public:
   explicit ValueKeys(const Field& field);
@@ -26,7 +26,7 @@ class ValueKeys {
   /// Returns whether the values have at most 32 bits, as whole numbers.
   bool is_small() const { return is_whole() && size_of(field_.type) <= 4; }
   std::uint32_t components() const { return field_.count; }
-  /// Writes the keys of all components of records `stride` bytes apart, those of one record side by side.
+  /// Writes the keys of all components of records `stride` bytes apart; keys of one record are adjacent.
   void find(std::span<const std::byte> records, std::size_t stride, std::vector<std::uint64_t>& keys) const;
 
   bool is_finite(std::uint64_t key) const { return is_whole() || (key > kNegativeInfinity && key < kInfinity); }

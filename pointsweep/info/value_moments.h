@@ -12,22 +12,22 @@
 
 namespace pointsweep {
 
-/// Sums of values and of their squares, without rounding: integers of 128 bits for whole numbers of up to 32 bits, else
-/// two sums of 1.1 kB each.
+/// Exact sums of values and of their squares: integers of 128 bits for whole numbers of up to 32 bits, else two sums of
+/// 1.1 kB each.
 class ValueMoments {
  public:
-  /// `sums`: they are wanted; else only number and range.
+  /// `sums`: false for number and range only.
   ValueMoments(const ValueKeys& keys, bool sums);
   void add(const ValueKeys& keys, std::uint64_t key);
 
-  std::uint64_t count() const { return count_; }          ///< of finite values
+  std::uint64_t count() const { return count_; }          ///< number of finite values
   std::uint64_t nonfinite() const { return nonfinite_; }  ///< NaN and infinite values
   std::uint64_t least() const { return least_; }          ///< key of the least value; count() > 0
   std::uint64_t most() const { return most_; }
-  /// The sum, rounded, divided by the number; none without values, or if the sum is beyond float64.
+  /// Returns the rounded sum divided by the number; none without values, or if the sum is beyond float64.
   std::optional<double> mean() const;
-  /// The square root of the sum of squared distances from the mean, divided by the number less 1; none for fewer than
-  /// two values, or if the sum of their squares is beyond float64.
+  /// Returns the square root of the sum of squared distances from the mean, divided by the number less 1; none for
+  /// fewer than two values, or if the sum of their squares is beyond float64.
   std::optional<double> deviation() const;
 
   /// Bytes of memory.
@@ -42,8 +42,8 @@ class ValueMoments {
 
   std::uint64_t count_ = 0, nonfinite_ = 0;
   std::uint64_t least_ = std::numeric_limits<std::uint64_t>::max(), most_ = 0;
-  Int128 sum_ = 0, squares_ = 0;  ///< of whole numbers of up to 32 bits
-  std::unique_ptr<Sums> exact_;   ///< of all others; null where they are not wanted
+  Int128 sum_ = 0, squares_ = 0;  ///< for whole numbers of up to 32 bits
+  std::unique_ptr<Sums> exact_;   ///< for all others; null if not requested
 };
 
 }  // namespace pointsweep

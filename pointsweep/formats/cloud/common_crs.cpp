@@ -41,7 +41,7 @@ CommonCrs stated_crs(const std::vector<std::unique_ptr<Reader>>& readers, const 
     const FileInfo& info = reader->info();
     if (!info.crs) continue;
     if (stated.crs && compare(*stated.crs, *info.crs) == CrsAgreement::same) {
-      common.crs = info.crs;  // which may say more than a code
+      common.crs = info.crs;  // may state more than a code
       if (common.crs->wkt.empty()) common.crs->wkt = stated.crs->wkt;
       continue;
     }

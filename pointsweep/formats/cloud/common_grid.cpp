@@ -18,13 +18,13 @@ bool is_grid(const Field& field) {
   return field.type == Type::i32 && field.count == 1 && field.bit_width == 0 && field.scale > 0;
 }
 
-/// One axis of one input.
+/// An axis of an input.
 struct AxisOfInput {
   Field field;
-  double lo, hi;  ///< of the real coordinates, as the header states them; lo > hi if it does not
+  double lo, hi;  ///< bounds of the real coordinates in the header; lo > hi if there are none
 };
 
-/// Whole steps of `scale` in one step of `coarse`; nothing if there is no whole number of them.
+/// Returns the number of steps of `scale` in one step of `coarse`; nothing if it is not whole.
 std::optional<std::int64_t> factor_between(double coarse, double scale) {
   const double ratio = coarse / scale, factor = std::nearbyint(ratio);
   const bool whole = std::abs(ratio - factor) <= 4 * std::numeric_limits<double>::epsilon() * ratio;
@@ -64,7 +64,7 @@ class AxisGrid {
   }
 
   double scale = 1, offset = 0;
-  std::vector<std::int64_t> factors, steps;  ///< by input
+  std::vector<std::int64_t> factors, steps;  ///< one for each input
 
  private:
   std::vector<double> candidates() const {

@@ -125,8 +125,7 @@ class Union {
     return schema;
   }
 
-  /// Returns, for each field, the range of the values that the types of all inputs allow. It includes 0 where an input
-  /// lacks the field.
+  /// Returns the range of each field that the types of all inputs allow. It includes 0 if an input lacks the field.
   const std::vector<ValueRange>& ranges() const { return ranges_; }
 
   Schema schema() const {

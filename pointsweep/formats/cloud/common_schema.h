@@ -22,7 +22,7 @@ namespace pointsweep {
 
 /// Moves scaled 32-bit coordinates to another grid: raw = raw * factor + steps, nothing is rounded.
 struct GridShift {
-  std::array<std::uint32_t, 3> offsets{};  ///< of x, y and z in the record
+  std::array<std::uint32_t, 3> offsets{};  ///< offsets of x, y and z in the record
   std::array<std::int64_t, 3> factors{1, 1, 1}, steps{};
   bool is_needed() const {
     return steps != std::array<std::int64_t, 3>{} || factors != std::array<std::int64_t, 3>{1, 1, 1};
@@ -36,16 +36,15 @@ struct CommonGrid {
   std::vector<GridShift> shifts;  ///< one for each input
 };
 
-/// The grid of the finest scale on which every coordinate of every input lies, if there is one: all x, y and z are
-/// scaled int32, each scale is a whole multiple of the finest, offsets differ by whole steps of it, and the bounds in
-/// the headers stay within 32 bits. The offset of each axis is that of the first input for which all this holds, or
-/// else whole steps away from the first input's, in the middle of all bounds.
+/// Returns the grid of the finest scale on which every coordinate of every input lies, if there is one. Its conditions:
+/// all x, y and z are scaled int32, each scale is a whole multiple of the finest, offsets differ by whole steps of it,
+/// and the bounds in the headers stay within 32 bits. The offset of each axis is that of the first input for which the
+/// bounds fit; if there is none, it lies in the middle of all bounds, whole steps away from the first input's.
 std::optional<CommonGrid> common_grid(const std::vector<std::unique_ptr<Reader>>& readers);
 
-/// The values, other than 0, that the points of an input get in fields that only other inputs have.
-/// Points without return numbers are return 1 of 1, as LAS wants it. Points of LAS point formats 0 to 5 say in class 12
-/// that they lie in the overlap of flight lines; beside inputs of formats 6 to 10 they get the flag of these, too, and
-/// keep their class.
+/// The values other than 0 of fields that an input lacks and other inputs have. Points without return numbers are
+/// return 1 of 1, as LAS requires. Points of LAS point formats 0 to 5 in the overlap of flight lines have class 12;
+/// together with inputs of formats 6 to 10 they also get the overlap flag of these, and keep their class.
 class MissingFields {
  public:
   MissingFields() = default;
@@ -71,7 +70,7 @@ struct InputMapping {
 struct CommonSchema {
   Schema schema;
   std::vector<InputMapping> mappings;  ///< one for each input
-  std::vector<ValueRange> ranges;      ///< of the values of each field, as far as the types of the inputs tell
+  std::vector<ValueRange> ranges;      ///< range of the values of each field that the types of the inputs allow
   /// One sentence for each input that lacks fields of another one, at most five.
   std::vector<std::string> warnings;
 };
@@ -82,18 +81,21 @@ CommonSchema common_schema(const std::vector<std::unique_ptr<Reader>>& readers);
 
 /// One coordinate reference system for several inputs.
 struct CommonCrs {
-  std::optional<Crs> crs;             ///< of the first input that states one; its WKT may be another's
+  std::optional<Crs> crs;             ///< system of the first input that states one; its WKT may come from another
+                                      ///< input
   std::vector<std::string> warnings;  ///< inputs without a system; systems that could not be compared, or differ
   bool replaces = false;              ///< an input states another system, which does not count
 };
 
-/// Throws UsageError for inputs whose systems differ; with `ignore` that is a warning, and coordinates stay unchanged.
+/// Throws UsageError for inputs with different systems. With `ignore` there is a warning instead, and coordinates stay
+/// unchanged.
 CommonCrs common_crs(const std::vector<std::unique_ptr<Reader>>& readers, bool ignore);
 
 /// Returns the system that the user states. Throws UsageError where it contradicts an input and does not replace.
 CommonCrs stated_crs(const std::vector<std::unique_ptr<Reader>>& readers, const StatedCrs& stated);
 
-/// ", e.g. by 'pdal translate ...'": a command that transforms a file to the system; empty where it has no EPSG code.
+/// Returns ", e.g. by 'pdal translate ...'": a command that transforms a file to the system; empty without an EPSG
+/// code.
 std::string way_to_transform(const Crs& to);
 
 }  // namespace pointsweep

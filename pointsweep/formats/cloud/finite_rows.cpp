@@ -54,12 +54,12 @@ bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path) {
   return can_be_nonfinite(p.x) || can_be_nonfinite(p.y) || can_be_nonfinite(p.z);
 }
 
-/// Blocks of an input that one thread looks at, and what it finds there.
+/// Successive blocks of an input that one thread reads, with its results.
 struct FiniteRowIndex::Piece {
   std::uint64_t first, end;           ///< rows
   std::vector<std::uint64_t> finite;  ///< rows of each block
   std::vector<std::uint64_t> others;  ///< the first of the rows that are not finite
-  std::uint64_t count = 0;            ///< of those
+  std::uint64_t count = 0;            ///< number of finite rows in them
   Box bounds;
 };
 
@@ -93,9 +93,9 @@ FiniteRowIndex::FiniteRowIndex(Reader& reader, std::uint64_t first_row, Nonfinit
   }
 }
 
-/// Returns the end of the blocks from `row` on that one thread looks at: they begin in one chunk.
+/// Returns the end of the blocks from `row` on that one thread reads: those that begin in the same chunk.
 std::uint64_t FiniteRowIndex::end_of_piece(const Reader& reader, std::uint64_t row) const {
-  constexpr std::uint64_t kBlocks = 4;  // where any range is a chunk, or where one thread reads
+  constexpr std::uint64_t kBlocks = 4;  // for inputs that may be split at any row, or that one thread reads
   if (!reader.has_decoders() || reader.decodes_any_range()) return std::min(rows_, row + kBlocks * kBlock);
   return std::min(rows_, (reader.chunk_of(row).end_row() + kBlock - 1) / kBlock * kBlock);
 }

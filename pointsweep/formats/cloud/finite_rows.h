@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A reader of only those rows of an input whose coordinates are finite.
+/// A reader of only the rows of an input with finite coordinates.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ struct NonfiniteRows {
   std::uint64_t count = 0;
   std::vector<std::uint64_t> rows;  ///< the first of them, ascending, at most kMostListed
   std::string first;                ///< "row 17 of scan.ply"; empty if there are none
-  Box bounds;                       ///< of all other points
+  Box bounds;                       ///< bounds of all other points
 };
 
 /// A function that reads records as RowDecoder::read does.
@@ -33,7 +33,7 @@ using ReadInputRows = std::function<std::size_t(std::uint64_t row, std::span<std
 /// Returns whether a coordinate of these fields may be NaN or infinite: true unless all are integers, scaled or not.
 bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path);
 
-/// For every 4,096 rows of an input, how many finite ones are before them.
+/// The number of finite rows before each block of 4,096 rows of an input.
 class FiniteRowIndex {
  public:
   static constexpr std::uint64_t kBlock = 4096;
@@ -41,7 +41,7 @@ class FiniteRowIndex {
   /// `first_row` on.
   FiniteRowIndex(Reader& reader, std::uint64_t first_row, NonfiniteRows& found,
                  const std::function<void(std::uint64_t rows)>& progress);
-  std::uint64_t count() const { return before_.back(); }  ///< of finite rows
+  std::uint64_t count() const { return before_.back(); }  ///< number of finite rows
   bool has_all() const { return count() == rows_; }
 
   std::size_t blocks() const { return before_.size() - 1; }
@@ -57,7 +57,7 @@ class FiniteRowIndex {
   static void look_at(const FileInfo& info, const ReadInputRows& read, Piece& piece);
 
   std::uint64_t rows_;
-  std::vector<std::uint64_t> before_;  ///< one more than there are blocks
+  std::vector<std::uint64_t> before_;  ///< for each block, and one more at the end
 };
 
 /// Row i is the i-th finite row of `all`.
@@ -75,7 +75,7 @@ class FiniteRows final : public Reader {
   void rest() override { all_->rest(); }
   /// The row of the input that is finite row `row`.
   std::uint64_t input_row(std::uint64_t row);
-  /// The reader of all rows; this one is of no use afterwards.
+  /// Returns the reader of all rows. This object must not be used afterwards.
   std::unique_ptr<Reader> release() { return std::move(all_); }
 
  private:
@@ -85,7 +85,7 @@ class FiniteRows final : public Reader {
   std::unique_ptr<Reader> all_;
   FiniteRowIndex index_;
   PositionFields position_;
-  std::unique_ptr<Decoder> own_;  ///< of read() and input_row()
+  std::unique_ptr<Decoder> own_;  ///< decoder of read() and input_row()
 };
 
 }  // namespace pointsweep

@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t kScratchBytes = 1 << 20;
 
-/// The longest chunk, in rows, that one thread decodes while others work. For a longer chunk, other threads would wait
-/// for the thread that decodes it, so threads take turns at reading and work on the rows that they have read.
+/// The most rows of a chunk that one thread decodes while others work. With longer chunks other threads would wait for
+/// the decoding thread; instead the threads take turns at reading, and work on the rows they have read.
 constexpr std::uint64_t kLongestChunk = 1 << 18;
 
 bool decodes_side_by_side(const std::unique_ptr<Reader>& reader) {
@@ -87,7 +87,7 @@ void InputCloud::begin(CloudOptions options) {
   take_common_schema();
   warnings_.insert(warnings_.end(), missing_attributes_.begin(), missing_attributes_.end());
   const PositionFields p = position_fields(schema_, readers_.front()->info().path.string());
-  if (las && p.x.type == Type::i32)  // all on one grid, which may have another offset
+  if (las && p.x.type == Type::i32)  // inputs share a grid, whose offset may differ
     las->grid = {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
   if (las) las_ = std::make_shared<const LasOrigin>(*las);
   count_rows();
@@ -279,7 +279,7 @@ class InputCloud::Decoder final : public RowDecoder {
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
     const auto read_rows = [this](std::size_t input, std::uint64_t first, std::span<std::byte> bytes) {
       if (!decoder_ || input != input_) {
-        // Where records are converted, the fields of the input have other numbers.
+        // If records are converted, field numbers of the input differ.
         const bool all = cloud_.mappings_[input].conversion != nullptr;
         decoder_ = cloud_.readers_[input]->decoder(all ? WantedFields{} : wanted_);
         input_ = input;

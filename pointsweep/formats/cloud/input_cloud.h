@@ -25,8 +25,8 @@
 
 namespace pointsweep {
 
-/// Class Cloud documents its schema. LAS integers stay where all lie on one grid (common_schema.h); what a field is in
-/// an input that lacks it is in class MissingFields.
+/// The inputs of a run as one cloud; class Cloud documents its schema. LAS integers are kept if all lie on one grid
+/// (common_schema.h). Class MissingFields has the values of fields that an input lacks.
 class InputCloud {
  public:
   explicit InputCloud(const std::vector<std::filesystem::path>& paths, CloudOptions options = {});
@@ -38,9 +38,9 @@ class InputCloud {
   const std::vector<std::unique_ptr<Reader>>& readers() const { return readers_; }
   /// Extras of the first input.
   std::shared_ptr<const FormatExtras> extras() const;
-  /// Extras of the inputs after the first; one for those of neighbouring inputs that are alike (OutputPlan).
+  /// Returns the extras of the inputs after the first; one for neighbouring inputs that are alike (OutputPlan).
   std::vector<std::shared_ptr<const FormatExtras>> other_extras() const;
-  /// Coordinate reference system that the user states, or else of the first input that states one.
+  /// Returns the coordinate reference system that the user states, or else that of the first input that states one.
   const std::optional<Crs>& crs() const { return crs_; }
   /// CloudOptions::crs
   const std::optional<StatedCrs>& stated_crs() const { return stated_crs_; }
@@ -56,60 +56,60 @@ class InputCloud {
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// The warnings that say which input lacks attributes of other inputs.
   const std::vector<std::string>& missing_attributes() const { return missing_attributes_; }
-  /// Appends boxes that are said to hold the points of all rows, ascending: of chunks, where a file states them, else
-  /// of whole files. Returns the first input with points that states none, or null.
+  /// Appends stated boxes of the points of all rows, ascending: boxes of chunks if a file states them, else of whole
+  /// files. Returns the first input with points that states none, or null.
   const Reader* stated_boxes(std::vector<RowBox>& boxes) const;
   /// Bytes of all input files.
   std::uint64_t bytes() const;
 
-  /// Reads records as Reader::read does, over all inputs. Not thread-safe.
+  /// Reads records of all inputs like Reader::read. Not thread-safe.
   std::size_t read(std::uint64_t row, std::span<std::byte> records);
 
-  /// A decoder of the rows for one thread, beside which others may read; null where only read() gives them: an input
-  /// has no decoders or very long chunks. Only the `wanted` fields are sure to have their values. It is of use until
+  /// Returns a decoder of rows for one thread; other threads may read at the same time. Null if only read() reads rows:
+  /// an input has no decoders or very long chunks. Only the `wanted` fields have their values. Valid until
   /// drop_nonfinite(), select() or keep_all() is called. Thread-safe.
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const;
-  /// Returns the row after the chunk that holds `row`: one decoder should read that far. Returns `row` where any range
-  /// is a chunk. Thread-safe.
+  /// Returns the row after the chunk that contains `row`, up to which one decoder should read. Returns `row` if rows
+  /// may be split anywhere. Thread-safe.
   std::uint64_t chunk_end(std::uint64_t row) const;
 
-  /// Leaves out the rows with NaN or infinite coordinates until keep_all() is called: all other rows follow each other,
-  /// numbered from 0. Reads every input that can have such rows once; `progress` is told the rows read so far. What was
-  /// found has rows numbered as before, and bounds unless some input was not read.
+  /// Drops the rows with NaN or infinite coordinates until keep_all() is called; the other rows are numbered from 0.
+  /// Reads every input that can have such rows once; `progress` is called with the number of rows read. The result has
+  /// the rows in their old numbers, and bounds unless some input was not read.
   NonfiniteRows drop_nonfinite(const std::function<void(std::uint64_t rows)>& progress = {});
-  /// All rows are there again.
+  /// Restores all rows.
   void keep_all();
-  /// Returns the number of the input that holds row `row`, and its row there when no rows are left out. Not
-  /// thread-safe.
+  /// Returns the number of the input that has row `row`, and the number of the row in that input, counting dropped
+  /// rows. Not thread-safe.
   std::pair<std::size_t, std::uint64_t> place_of_row(std::uint64_t row);
-  /// The number that row `row` has when no rows are left out. Not thread-safe.
+  /// Returns the number of row `row`, counting dropped rows. Not thread-safe.
   std::uint64_t input_row(std::uint64_t row);
 
-  /// Reads an input by another reader, which must give the same records, and returns the one before. Not while rows are
-  /// left out or selected.
+  /// Replaces the reader of an input by another one with the same records, and returns the old one. Not while rows are
+  /// dropped or selected.
   std::unique_ptr<Reader> exchange_reader(std::size_t input, std::unique_ptr<Reader> reader);
 
-  /// Leaves out all rows that `selection` does not keep, until keep_all() or the next select(): the kept ones follow
-  /// each other, numbered from 0. It is made for all rows that drop_nonfinite() has left.
+  /// Drops all rows that `selection` does not keep, until keep_all() or the next select(); the kept rows are numbered
+  /// from 0. The selection is made for all rows that drop_nonfinite() has kept.
   void select(RowSelection selection);
   /// Null if no rows are selected.
   const RowSelection* selection() const { return selection_.get(); }
 
-  /// Reads no other chunks than these, as if the inputs had no others, until read_all_chunks() is called. Inputs
-  /// without decoders keep theirs, and the first chunk stays where no point would be left. Not while rows are left out,
-  /// selected or numbered.
+  /// Reads only the chosen chunks, as if the inputs had no others, until read_all_chunks() is called. Inputs without
+  /// decoders keep all chunks; the first chunk is kept if no point would be left. Not while rows are dropped, selected
+  /// or numbered.
   void choose_chunks(const std::function<bool(const Chunk&)>& is_chosen);
   void read_all_chunks();
 
-  /// Gives each record the number of its row in the inputs, in their order and with the rows that are left out later,
-  /// as its last field (input_row.h), until leave_unnumbered() is called. The first row has the number `first`. Not
-  /// while rows are left out or selected.
+  /// Adds the number of the row in the inputs, counting rows that are dropped later, to each record as its last field
+  /// (input_row.h), until leave_unnumbered() is called. The first row has the number `first`. Not while rows are
+  /// dropped or selected.
   void number_rows(std::uint64_t first = 0);
   void leave_unnumbered();
 
   /// The state of each input before it was opened.
   const std::vector<FileState>& states() const { return states_; }
-  /// Throws Error if an input was written to since it was opened: what was read may be a mixture of old and new.
+  /// Throws Error if an input has changed since it was opened: the data read may be a mixture of old and new.
   void require_unchanged() const;
   /// Throws Error if input `input` was written to since it was opened.
   void require_unchanged(std::size_t input) const;
@@ -134,15 +134,14 @@ class InputCloud {
   std::size_t read_input(const ReadInput& read, std::vector<std::byte>& scratch, std::size_t input, std::uint64_t row,
                          std::span<std::byte> records) const;
 
-  std::vector<FileState> states_;  ///< of the inputs before they were opened
+  std::vector<FileState> states_;  ///< of the inputs, before they were opened
   std::vector<std::unique_ptr<Reader>> readers_;
-  std::vector<ChosenChunks*>
-      chosen_;                       ///< by input, the one of `readers_` that choose_chunks() made; null: there is none
-  std::vector<FiniteRows*> finite_;  ///< by input, the one of `readers_` that leaves out rows; null: there is none
+  std::vector<ChosenChunks*> chosen_;  ///< for each input, its reader made by choose_chunks(); null: there is none
+  std::vector<FiniteRows*> finite_;    ///< for each input, its reader that drops rows; null: there is none
   std::vector<std::uint64_t> first_row_;
   std::vector<InputMapping> mappings_;
-  Reading reading_;             ///< of read()
-  std::size_t last_input_ = 0;  ///< that read() read
+  Reading reading_;             ///< state of read()
+  std::size_t last_input_ = 0;  ///< input of the last read()
   Schema schema_;
   std::optional<Crs> crs_;
   std::optional<StatedCrs> stated_crs_;
@@ -154,7 +153,7 @@ class InputCloud {
   std::shared_ptr<const RowSelection> selection_;
 };
 
-/// Opens the files that a path, a folder or a pattern stands for (files.h) as one cloud. `ignore_crs`: they may have
+/// Opens the files that a path, a folder or a pattern means (files.h) as one cloud. `ignore_crs`: they may have
 /// different coordinate reference systems.
 std::unique_ptr<InputCloud> opened_cloud(const std::string& name, bool ignore_crs);
 

@@ -53,7 +53,7 @@ bool has_role_of_data(const Json& asset) {
   return roles.is_array() && std::ranges::find(roles, Json("data")) != roles.end();
 }
 
-/// Returns the place of a feature's points; none if the feature does not state it.
+/// Returns the path or URL of a feature's points; none if the feature does not state it.
 std::optional<std::string> href_of(const Json& feature) {
   const Json assets = feature.is_object() ? feature.value("assets", Json()) : Json();
   if (!assets.is_object()) return std::nullopt;
@@ -70,7 +70,7 @@ fs::path path_of(const fs::path& collection, const std::string& href) {
   return (collection.parent_path() / href).lexically_normal();
 }
 
-/// Its name below the folder of the collection; its file name if it is not below it.
+/// Returns the path of a file below the folder of the collection; its file name if it is elsewhere.
 fs::path relative_name(const fs::path& collection, const fs::path& file) {
   const fs::path folder = collection.parent_path();
   const fs::path relative = file.lexically_relative(folder.empty() ? fs::path(".") : folder);
@@ -88,12 +88,12 @@ void require_existing(const fs::path& collection, const std::vector<ListedFile>&
        collection.string(), missing.front().string(), more);
 }
 
-/// By its extension, .vpc.
+/// Returns whether the extension is .vpc.
 bool is_virtual_cloud(const fs::path& path) { return extension_of(path) == ".vpc"; }
 
-/// The asset "data" of each feature, or else its first asset with the role "data", in the order of the file. Relative
-/// names begin at the folder of the .vpc file. Throws Error for a file that is none, and for files that do not exist;
-/// objects in the network are looked for when they are opened.
+/// Returns the asset "data" of each feature, or else its first asset with the role "data", in the order of the file.
+/// Relative names begin at the folder of the .vpc file. Throws Error for a file that is no collection, and for files
+/// that do not exist; objects on servers are checked when they are opened.
 std::vector<ListedFile> files_of_virtual_cloud(const fs::path& path) {
   const Json collection = collection_in(path);
   std::vector<ListedFile> files;
@@ -146,7 +146,7 @@ void add_files_of(const fs::path& folder, bool recursive, std::vector<fs::path>&
 /// Device and inode of a file, or a URL.
 using Identity = std::tuple<dev_t, ino_t, std::string>;
 
-/// Nothing if there is no such file.
+/// Returns the identity of a file; nothing if there is no such file.
 std::optional<Identity> identity_of(const fs::path& file) {
   if (is_url(file)) return Identity{0, 0, file.string()};
   struct stat status {};
@@ -205,7 +205,8 @@ class Lister {
            std::ranges::min(files).string());
   }
 
-  /// Adds those of `files` that are point files, and says which are none. False if none is.
+  /// Adds those of `files` that are point files, and a notice about the others. Returns false if there are no point
+  /// files.
   bool add_point_files(const fs::path& named, const fs::path& folder, const std::vector<fs::path>& files) {
     std::vector<std::pair<std::string, fs::path>> ordered;
     for (const fs::path& file : files) ordered.emplace_back(below(folder, file).generic_string(), file);
@@ -226,7 +227,7 @@ class Lister {
     return true;
   }
 
-  /// Points of a file that a folder and another argument name would come twice.
+  /// Throws UsageError for a file that a folder and another argument both contain, since its points would come twice.
   void require_each_once(const fs::path& argument) {
     const bool by_own_name = kind_of(argument) == ArgumentKind::file;
     for (; checked_ < out_.files.size(); ++checked_) {
@@ -247,7 +248,7 @@ class Lister {
     bool by_own_name;
   };
   bool recursive_;
-  std::string format_;  ///< of --format
+  std::string format_;  ///< value of --format
   InputList out_;
   std::size_t checked_ = 0;  ///< files of the list
   std::map<Identity, Seen> seen_;

@@ -50,7 +50,7 @@ std::unique_ptr<RowDecoder> NumberedRows::decoder(const WantedFields& wanted) co
   const std::size_t number = info_.schema.fields.size() - 1;
   WantedFields own = wanted;
   std::erase(own, number);
-  if (own.empty() && !wanted.empty()) own = {0};  // of no field, which no list asks for
+  if (own.empty() && !wanted.empty()) own = {0};  // an empty list would mean all fields
   return std::make_unique<Decoder>(*this, all_->decoder(own));
 }
 

@@ -23,7 +23,7 @@ class NumberedRows final : public Reader {
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted) const override;
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
   void rest() override { all_->rest(); }
-  /// Returns the reader without numbers; this one is of no use afterwards.
+  /// Returns the reader without numbers. This object must not be used afterwards.
   std::unique_ptr<Reader> release() { return std::move(all_); }
 
  private:

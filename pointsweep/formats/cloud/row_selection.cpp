@@ -47,7 +47,7 @@ bool SelectionCursor::has(std::uint64_t row) {
   return is_set(bits_, row % RowSelection::kBlockRows);
 }
 
-/// Returns the place in its block of the `kept`-th row, counted from 0, that is kept in the block.
+/// Returns the place in its block of the `kept`-th kept row, counted from 0.
 std::uint64_t SelectionCursor::place_in_block(std::uint64_t block, std::uint64_t kept) {
   load_bits(block);
   std::uint64_t i = 0;
@@ -91,7 +91,7 @@ std::size_t SelectionCursor::read(std::uint64_t first, std::size_t stride, std::
   return wanted;
 }
 
-/// Reads `n` of the rows that are kept in a block, from the `first`-th on.
+/// Reads `n` of the kept rows of a block, from the `first`-th kept row on.
 void SelectionCursor::read_in_block(std::uint64_t block, std::uint64_t first, std::size_t n, std::size_t stride,
                                     std::byte* to, const ReadAll& read_all) {
   const std::uint64_t begin = place_in_block(block, first), end = place_in_block(block, first + n - 1) + 1;

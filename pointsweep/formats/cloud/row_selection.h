@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Some rows of a cloud as a cloud of their own: row i is the i-th row that was kept.
+/// A selection of the rows of a cloud. The kept rows are numbered from 0.
 #pragma once
 
 #include <cstddef>
@@ -10,19 +10,19 @@
 
 namespace pointsweep {
 
-/// A bit for each row, in blocks, wherever they are kept. 8 bytes of memory for 4,096 rows. Any number of threads can
-/// look into it, each by a SelectionCursor.
+/// One bit for each row, in blocks that are read when needed. 8 bytes of memory for 4,096 rows. Many threads may use
+/// it, each with a SelectionCursor.
 class RowSelection {
  public:
   static constexpr std::uint64_t kBlockRows = 4096;
   static constexpr std::size_t kBlockBytes = kBlockRows / 8;
 
   /// `read(block, bits)` fills `bits`, kBlockBytes, with the bits of a block: bit i % 8 of byte i / 8 is set if its row
-  /// i is kept. It is called for every block now, and by any thread afterwards.
+  /// i is kept. It is called for every block now, and later from any thread.
   RowSelection(std::uint64_t rows, std::function<void(std::uint64_t block, std::span<std::byte> bits)> read);
 
-  std::uint64_t rows() const { return rows_; }            ///< of the whole cloud
-  std::uint64_t count() const { return before_.back(); }  ///< of those kept
+  std::uint64_t rows() const { return rows_; }            ///< number of rows of the whole cloud
+  std::uint64_t count() const { return before_.back(); }  ///< number of kept rows
 
  private:
   friend class SelectionCursor;
@@ -32,10 +32,10 @@ class RowSelection {
 
   std::uint64_t rows_;
   std::function<void(std::uint64_t, std::span<std::byte>)> read_bits_;
-  std::vector<std::uint64_t> before_;  ///< kept rows before each block, and in all
+  std::vector<std::uint64_t> before_;  ///< kept rows before each block, and in total
 };
 
-/// Looks into a selection for one thread. Keeps the bits of the block that it looked at last.
+/// Access to a selection for one thread. Keeps the bits of the latest block.
 class SelectionCursor {
  public:
   /// `selection` must outlive the cursor.
@@ -45,11 +45,11 @@ class SelectionCursor {
   bool has(std::uint64_t row);
   /// Returns the row of the whole cloud that is kept row `kept`.
   std::uint64_t row_of(std::uint64_t kept);
-  /// Returns how many rows are kept of those before row `row` of the whole cloud, which may be its end.
+  /// Returns how many rows before row `row` of the whole cloud are kept. `row` may be the end.
   std::uint64_t kept_before(std::uint64_t row);
 
   /// Reads kept rows: as many whole records of `stride` bytes from kept row `first` on as fit. `read_all(row, records)`
-  /// fills `records` with rows of the whole cloud, and is asked for no row before the first of these or after the last.
+  /// fills `records` with rows of the whole cloud; it is called only for rows between the first and the last of them.
   using ReadAll = std::function<void(std::uint64_t row, std::span<std::byte> records)>;
   std::size_t read(std::uint64_t first, std::size_t stride, std::span<std::byte> records, const ReadAll& read_all);
 

@@ -34,7 +34,7 @@ bool is_integer(const Field& field) {
   return field.type != Type::f32 && field.type != Type::f64 && field.scale == 1 && field.bias == 0;
 }
 
-/// Range of the integers that a field may hold; of unsigned ones of 64 bits the lower half.
+/// Returns the range of the integers of a field; for unsigned 64-bit fields, the lower half of the range.
 std::pair<std::int64_t, std::int64_t> range_of(const Field& field) {
   if (field.bit_width > 0 && field.bit_width < 63) return {0, (std::int64_t{1} << field.bit_width) - 1};
   return with_type(field.type, []<class T>() -> std::pair<std::int64_t, std::int64_t> {

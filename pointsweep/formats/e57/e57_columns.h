@@ -16,7 +16,7 @@ namespace pointsweep {
 /// The names of attributes in E57 and in the library.
 struct E57Name {
   std::string_view ours, theirs;
-  std::string_view extension = "";  ///< that defines the name; empty: the standard
+  std::string_view extension = "";  ///< extension that defines the name; empty: the standard
 };
 
 /// The coordinates come first.
@@ -48,10 +48,10 @@ inline constexpr E57Name kE57Names[] = {
 
 inline constexpr std::size_t kE57Coordinates = 3;
 
-/// One value of a point: an attribute of the file, and where a record has it.
+/// One value of a point: an attribute of the file, and its place in a record.
 struct E57Column {
   E57Attribute attribute;  ///< name "cartesianX", "nor:normalX", "ps:NAME"
-  Field field;             ///< of one component
+  Field field;             ///< has one component
 
   /// The number that the file stores: an integer without its scale, or the bits of a double.
   std::uint64_t stored(const std::byte* record) const;

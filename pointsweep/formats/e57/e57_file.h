@@ -19,10 +19,10 @@ namespace pointsweep {
 
 struct E57Attribute {
   enum class Kind : std::uint8_t { single, real, scaled_integer, integer };
-  std::string name;  ///< as in the file, e.g. "cartesianX"
+  std::string name;  ///< name in the file, e.g. "cartesianX"
   Kind kind = Kind::real;
-  std::int64_t least = 0, most = 0;  ///< of stored integers, before scale and offset
-  double scale = 1, offset = 0;      ///< of scaled integers
+  std::int64_t least = 0, most = 0;  ///< range of stored integers, before scale and offset
+  double scale = 1, offset = 0;      ///< for scaled integers
 
   bool is_stored_as_integer() const { return kind == Kind::scaled_integer || kind == Kind::integer; }
   /// Returns the value for a `stored` number that E57Scan::read() gives.
@@ -58,8 +58,8 @@ class E57File {
 
     std::size_t scan() const { return scan_; }
     std::uint64_t next() const { return next_; }  ///< row in the scan
-    /// One number for each attribute of each point: an integer as it is stored, or the bits of a double. All points
-    /// must exist. Throws Error.
+    /// Reads one number for each attribute of each point: a stored integer, or the bits of a double. All points must
+    /// exist. Throws Error.
     void read(std::span<std::uint64_t> values);
 
    private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Reading E57 files (ASTM E2807), and writing them: one scan without a pose.
+/// A reader of E57 files (ASTM E2807), and a writer of files with one scan without a pose.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace pointsweep {
 
-/// Cartesian coordinates, or those of spherical ones, with the pose of the scan applied to them and to normals, as
-/// float64; all other attributes under the library's names, those that only some scans have 0 in the others; the number
-/// of the scan, from 0, as `scan`, unless a single scan has an attribute of that name. A point that the file calls
-/// invalid has NaN coordinates. Images are left out with a warning. Throws Error for a damaged file, and where codecs
-/// are not built in.
+/// Opens a file. Coordinates are float64, Cartesian or converted from spherical ones, with the pose of the scan applied
+/// to them and to normals. Other attributes have the library's names; they are 0 in scans that lack them. `scan` is the
+/// number of the scan, from 0, unless the file has a single scan with an attribute of that name. Points marked as
+/// invalid have NaN coordinates. Images are left out with a warning. Throws Error for a damaged file, and if codecs are
+/// not built in.
 std::unique_ptr<Reader> open_e57(const std::filesystem::path& path);
 
 /// Coordinates in the type of the input, integers of a LAS grid as scaled integers. A point whose coordinates are not

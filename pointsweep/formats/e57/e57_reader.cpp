@@ -26,8 +26,8 @@ namespace {
 
 constexpr std::size_t kPointsAtOnce = 4096;
 
-/// Returns the library's name for an attribute of E57. Unknown names are kept. Names of coordinates are kept, too: a
-/// scan with spherical coordinates may have some Cartesian coordinates as attributes.
+/// Returns the library's name for an attribute of E57. Unknown names are returned unchanged, and so are names of
+/// coordinates: a scan with spherical coordinates may have some Cartesian coordinates as attributes.
 std::string name_of(const std::string& e57) {
   const auto known = std::find_if(std::begin(kE57Names) + kE57Coordinates, std::end(kE57Names),
                                   [&](const E57Name& name) { return name.theirs == e57; });

@@ -25,10 +25,10 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kBatchPoints = 4096;
-constexpr std::uint64_t kInvalid = 2;  ///< of cartesianInvalidState: the coordinates have no meaning
+constexpr std::uint64_t kInvalid = 2;  ///< value of cartesianInvalidState for coordinates without meaning
 
-/// 128 bits as E57 writes identifiers. The same points with the same record of how they were made have the same one, so
-/// that equal runs give equal bytes.
+/// Returns 128 bits in the form of E57's identifiers. They depend only on the points and the provenance, so that equal
+/// runs give equal bytes.
 std::string identifier_of(const OutputPlan& plan) {
   std::uint64_t state[2] = {0xcbf29ce484222325u, 0x84222325cbf29ce4u};  // FNV-1a, from two beginnings
   const auto add = [&](std::string_view bytes) {
@@ -130,7 +130,7 @@ class E57Writer final : public Writer {
     }
   }
 
-  /// Throws what a callback met, else what the codec says.
+  /// Throws the exception of a callback, else the error of the codec.
   void require(int status, const psc_error& error) {
     if (status == 0) return;
     if (met_) std::rethrow_exception(std::exchange(met_, nullptr));
@@ -165,7 +165,7 @@ class E57Writer final : public Writer {
   OutputFile file_;
   std::size_t width_ = 0;  ///< values of a point
   psc_e57_writer* codec_ = nullptr;
-  std::exception_ptr met_;  ///< in a callback, through which nothing may be thrown
+  std::exception_ptr met_;  ///< exception of a callback, which must not pass through C code
   std::vector<std::uint64_t> values_;
   std::uint64_t rows_written_ = 0;
 };
@@ -173,7 +173,7 @@ class E57Writer final : public Writer {
 }  // namespace
 
 std::uint64_t e57_encoder_bytes(std::uint64_t, unsigned) {
-  return 4 << 20;  // a packet, its points as the codec holds them, and what is not yet written
+  return 4 << 20;  // a packet, its points in the codec, and unwritten bytes
 }
 
 std::unique_ptr<Writer> create_e57_writer(const OutputPlan& plan) { return std::make_unique<E57Writer>(plan); }

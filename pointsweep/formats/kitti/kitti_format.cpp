@@ -16,7 +16,7 @@ namespace {
 
 class FloatRecords final : public ColumnsReader {
  public:
-  /// `other`: what the user may have meant where the size of the file is none of whole points.
+  /// `other`: formats to suggest if the size of the file is no whole number of points.
   FloatRecords(const std::filesystem::path& path, const char* asked_for_as, const char* format,
                std::initializer_list<const char*> names, const char* other) {
     auto file = std::make_shared<const InputFile>(path);

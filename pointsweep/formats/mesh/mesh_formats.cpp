@@ -29,7 +29,8 @@ struct OffHeader {
   std::uint64_t vertices = 0, faces = 0;
 };
 
-/// The keyword at the begin of `line`, which is taken off it: letters up to and including OFF. Nothing if it is none.
+/// Removes the keyword from the begin of `line`, which consists of letters and ends with OFF, and returns its meaning.
+/// Nothing if there is none.
 std::optional<OffHeader> take_keyword(std::string_view& line) {
   OffHeader header;
   const auto take = [&](std::string_view word) {
@@ -197,9 +198,9 @@ bool starts_as_obj(std::string_view head) {
   return false;
 }
 
-/// The lines "v x y z", followed by a weight, which is left out, or a colour. Normals ("vn") are read where there are
-/// as many as vertices, the first for the first; otherwise faces say which belong together, and they are left out with
-/// a warning, as faces and other elements are.
+/// Opens an OBJ file: lines "v x y z", followed by a weight, which is ignored, or a colour. Normals ("vn") are read if
+/// there are as many as vertices; they belong to vertices in order. Otherwise only faces would assign them, and they
+/// are left out with a warning, like faces and other elements.
 std::unique_ptr<Reader> open_obj(const std::filesystem::path& path) {
   auto file = std::make_unique<InputFile>(path);
   const LineReader lines(*file);

@@ -16,7 +16,7 @@
 namespace pointsweep {
 
 /// The meaning of the numbers of a line, in order. Coordinates, normals and texture coordinates are read as float64;
-/// colours as uint8, from numbers between 0 and 1 if none in the file is larger, else from 0 to 255.
+/// colours as uint8, from the range [0, 1] if no number in the file is larger, else from [0, 255].
 struct VertexColumns {
   bool normal = false;
   std::size_t color = 0;  ///< components: 0, 3 or 4
@@ -27,7 +27,7 @@ struct VertexColumns {
 class VertexLineReader : public Reader {
  public:
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
-  /// Stores what the lines of `rows` rows hold, `stride` bytes apart; all must exist.
+  /// Stores the values of the lines of `rows` rows, `stride` bytes apart; all rows must exist.
   void fill(std::uint64_t row, std::size_t rows, std::byte* to, std::size_t stride);
 
  protected:
@@ -40,7 +40,7 @@ class VertexLineReader : public Reader {
   std::string_view first_line() { return cursor_.at(0); }  ///< there must be one
   /// Numbers in a line, after its keyword; valid until the next call.
   const std::vector<double>& numbers(std::string_view line);
-  /// Makes the fields, and looks at all colours.
+  /// Makes the fields. Reads all colours to find their range.
   void set_columns(const VertexColumns& columns);
   std::uint64_t rows() const { return rows_.count(); }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// NumPy arrays: of neighbours and distances, read as rows of values and written; and of points, as .npy files and .npz
-/// archives.
+/// NumPy arrays: readers of arrays of neighbours and distances as rows, and of points in .npy files and .npz archives;
+/// a writer.
 #pragma once
 
 #include <filesystem>
@@ -12,8 +12,8 @@
 
 namespace pointsweep {
 
-/// A little-endian, C-ordered array of one or two dimensions (format versions 1 to 3). Its schema has one field for
-/// each column: neighbor_0, ... for integers, distance_0, ... for floating numbers. Throws Error for anything else.
+/// Opens a little-endian, C-ordered array of one or two dimensions (format versions 1 to 3). Its schema has one field
+/// for each column: neighbor_0, ... for integers, distance_0, ... for floating numbers. Throws Error for other arrays.
 std::unique_ptr<Reader> open_npy(const std::filesystem::path& path);
 
 /// The schema of the plan has one plain field; the array has shape (n, count), or (n,) if the count is 1 and the
@@ -27,11 +27,12 @@ class NpyWriter final : public RecordWriter {
 /// Returns whether a file that begins with `head` is a NumPy array or an archive of NumPy arrays.
 bool starts_as_npy_points(std::string_view head);
 
-/// An array of n rows and three columns or more (x, y, z, then as default_column_names() says), in C or Fortran order,
-/// or of a structured type with fields x, y, z (or xyz, ... of three values), in either byte order; values keep their
-/// type. More axes, as of an organised cloud, are flattened, with a warning. In an archive the positions are the member
-/// xyz, points, position(s), vertices or coordinates, or members x, y and z, or the only one that can be; members of as
-/// many rows become attributes under their names, others are left out with a warning. Throws Error for anything else.
+/// Opens an array of n rows and three columns or more (x, y, z, then the names of default_column_names()), in C or
+/// Fortran order, or of a structured type with fields x, y, z (or xyz, ... of three values), in either byte order;
+/// values keep their type. Arrays with more axes, such as organised clouds, are flattened, with a warning. In an
+/// archive the positions are the member xyz, points, position(s), vertices or coordinates, or members x, y and z, or
+/// the only one that can be; members of as many rows become attributes under their names, others are left out with a
+/// warning. Throws Error for anything else.
 std::unique_ptr<Reader> open_npy_points(const std::filesystem::path& path);
 
 }  // namespace pointsweep

@@ -19,9 +19,9 @@ namespace {
 struct PyLiteral {
   enum class Kind : std::uint8_t { text, number, boolean, list, dictionary };
   Kind kind = Kind::list;
-  std::string text;              ///< of a text
-  std::uint64_t number = 0;      ///< of a number; of a boolean 0 or 1
-  std::vector<PyLiteral> items;  ///< of a tuple or list; of a dictionary keys and values in turn
+  std::string text;              ///< value of a text
+  std::uint64_t number = 0;      ///< value of a number; 0 or 1 for a boolean
+  std::vector<PyLiteral> items;  ///< elements of a tuple or list; alternating keys and values of a dictionary
 
   /// The value of a key of a dictionary; null if it has none.
   const PyLiteral* find(std::string_view key) const;
@@ -118,7 +118,8 @@ const PyLiteral* PyLiteral::find(std::string_view key) const {
   return nullptr;
 }
 
-/// Texts, whole numbers, True and False, tuples, lists and dictionaries in up to 8 levels; nothing for other text.
+/// Parses texts, whole numbers, True and False, tuples, lists and dictionaries with up to 8 levels; nothing for other
+/// text.
 std::optional<PyLiteral> parse_py_literal(std::string_view text) {
   PyParser parser(text);
   auto value = parser.value(0);

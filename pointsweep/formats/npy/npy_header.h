@@ -12,10 +12,10 @@
 namespace pointsweep {
 
 struct NpyHeader {
-  Schema item;  ///< of one element: one field without a name, or those of a structured type
+  Schema item;  ///< an element: one field without a name, or the fields of a structured type
   bool is_structured = false;
   std::vector<Field> big_endian;  ///< fields of `item` whose values are
-  std::string description;        ///< of the type, as the file has it: "<f4"; "a structured type"
+  std::string description;        ///< type in the file's notation: "<f4"; "a structured type"
   bool fortran_order = false;
   std::vector<std::uint64_t> shape;
   std::uint64_t data = 0;  ///< byte of the first element

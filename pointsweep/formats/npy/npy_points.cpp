@@ -22,7 +22,7 @@ constexpr std::uint64_t kMostColumns = 65536;
 constexpr std::uint64_t kRowsLookedAt = 100;
 
 struct NpyArray {
-  std::string name;  ///< in an archive (.npz); empty for a .npy file
+  std::string name;  ///< name in an archive (.npz); empty for a .npy file
   NpyHeader header;
 
   /// Axes of an array whose elements are numbers: rows, then values of a row.
@@ -67,7 +67,7 @@ class NpyPointsReader final : public ColumnsReader {
     info_.format = fmt::format("NPZ archive of {} NumPy array{}", arrays_.size(), arrays_.size() == 1 ? "" : "s");
   }
 
-  /// One array that holds x, y and z, or three that hold one each.
+  /// Returns one array with x, y and z, or three arrays with one axis each.
   std::vector<const NpyArray*> find_positions() const {
     std::vector<const NpyArray*> axes, possible;
     for (const char* axis : {"x", "y", "z"})
@@ -182,7 +182,7 @@ class NpyPointsReader final : public ColumnsReader {
   std::vector<StoredColumn> columns_;
   std::vector<Field> big_endian_;
   std::vector<std::string> left_out_;
-  bool has_default_names_ = false;  ///< those of the first fields
+  bool has_default_names_ = false;  ///< the first fields have default names
 };
 
 constexpr std::string_view kNpyExtensions[] = {".npy"}, kNpzExtensions[] = {".npz"};

@@ -78,7 +78,7 @@ class NpzDirectory {
     if (number_at(entry, 10, 2) != 0)
       fail("{}: is compressed, and pointsweep reads stored archives; save it with numpy.savez, not savez_compressed.",
            file_.path().string());
-    // What does not fit into 32 bits follows in the extra bytes, in this order.
+    // Numbers that do not fit in 32 bits follow in the extra bytes, in this order.
     std::array<std::uint64_t, 3> values{number_at(entry, 24, 4), number_at(entry, 20, 4), number_at(entry, 42, 4)};
     take_large(extra, values);
     const std::string local = bytes_at(values[2], kLocalBytes);
@@ -107,7 +107,7 @@ class NpzDirectory {
   }
 
   const InputFile& file_;
-  std::uint64_t entries_ = 0, next_ = 0;  ///< of the directory; byte of its next entry
+  std::uint64_t entries_ = 0, next_ = 0;  ///< entries of the directory; byte of its next entry
 };
 
 }  // namespace

@@ -12,15 +12,15 @@
 
 namespace pointsweep {
 
-/// Decompresses a block of a file front to back in little memory, however long the block is. liblzf needs all input and
-/// all output in memory at once.
+/// Decompresses a block of a file from begin to end in little memory, for any length of the block. liblzf needs all
+/// input and all output in memory at once.
 class LzfStream {
  public:
   /// The state of a stream between two reads; 8 KB.
   struct State {
     std::uint64_t in = 0;                                                 ///< bytes of the block taken
     std::uint64_t out = 0;                                                ///< bytes given
-    std::uint32_t match_distance = 0, match_left = 0, literals_left = 0;  ///< of the run in hand
+    std::uint32_t match_distance = 0, match_left = 0, literals_left = 0;  ///< of the current run
     std::array<std::byte, 8192> history{};  ///< the last bytes given, at their place modulo its size
   };
 
@@ -30,7 +30,7 @@ class LzfStream {
 
   const State& state() const { return state_; }
   void go_to(const State& state);
-  /// Gives the next bytes. Throws Error where the block ends before, or refers to what is before its begin.
+  /// Reads the next bytes. Throws Error if the block ends before, or refers to bytes before its begin.
   void read(std::span<std::byte> out);
   void skip(std::uint64_t bytes);
 

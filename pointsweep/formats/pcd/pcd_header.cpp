@@ -13,7 +13,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kMostHeaderLines = 32768;  ///< more than all lines of provenance
-constexpr std::uint32_t kMostBytes = 1u << 20;     ///< of a record
+constexpr std::uint32_t kMostBytes = 1u << 20;     ///< largest size of a record
 
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> words;

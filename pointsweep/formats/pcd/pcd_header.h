@@ -19,7 +19,7 @@ struct PcdField {
   std::string name;
   Type type;
   std::uint32_t count;
-  std::uint32_t offset;  ///< in a record of the binary encodings
+  std::uint32_t offset;  ///< offset in a record of the binary encodings
   std::uint32_t bytes() const { return count * static_cast<std::uint32_t>(size_of(type)); }
 };
 
@@ -27,17 +27,17 @@ struct PcdHeader {
   std::vector<PcdField> fields;  ///< padding, which is called `_`, included
   std::uint32_t stride = 0;      ///< bytes of a record
   std::uint64_t width = 0, height = 1, points = 0;
-  std::string viewpoint;                ///< the line as it is, "" if there is none
+  std::string viewpoint;                ///< the unchanged line; "" if there is none
   std::vector<std::string> provenance;  ///< comments that say how the file was made
   PcdData data = PcdData::ascii;
   std::uint64_t body_offset = 0;
   std::uint64_t body_line = 1;
 
-  /// Fields as operators see them: without padding, and with the bytes of a packed colour as red, green and blue.
+  /// Returns the fields as operators see them: without padding, and with packed colours as red, green and blue.
   Schema schema() const;
 };
 
-/// The extras of a PCD file, kept for a PCD output.
+/// The extras of a PCD file for a PCD output.
 struct PcdExtras final : FormatExtras {
   static constexpr std::string_view kFormat = "pcd";
   std::string_view format() const override { return kFormat; }

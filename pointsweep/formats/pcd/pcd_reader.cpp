@@ -141,8 +141,8 @@ class AsciiPcdReader final : public RowTextReader {
   PcdHeader header_;
 };
 
-/// All values of the first field, then all of the second, and so on, compressed as one block. The rows between two
-/// places at which the decompression of every field can begin are a chunk.
+/// Reads files that store all values of the first field, then all of the second, and so on, compressed as one block.
+/// Chunks are the rows between places at which decompression of every field can begin.
 class CompressedPcdReader final : public Reader {
  public:
   CompressedPcdReader(std::unique_ptr<const InputFile> file, const PcdHeader& header)
@@ -175,8 +175,8 @@ class CompressedPcdReader final : public Reader {
   /// A field in the block.
   struct Column {
     std::uint32_t offset, bytes;
-    std::uint64_t begin;                   ///< in the decompressed block
-    std::vector<LzfStream::State> places;  ///< of rows 0, chunk_rows_, ...
+    std::uint64_t begin;                   ///< begin in the decompressed block
+    std::vector<LzfStream::State> places;  ///< states at rows 0, chunk_rows_, ...
   };
 
   class Decoder final : public RowDecoder {
@@ -242,7 +242,7 @@ class CompressedPcdReader final : public Reader {
   std::uint32_t stride_;
   std::uint64_t chunk_rows_ = 1;
   std::vector<Column> columns_;
-  std::optional<LzfStream> begin_;  ///< at the begin of the block
+  std::optional<LzfStream> begin_;  ///< stream at the begin of the block
 };
 
 }  // namespace

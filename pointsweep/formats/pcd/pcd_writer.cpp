@@ -57,7 +57,7 @@ std::vector<std::size_t> byte_colors(const Schema& schema) {
   return found;
 }
 
-/// One word for the colours: blue in its lowest byte, alpha in its highest.
+/// Packs colours into one word: blue in its lowest byte, alpha in its highest.
 void pack_colors(const Schema& schema, const std::vector<std::size_t>& colors, PcdLayout& layout) {
   constexpr std::array<std::uint8_t, 4> kShifts{16, 8, 0, 24};
   for (std::size_t c = 0; c < colors.size(); ++c)

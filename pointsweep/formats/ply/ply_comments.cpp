@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Comments of PLY headers that keep what PLY has no place for, so that LAS -> PLY -> LAS loses nothing.
+/// Comments of PLY headers with facts for which PLY has no other place, so that LAS -> PLY -> LAS loses nothing.
 ///
 ///     comment crs PROJCS["NAD83 / UTM zone 10N",...    the WKT; longer than 900 bytes, it continues in the next `crs`
 ///     comment crs_geotiff_keys 1 1 0 3 1024 0 1 1 ...  GeoKeyDirectoryTag
@@ -30,7 +30,7 @@ constexpr std::size_t kLongestPiece = 900;
 constexpr std::string_view kLas = "comment las ", kWkt = "comment crs ", kKeys = "comment crs_geotiff_keys ",
                            kDoubles = "comment crs_geotiff_doubles ", kAscii = "comment crs_geotiff_ascii ";
 
-/// `text` in pieces, none of which begins or ends with a space: readers may trim lines.
+/// Cuts `text` into pieces that neither begin nor end with a space, since readers may trim lines.
 std::vector<std::string> in_pieces(std::string_view prefix, std::string_view text) {
   std::vector<std::string> lines;
   while (!text.empty()) {
@@ -42,7 +42,7 @@ std::vector<std::string> in_pieces(std::string_view prefix, std::string_view tex
   return lines;
 }
 
-/// Numbers with spaces between, as many to a line as fit; a line ends between two numbers.
+/// Returns lines of numbers separated by spaces, each as long as possible.
 template <class Numbers>
 std::vector<std::string> number_lines(std::string_view prefix, const Numbers& numbers) {
   std::vector<std::string> lines;

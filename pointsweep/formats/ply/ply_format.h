@@ -16,10 +16,10 @@ namespace pointsweep {
 /// header says.
 std::unique_ptr<Reader> open_ply(const std::filesystem::path& path);
 
-/// One element `vertex` with a property for each component of each field, in the order of the plan, under its own name
-/// and type. Scaled fields become `double`, bit fields the smallest unsigned type that holds them. PLY has no 64-bit
-/// integers: from an input that was PLY and used them anyway (`int64`) they are kept so, otherwise they become
-/// `double`, and one that a double cannot hold exactly is an Error.
+/// Creates a writer of one element `vertex` with a property for each component of each field, in the order of the plan,
+/// under its own name and type. Scaled fields become `double`, bit fields the smallest unsigned type that holds them.
+/// PLY has no 64-bit integers. They are kept as `int64` if they come from a PLY file that has this nonstandard type;
+/// otherwise they become `double`, and an integer that a double cannot represent exactly is an Error.
 /// The coordinate reference system becomes comments: see ply_comments.cpp.
 std::unique_ptr<Writer> create_ply_writer(const OutputPlan& plan);
 

@@ -21,30 +21,30 @@ enum class PlyEncoding : std::uint8_t { ascii, little_endian, big_endian };
 
 struct PlyProperty {
   std::string name;
-  Type type = Type::f32;  ///< of the value, or of the items of a list
+  Type type = Type::f32;  ///< type of the value, or of the items of a list
   bool is_list = false;
-  Type count_type = Type::u8;  ///< of the count before the items of a list
+  Type count_type = Type::u8;  ///< type of the count before the items of a list
 };
 
 struct PlyElement {
   std::string name;
-  std::uint64_t count = 0;  ///< as the header claims
+  std::uint64_t count = 0;  ///< number that the header states
   std::vector<PlyProperty> properties;
 
   bool has_list() const;
-  /// Bytes of one entry in a binary file; only where has_list() is false.
+  /// Returns the bytes of one entry in a binary file. Only if has_list() is false.
   std::uint32_t stride() const;
 };
 
-/// The lines of the header that start with `comment` or `obj_info`, in their order; written again to PLY outputs.
-/// Without the lines that take_crs_comments() and take_las_comment() take.
+/// The lines of the header that start with `comment` or `obj_info`, in their order; PLY outputs repeat them. Without
+/// the lines that take_crs_comments() and take_las_comment() remove.
 struct PlyExtras final : FormatExtras {
   static constexpr std::string_view kFormat = "ply";
   std::string_view format() const override { return kFormat; }
   bool is_like(const FormatExtras&) const override { return true; }  // the lines of the first input are kept
 
   std::vector<std::string> lines;
-  std::vector<std::string> provenance;  ///< what of them says how the file was made
+  std::vector<std::string> provenance;  ///< lines about how the file was made
 };
 
 struct PlyHeader {
@@ -55,7 +55,7 @@ struct PlyHeader {
   std::uint64_t body_line = 0;       ///< number, from 1, of the first line after the header
 };
 
-/// Throws Error with the line when the header is not understood or longer than 1 MiB.
+/// Throws Error with the line if the header is invalid or longer than 1 MiB.
 PlyHeader read_ply_header(const InputFile& file);
 
 std::string_view name_of(PlyEncoding encoding);

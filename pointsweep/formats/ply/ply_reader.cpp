@@ -68,12 +68,12 @@ std::uint64_t take_count(ForwardBytes& walker, const PlyProperty& list, bool big
     fail("{}: byte {}: a list of element '{}' has {} items; the file is damaged.", path.string(),
          walker.offset() - size, element.name, count);
   }
-  // A list of more items than a file has bytes ends after the end of any file, whatever its exact number is.
+  // A list with more items than any file has bytes ends after the end of the file, whatever its exact length.
   return count < 1e15 ? static_cast<std::uint64_t>(count) : std::uint64_t{1} << 50;
 }
 
-/// Returns the offset of the first byte after a binary element that starts at `offset`: by arithmetic, or list by list.
-/// Throws Error if the file ends inside.
+/// Returns the offset of the first byte after a binary element that starts at `offset`: computed, or found list by
+/// list. Throws Error if the file ends within the element.
 std::uint64_t end_of_binary_element(const InputFile& file, const PlyElement& element, PlyEncoding encoding,
                                     std::uint64_t offset) {
   if (!element.has_list()) {

@@ -14,13 +14,13 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kMostScans = 65536;
-constexpr std::uint64_t kMostCellsAlong = std::uint64_t{1} << 31;  ///< so that their product fits into 64 bits
+constexpr std::uint64_t kMostCellsAlong = std::uint64_t{1} << 31;  ///< so that the product of two fits in 64 bits
 constexpr std::size_t kHeaderLines = 10;
 
 /// Numbers in the lines of a header: columns, rows, position and axes of the scanner, transformation.
 constexpr std::array<std::size_t, kHeaderLines> kHeaderNumbers{1, 1, 3, 3, 3, 3, 4, 4, 4, 4};
 
-/// All numbers of a line; nothing if a word is no number or there are more than `most`.
+/// Parses all numbers of a line; nothing if a word is no number or there are more than `most`.
 std::optional<std::vector<double>> ptx_numbers(std::string_view line, std::size_t most) {
   std::vector<double> numbers;
   for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {
@@ -31,7 +31,7 @@ std::optional<std::vector<double>> ptx_numbers(std::string_view line, std::size_
   return numbers;
 }
 
-/// Returns whether a word is the number 0, without evaluating it: no digit but 0 stands before an exponent.
+/// Returns whether a word is the number 0, without evaluating it: all digits before an exponent are 0.
 bool is_zero(std::string_view word) {
   bool any = false;
   for (const char c : word) {

@@ -25,16 +25,17 @@ struct PtxScan {
 
 /// The place of the cursor before a point.
 struct PtxPlace {
-  std::uint64_t offset = 0, line = 1;  ///< of the next line
-  std::uint64_t scan = 0, cell = 0;    ///< of the next line; the cell after the last: a header is next
+  std::uint64_t offset = 0, line = 1;  ///< position of the next line
+  std::uint64_t scan = 0, cell = 0;    ///< scan and cell of the next line; the cell after the last: the next line is a
+                                       ///< header
 };
 
-/// All scans, found by reading the file once. Keeps the place of each 16,384th point.
+/// All scans, found by reading the file once, with the position of each 16,384th point.
 struct PtxLayout {
   static constexpr std::uint64_t kPointsPerPlace = 16384;
 
   std::vector<PtxScan> scans;
-  std::vector<PtxPlace> places;  ///< of points 0, kPointsPerPlace, ...
+  std::vector<PtxPlace> places;  ///< positions of points 0, kPointsPerPlace, ...
   std::uint64_t points = 0;      ///< cells that are not empty
   std::uint64_t empty = 0;       ///< cells that are
   std::uint64_t end = 0;         ///< byte after the last point
@@ -65,7 +66,7 @@ class PtxCursor {
 
   const PtxLayout* layout_;
   LineReader lines_;
-  std::uint64_t next_;  ///< point that advance() gives; layout_->points: none yet
+  std::uint64_t next_;  ///< point that advance() returns next; layout_->points: none yet
   std::uint64_t scan_ = 0, cell_ = 0;
 };
 

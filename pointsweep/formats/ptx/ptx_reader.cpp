@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Reading PTX files (Leica Geosystems): all scans as one cloud.
+/// A reader of PTX files (Leica Geosystems), with all scans as one cloud.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -132,9 +132,10 @@ void PtxReader::Decoder::decode(std::string_view line, std::byte* record) {
 
 constexpr std::string_view kPtxExtensions[] = {".ptx"};
 
-/// x, y, z as float64 with the transformation of their scan applied; `scan`, `row` and `column` from 0; `intensity` as
-/// float64 and red, green, blue as uint8 if any scan has them, 0 in those that lack them. Empty cells are left out; a
-/// warning counts them. Opening reads the file once. Throws Error for a damaged or truncated file.
+/// Opens a file. x, y, z are float64 with the transformation of their scan applied; `scan`, `row` and `column` count
+/// from 0; `intensity` is float64 and red, green, blue are uint8 if any scan has them, and 0 in scans that lack them.
+/// Empty cells are left out; a warning counts them. Opening reads the file once. Throws Error for a damaged or
+/// truncated file.
 std::unique_ptr<Reader> open_ptx(const std::filesystem::path& path) { return std::make_unique<PtxReader>(path); }
 
 }  // namespace

@@ -116,17 +116,17 @@ class QsplatReader final : public Reader {
   };
 
   InputFile file_;
-  std::vector<QsplatWalk::Place> places_;  ///< of rows 0, kBetweenPlaces, ...
+  std::vector<QsplatWalk::Place> places_;  ///< places of rows 0, kBetweenPlaces, ...
 };
 
 constexpr std::string_view kQsplatExtensions[] = {".qs"};
 
 bool is_qsplat(std::string_view head) { return head.starts_with("QSplat"); }
 
-/// Fields x y z nx ny nz radius (f32), and red green blue (u8) if a part of the file has colours. Rows come depth
-/// first, the parts of the file one after the other. Opening walks through all trees once, since only that shows how
-/// many leaves there are (about 20 ns per leaf), and keeps a place for every 32,768 of them; a jump walks from the
-/// place before it. Throws Error for a damaged or truncated file.
+/// Opens a file with fields x y z nx ny nz radius (f32), and red green blue (u8) if a part of the file has colours.
+/// Rows are in depth-first order, one part of the file after another. Opening walks through all trees once to count the
+/// leaves (about 20 ns per leaf), and keeps a place for every 32,768 leaves; a jump walks from the place before it.
+/// Throws Error for a damaged or truncated file.
 std::unique_ptr<Reader> open_qsplat(const std::filesystem::path& path) { return std::make_unique<QsplatReader>(path); }
 
 }  // namespace

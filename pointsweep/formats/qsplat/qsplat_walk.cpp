@@ -195,7 +195,7 @@ void QsplatWalk::enter_group(std::uint64_t begin, std::uint64_t siblings, bool h
   const std::uint64_t bytes = siblings * node_bytes(fragment) + (has_pointer ? 4 : 0);
   if (begin > fragment.end || bytes > fragment.end - begin) complain(begin, "nodes lie after the end of their part");
   place_.walked += bytes;
-  // In a tree every group is entered once. This ends the walk of a file whose groups are shared.
+  // In a tree every group is entered once. This check ends the walk of a file with shared groups.
   if (place_.walked > fragment.end - fragment.begin) complain(begin, "nodes belong to more than one parent");
   if (place_.levels.size() == kDeepest) complain(begin, fmt::format("the tree is deeper than {} levels", kDeepest));
   Level level{begin, 0, siblings, parent};

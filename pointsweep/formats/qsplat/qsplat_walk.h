@@ -22,15 +22,14 @@ struct QsplatSphere {
 /// Codes of spheres that the format knows; 13 bits hold 8192.
 constexpr unsigned kQsplatSphereCodes = 7621;
 
-/// The sphere with the 13-bit `code` inside `parent`: radius is the parent's times s/13, centre is the parent's plus
-/// its radius times (s + 2x)/13 - 1 in each axis, where (s, x, y, z) is the code-th quadruple of 1 <= s <= 13, 0 <= x,
-/// y, z <= 13 - s that fits (the cube of the child meets the parent's sphere). In single precision, as QSplat evaluates
-/// it. Empty for a code that means nothing.
+/// Returns the sphere with the 13-bit `code` inside `parent`. Its radius is the parent's times s/13, centre is the
+/// parent's plus its radius times (s + 2x)/13 - 1 in each axis, where (s, x, y, z) is the code-th quadruple of 1 <= s
+/// <= 13, 0 <= x, y, z <= 13 - s that fits (the cube of the child meets the parent's sphere). In single precision, as
+/// QSplat evaluates it. Empty for an unused code.
 std::optional<QsplatSphere> qsplat_sphere(unsigned code, const QsplatSphere& parent);
 
-/// The unit normal with the 14-bit `code`, which names one of 52×52 places on a face of a cube. (0, 0, 0) for the codes
-/// of corners that lie outside of the unit sphere, which no encoder gives; (0, 0, 1) for those without a face, as
-/// QSplat.
+/// Returns the unit normal with the 14-bit `code`, one of 52×52 places on a face of a cube. (0, 0, 0) for codes of
+/// corners outside of the unit sphere, which no encoder writes; (0, 0, 1) for codes without a face, as in QSplat.
 std::array<float, 3> qsplat_normal(unsigned code);
 
 /// Red, green and blue, 0 to 255, from 5, 6 and 5 bits.
@@ -40,7 +39,7 @@ struct QsplatFragment {
   std::uint64_t begin = 0, end = 0;  ///< bytes in the file
   bool is_comment = false;
   bool has_color = false;
-  std::uint64_t leaves = 0;  ///< as its header says
+  std::uint64_t leaves = 0;  ///< number that its header states
   QsplatSphere root;
   std::uint64_t root_children = 0;
 };
@@ -57,12 +56,13 @@ struct QsplatLeaf {
   bool has_normal = true;  ///< false for a tree that is nothing but its root
 };
 
-/// Depth first. The file has the tree breadth first, siblings together, and each group of siblings names the place of
-/// the first group below it; the groups below follow each other there. So a walk moves forward on every level of the
-/// tree at once, and a block of the file for each level is all it needs (64 KiB × depth, about 1 MB for 10^8 leaves).
+/// Walks through the leaves depth first. The file has the tree breadth first, siblings together. Each group of siblings
+/// states the place of the first group below it; the groups below are consecutive. So a walk moves forward on every
+/// level of the tree, and needs one block of the file for each level (64 KiB × depth, about 1 MB for 10^8 leaves).
 class QsplatWalk {
  public:
-  /// A level of the place of a walk. A place is small (40 bytes × depth), so kept places let a walk begin again there.
+  /// One level of a walk's position. A position is small (40 bytes × depth), so that many can be stored to resume walks
+  /// there.
   struct Level {
     std::uint64_t next = 0;   ///< byte of the next sibling
     std::uint64_t below = 0;  ///< byte of the group below it, 0 if the siblings are all leaves

@@ -13,11 +13,11 @@
 namespace pointsweep {
 namespace {
 
-/// Any number would do; so many are read in some milliseconds.
+/// An arbitrary number of rows that takes some milliseconds to read.
 constexpr std::uint64_t kColumnChunkRows = 65536;
-constexpr std::size_t kBlockBytes = 256 << 10;  ///< of one column, read at once by one thread
+constexpr std::size_t kBlockBytes = 256 << 10;  ///< bytes of one column that a thread reads at a time
 
-/// Rows of `bytes` bytes to places `stride` bytes apart.
+/// Copies rows of `bytes` bytes to places `stride` bytes apart.
 void scatter(const std::byte* from, std::size_t bytes, std::size_t rows, std::byte* to, std::size_t stride) {
   if (bytes == 4) {
     for (std::size_t i = 0; i < rows; ++i) std::memcpy(to + i * stride, from + i * 4, 4);
@@ -50,7 +50,7 @@ bool has_field_named(const Schema& schema, const std::string& name) {
                              [&](const Field& f) { return in_lower_case(f.name) == in_lower_case(name); });
 }
 
-/// The names of the components that the library has names for; none for another array.
+/// Returns the library's names of the components; none for an unknown array.
 std::vector<std::string> known_components(const std::string& name, Type type, std::uint32_t components) {
   const std::string lower = in_lower_case(name);
   const bool real = type == Type::f32 || type == Type::f64;

@@ -15,14 +15,15 @@
 
 namespace pointsweep {
 
-/// The values of one attribute for all rows, or those of several that stand side by side.
+/// The values of one attribute, or of several adjacent ones, for all rows.
 struct StoredColumn {
   std::uint64_t begin = 0;   ///< byte of row 0 in the file
-  std::uint32_t bytes = 0;   ///< of one row
-  std::uint32_t offset = 0;  ///< of these bytes in a record
+  std::uint32_t bytes = 0;   ///< bytes of one row
+  std::uint32_t offset = 0;  ///< offset of these bytes in a record
 };
 
-/// Any range of rows is a chunk. A decoder reads the columns of the wanted fields only.
+/// Reads files that store values column by column. Rows may be split anywhere. A decoder reads only the columns of the
+/// wanted fields.
 class ColumnsReader : public Reader {
  public:
   Chunk chunk_of(std::uint64_t row) const override;
@@ -50,11 +51,11 @@ class ColumnsReader : public Reader {
   std::vector<Field> big_endian_;
 };
 
-/// Appends an array of a file that names arrays, not their components (VTK, NPZ), with `components` values a point to
-/// `schema` and returns the index of its first field. Three values called xyz, points, position(s), vertices or
+/// Appends an array with `components` values per point to `schema`, for files that name arrays but not their components
+/// (VTK, NPZ). Returns the index of its first field. Three values called xyz, points, position(s), vertices or
 /// coordinates become x, y, z; three floats called normal(s) nx, ny, nz; three or four bytes called color(s),
-/// colour(s), rgb or rgba red, green, blue (and alpha). Another array is one field of so many components under its own
-/// name. A name that is taken gets _2, _3, ...
+/// colour(s), rgb or rgba red, green, blue (and alpha). Any other array becomes one field with all components under its
+/// own name. Repeated names get _2, _3, ...
 std::size_t append_array(Schema& schema, const std::string& name, Type type, std::uint32_t components);
 
 }  // namespace pointsweep

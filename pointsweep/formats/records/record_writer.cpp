@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kWrittenAtOnce = 256 << 10;  ///< that a thread writes at a time
+constexpr std::size_t kWrittenAtOnce = 256 << 10;  ///< bytes that a thread writes at a time
 
 }  // namespace
 

@@ -15,8 +15,8 @@
 
 namespace pointsweep {
 
-/// A writer whose file is `header`, then for each record of the plan one of `stored`: the same bytes where the schemas
-/// are equal, converted a block at a time otherwise. All threads write, each at the places of its blocks.
+/// A writer of files with `header` and then one record of `stored` for each record of the plan: unchanged if the
+/// schemas are equal, else converted block by block. All threads write, each its own blocks.
 class RecordWriter : public Writer {
  public:
   void write(std::span<const std::byte> records) override;
@@ -40,7 +40,7 @@ class RecordWriter : public Writer {
   std::uint64_t header_bytes_;
   std::uint32_t stored_stride_;
   RecordConversion conversion_;
-  std::vector<std::vector<std::byte>> converted_;  ///< by thread
+  std::vector<std::vector<std::byte>> converted_;  ///< for each thread
   std::uint64_t rows_written_ = 0;                 ///< by write() and write_at() together
 };
 

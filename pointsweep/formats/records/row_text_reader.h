@@ -14,8 +14,8 @@
 
 namespace pointsweep {
 
-/// Turns lines into records. All fields are read, also where only some are wanted, so that a wrong value ends a run in
-/// its first pass over the file.
+/// Converts lines to records. All fields are parsed, even if only some are wanted, so that an invalid value ends a run
+/// in its first pass over the file.
 class LineParser {
  public:
   virtual ~LineParser() = default;

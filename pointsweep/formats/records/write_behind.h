@@ -13,14 +13,14 @@
 
 namespace pointsweep {
 
-/// Writers that all get the same records. What goes wrong is thrown by the next call.
+/// Passes records to several writers in the background. The next call throws their errors.
 class WriteBehind {
  public:
   void add(std::unique_ptr<Writer> writer) { writers_.push_back(std::move(writer)); }
   bool empty() const { return writers_.empty(); }
   const std::vector<std::unique_ptr<Writer>>& writers() const { return writers_; }
 
-  /// Appends whole records: waits for those before, takes these and leaves memory for the next in their place.
+  /// Appends whole records: waits for the previous ones, takes these, and returns memory for the next in their place.
   void write(std::vector<std::byte>& records);
   /// Returns when everything is written that has come.
   void wait();
@@ -31,7 +31,7 @@ class WriteBehind {
  private:
   std::vector<std::unique_ptr<Writer>> writers_;
   std::vector<std::byte> under_way_;
-  std::optional<BackgroundTask> task_;  // last, so that it ends before what it works on
+  std::optional<BackgroundTask> task_;  // last, so that it ends before the members that it uses
 };
 
 }  // namespace pointsweep

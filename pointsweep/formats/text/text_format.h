@@ -17,15 +17,18 @@ namespace pointsweep {
 /// rows. A line with too few or too many cells, or a cell that is no number, is an Error with its line when it is read.
 std::unique_ptr<Reader> open_text(const std::filesystem::path& path);
 
-/// Likewise, with these names of the columns, "-" for those that are skipped, whatever they hold. A header is skipped.
+/// Opens a text file with the given names of columns, "-" for skipped ones, whose content is ignored. A header is
+/// skipped.
 std::unique_ptr<Reader> open_text_columns(const std::filesystem::path& path, std::span<const std::string> columns);
 
-/// Returns whether the first lines of the file are such rows, or a header and rows. `columns`: stated names; or empty.
+/// Returns whether the first lines of the file are rows of points, or a header and such rows. `columns`: stated names;
+/// or empty.
 bool fits_text(const std::filesystem::path& path, std::span<const std::string> columns);
 
-/// Every value in the fewest digits that give the same value of its type again. The names of the columns stand in the
-/// first line: plain in a .csv, after `# ` otherwise, so that programs that know no header take it for a comment.
-/// A .pts starts with the number of points instead, and names its columns only where they are not the usual ones.
+/// Creates a writer that writes each value with the fewest digits that represent it in its type. The first line has the
+/// names of the columns: plain in a .csv, otherwise after `# `, which programs without support for headers take as a
+/// comment. A .pts starts with the number of points instead, and states column names only if they are not the usual
+/// ones.
 std::unique_ptr<Writer> create_text_writer(const OutputPlan& plan);
 
 /// Returns how coordinates are rounded to the digits that are written.

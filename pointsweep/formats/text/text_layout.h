@@ -13,14 +13,14 @@
 
 namespace pointsweep {
 
-/// The separator of the cells of a line: a semicolon, vertical bar or comma, the first of them that there is outside
-/// quotes; spaces and tabs otherwise.
+/// The separator of the cells of a line: a semicolon, vertical bar or comma, the first of them that occurs outside of
+/// quotes; else spaces and tabs.
 enum class Separator : char { space = ' ', comma = ',', semicolon = ';', bar = '|' };
 
 Separator separator_of(std::string_view line);
 
-/// Cells without surrounding spaces and quotes. Where a character other than a blank separates, cells may be empty; an
-/// empty cell after a last separator is left out.
+/// Splits a line into cells without surrounding spaces and quotes. With separators other than blanks, cells may be
+/// empty; an empty cell after a last separator is dropped.
 void split_cells(std::string_view line, Separator separator, std::vector<std::string_view>& cells);
 
 /// True for lines that hold cells: neither blank nor a comment, which `#`, `%` or `//` starts.
@@ -30,7 +30,7 @@ bool is_pts_row(std::string_view line);
 /// Returns the text after the `#`, `%` or `//` of a comment; empty for other lines.
 std::string_view comment_of(std::string_view line);
 
-/// The number in a cell; an empty cell, "na", "n/a" and "null" are NaN. False if it is none.
+/// Parses the number in a cell; an empty cell, "na", "n/a" and "null" are NaN. Returns false if the cell is no number.
 bool parse_cell(std::string_view cell, double& value);
 
 /// The name, in --columns, of a column that is skipped.
@@ -40,10 +40,10 @@ inline constexpr std::string_view kSkippedColumn = "-";
 bool has_number(std::span<const std::string_view> cells, std::span<const std::string> columns);
 
 struct TextLayout {
-  std::vector<std::string> names;           ///< one for each column; kSkippedColumn for those that are skipped
-  bool are_stated = false;                  ///< `names` are those of --columns
-  std::vector<std::string> replaced_names;  ///< of the file's own header, where stated names replace them
-  Separator separator = Separator::space;   ///< of the rows; that of the header may differ
+  std::vector<std::string> names;           ///< one for each column; kSkippedColumn for skipped ones
+  bool are_stated = false;                  ///< `names` come from --columns
+  std::vector<std::string> replaced_names;  ///< names in the file's header that stated names replace
+  Separator separator = Separator::space;   ///< separator of the rows; the header may have another one
   bool has_header = false;
   std::vector<std::string> provenance;     ///< comments before the rows that say how the file was made
   std::optional<std::uint64_t> announced;  ///< rows, as a first line that is nothing but an integer says (PTS)
@@ -51,10 +51,10 @@ struct TextLayout {
   std::uint64_t body_line = 1;
 };
 
-/// Names come from a header: a first line that is not all numbers, or a comment before the rows that names x, y and z
-/// and fits their number. Otherwise from the number of columns and what the first rows hold (default_column_names).
-/// Throws Error when there are no x, y and z. `stated`: names that count in place of all these; then a first line
-/// without a number in a named column is a header.
+/// Finds the layout. Names come from a header: a first line that is not all numbers, or a comment before the rows that
+/// names x, y and z and has as many names. Otherwise they follow from the number of columns and the first rows
+/// (default_column_names). Throws Error if there are no x, y and z. `stated`: names that replace all these; a first
+/// line without a number in a named column is then a header.
 TextLayout find_text_layout(const InputFile& file, std::span<const std::string> stated = {});
 
 }  // namespace pointsweep

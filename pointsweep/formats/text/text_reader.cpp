@@ -33,7 +33,7 @@ class TextLineParser final : public LineParser {
   void parse(std::string_view line, std::uint64_t number, std::byte* record) override {
     split_cells(line, layout_.separator, cells_);
     const std::size_t columns = layout_.names.size();
-    // An empty last cell looks like a trailing separator.
+    // split_cells() drops an empty last cell, which looks like a trailing separator.
     if (cells_.size() + 1 == columns && layout_.separator != Separator::space) cells_.emplace_back();
     if (cells_.size() != columns) {
       fail("{}: line {} has {} values where {} are expected ({}); correct the line.", path_.string(), number,

@@ -124,8 +124,8 @@ class TextWriter final : public Writer {
   }
 
   OutputPlan plan_;
-  std::vector<GridDecimals> decimals_;  ///< by field
-  std::vector<bool> is_coordinate_;     ///< by field
+  std::vector<GridDecimals> decimals_;  ///< for each field
+  std::vector<bool> is_coordinate_;     ///< for each field
   bool rounds_ = false;                 ///< a coordinate has more digits than are written
   char separator_;
   OutputFile file_;

@@ -251,7 +251,7 @@ class VtkParser {
           "{}: '{}' has values of the type '{}', which pointsweep does not read; leave it out when you write the file.",
           name(), what, type);
     const std::uint64_t left = file_.size() - std::min(file_.size(), text_.offset());
-    if (rows > 8 * (left + 1)) fail_truncated(what, rows, 0);  // not even a bit each, and so no product overflows
+    if (rows > 8 * (left + 1)) fail_truncated(what, rows, 0);  // this bound also keeps products from overflow
     const std::uint64_t values = rows * components;
     if (layout_.text) {
       const std::uint64_t found = text_.skip_words(values);
@@ -271,7 +271,7 @@ class VtkParser {
   VtkScanner text_;
   VtkLayout layout_;
   Section section_ = Section::geometry;
-  std::uint64_t rows_ = 0;  ///< of the arrays of the section
+  std::uint64_t rows_ = 0;  ///< rows of the arrays of the section
   std::string line_;
 };
 

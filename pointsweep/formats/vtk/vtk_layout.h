@@ -21,7 +21,7 @@ struct VtkArray {
   std::uint32_t components = 1;
   bool shares = false;                     ///< numbers of text that are shares of 255
   std::uint64_t begin = 0;                 ///< byte of the first value in a binary file
-  std::vector<std::uint64_t> places = {};  ///< in text: bytes of rows 0, VtkLayout::kRowsPerPlace, ...
+  std::vector<std::uint64_t> places = {};  ///< in text: offsets of rows 0, VtkLayout::kRowsPerPlace, ...
 };
 
 struct VtkLayout {
@@ -31,7 +31,7 @@ struct VtkLayout {
   std::string dataset;                ///< "POLYDATA"
   std::uint64_t count = 0;            ///< points
   std::vector<VtkArray> arrays;       ///< the positions, then attributes of points
-  std::uint64_t cells = 0;            ///< without single vertices
+  std::uint64_t cells = 0;            ///< number of cells other than single vertices
   std::vector<std::string> left_out;  ///< names of arrays of points that cannot be kept
 };
 
@@ -46,11 +46,11 @@ class VtkScanner {
  public:
   explicit VtkScanner(const InputFile& file) : file_(&file) {}
 
-  /// The next word, over ends of lines, valid until the next call; nothing at the end of the file.
+  /// Returns the next word, across line ends, valid until the next call; nothing at the end of the file.
   std::optional<std::string_view> word();
   /// Returns the rest of the line, without its end; none at the end of the file.
   std::optional<std::string_view> line();
-  /// Passes over so many words and returns how many there were.
+  /// Skips `words` words and returns how many there were.
   std::uint64_t skip_words(std::uint64_t words);
   void jump(std::uint64_t offset);
   std::uint64_t offset() const { return block_offset_ + at_; }

@@ -84,7 +84,7 @@ class TextVtkReader final : public Reader {
   /// The values of one array, row after row.
   struct Stream {
     const VtkArray* array;
-    std::uint32_t offset;  ///< in the record
+    std::uint32_t offset;  ///< offset in the record
     VtkScanner text;
     std::uint64_t next;  ///< row of the next value
   };
