@@ -65,7 +65,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
     return fail_with(1, "the machine has no memory left for this; lower --memory or close other programs");
   } catch (const std::exception& error) {
     if (OutputFile::reader_has_ended()) return 0;
-    // After an interruption, threads that still run may miss what the hard end has removed.
+    // After an interruption, threads that still run may fail because files have been removed.
     return fail_with(interrupted() ? 128 + interrupting_signal() : 1, error.what());
   }
 }

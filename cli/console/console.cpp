@@ -29,7 +29,7 @@ int write_all(int descriptor, std::string_view text) {
   return 0;
 }
 
-/// open() takes the lowest free number, so that each closed descriptor gets its own again.
+/// open() takes the lowest free number, so that each closed descriptor is replaced at its own number.
 void take_place_of_closed(int descriptor) {
   if (::fcntl(descriptor, F_GETFD) < 0) ::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }

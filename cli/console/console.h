@@ -15,10 +15,10 @@ namespace pointsweep {
 /// become errors of writing instead of signals.
 void open_console();
 
-/// Writes a text to standard output. Where that is closed, or its reader has gone, the text is dropped.
+/// Writes a text to standard output. If that is closed, or its reader has ended, the text is dropped.
 void print(std::string_view text);
 
-/// Width of lines of text on standard output: of the terminal, at most 100; 80 where it is no terminal.
+/// Returns the width of lines on standard output: that of the terminal, at most 100; 80 without a terminal.
 std::size_t text_columns();
 
 /// The first error of print() other than a closed standard output, as errno; 0 if there was none.

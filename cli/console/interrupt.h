@@ -6,9 +6,9 @@
 
 namespace pointsweep {
 
-/// From now on the first SIGINT, SIGTERM or SIGHUP (unless ignored, as under nohup) cancels interrupt_token(). If the
-/// process still lives 0.7 s later, because it waits for a disk or an operator of the user does not return, unfinished
-/// files are removed and the process ends with status 128 + signal.
+/// After this call, the first SIGINT, SIGTERM or SIGHUP (unless ignored, as under nohup) cancels interrupt_token(). If
+/// the process still runs 0.7 s later, because it waits for a disk or an operator of the user does not return,
+/// unfinished files are removed and the process ends with status 128 + signal.
 void catch_interrupts();
 /// The signal that came, 0 if none.
 int interrupting_signal();

@@ -14,13 +14,14 @@ std::string version_text();
 /// "0.1.0"
 std::string version_number();
 
-/// Twelve digits, or what a packager has set; empty where the build does not know.
+/// Returns twelve digits, or the text that a packager has set; empty if the build does not know the commit.
 std::string_view commit_of_build();
 
 /// Keeps the command line. Called once, at the start of main().
 void keep_command_line(int argc, const char* const* argv);
 
-/// "pointsweep normals 'my scan.ply' out.ply": as a shell would take it; the program's name without its folder.
+/// Returns "pointsweep normals 'my scan.ply' out.ply": the command line, quoted for a shell, with the program's name
+/// without its folder.
 const std::string& command_line();
 
 }  // namespace pointsweep

@@ -13,7 +13,7 @@ namespace pointsweep {
 
 /// The kind of completions that a shell can offer for a value.
 enum class Offer : std::uint8_t {
-  nothing,  ///< numbers and names, of which only the user knows
+  nothing,  ///< no proposals: numbers and names that only the user knows
   words,    ///< DeclaredOption::words
   files,
   folders,
@@ -45,12 +45,12 @@ std::string first_clause(const std::string& text);
 
 /// Needs no bash-completion package; bash 4 or later.
 std::string bash_completion(const CLI::App& app);
-/// A zsh script to be sourced after compinit, or kept as `_pointsweep` in a folder of $fpath.
+/// Returns a zsh script to be sourced after compinit, or stored as `_pointsweep` in a folder of $fpath.
 std::string zsh_completion(const CLI::App& app);
 /// fish 3 or later.
 std::string fish_completion(const CLI::App& app);
 
-/// pointsweep(1): what the tool is, its verbs, its exit status.
+/// Returns pointsweep(1): the purpose of the tool, its verbs, its exit status.
 std::string man_page_of_tool(const CLI::App& app);
 /// pointsweep-VERB(1). Empty if there is no such verb.
 std::string man_page_of_verb(const CLI::App& app, std::string_view verb);

@@ -45,7 +45,7 @@ std::string storage_text(const Schema& schema) {
   if (p.x.scale == 1 && p.y.scale == 1 && p.z.scale == 1 && p.x.bias == 0 && p.y.bias == 0 && p.z.bias == 0) return {};
   return line("scale", fmt::format("{:g} {:g} {:g}", p.x.scale, p.y.scale, p.z.scale)) +
          line("offset",
-              fmt::format("{:.15g} {:.15g} {:.15g}", p.x.bias + 0.0, p.y.bias + 0.0, p.z.bias + 0.0));  // + 0: not "-0"
+              fmt::format("{:.15g} {:.15g} {:.15g}", p.x.bias + 0.0, p.y.bias + 0.0, p.z.bias + 0.0));  // -0 becomes 0
 }
 
 std::string density_text(const FileSummary& s) {
@@ -118,10 +118,10 @@ std::string cell_of(const std::optional<Crs>& crs) {
   return crs->name.empty() ? "without a name" : crs->name;
 }
 
-/// Returns the extent along the axis, with as many decimals as tell ten thousand parts of it.
+/// Returns the extent along the axis, with enough decimals to distinguish its ten thousandth part.
 std::string cell_of_axis(const Box& bounds, int axis) {
   if (bounds.empty()) return "-";
-  const double lo = bounds.lo[axis] + 0.0, hi = bounds.hi[axis] + 0.0;  // + 0: not "-0"
+  const double lo = bounds.lo[axis] + 0.0, hi = bounds.hi[axis] + 0.0;  // -0 becomes 0
   if (!(hi > lo)) return fmt::format("{:.9g}", lo);
   const int decimals = static_cast<int>(std::clamp(4 - std::floor(std::log10(hi - lo)), 0.0, 9.0));
   return fmt::format("{:.{}f} .. {:.{}f}", lo, decimals, hi, decimals);

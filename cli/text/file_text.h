@@ -19,7 +19,7 @@ std::string to_text(const FileSummary& summary);
 std::string attribute_text(const Schema& schema);
 /// "2 Ground": a class of LAS.
 std::string text_of_class(std::uint8_t code);
-/// The lines on points and bounds alone.
+/// Returns only the lines about points and bounds.
 std::string to_text(std::uint64_t points, const Box& bounds);
 
 /// A line for each file with points, bounds, density and coordinate reference system, and below them the lists of
@@ -35,7 +35,7 @@ class FileTable {
   std::vector<std::string> lists_;
 };
 
-/// All files of a report together.
+/// The sums over all files of a report.
 class FileTotals {
  public:
   void add(const FileSummary& file);
@@ -45,7 +45,7 @@ class FileTotals {
   std::size_t unreadable() const { return unreadable_; }
   std::uint64_t points() const { return points_; }
   const Box& bounds() const { return bounds_; }
-  /// Returns the finite points for each unit of the areas of the files together; none without area.
+  /// Returns the number of finite points per unit of the total area; none without an area.
   std::optional<double> density() const;
   /// Returns lines with the sums over all readable files, and the sentences on their inconsistencies.
   std::string text(const std::vector<std::string>& inconsistencies) const;

@@ -6,9 +6,9 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kLeftColumns = 30;  // of names, before what they mean
+constexpr std::size_t kLeftColumns = 30;  // width of names, to the left of their meanings
 
-/// Number of characters, of which UTF-8 may take several bytes each.
+/// Returns the number of characters, of which UTF-8 may take several bytes each.
 std::size_t columns_of(std::string_view text) {
   std::size_t columns = 0;
   for (const char c : text) columns += (static_cast<unsigned char>(c) & 0xc0) != 0x80;

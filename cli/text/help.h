@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-inline constexpr const char* kInputsAndOutput = "FILES";  ///< to the parser IN... OUT is one list of this name
+inline constexpr const char* kInputsAndOutput = "FILES";  ///< the parser sees IN... OUT as one list of this name
 
 /// Groups of flags, in the order of the help. The first holds what only one verb or a few have.
 inline constexpr const char* kOwnGroup = "Options";
@@ -26,8 +26,8 @@ inline constexpr const char* kGroups[] = {kOwnGroup, kNeighborGroup, kOutputGrou
 /// line that the caller has begun; the others get `indent` blanks. A word longer than a line stays whole.
 std::string wrapped(std::string_view text, std::size_t indent, std::size_t columns = text_columns());
 
-/// Lays help out. In footers, lines that begin with a blank (examples, tables) are kept; those between are paragraphs,
-/// which are wrapped.
+/// Lays out help. In footers, lines that begin with a blank (examples, tables) are kept; the other lines form
+/// paragraphs, which are wrapped.
 class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter();
@@ -45,7 +45,7 @@ class HelpFormatter : public CLI::Formatter {
   std::string row(const std::string& left, const std::string& right) const;
 };
 
-/// Returns a sentence on what is wrong with the command line that `app` has just refused, and what to do.
+/// Returns a sentence about the error in the command line that `app` has just refused, with the remedy.
 std::string usage_sentence(const CLI::App& app, const CLI::ParseError& error);
 
 /// Null where no verb has that name.

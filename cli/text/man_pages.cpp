@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-/// A line of text that holds no requests of roff, whatever it begins with.
+/// Escapes a line of text so that roff takes no part of it as a request.
 std::string roff(std::string_view text) {
   std::string out;
   if (text.starts_with('.') || text.starts_with('\'')) out += "\\&";

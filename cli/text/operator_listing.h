@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Declarations of operators, for people and programs. docs/operators.md and the table of docs/attributes.md are made
-/// of these texts by script/docs.
+/// Declarations of operators, for people and programs. script/docs makes docs/operators.md and the table of
+/// docs/attributes.md from these texts.
 #pragma once
 
 #include <string>
@@ -13,19 +13,19 @@ namespace pointsweep {
 
 /// An operator, or the stage knn, with what its contract says where all options have their presets.
 struct ListedOperator {
-  OperatorDeclaration declaration;  ///< of knn: without a maker
+  OperatorDeclaration declaration;  ///< knn has no maker
   Contract contract = {};
 };
 
-/// Returns the contract of an operator whose options have their presets, without what is never written.
+/// Returns the contract of an operator with default options, without attributes that are never written.
 Contract contract_of(const OperatorDeclaration& declaration);
 
 /// Returns a sentence about the number of neighbours that the operator uses by default; empty if it uses no neighbours
 /// or needs a radius.
 std::string default_k_text(const ListedOperator& listed);
 
-/// knn and all operators of pipelines; of these the ones named, in the order named, if any are. Throws UsageError for
-/// an unknown one.
+/// Returns knn and all operators of pipelines; if any are named, only these, in the given order. Throws UsageError for
+/// an unknown name.
 std::vector<ListedOperator> listed_operators(const std::vector<std::string>& names);
 
 /// Returns the help of an operator or of knn for the terminal, with a command that runs it; empty if no operator has
@@ -40,7 +40,7 @@ std::string to_text(const std::vector<ListedOperator>& operators);
 std::string to_json(const std::vector<ListedOperator>& operators);
 /// docs/operators.md.
 std::string to_markdown(const std::vector<ListedOperator>& operators);
-/// The table of docs/attributes.md, including what the verb neighbors makes.
+/// Returns the table of docs/attributes.md, including the attributes of the verb neighbors.
 std::string attributes_markdown();
 
 }  // namespace pointsweep

@@ -21,7 +21,7 @@ std::string short_type(Type type) {
   return name[0] + std::string(name.substr(name.find_first_of("123468")));
 }
 
-/// A bar would end the cell of a table.
+/// Escapes bars, which would end the cell of a table.
 std::string cell(std::string text) {
   for (std::size_t at = 0; (at = text.find('|', at)) != text.npos; at += 2) text.insert(at, "\\");
   return text;
@@ -97,7 +97,7 @@ std::string needs_text(const Contract& contract) {
   return text.empty() ? "" : text + "\n\n";
 }
 
-/// "`knn` `radius`, `radius_from`; `ror` `radius`": all options that mean a radius.
+/// Returns "`knn` `radius`, `radius_from`; `ror` `radius`": all options that mean a radius.
 std::string radii_text(const std::vector<ListedOperator>& operators) {
   std::string text;
   for (const ListedOperator& listed : operators) {
@@ -113,7 +113,7 @@ std::string line_unless_empty(const char* title, const std::string& text) {
   return text.empty() ? "" : fmt::format("- {}: {}\n", title, sentence(text));
 }
 
-/// A line of a block keeps its own lines, so that long ones are broken here.
+/// Returns a code block. Browsers do not wrap its lines, so long ones are broken here.
 std::string formula_block(const std::string& formula) {
   if (formula.empty()) return "";
   std::istringstream lines(formula);

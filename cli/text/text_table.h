@@ -12,10 +12,10 @@ namespace pointsweep {
 /// Headings and lines of cells.
 class TextTable {
  public:
-  /// `left`: the columns whose cells begin at the left; those of others end at the right.
+  /// `left`: the columns that are aligned to the left; all others are aligned to the right.
   TextTable(std::vector<std::string> headings, std::vector<std::size_t> left, std::string indent = "  ")
       : left_(std::move(left)), indent_(std::move(indent)), lines_{std::move(headings)} {}
-  /// A line of at most as many cells as there are headings.
+  /// Adds a line with at most as many cells as there are headings.
   void add(std::vector<std::string> line) { lines_.push_back(std::move(line)); }
   /// The headings, then the lines.
   std::string text() const;

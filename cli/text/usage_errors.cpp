@@ -41,7 +41,7 @@ constexpr OtherVerb kOtherVerbs[] = {{"merge", "convert IN... OUT"},
                                      {"view", "render IN... OUT.png"},
                                      {"stats", "info IN..."}};
 
-/// "--quiet", "-q", ... of the options that the help shows.
+/// Returns "--quiet", "-q", ...: the options shown in the help.
 std::vector<std::string> options_of(const CLI::App& verb) {
   std::vector<std::string> names;
   for (const CLI::Option* option : verb.get_options()) {

@@ -51,15 +51,15 @@ void complete(OutputFile& file, const std::string& text) {
   file.seal();
 }
 
-/// Returns whether the run has named its outputs.
+/// Returns whether the run divides its output among files, whose names it chooses.
 bool is_divided(const ResolvedFiles& files) {
   return files.tiles.empty() && files.output.filename().string().find('*') != std::string::npos;
 }
 
-/// The share of a run that the page about it may take in addition, and what it may take of a short run, in seconds.
+/// Time that the page about a run may take: this share of the run's time, but at least this many seconds.
 constexpr double kPageShare = 0.1, kPageSeconds = 0.5;
 
-/// Adds the result, read again, to the summary; nothing where the output is no point file or has no point to show.
+/// Reads the result and adds it to the summary; does nothing if the output is no point file or has no point to show.
 void add_result(const ResolvedFiles& files, const InputCloud& input, ProgressDisplay& display, RunSummary& summary) {
   const Statistics& statistics = summary.statistics;
   if (is_divided(files) || is_array_name(files.output) || is_standard_output(files.output) ||
@@ -133,7 +133,7 @@ std::string conclusion(const ResolvedFiles& files, const Statistics& s) {
   return text;
 }
 
-/// Shows what a run tells. Signals cancel it.
+/// Shows the progress and messages of a run. Signals cancel it.
 class RunDisplay final : public Observer {
  public:
   explicit RunDisplay(ProgressDisplay& display) : display_(display) {}

@@ -21,8 +21,8 @@ void take_standard_input(const std::vector<std::filesystem::path>& inputs, const
 /// --dry-run and all groups of common options but --order, --engine and --keep.
 void add_run_options(CLI::App& verb, CommonOptions& options);
 
-/// Opens the inputs as one cloud, lets `work` run over it, shows progress and warnings, writes --stats and says what
-/// was done.
+/// Opens the inputs as one cloud, lets `work` run over it, shows progress and warnings, writes --stats and prints a
+/// summary.
 void run_over_cloud(
     const InputsAndOutput& paths, const CommonOptions& options,
     const std::function<Statistics(InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options)>& work);
@@ -32,21 +32,21 @@ void look_at_cloud(
     const InputsAndOutput& paths, const CommonOptions& options,
     const std::function<void(InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options)>& work);
 
-/// "--f VALUE" for the option f, "--k-from" for k_from. What is given is appended to `into`, which outlives the
-/// parsing.
+/// Adds the flag "--f VALUE" for the option f, "--k-from" for k_from. Values on the command line are appended to
+/// `into`, which must outlive the parsing.
 void add_stage_options(CLI::App& verb, const std::vector<OptionDeclaration>& options, std::vector<OptionText>& into);
 
 /// Adds one option under the given flag.
 void add_stage_option(CLI::App& verb, const std::string& flag, const OptionDeclaration& option,
                       std::vector<OptionText>& into);
 
-/// -k, --radius and what else says which points are neighbours; `k` is the verb's default; empty: the pipeline's.
+/// Adds -k, --radius and other options of neighbourhoods. `k`: the verb's default; empty: the pipeline decides.
 void add_neighborhood_options(CLI::App& verb, const std::string& k, std::vector<OptionText>& into);
 
 struct PipelineRun {
   CommonOptions common;
   InputsAndOutput paths;
-  std::vector<OptionText> orientation;  ///< options of all stages `normals`; empty: not given
+  std::vector<OptionText> orientation;  ///< options of all stages `normals`; empty: not stated
 };
 
 /// Adds the options of the operator `normals`, --keep, --dry-run, --order, --engine and all common options. `run`
@@ -61,7 +61,7 @@ void add_file_options(CLI::App& verb, PipelineRun& run);
 /// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or one that has its own.
 void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation);
 
-/// Builds the chain for the cloud and runs it, or prints what would be done.
+/// Builds the chain for the cloud and runs it, or prints the plan.
 void run_stages(std::vector<StageText> stages, const PipelineRun& run);
 
 }  // namespace pointsweep

@@ -16,13 +16,13 @@
 namespace pointsweep {
 namespace {
 
-/// "EPSG:2154", "none"; empty: nothing is stated.
+/// Returns "EPSG:2154" or "none"; empty if nothing is stated.
 std::string stated_text(const CommonOptions& options) {
   if (!options.crs) return "";
   return options.crs->crs ? short_text(*options.crs->crs) : "none";
 }
 
-/// What Python does: the request is too long for an argument, and comes by a descriptor.
+/// The Python program. It reads the request from a descriptor, since the request is too long for an argument.
 constexpr const char* kStart = R"(
 import json, sys
 try:

@@ -8,7 +8,7 @@
 namespace pointsweep {
 namespace {
 
-/// An empty name of a file would be the current folder, and no other option means anything without a value.
+/// Refuses options with empty values: an empty file name would mean the current folder, and other options need a value.
 void refuse_empty_values(CLI::App& verb) {
   const CLI::Validator not_empty(
       [](std::string& value) {

@@ -8,7 +8,7 @@
 
 namespace pointsweep {
 
-/// Each adds its verb to the tool; the verb runs while the command line is parsed, and throws what goes wrong.
+/// Each function adds its verb to the tool. The verb runs while the command line is parsed, and throws its errors.
 void add_convert_command(CLI::App& app);
 void add_pipeline_commands(CLI::App& app);  // normals, curvature, splats, features, fair, denoise
 void add_thin_command(CLI::App& app);
@@ -31,7 +31,7 @@ void add_help_command(CLI::App& app);
 /// Adds all verbs, in the order of the help.
 void add_commands(CLI::App& app);
 
-/// Error that `verify` throws if it found nothing wrong but could not check everything. Its exit status is 3.
+/// Error of `verify` if it found no difference but could not check everything. Its exit status is 3.
 class NotChecked : public Error {
  public:
   using Error::Error;

@@ -104,7 +104,7 @@ void add_stated_crs_options(CLI::App& verb, CommonOptions& options) {
 
 namespace {
 
-/// An option whose value is a word for the format of inputs: one of these options at most.
+/// Adds an option whose value becomes a word for the format of inputs. At most one of these options may be used.
 void add_format_word(CLI::App& verb, std::string& format, const char* flag, const char* begin, const char* meaning,
                      const char* value) {
   verb.add_option_function<std::string>(
@@ -146,7 +146,7 @@ void add_stream_options(CLI::App& verb, CommonOptions& options) {
   verb.add_option("--report", options.report, "Write a page about the run to this HTML file, with plots and a picture")
       ->type_name("FILE")
       ->group(kOutputGroup);
-  // For figures of the sweep and for tests, not for users.
+  // Hidden options for figures of the sweep and for tests.
   verb.add_option("--half-way-states", options.half_way_states)->group("");
   verb.add_option("--checkpoint-seconds", options.checkpoint_seconds)->group("")->check(CLI::NonNegativeNumber);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The options that several verbs share, declared once. A verb takes the groups that mean something to it.
-/// The files that a verb names, and those that they stand for.
+/// The options that several verbs share, declared once. A verb adds the groups that it supports. Also the inputs and
+/// the output of a verb, as named and as resolved.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -19,8 +19,7 @@
 
 namespace pointsweep {
 
-/// The options of a run, and what the tool alone needs to know.
-/// A run on many machines.
+/// The options of a run on many machines.
 struct ClusterOptions {
   std::string dask;  ///< address of the scheduler, or "local"; empty: the run is one process
   std::filesystem::path scratch;
@@ -33,11 +32,11 @@ struct CommonOptions : EngineOptions {
   std::vector<std::string> keep;  ///< names of attributes to write; empty: all
   bool dry_run = false;           ///< print the plan and write nothing
   bool quiet = false;
-  std::string format;            ///< of --format or --columns (CloudOptions::format); empty: neither
-  std::optional<StatedCrs> crs;  ///< what --crs states; absent: what the inputs state
+  std::string format;            ///< value of --format or --columns (CloudOptions::format); empty: neither
+  std::optional<StatedCrs> crs;  ///< the system stated by --crs; absent: that of the inputs
   bool replace_crs = false;      ///< other systems of inputs do not count
   bool ignore_crs = false;       ///< coordinate reference systems neither forbid nor convert anything
-  int progress_descriptor = -1;  ///< for one JSON object per line; -1: none
+  int progress_descriptor = -1;  ///< receives one JSON object per line; -1: none
   ClusterOptions cluster;
 };
 
@@ -76,7 +75,7 @@ void add_dry_run_option(CLI::App& verb, CommonOptions& options);
 /// Positional arguments IN... OUT: the last is the output, as with cp. With --output OUT all of them are inputs.
 struct InputsAndOutput {
   std::vector<std::filesystem::path> files;
-  std::filesystem::path named_output;                ///< of --output; empty: the last of `files`
+  std::filesystem::path named_output;                ///< value of --output; empty: the last of `files`
   bool recursive = false;                            ///< --recursive
   std::string output_format;                         ///< --output-format; empty: the format of each input
   bool divides = false;                              ///< OUT is a folder for files that the run names
@@ -93,13 +92,15 @@ struct InputsAndOutput {
 
 /// The files to read and to write.
 struct ResolvedFiles {
-  std::vector<std::filesystem::path> inputs;  ///< folders, patterns and .vpc files replaced by what they stand for
-  std::filesystem::path output;               ///< with a * in its name if the run divides it among files
+  std::vector<std::filesystem::path> inputs;  ///< folders, patterns and .vpc files replaced by the files that they
+                                              ///< contain
+  std::filesystem::path output;               ///< has a * in its name if the run divides it among files
   std::vector<std::filesystem::path> tiles;   ///< an output for each input, if `output` is a folder; else empty
   std::vector<std::string> notices;           ///< files that are left out, for people
 };
 
-/// IN... OUT and --recursive. `output_meaning` goes on after "then output", e.g. "with the attributes of the input".
+/// Adds IN... OUT and --recursive. `output_meaning` follows "then output" in the help, e.g. "with the attributes of the
+/// input".
 void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning);
 /// --recursive
 void add_recursive_option(CLI::App& verb, bool& recursive);
@@ -108,11 +109,11 @@ void add_output_format_option(CLI::App& verb, std::string& format);
 /// -o, --output
 void add_output_option(CLI::App& verb, std::filesystem::path& output);
 
-/// Lists the inputs (pointsweep/files.h); `format`: of --format, or "". Where OUT is a folder, or ends in '/', each
-/// input has an output in it, unless the run names its files. Throws UsageError where no input or no output is named,
-/// where a list of several inputs ends with a file or a folder of point files that exists (a pattern such as *.las with
-/// OUT forgotten), where an output is an input or another output, and where inputs have no format that is written;
-/// Error for a folder without point files.
+/// Lists the inputs (pointsweep/files.h). `format`: value of --format, or "". If OUT is a folder, or ends in '/', each
+/// input has an output in it, unless the run names its files. Throws UsageError if no input or no output is named, if a
+/// list of several inputs ends with a file or a folder of point files that exists (a pattern such as *.las with a
+/// forgotten OUT), if an output is an input or another output, and if inputs have no format that can be written; Error
+/// for a folder without point files.
 ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format);
 
 /// Checks a verb that makes one output of all inputs: throws UsageError with the reason where the output is a folder.

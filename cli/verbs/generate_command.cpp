@@ -26,7 +26,7 @@ struct GenerateOptions {
   Sampling sampling;
 };
 
-/// Two blocks take turns: one is filled on all threads while the other is on its way to the disk.
+/// Writes points in two alternating blocks: one is filled on all threads while the other is written to disk.
 void write_all(Reader& reader, Writer& writer, ProgressDisplay& progress) {
   const std::size_t stride = reader.info().schema.stride;
   const std::uint64_t total = reader.info().count;
@@ -119,7 +119,7 @@ void add_generate_command(CLI::App& app) {
   add_stated_crs_option(verb, options->common);
   add_named_options(verb, options->common, {"threads", "overwrite"});
   add_progress_options(verb, options->common);
-  verb.footer("");  // without the footer of the tool, which the parser would add
+  verb.footer("");  // removes the footer of the tool, which the parser would add
   verb.footer(footer);
   verb.callback([options] {
     if (options->positional.empty() == options->output.empty())

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// `pointsweep help [VERB]`: the same as `pointsweep [VERB] --help`; of an operator its listing.
-/// `pointsweep completion SHELL`: a script for the shell.
+/// `pointsweep help [VERB]`: the same as `pointsweep [VERB] --help`; for an operator its listing. `pointsweep
+/// completion SHELL`: a script for the shell.
 /// `pointsweep man [VERB]`: manual pages.
-/// `pointsweep operators [NAME...]`: what a pipeline can be made of, as the declarations say.
+/// `pointsweep operators [NAME...]`: the operators of pipelines, from their declarations.
 #include <filesystem>
 #include <fstream>
 #include <memory>

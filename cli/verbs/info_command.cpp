@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// `pointsweep info FILE...`: what is in point files, found by reading all of them.
+/// `pointsweep info FILE...`: the contents of point files, found by reading all points.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -24,11 +24,11 @@ namespace {
 
 struct InfoCommand {
   CommonOptions common;
-  std::vector<std::filesystem::path> files;  ///< folders, patterns and .vpc files among them
+  std::vector<std::filesystem::path> files;  ///< may contain folders, patterns and .vpc files
   bool recursive = false;
   bool json = false, table = false;
   bool spacing = true;
-  bool quick = false;  ///< headers alone
+  bool quick = false;  ///< read only headers
   bool check = false;  ///< warnings are failures
   PointStatisticsOptions statistics;
 
@@ -66,12 +66,12 @@ class PrintedJson {
   std::size_t files_ = 0;
 };
 
-/// The report on the files: of each in turn, then of all of them.
+/// The report about the files: each one, then all together.
 class InfoReport {
  public:
   explicit InfoReport(InfoStyle style) : style_(style) {}
 
-  /// `label`: what the table and sentences about several files call it.
+  /// `label`: name of the file in tables and in sentences about several files.
   void add(FileSummary summary, const std::filesystem::path& label) {
     if (style_ == InfoStyle::json) json_.add(json_of(summary));
     if (style_ == InfoStyle::details) print(to_text(summary));
@@ -86,7 +86,7 @@ class InfoReport {
     if (style_ == InfoStyle::table) table_.add_unreadable(label);
     totals_.add_unreadable();
   }
-  /// `statistics`: of the points of all files that could be read; absent: none were asked for.
+  /// `statistics`: statistics of the points of all readable files; absent if not requested.
   void finish(const std::optional<PointStatistics>& statistics) {
     if (style_ == InfoStyle::json)
       return json_.finish(all_as_json(), statistics ? json_of(*statistics) : nlohmann::ordered_json());
@@ -118,7 +118,7 @@ class InfoReport {
   std::size_t faulty_ = 0;
 };
 
-/// A file to look at, and what a table calls it: the name below the folder that was named, if that was one alone.
+/// A file and its name in tables: its path below the named folder if that was the only argument.
 struct LabelledFile {
   std::filesystem::path path, label;
 };
@@ -145,7 +145,7 @@ void look_at_file(const LabelledFile& file, const InfoCommand& options, bool spa
   report.add(std::move(summary), file.label);
 }
 
-/// The files that an argument stands for; nothing, after a complaint, where it stands for none.
+/// Returns the files that an argument means. If there are none, reports an error and returns nothing.
 std::vector<LabelledFile> files_of(const std::filesystem::path& named, const InfoCommand& options, InfoReport& report,
                                    ProgressDisplay& progress) {
   const bool is_folder = options.files.size() == 1 && stands_for_files(named);
@@ -182,7 +182,7 @@ PointStatistics statistics_of(const std::vector<std::filesystem::path>& files, c
   return point_statistics(cloud, asked);
 }
 
-/// The statistics of the points of all files; none if none are asked for, or if a file cannot be read.
+/// Returns the statistics of the points of all files; none if not requested, or if a file cannot be read.
 std::optional<PointStatistics> statistics_if_readable(const std::vector<std::filesystem::path>& files,
                                                       const InfoCommand& options, ProgressDisplay& progress) {
   if (!options.has_statistics() || files.empty()) return std::nullopt;

@@ -34,7 +34,8 @@ void require_npy(const std::filesystem::path& path) {
                array_format().extensions.front());
 }
 
-/// The arrays to write: `neighbors`, or `distances` where these alone are kept, to OUT; distances to --distances.
+/// Returns the arrays to write. OUT gets `neighbors`, or `distances` if only these are kept; --distances gets
+/// distances.
 Arrays arrays_of(const NeighborsCommand& command) {
   const std::vector<std::string>& keep = command.common.keep;
   const auto kept = [&](const char* name) { return keep.empty() || std::ranges::find(keep, name) != keep.end(); };

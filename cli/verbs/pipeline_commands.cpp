@@ -32,9 +32,9 @@ struct RunCommand {
 struct ShortForm {
   const char* verb;
   const char* meaning;
-  const char* output;        ///< what OUT holds, after "with the attributes of the input"
+  const char* output;        ///< contents of OUT, after "with the attributes of the input" in the help
   const char* stages;        ///< after knn
-  const char* with_options;  ///< the second stage whose options the verb takes, after normals; empty: none
+  const char* with_options;  ///< a second stage, after normals, whose options the verb has; empty: none
   const char* remark;
   const char* example;
 };
@@ -136,7 +136,7 @@ void require_move(const TransformCommand& command) {
 struct ThinningFlag {
   const char* flag;
   const char* stage;
-  const char* option;  ///< the first of a stage says that it is the one
+  const char* option;  ///< the main option of a stage, which selects the stage
 };
 
 constexpr ThinningFlag kThinningFlags[] = {
@@ -147,7 +147,7 @@ constexpr ThinningFlag kThinningFlags[] = {
 
 struct ThinCommand {
   PipelineRun run;
-  std::vector<StageText> stages;  ///< as the flags name them, each with the options given
+  std::vector<StageText> stages;  ///< stages selected by flags, with the given options
 };
 
 const OptionDeclaration& declared_option_of(const ThinningFlag& flag) {
@@ -170,7 +170,8 @@ void move_seed(std::vector<StageText>& stages) {
   std::erase_if(decimate.options, [](const OptionText& option) { return option.name == "seed"; });
 }
 
-/// The stage with its first option; of options that stand beside it alone, or of two such stages, there is no sense.
+/// Returns the stage whose main option is given. Throws UsageError for several such stages, and for other options
+/// without a main option.
 std::vector<StageText> thinning_stages(const ThinCommand& command) {
   std::vector<StageText> stages = command.stages;
   move_seed(stages);

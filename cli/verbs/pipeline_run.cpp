@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the word that stands for the value in the help.
+/// Returns the placeholder of the value in the help.
 std::string value_name(const OptionDeclaration& option) {
   switch (option.kind) {
     case OptionKind::whole:
@@ -81,7 +81,7 @@ bool says(const std::vector<OptionText>& options, const std::string& name) {
   return std::ranges::find(options, name, &OptionText::name) != options.end();
 }
 
-/// Throws UsageError if --orient viewpoint comes without --viewpoint, a flag of its own on the command line.
+/// Throws UsageError for --orient viewpoint without --viewpoint, which is a separate flag.
 void require_viewpoint(const std::vector<OptionText>& orientation) {
   const auto orient = std::ranges::find(orientation, "orient", &OptionText::name);
   if (orient != orientation.end() && orient->value == "viewpoint" && !says(orientation, "viewpoint"))

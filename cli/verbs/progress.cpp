@@ -17,7 +17,7 @@ constexpr double kBarInterval = 0.1;                       // s
 constexpr double kLineInterval = 5;                        // s
 constexpr double kProgramInterval = 0.2;                   // s
 constexpr std::size_t kLongestBar = 24, kShortestBar = 4;  // characters
-constexpr int kNarrow = 60;                                // columns; fewer have room for percent and time left alone
+constexpr int kNarrow = 60;                                // columns; below, only percent and time left
 
 ProgressDisplay::Targets targets_of(const CommonOptions& options) {
   ProgressDisplay::Targets targets;

@@ -15,7 +15,7 @@
 namespace pointsweep {
 
 /// Display of the progress of a run. A terminal gets a bar with rate and remaining time, ten times a second, without
-/// escape sequences. Anything else, and a terminal with TERM=dumb, gets a line every five seconds. Programs get
+/// escape sequences. Other streams, and a terminal with TERM=dumb, get a line every five seconds. Programs get
 /// `{"phase":"normals","done":123,"total":456,"seconds":0.5}` five times a second, and always the first and the last of
 /// a phase.
 class ProgressDisplay {
@@ -25,7 +25,7 @@ class ProgressDisplay {
   /// Descriptors of -1 get nothing.
   struct Targets {
     int people = -1;
-    int errors = -1;  ///< for sentences of this severity, which --quiet leaves
+    int errors = -1;  ///< receives errors, which --quiet does not suppress
     bool terminal = false;
     int columns = 80;
     int programs = -1;
@@ -40,7 +40,7 @@ class ProgressDisplay {
   /// `done` of `total` points have passed `phase`, e.g. "sort". Rate and time count from the first report of a phase.
   /// Cheap and thread-safe: a report that comes while another is printed is dropped unless it completes the phase.
   void report(std::string_view phase, std::uint64_t done, std::uint64_t total);
-  /// A sentence for people that stays; the bar gives way to it.
+  /// Prints a sentence that stays; the bar is moved below it.
   void say(Severity severity, std::string_view sentence);
 
  private:

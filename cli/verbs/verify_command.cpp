@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// `pointsweep verify IN... OUT`: the user's own check of what a run has written.
+/// `pointsweep verify IN... OUT`: an independent check of the output of a run.
 #include <fstream>
 #include <string>
 

@@ -53,7 +53,7 @@ constexpr std::array<Rgb, 23> kColors = {{{150, 150, 150},    // never classifie
                                           {215, 175, 130},    // ignored ground
                                           {205, 235, 255},    // snow
                                           {235, 205, 235}}};  // temporal exclusion
-/// For reserved and user-definable classes: neighbours differ.
+/// For reserved and user-definable classes: adjacent classes have different colours.
 constexpr std::array<Rgb, 6> kOthers = {
     {{66, 105, 208}, {239, 177, 24}, {108, 197, 176}, {164, 99, 242}, {156, 107, 78}, {255, 138, 183}}};
 

@@ -12,10 +12,12 @@ struct Rgb {
   friend bool operator==(const Rgb&, const Rgb&) = default;
 };
 
-/// Viridis (van der Walt and Smith 2015, CC0): equal steps of the value look equally far apart, also in grey and to the
-/// colour-blind. 0 is dark violet, 1 yellow; outside of it the ends, NaN is grey.
+/// Returns a colour of Viridis (van der Walt and Smith 2015, CC0): equal steps of the value are perceived as equal,
+/// also in grey and by colour-blind people. 0 is dark violet, 1 yellow; values outside of [0, 1] get the colours of the
+/// ends, NaN is grey.
 Rgb viridis(double value);
-/// Turbo (Mikhailov 2019, by his polynomials): a rainbow without its bands; from dark blue over green to dark red.
+/// Returns a colour of Turbo (Mikhailov 2019, by his polynomials), a smooth rainbow from dark blue over green to dark
+/// red.
 Rgb turbo(double value);
 /// Black to white.
 Rgb gray(double value);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Eigenvectors, exponentials and logarithms of many arguments at once, in the widest vector lanes of the machine.
-/// Every result has the bits of eigen_symmetric3(), exp_negative() and natural_logarithm(), whatever the machine and
-/// whatever shares the batch.
+/// Every result has the bits of eigen_symmetric3(), exp_negative() and natural_logarithm(), on any machine and in any
+/// batch.
 #pragma once
 
 #include <span>
@@ -11,18 +11,20 @@
 
 namespace pointsweep {
 
-/// out[i] = eigen_symmetric3(matrices[i]); both spans have the same size. About 35 to 60 ns each on one core with
-/// AVX-512.
+/// Computes out[i] = eigen_symmetric3(matrices[i]); both spans have the same size. About 35 to 60 ns each on one core
+/// with AVX-512.
 void batch_eigen_symmetric3(std::span<const Symmetric3> matrices, std::span<Eigen3> out);
 
-/// out[i] = exp_negative(x[i]); both spans have the same size and may be the same. About 1 ns each with AVX-512.
+/// Computes out[i] = exp_negative(x[i]); both spans have the same size and may be the same. About 1 ns each with
+/// AVX-512.
 void batch_exp_negative(std::span<const double> x, std::span<double> out);
 
-/// out[i] = natural_logarithm(x[i]); both spans have the same size and may be the same.
+/// Computes out[i] = natural_logarithm(x[i]); both spans have the same size and may be the same.
 void batch_natural_logarithm(std::span<const double> x, std::span<double> out);
 
-/// Highway's name of the instruction set that the vector code of this process runs with, the best that the library is
-/// built for and this processor has: "AVX3" (AVX-512), "AVX2", "SSE4", "NEON", ... It changes the speed and no result.
+/// Returns Highway's name of the instruction set that the vector code of this process uses, the best for which the
+/// library is built and that this processor has: "AVX3" (AVX-512), "AVX2", "SSE4", "NEON", ... It changes the speed and
+/// no result.
 std::string_view instruction_set_in_use();
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Boxes among which those near a place are found quickly.
+/// A tree of boxes with a fast search for those near a place.
 #pragma once
 
 #include <algorithm>
@@ -22,8 +22,8 @@ class BoxTree {
     if (!boxes_.empty()) build(order_);
   }
 
-  /// Returns whether accept(number) is true for a box within sqrt(reach2) of `place`, a box or a point. It is asked for
-  /// boxes in any order, until it says true.
+  /// Returns whether accept(number) is true for a box within sqrt(reach2) of `place`, a box or a point. Calls accept()
+  /// for boxes in any order, until it returns true.
   template <class Place, class Accept>
   bool any_within(const Place& place, double reach2, Accept accept) const {
     return !nodes_.empty() && any_within(0, place, reach2, accept);

@@ -21,7 +21,7 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// In: a matrix per lane. Out: ascending values, and their vectors.
+/// A matrix per lane, which is the input; the results are ascending eigenvalues and their eigenvectors.
 template <class V>
 struct Symmetric3Lanes {
   V xx, xy, xz, yy, yz, zz;
@@ -69,7 +69,7 @@ HWY_INLINE Vec3Lanes<V> Choose(M mask, const Vec3Lanes<V>& yes, const Vec3Lanes<
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
 }
 
-/// The steps of eigen_symmetric3() for one matrix per lane, each made from the one before.
+/// The steps of eigen_symmetric3() for one matrix per lane. Each step uses the results of the previous ones.
 template <class D, class V = hn::Vec<D>>
 struct ScaledLanes {
   Symmetric3Lanes<V> m;
@@ -85,7 +85,7 @@ struct ScaledLanes {
   }
 };
 
-/// B = (A - mean) / spread and the root of its characteristic polynomial that is well apart.
+/// B = (A - mean) / spread and the well-separated root of its characteristic polynomial.
 template <class D, class V = hn::Vec<D>>
 struct RootLanes {
   Symmetric3Lanes<V> b;
@@ -204,8 +204,8 @@ HWY_INLINE std::array<Eigen3Lanes<V>, N> SolveTogether(D d, const ScaledLanes<D>
   return {Ascending(d, scaled[I], roots[I], bases[I], pairs[I])...};
 }
 
-/// Solves several vectors of matrices at once, each as eigen_symmetric3() does: one alone is a long chain of dependent
-/// operations, and only chains that do not depend on each other fill the machine.
+/// Solves several vectors of matrices at once, each like eigen_symmetric3(). A single one is a long chain of dependent
+/// operations; several independent chains use the processor better.
 template <class D, class V = hn::Vec<D>, class... More>
 HWY_INLINE std::array<Eigen3Lanes<V>, sizeof...(More)> EigenSymmetric3(D d, const More&... m) {
   const ScaledLanes<D> scaled[] = {ScaledLanes<D>(d, m)...};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Elementary functions of every float64, made of plain IEEE operations like those of exp.h: equal bits on every
-/// machine. Errors are at most 8 ulps.
+/// Elementary functions of float64, made of plain IEEE operations like those of exp.h: equal bits on every machine.
+/// Errors are at most 8 ulps.
 #pragma once
 
 #include <cmath>
@@ -31,7 +31,7 @@ inline double logarithm(double x) {
   return is_normal ? natural_logarithm(x) : natural_logarithm(x * 0x1p54) - 54 * 0.69314718055994530942;
 }
 
-/// arctan(t) for 0 <= t <= 1. With the multiple c of 1/4 nearest to t and u = (t - c) / (1 + c t), |u| <= 1/8:
+/// Returns arctan(t) for 0 <= t <= 1. With the multiple c of 1/4 nearest to t and u = (t - c) / (1 + c t), |u| <= 1/8:
 /// arctan(t) = arctan(c) + arctan(u), the latter by its power series up to u^17.
 inline double arctangent_of_unit(double t) {
   constexpr double kOfQuarters[5] = {0, 0x1.f5b75f92c80ddp-3, 0x1.dac670561bb4fp-2, 0x1.4978fa3269ee1p-1,

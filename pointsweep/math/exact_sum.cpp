@@ -27,7 +27,7 @@ Parts parts_of(double value) {
   return {fraction | std::uint64_t{1} << 52, field - 1075};
 }
 
-/// A carry moves a digit's upper half on; digits of 32 bits and so many terms stay below 2^63.
+/// A carry moves the upper half of a digit to the next one. Digits of 32 bits and this many terms stay below 2^63.
 constexpr std::uint32_t kMostPending = 1u << 29;
 
 }  // namespace

@@ -27,12 +27,12 @@ class ExactSum {
   double rounded() const;
   /// -1, 0 or 1, also where the sum is too small for a double. The terms are finite.
   int sign() const;
-  /// The sum as s[0] + s[1] + s[2], each the rounded rest of what those before it leave: 159 bits of it. The second and
-  /// third are 0 where the first is not finite.
+  /// Returns the sum as s[0] + s[1] + s[2]: each is the rounded remainder after the previous ones, 159 bits together.
+  /// The second and third are 0 if the first is not finite.
   std::array<double, 3> expansion() const;
 
-  /// The sum as numbers that another process can take over: that of digits[i] * 2^(32 (first + i) - 2148), and which
-  /// kinds of unusual terms there are. Equal sums of finite terms have equal states.
+  /// The sum in a form that another process can continue: the sum of digits[i] * 2^(32 (first + i) - 2148), and the
+  /// kinds of unusual terms that occurred. Equal sums of finite terms have equal states.
   struct State {
     std::uint32_t first = 0;
     std::vector<std::int64_t> digits;
@@ -58,15 +58,15 @@ class ExactSum {
 };
 
 /// Returns n Σ v² - (Σ v)², which is n² times the mean square distance of n values v from their mean, from the sum of
-/// the values and that of their squares; at least 0. It uses 159 bits of each: close values far from 0 leave a small
-/// difference of large numbers.
+/// the values and that of their squares; at least 0. It uses 159 bits of each sum, since values close together and far
+/// from 0 give a small difference of large numbers.
 double n_squared_variance(const ExactSum& sum, const ExactSum& squares, double n);
 
 __extension__ typedef __int128 Int128;
 __extension__ typedef unsigned __int128 UInt128;
 
-/// An integer of 192 bits, modulo 2^192 in two's complement: a result in [-2^191, 2^191) is exact, whatever the sums on
-/// the way were.
+/// An integer of 192 bits, modulo 2^192 in two's complement. A result in [-2^191, 2^191) is exact even if intermediate
+/// sums exceed that range.
 class Int192 {
  public:
   Int192() = default;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// exp(-x), the logarithm and powers of two, made of plain IEEE operations, so that they have the same bits on every
-/// machine. The C library does not promise that: its last bit may differ from one processor to the next.
+/// machine. The C library does not guarantee that: its last bit may differ between processors.
 ///
 /// The method of exp(-x): with n = round(x / ln 2) and y = n ln 2 - x, |y| <= ln 2 / 2: exp(-x) = 2^-n exp(y). exp(y) =
 /// 1 + (y + y² q(y)), with q of degree 9 interpolated at Chebyshev nodes on |y| <= 0.3467 (error of the polynomial
@@ -48,8 +48,8 @@ struct ExpConstants<float> {
   static constexpr float kQ[5] = {0x1p-1f, 0x1.5554dcp-3f, 0x1.55551ap-5f, 0x1.120b9p-7f, 0x1.6d112cp-10f};
 };
 
-/// exp(-x) for x >= 0 (infinity included): in double to 1 ulp, 0 for x > 708; in single precision to 2 ulps, 0 for
-/// x > 87.
+/// Returns exp(-x) for x >= 0 (infinity included): in double to 1 ulp, 0 for x > 708; in single precision to 2 ulps, 0
+/// for x > 87.
 template <std::floating_point Real>
 Real exp_negative(Real x) {
   using C = ExpConstants<Real>;
@@ -85,8 +85,8 @@ inline double natural_logarithm(double x) {
   return 2 * z * sum + 0.69314718055994530942 * exponent;
 }
 
-/// Powers of two serve as scales, because multiplying by one rounds nothing: 2^e for x in [2^e, 2^(e+1)), 0 below the
-/// normal numbers; infinity for what is not finite.
+/// Returns a power of two for use as a scale, since multiplying by one rounds nothing: 2^e for x in [2^e, 2^(e+1)), 0
+/// below the normal numbers, infinity if x is not finite.
 inline double power_of_two_below(double x) {
   return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & std::uint64_t{0x7ff} << 52);
 }

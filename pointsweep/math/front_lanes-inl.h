@@ -17,9 +17,9 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Brings the lanes of a mask to the front of vectors of 32 or 64 bit lanes; the lanes after them are unspecified.
-/// Vectors of up to eight lanes by a table: with Highway 1.0.3's own Compress of such, GCC copies a table onto the
-/// stack every time. Sixteen lanes are brought to the front by one instruction.
+/// Moves the lanes of a mask to the front of vectors of 32- or 64-bit lanes; the lanes after them are unspecified.
+/// Vectors of up to eight lanes use a table: GCC would copy the table of Highway 1.0.3's own Compress onto the stack
+/// every time. Sixteen lanes need one instruction.
 template <class D>
 class Front {
   using Numbers = hn::RebindToUnsigned<D>;
@@ -27,8 +27,8 @@ class Front {
   static constexpr std::size_t kLanes = hn::MaxLanes(D());
   static constexpr bool kByTable = kLanes > 1 && kLanes <= 8;
 
-  // A byte a lane, so that the table stays small; but SSE4 and AVX2 would need several instructions for bytes as 64
-  // bits.
+  // One byte per lane keeps the table small; with 64-bit lanes, SSE4 and AVX2 would need several instructions to widen
+  // bytes.
   static constexpr bool kBytes = sizeof(Number) == 4 || kLanes == 8;
 
   struct Table {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// The instruction sets that vector code is built for, the best of which is taken at run time; included before any
-/// header of Highway in a file with vector code. On x86-64: the baseline, SSE4, AVX2 and AVX-512; the others would only
-/// add code of the same speed. Vectors whose size is unknown at compile time (SVE, RISC-V) cannot be members of a
-/// struct, which our kernels want; such machines run NEON or scalar code. Under sanitizers the baseline and AVX2 do,
-/// since every set costs minutes of compilation there. With POINTSWEEP_INSTRUCTION_SETS=native
+/// The instruction sets for which vector code is built; the best available one is chosen at run time. A file with
+/// vector code must include this header before any header of Highway. On x86-64: the baseline, SSE4, AVX2 and AVX-512;
+/// others would only add code of the same speed. Vectors whose size is unknown at compile time (SVE, RISC-V) cannot be
+/// members of a struct, which our kernels need; such machines run NEON or scalar code. Sanitizers use only the baseline
+/// and AVX2, since every set costs minutes of compilation there. With POINTSWEEP_INSTRUCTION_SETS=native
 /// (cmake/instruction_sets.cmake) the build leaves out the sets below the best one of its machine, but never the
 /// baseline.
 #pragma once

@@ -8,8 +8,8 @@
 
 namespace pointsweep {
 
-/// Ascending; none may be NaN, and -0 comes before 0. Much faster than std::sort for many numbers; each call prepares
-/// for about a microsecond.
+/// Sorts numbers in ascending order. None may be NaN; -0 comes before 0. Much faster than std::sort for many numbers;
+/// each call takes about a microsecond of preparation.
 void sort_ascending(std::span<std::uint64_t> numbers);
 void sort_ascending(std::span<double> numbers);
 /// Sorts by the first of each pair, then by the second.

@@ -24,8 +24,8 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Bitonic sort of a matrix of R rows, a vector each. The order goes by columns: the first column from top to bottom,
-/// then the second. So keys of one column are compared without moving them between lanes.
+/// Bitonic sort of a matrix of R rows, each a vector. Keys ascend column by column: the first column from top to
+/// bottom, then the second. So keys of one column are compared without moving them between lanes.
 template <std::size_t R>
 class ColumnSort {
  public:
@@ -33,7 +33,7 @@ class ColumnSort {
   using V = hn::Vec<Lanes>;
   static constexpr std::size_t kLanes = hn::MaxLanes(Lanes()), kMost = R * kLanes;
 
-  /// Puts `size` <= kMost keys in order; reads and writes whole vectors. None is the greatest number.
+  /// Sorts `size` <= kMost keys; reads and writes whole vectors. No key may be the greatest number.
   static HWY_INLINE void Sort(std::uint32_t* keys, std::size_t size) {
     const Lanes d;
     const V none = hn::Set(d, std::numeric_limits<std::uint32_t>::max());
@@ -116,8 +116,8 @@ class ColumnSort {
   }
 };
 
-/// Sorts keys (bin | `low_bits` of what tells keys of one bin apart), the bins of which are taken about evenly; where
-/// they are not, it takes longer. None is the greatest number.
+/// Sorts keys of the form (bin | `low_bits` bits that distinguish keys of one bin). It is fast if keys are spread
+/// evenly over the bins. No key may be the greatest number.
 class BinSort {
   using Few = ColumnSort<8>;
   using Lanes = Few::Lanes;
@@ -127,11 +127,11 @@ class BinSort {
   /// Number of keys that are read and written in addition.
   static constexpr std::size_t kPadding = Few::kMost;
 
-  /// `spare` has room for twice as many keys as will be sorted.
+  /// `spare` has room for twice as many keys as are sorted at once.
   BinSort(std::uint32_t low_bits, std::uint32_t* spare) : low_bits_(low_bits), spare_(spare) {}
 
-  /// Sorts `keys`, of the bins [first, end), as far as the first `wanted` of them need it. Returns how many are there
-  /// in order, whole bins; those left out come later in the order.
+  /// Sorts `keys`, of the bins [first, end), until at least the first `wanted` of them are in order. Returns how many
+  /// are in order; they fill whole bins, and all other keys are greater.
   std::size_t Sort(std::uint32_t* keys, std::size_t size, std::size_t wanted, std::uint64_t first, std::uint64_t end) {
     return SortPart(keys, size, wanted, first, end, 0);
   }
@@ -153,7 +153,7 @@ class BinSort {
     spare_ += size;
     std::copy_n(keys, size, all);
     std::size_t sorted = 0;
-    // Each part is taken out of all in turn: they are few enough to stay in the first cache.
+    // Each part is extracted from all keys in turn: the keys are few enough for the first-level cache.
     for (std::size_t p = 0; p < parts && sorted < wanted; ++p) {
       const std::uint64_t from = first + (end - first) * p / parts, to = first + (end - first) * (p + 1) / parts;
       if (from == to) continue;

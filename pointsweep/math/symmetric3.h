@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 /// Symmetric 3×3 matrices and their eigenvectors, of plain IEEE operations: the same bits on every machine.
 ///
-/// In closed form, by deflation. Of three eigenvalues the largest or the smallest is well apart from the other two; the
-/// sign of det(A - tr(A)/3) says which. Its root of the characteristic polynomial is simple, and so is found to
-/// rounding; its vector is the largest column of the adjugate of A - λ. In the plane across it two eigenvalues are left
-/// for a 2×2 problem, which has a stable formula however near they are to each other. So no eigenvalue is computed as a
-/// root that may be double, which is where closed forms lose half their digits. (The same plan with trigonometric
-/// functions: D. Eberly, "A robust eigensolver for 3×3 symmetric matrices", 2014.) Over 6·10^6 random matrices, most of
-/// them with eigenvalues that are nearly equal or of very different sizes, residuals stayed under 8 · 2^-52 of the
-/// largest entry and vectors orthonormal to 7 · 2^-52. eigen3_lanes-inl.h does the same operations in the same order,
-/// one matrix per lane.
+/// Eigenvectors are computed in closed form, by deflation. Of three eigenvalues the largest or the smallest is well
+/// separated from the other two; the sign of det(A - tr(A)/3) tells which. Its root of the characteristic polynomial is
+/// simple, and so is found to rounding; its vector is the largest column of the adjugate of A - λ. In the plane across
+/// it two eigenvalues are left for a 2×2 problem, which has a stable formula however near they are to each other. So no
+/// eigenvalue is computed as a root that may be double, which is where closed forms lose half their digits. (The same
+/// plan with trigonometric functions: D. Eberly, "A robust eigensolver for 3×3 symmetric matrices", 2014.) Over 6·10^6
+/// random matrices, most of them with eigenvalues that are nearly equal or of very different sizes, residuals stayed
+/// under 8 · 2^-52 of the largest entry and vectors orthonormal to 7 · 2^-52. eigen3_lanes-inl.h does the same
+/// operations in the same order, one matrix per lane.
 #pragma once
 
 #include <algorithm>
@@ -33,8 +33,8 @@ struct Eigen3 {
 
 namespace deflation {
 
-/// 2 cos(acos(r)/3), the largest root of β³ - 3β - 2r, for r in [0, 1]: to 1.3e-6, before a step of Halley's iteration
-/// that makes it right to rounding.
+/// Coefficients of 2 cos(acos(r)/3), the largest root of β³ - 3β - 2r, for r in [0, 1]: to 1.3e-6, before a step of
+/// Halley's iteration that makes it accurate to rounding.
 inline constexpr double kRoot[6] = {1.7320521221176661,  0.33323771303007044,  -0.09505002786486773,
                                     0.04379925469028466, -0.01793290240031093, 0.0038946032208317916};
 /// Keeps quotients of zeros from being 0/0; far below anything that matters.
@@ -61,7 +61,7 @@ inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   const double xx = m.xx * scale, xy = m.xy * scale, xz = m.xz * scale;
   const double yy = m.yy * scale, yz = m.yz * scale, zz = m.zz * scale;
 
-  // B = (A - mean) / spread has trace 0 and eigenvalues 2 cos of angles a third of a turn apart.
+  // B = (A - mean) / spread has trace 0; its eigenvalues are 2 cos of three angles 120 degrees apart.
   const double mean = ((xx + yy) + zz) * (1.0 / 3);
   const double dx = xx - mean, dy = yy - mean, dz = zz - mean;
   const double diagonal2 = (dx * dx + dy * dy) + dz * dz, others2 = (xy * xy + xz * xz) + yz * yz;
@@ -83,8 +83,8 @@ inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   const double shorten = 1 / std::sqrt((column.x * column.x + column.y * column.y) + column.z * column.z);
   const Vec3 v{column.x * shorten, column.y * shorten, column.z * shorten};
 
-  // An orthonormal basis of the plane across v. It takes the axis that v is least along, so that a matrix of zeros
-  // along an axis, as a plane or a line across it has, keeps eigenvalues of exactly 0.
+  // An orthonormal basis of the plane perpendicular to v, made with the axis on which v has its least component. So a
+  // matrix with zeros along an axis, as for points on a plane or line across it, keeps eigenvalues of exactly 0.
   const double vx = std::abs(v.x), vy = std::abs(v.y), vz = std::abs(v.z);
   const bool least_x = vx <= vy && vx <= vz, least_y = !least_x && vy <= vz;
   const Vec3 across = least_x ? Vec3{0, v.z, -v.y} : least_y ? Vec3{-v.z, 0, v.x} : Vec3{v.y, -v.x, 0};
@@ -106,8 +106,8 @@ inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   const Vec3 less{lp * p.x + lq * q.x, lp * p.y + lq * q.y, lp * p.z + lq * q.z};
   const double apart = radius - deflation::kFloor;
   const double value_greater = (middle + apart) * size, value_less = (middle - apart) * size;
-  // The largest value is right to rounding as a root of the polynomial; as a quotient, a smallest value of 0 is right,
-  // too.
+  // As a root of the polynomial the largest value is accurate to rounding; as a quotient, a smallest value of 0 is
+  // exact, too.
   if (root >= 0) {
     const double value = (mean + spread * root) * size;
     return {{value_less, value_greater, value < value_greater ? value_greater : value}, {less, greater, v}};

@@ -11,8 +11,8 @@ namespace pointsweep {
 /// True if red, green and blue are plain fields of 16 bits.
 bool has_wide_colors(const Schema& schema);
 
-/// `schema`, read with the brightness of 16 bits: the values of its red, green and blue of 8 bits are those that are
-/// stored times 257. Absent if these are not three plain fields of 8 bits. The type alone decides, never the values.
+/// Returns `schema` with its 8-bit red, green and blue scaled to 16 bits, times 257. Absent if these are not three
+/// plain fields of 8 bits. Only the type decides, never the values.
 std::optional<Schema> with_wide_colors(const Schema& schema);
 
 }  // namespace pointsweep

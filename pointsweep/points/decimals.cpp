@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array<double, kMostDecimals + 1> kPowers{1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
 
-constexpr std::uint64_t kFewValues = 100;  ///< that may have a common divisor by chance
+constexpr std::uint64_t kFewValues = 100;  ///< fewer values may have a common divisor by chance
 
 /// A quotient of two whole numbers below 2^53 is rounded once, so it is the float64 nearest to the fraction.
 double nearest(double value, int decimals) {

@@ -17,14 +17,15 @@ inline constexpr int kMostDecimals = 9;
 /// float64 nearest to a decimal fraction; nullopt if there is no such number.
 std::optional<int> decimals_of(double value);
 
-/// The largest step of which all values of a cloud are multiples: 0.01, or 0.00025, which text shows with five digits.
+/// The largest step of which all values of a cloud are multiples: 0.01, or 0.00025, which text represents with five
+/// digits.
 class CommonStep {
  public:
   /// Returns false if `value`, which is finite, is no decimal fraction of up to kMostDecimals digits.
   bool take(double value);
   bool empty() const { return values_ == 0; }
-  /// Returns a step of at most 1: the power of ten that the digits tell, or, of 100 values or more, the largest divisor
-  /// of 1 of which all are multiples.
+  /// Returns a step of at most 1: a power of ten, from the digits of the values, or with at least 100 values, the
+  /// largest divisor of 1 of which all values are multiples.
   double size() const;
 
  private:

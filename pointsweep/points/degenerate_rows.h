@@ -15,7 +15,7 @@ class DegenerateRows {
   static constexpr std::size_t kMostListed = 1000;
 
   DegenerateRows() = default;
-  /// `lowest`: at most kMostListed.
+  /// `lowest`: the lowest rows, at most kMostListed.
   DegenerateRows(std::uint64_t count, std::vector<std::uint64_t> lowest);
 
   void add(std::uint64_t row);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Names are compared without regard to upper and lower case, of ASCII letters alone and whatever the locale.
+/// Comparison of names without regard to the case of ASCII letters, independent of the locale.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Finds the known names that a misspelt word may stand for.
+/// A search for the known names that a misspelt word may mean.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,8 @@
 
 namespace pointsweep {
 
-/// Returns the number of letters to insert, delete or replace to turn one word into the other (Levenshtein distance).
+/// Returns the number of insertions, deletions and replacements of letters that turn one word into the other
+/// (Levenshtein distance).
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// Returns a text like "'normals', 'knn' or 'splats'": at most three names of `known`, nearest to `word` first. `known`

@@ -8,7 +8,8 @@
 namespace pointsweep {
 namespace {
 
-/// The field of `from` for `to.fields[index]`: of the same name, and the second for the second where a name repeats.
+/// Returns the field of `from` with the name of `to.fields[index]`; the n-th one if the name repeats and is the n-th in
+/// `to`.
 const Field* counterpart(const Schema& from, const Schema& to, std::size_t index) {
   const std::string& name = to.fields[index].name;
   const auto named = [&](const Field& field) { return field.name == name; };

@@ -47,7 +47,7 @@ double load_value(const Field& field, const std::byte* at) {
   return field.scale == 1 && field.bias == 0 ? bits : bits * field.scale + field.bias;
 }
 
-/// Replaces the bits of the field and leaves the others of its word alone.
+/// Replaces the bits of the field and keeps the other bits of its word.
 template <class T>
 T with_bits(const Field& field, T old, double bits) {
   using Word = std::make_unsigned_t<T>;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Spellings of field names, coordinates out of records, and records from one schema to another.
-///
-/// Records keep the bytes of the file wherever the file is binary and of this machine's byte order, so that attributes
-/// that no stage names pass through unchanged (the paper's InputFields, Section 5.1).
+/// Spellings of field names, decoding of coordinates, and conversion of records between schemas. Records keep the bytes
+/// of a binary file in this machine's byte order, so that attributes that no stage uses pass through unchanged (the
+/// paper's InputFields, Section 5.1).
 #pragma once
 
 #include <array>
@@ -64,8 +63,8 @@ bool holds(const Field& field, double value);
 /// numbers.
 bool holds_all_of(const Field& field, const Field& values);
 
-/// Copies records of one schema into records of another, field by field. A field whose storage is the same in both is
-/// copied bit for bit; otherwise its value is converted; fields absent in `from` become 0.
+/// Copies records of one schema into records of another, field by field. A field with the same storage in both is
+/// copied bit by bit; otherwise its value is converted. Fields absent in `from` become 0.
 class RecordConversion {
  public:
   RecordConversion(const Schema& from, const Schema& to);

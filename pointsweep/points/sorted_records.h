@@ -33,7 +33,7 @@ class SortedRecords {
     ++count_;
     if (records_.size() == most_) end_run();
   }
-  /// Ends the adding. To be called after the last add() and before next().
+  /// Must be called after the last add() and before next().
   void finish() {
     if (!scratch_) return std::sort(records_.begin(), records_.end(), less_);
     if (!records_.empty()) end_run();

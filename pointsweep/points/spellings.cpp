@@ -10,7 +10,8 @@ namespace pointsweep {
 namespace {
 
 /// Spellings of each attribute: first the library's own name, then the others, best first. All are in lower case, since
-/// case does not count. `scalar_` is how CloudCompare marks its scalar fields, `diffuse_` is from older PLY exporters.
+/// case does not count. CloudCompare puts `scalar_` before the names of its scalar fields; `diffuse_` comes from older
+/// PLY exporters.
 using Row = std::array<std::string_view, 7>;
 constexpr Row kRows[] = {
     {"nx", "normal_x", "normalx", "normal x", "normal.x"},

@@ -11,7 +11,7 @@ namespace pointsweep {
 /// GeoJSON". Throws Error.
 std::string read_text_file(const std::string& path, std::string_view holds);
 
-/// Returns 16 hexadecimal digits that tell contents apart (FNV-1a hash).
+/// Returns 16 hexadecimal digits that distinguish contents (FNV-1a hash).
 std::string checksum_of_text(std::string_view text);
 
 }  // namespace pointsweep

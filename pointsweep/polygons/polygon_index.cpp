@@ -21,7 +21,7 @@ int exact_orientation(Point2 a, Point2 b, Point2 c) {
   return sum.sign();
 }
 
-constexpr std::size_t kMostEntriesOfEdge = 16;  ///< on average, in strips
+constexpr std::size_t kMostEntriesOfEdge = 16;  ///< average number of strips per edge
 
 }  // namespace
 
@@ -48,8 +48,8 @@ PolygonIndex::PolygonIndex(const std::vector<Polygon>& polygons) {
   fill_strips();
 }
 
-/// Returns the strip of y. It does not fall where y rises, so that an edge is in the strips from the strip of its low
-/// end to the strip of its high end.
+/// Returns the strip of y. It never decreases as y increases, so that an edge is in all strips from that of its low end
+/// to that of its high end.
 std::size_t PolygonIndex::strip_of(double y) const {
   const double strip = (y - least_.y) * scale_;
   return strip >= static_cast<double>(strips_ - 1) ? strips_ - 1 : static_cast<std::size_t>(std::max(strip, 0.0));
@@ -81,7 +81,8 @@ void PolygonIndex::fill_strips() {
     for_each_strip(edges_[i], [&](std::size_t s) { in_strip_[next[s]++] = static_cast<std::uint32_t>(i); });
 }
 
-/// Counts the edges that a ray from p towards +x crosses; of an edge that ends at the height of p the lower end counts.
+/// Counts the edges that a ray from p towards +x crosses. An edge with an end at the height of p counts only if that is
+/// its lower end.
 bool PolygonIndex::covers(Point2 p) const {
   if (!(p.x >= least_.x && p.x <= most_.x && p.y >= least_.y && p.y <= most_.y)) return false;
   bool inside = false;
@@ -95,7 +96,7 @@ bool PolygonIndex::covers(Point2 p) const {
     }
     if (p.y < e.low.y || p.y > e.high.y || (p.x > e.low.x && p.x > e.high.x)) continue;
     const bool is_left = p.x < e.low.x && p.x < e.high.x;
-    // On a level edge every point between its ends is on the line.
+    // All points between the ends of a horizontal edge are on the line.
     const int side = is_left ? 1 : orientation(e.low, e.high, p);
     if (side == 0) return true;
     if (side > 0 && p.y < e.high.y) inside = !inside;

@@ -13,22 +13,22 @@ struct Point2 {
   friend bool operator==(const Point2&, const Point2&) = default;
 };
 
-/// The sign of (a - c) x (b - c): 1 if c lies to the left of the line from a to b, -1 if to the right, 0 if the three
-/// lie on one line. Exact for all finite doubles: what float64 leaves open is decided by an exact sum (Shewchuk,
+/// Returns the sign of (a - c) x (b - c): 1 if c lies to the left of the line from a to b, -1 if to the right, 0 if the
+/// three lie on one line. Exact for all finite doubles: if float64 cannot decide, an exact sum does (Shewchuk,
 /// "Adaptive precision floating-point arithmetic and fast robust geometric predicates", 1997, has the bound).
 int orientation(Point2 a, Point2 b, Point2 c);
 
-/// A ring without the repeated first point at its end; at least three points, all finite.
+/// A closed ring of at least three finite points, without a repetition of the first point at its end.
 using Ring = std::vector<Point2>;
 
-/// The area inside by the even-odd rule over all its rings: a ring inside another one is a hole, whichever way it runs.
+/// The area inside of rings by the even-odd rule: a ring inside of another one is a hole, in either orientation.
 struct Polygon {
   std::vector<Ring> rings;
   friend bool operator==(const Polygon&, const Polygon&) = default;
 };
 
-/// The union of closed polygons: a point that lies exactly on an edge, of a hole too, is covered. All decisions are
-/// exact. The edges are held by strips of y, so that a point is compared with few of them.
+/// The union of closed polygons. Points exactly on an edge, even of a hole, are covered. All decisions are exact. Edges
+/// are listed by strips of y, so that a point is compared with few of them.
 class PolygonIndex {
  public:
   explicit PolygonIndex(const std::vector<Polygon>& polygons);
@@ -48,7 +48,7 @@ class PolygonIndex {
   double scale_ = 0;     ///< strips for each unit of y
   std::size_t strips_ = 1;
   std::vector<Edge> edges_;              ///< edges of one polygon follow one another
-  std::vector<std::size_t> first_;       ///< by strip, in in_strip_; one more at the end
+  std::vector<std::size_t> first_;       ///< for each strip, its first entry in in_strip_; one more at the end
   std::vector<std::uint32_t> in_strip_;  ///< indices of edges, ascending in each strip
 };
 

@@ -136,7 +136,7 @@ std::string_view without_leading_blanks(std::string_view text) {
 
 using GeoJson = nlohmann::json;
 
-/// Takes geometries apart (RFC 7946, section 3).
+/// Collects the polygons of nested geometries (RFC 7946, section 3).
 class GeometryCollector {
  public:
   explicit GeometryCollector(std::string_view name) : name_(name) {}

@@ -22,19 +22,20 @@ struct Picture {
 struct ProjectedEllipse {
   Vec3 center;
   Vec3 u, v;         ///< semi-axes
-  double bulge = 0;  ///< how much farther from the viewer the rim is than the center: overlapping discs meet half-way
+  double bulge = 0;  ///< how much farther from the viewer the rim is than the center, so that overlapping discs meet
+                     ///< half-way
 };
 
-/// A picture in the making. Each sample keeps the nearest of the surfaces drawn on it, the first of equally near ones.
-/// Memory: 8 bytes × samples per pixel².
+/// A picture while it is drawn. Each sample keeps the nearest of the surfaces drawn on it; of equally near ones the
+/// first. Memory: 8 bytes × samples per pixel².
 class Canvas {
  public:
   /// `fineness`² samples for each pixel.
   Canvas(unsigned width, unsigned height, unsigned fineness, Rgb background);
 
   /// Fills the samples whose middle is inside, each with its own depth; at least the sample under the center, unless
-  /// that is outside of the picture. Semi-axes longer than an eighth of the picture's sides are shortened to that: an
-  /// outlier's huge splat would hide the rest and cost as much as all others.
+  /// that is outside of the picture. Semi-axes are limited to an eighth of the picture's sides: an outlier's huge splat
+  /// would hide the other points and take as much time as all of them.
   void draw(const ProjectedEllipse& ellipse, Rgb color);
 
   /// Darkens samples that are farther from the viewer than the samples around them: light and shade for points without
@@ -51,7 +52,7 @@ class Canvas {
   };
   void put(std::int64_t x, std::int64_t y, double depth, Rgb color);
 
-  unsigned width_, height_, fineness_;  ///< of the picture, in pixels; samples per pixel side
+  unsigned width_, height_, fineness_;  ///< size of the picture in pixels; samples along a side of a pixel
   std::int64_t columns_, rows_;         ///< samples
   double longest_;                      ///< semi-axis, in samples
   std::vector<Sample> samples_;

@@ -13,14 +13,14 @@ namespace {
 
 constexpr std::uint64_t kShortStretch = 256, kLongStretch = 8192, kTrials = 16;
 constexpr double kDrawSeconds = 500e-9;  ///< time to draw a point, about
-constexpr double kTrialShare = 0.1;      ///< of the time
+constexpr double kTrialShare = 0.1;      ///< share of the time for measuring
 
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 RowStretches every_nth(const InputCloud& cloud, std::uint64_t n) {
-  const bool seeks = cloud.decoder() != nullptr;  // else a jump may read all that lies between
+  const bool seeks = cloud.decoder() != nullptr;  // without decoders a jump may read all rows in between
   RowStretches rows;
   std::uint64_t i = 0;
   for (std::uint64_t row = 0; row < cloud.count(); ++i) {

@@ -35,11 +35,11 @@ struct Extents {
   double lo_x = Box::kInf, hi_x = -Box::kInf, lo_y = Box::kInf, hi_y = -Box::kInf;
 };
 
-/// Takes the points while it is not known yet from where they will be seen: of each view that can be chosen, it finds
-/// the extents of all points, not of a sample. Cost: two dot products a point and view, of which there are at most 12.
+/// Takes the points before the view is chosen. For each possible view, it finds the extents of all points, not of a
+/// sample. Cost: two dot products per point and view; there are at most 12 views.
 class PossibleViews {
  public:
-  /// `angles`, `up`: those that are given; else any that is chosen from the shape.
+  /// `angles`, `up`: fixed by the user; if absent, all choices are possible.
   PossibleViews(std::optional<Angles> angles, std::optional<Up> up);
   void include(Vec3 p);
   /// Returns the extents for one of the possible views and a camera of that view.
@@ -57,7 +57,7 @@ class PossibleViews {
 
 /// A block of the cloud's points: records and positions.
 struct PointBlock {
-  std::uint64_t first;  ///< number of its first point among those that are looked at
+  std::uint64_t first;  ///< number of its first point among the points read
   std::size_t size;
   const std::byte* records;
   std::size_t stride;
@@ -73,7 +73,7 @@ void for_each_block(InputCloud& cloud, const RowStretches& rows, const std::func
 struct CloudSample {
   Box bounds;                   ///< bounding box of the finite points
   std::uint64_t finite = 0;     ///< points
-  std::vector<Vec3> positions;  ///< of at most 65,536 finite points, one from each of as many equal stretches of rows
+  std::vector<Vec3> positions;  ///< at most 65,536 finite points, one from each of as many equal stretches of rows
   std::vector<std::byte> records;  ///< of these positions, one record after another
 };
 

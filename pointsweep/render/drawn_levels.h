@@ -6,8 +6,8 @@
 
 namespace pointsweep {
 
-/// While it lives, a cloud whose inputs all have levels of detail reads as many of them as it takes until points lie no
-/// farther apart than a pixel of a picture that is so many pixels wide or high; any other cloud reads all points.
+/// During its lifetime, a cloud whose inputs all have levels of detail reads only as many of them as are needed until
+/// the spacing of points is at most a pixel of a picture of this size; other clouds read all points.
 class DrawnLevels {
  public:
   DrawnLevels(InputCloud& cloud, unsigned pixels);

@@ -21,7 +21,7 @@ constexpr std::array<const char*, 95> kStrokes = {
     // 0 to 9
     "120307183847433212", "072822", "07183847460242", "07183847463515 354443321203", "32380444", "48080516364543321203",
     "473818070312324344351504", "084812", "15060718384746351504031232434435", "031232434738180706153546",
-    // : to @
+    // from : to @
     "0202 0505", "1201 1515", "370533", "0444 0646", "073503", "07183847462524 2222", "4212030718384744242646",
     // A to Z
     "022842 1434", "02083847463505 3544433202", "4738180703123243", "02083847433202", "48080242 0535", "480802 0535",
@@ -92,7 +92,7 @@ bool is_one_of(const std::array<std::string_view, N>& names, std::string_view na
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-constexpr int kMarks = 5;  // numbers beside a bar, both ends included
+constexpr int kMarks = 5;  // number of marks beside a bar, including both ends
 constexpr const char* kRange = "5 % to 95 % of points";
 
 Rgb ink_on(Rgb background) {
@@ -109,7 +109,7 @@ void fill(Picture& picture, double x0, double y0, double x1, double y1, Rgb colo
       picture.pixels[std::size_t{y} * picture.width + x] = color;
 }
 
-/// `value` with as many digits as tell the marks of a bar apart.
+/// Formats `value` with enough digits to distinguish the marks of a bar.
 std::string mark_text(double value, double step) {
   const double largest = std::abs(value) + step;
   if (!(step > 0) || !(largest < 1e9) || step < 1e-5) return fmt::format("{:.4g}", value);

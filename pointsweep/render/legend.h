@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The legend that explains the colours of a picture, at its right edge, and its text: letters made of strokes, of any
-/// size, with smooth edges.
+/// The legend that explains the colours of a picture, at its right edge. Its text consists of strokes, scalable and
+/// with smooth edges.
 #pragma once
 
 #include <string>
@@ -23,8 +23,8 @@ class Lettering {
   double line_height() const { return 11 * unit_; }
   double capital() const { return 6 * unit_; }
 
-  /// Draws the text with its left end at `x` and its baseline at `baseline`, in pixels from the upper left corner. What
-  /// falls outside of the picture is cut off.
+  /// Draws the text with its left end at `x` and its baseline at `baseline`, in pixels from the upper left corner.
+  /// Parts outside of the picture are cut off.
   void draw(Picture& picture, double x, double baseline, std::string_view text) const;
 
  private:
@@ -32,12 +32,11 @@ class Lettering {
   Rgb color_;
 };
 
-/// Returns the unit of an attribute whose name says what it is: "1/m" for a curvature, "s" for gps_time, empty for what
-/// has no unit or is not known. `length` is the unit of the cloud's coordinates, e.g. "m"; empty: not known, then "file
-/// unit" stands for it.
+/// Returns the unit of an attribute, by its name: "1/m" for a curvature, "s" for gps_time, empty if it has none or is
+/// unknown. `length` is the unit of the cloud's coordinates, e.g. "m"; if empty, "file unit" is used for it.
 std::string unit_of_attribute(std::string_view name, std::string_view length);
 
-/// A bar of colours with numbers beside it, or a list of colours with names.
+/// A bar of colours with numbers, or a list of colours with names.
 struct Legend {
   std::string title;  ///< e.g. "rms_curvature"
   std::string unit;   ///< e.g. "1/m"; may be empty
@@ -53,8 +52,8 @@ class LegendColumn {
  public:
   LegendColumn(Legend legend, unsigned width, unsigned height, Rgb background);
 
-  /// Pixels at the right edge that the legend takes; 0 if there is none, or if it would take more than a third of the
-  /// picture.
+  /// Returns the number of pixel columns of the legend, at the right edge; 0 if there is none, or if it would take more
+  /// than a third of the picture.
   unsigned width() const { return width_; }
   /// Fills the column and draws the legend into it.
   void draw(Picture& picture) const;

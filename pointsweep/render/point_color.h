@@ -51,7 +51,7 @@ class PointColor {
   double hi() const { return hi_; }
   /// The classes that occur, ascending.
   std::vector<std::uint8_t> classes() const;
-  /// Why the file's colours are not used although it has some; else empty.
+  /// Returns why the colours of the file are not used; empty if it has none or they are used.
   const std::string& remark() const { return remark_; }
   /// Returns whether light and shade are added to the colours.
   bool is_shaded() const { return kind_ != Kind::normal; }
@@ -82,8 +82,8 @@ class PointColor {
   double lo_ = 0, hi_ = 1;
 };
 
-/// The 5 % and 95 % quantiles of the finite ones of `values`, so that outliers do not use up the colours; (0, 1) if
-/// there is none.
+/// Returns the 5 % and 95 % quantiles of the finite ones of `values`, so that outliers do not take up the range of
+/// colours; (0, 1) if there are none.
 std::pair<double, double> robust_range(std::vector<double> values);
 
 }  // namespace pointsweep

@@ -7,8 +7,9 @@
 namespace pointsweep {
 namespace {
 
-/// Discs along a surface, of this many spacings, leave about 0.1 % of it bare where points lie at random (exp(-π r²)).
-/// For points without a normal, which may be leaves as well as walls, discs wider than one spacing look like bubbles.
+/// Radius of discs in spacings. Discs of 1.5 spacings on a surface with random points leave about 0.1 % of it uncovered
+/// (exp(-π r²)). For points without a normal, which may be leaves or walls, discs wider than one spacing look like
+/// bubbles.
 constexpr double kSurfaceRadius = 1.5, kPointRadius = 1;
 
 Vec3 unit_or_zero(Vec3 v) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The piece of surface that a point stands for: the best that its file allows. The distance between
-/// neighbouring points at every place, estimated from a sample of the cloud.
+/// The piece of surface that represents a point in a picture, as good as the file allows, and the local spacing of
+/// points, estimated from a sample of the cloud.
 #pragma once
 
 #include <cstddef>
@@ -12,24 +12,24 @@
 
 namespace pointsweep {
 
-/// Halves the sample along its longest side until 16 points are left; of these the two longer sides of their box say
-/// how much surface belongs to each, and their distances to each other whether they lie in rows or clumps with nothing
-/// between. So dense and sparse parts of a scan get their own spacing. Memory and time to
-/// build follow the sample, a look-up is one comparison for each halving.
+/// Estimates the local spacing of points. Halves the sample along its longest side until 16 points are left. The two
+/// longer sides of their box tell the surface per point, and the distances between them whether they lie in rows or
+/// clumps with gaps. So dense and sparse parts of a scan have their own spacing. Memory and time to build are
+/// proportional to the sample; a look-up is one comparison per halving.
 class SpacingTree {
  public:
-  /// `sample` stands for `points` points of a surface. No finite point: every spacing is 0.
+  /// `sample`: represents `points` points of a surface. Without finite points every spacing is 0.
   SpacingTree(std::vector<Vec3> sample, std::uint64_t points);
 
-  /// Side of the square that one point of the cloud has to itself around `p`, at most twice the distance to the nearest
-  /// other point that is usual there.
+  /// Returns the side of the square that one point of the cloud occupies around `p`, at most twice the typical distance
+  /// to the nearest other point there.
   double spacing(Vec3 p) const;
 
  private:
   struct Node {
     int axis = -1;  ///< -1: a leaf
     double split = 0;
-    std::uint32_t above = 0;  ///< node of what is not below the split; what is below follows its parent
+    std::uint32_t above = 0;  ///< node of the points not below the split; the node of those below follows its parent
     double spacing = 0;
   };
   void build(std::size_t begin, std::size_t end, double share);
@@ -46,8 +46,9 @@ struct SurfaceElement {
 
 /// Lengths.
 struct DiscRadii {
-  double largest_guess;  ///< of an estimated radius, so that the few points of a sparse place do not look like surface
-  double fixed = 0;      ///< radius of every point, which then faces the viewer; 0: none
+  double largest_guess;  ///< limit of estimated radii, so that the few points of a sparse place do not look like a
+                         ///< surface
+  double fixed = 0;      ///< fixed radius of every point, drawn as a disc that faces the viewer; 0: none
 };
 
 class PointShape {
@@ -57,9 +58,9 @@ class PointShape {
 
   bool has_normals() const { return !normal_.empty(); }
 
-  /// The splat (normal, splat_x splat_y splat_z, splat_length, splat_ratio) where the file has one; else a disc across
-  /// the normal, else one that faces the viewer, with the file's `radius`, or one that follows the spacing of the
-  /// points around: 1.5 times as large on surfaces, which closes them, else as large.
+  /// Returns the splat (normal, splat_x splat_y splat_z, splat_length, splat_ratio) if the file has one; else a disc
+  /// perpendicular to the normal, or without a normal one that faces the viewer. Its radius is the file's `radius`, or
+  /// else the local spacing: 1.5 times as large on surfaces, which closes gaps.
   SurfaceElement operator()(const std::byte* record, Vec3 position) const;
 
  private:

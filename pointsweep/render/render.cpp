@@ -19,10 +19,10 @@ namespace pointsweep {
 namespace {
 
 constexpr double kAmbient = 0.25;
-constexpr double kBulge = 0.3;                                         // of the radius, of discs without a normal
+constexpr double kBulge = 0.3;                                         // in radii, for discs without a normal
 constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;  // guessed radii, of the larger side
-constexpr double kSmallestLimit = 3;                                   // of these, pixels
-constexpr double kSampleSeconds = 100e-9;  // of the canvas: what discs on top of each other take there
+constexpr double kSmallestLimit = 3;                                   // in pixels, for such radii
+constexpr double kSampleSeconds = 100e-9;  // of the canvas, where overlapping discs take time
 constexpr double kFarOutliers = 4;         // spans of all points, in spans of nearly all
 constexpr std::uint64_t kMostPixels = 1u << 26;
 
@@ -35,8 +35,8 @@ void check(const RenderOptions& options) {
 }
 
 /// Returns the span from lo to hi, where all points lie. If it is more than kFarOutliers times the span of the middle
-/// 99.8 % of the sampled `values`, returns the middle span with 5 % of it added on either side: a few points far out
-/// stay outside of the picture.
+/// 99.8 % of the sampled `values`, returns the middle span with 5 % of it added on either side: a few far points are
+/// then outside of the picture.
 std::pair<double, double> span_without_outliers(std::vector<double>& values, double lo, double hi) {
   std::sort(values.begin(), values.end());
   const auto cut = static_cast<std::size_t>(0.001 * static_cast<double>(values.size()));
@@ -74,7 +74,7 @@ unsigned fineness_of(const RenderOptions& options) {
   return fineness;
 }
 
-/// The rows to draw: all if there is time for them.
+/// Returns the rows to draw: all if the time suffices.
 RowStretches rows_of(InputCloud& cloud, const RenderOptions& options) {
   if (options.seconds <= 0) return all_rows(cloud);
   return rows_within(cloud, options.seconds - fill_seconds(options, fineness_of(options)));
@@ -92,7 +92,7 @@ View view_of(const RenderOptions& options, const InputCloud& cloud, const std::v
   return {options.angles ? *options.angles : is_flat(sample, up) ? kTop : kThreeQuarter, up};
 }
 
-/// Seen from above, what counts is how far points lie apart on the map: a crown of leaves must not become large discs.
+/// Sets heights to 0. Seen from above, the spacing on the map counts: a crown of leaves must not become large discs.
 void flatten(std::vector<Vec3>& positions, Up up) {
   for (Vec3& p : positions) p[up.axis] = 0;
 }

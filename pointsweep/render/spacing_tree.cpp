@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kLeaf = 16;
 
-/// The area of the two longer sides; a line of points gets a strip as wide as its points are apart.
+/// Returns the area of the two longer sides; points on a line get a strip as wide as their spacing.
 double area_of(const Box& box, std::size_t points) {
   const Vec3 e = box.extent();
   const double longest = std::max({e.x, e.y, e.z}), shortest = std::min({e.x, e.y, e.z});
@@ -21,9 +21,9 @@ double area_of(const Box& box, std::size_t points) {
   return longest * std::max(middle, longest / static_cast<double>(points));
 }
 
-/// Twice the distance to the nearest one elsewhere that three quarters of the points do not exceed: of points at random
-/// on a surface 1.3 times the side of the square that each has to itself, of the rows of a scanner, which lie far
-/// apart, twice the step along a row.
+/// Returns twice the nearest-neighbour distance at the 75 % quantile, of neighbours at other places. For random points
+/// on a surface this is 1.3 times the side of the square per point; for widely spaced rows of a scanner it is twice the
+/// step along a row.
 double twice_nearest(std::span<const Vec3> points) {
   std::vector<double> nearest2(points.size(), Box::kInf);
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -49,7 +49,7 @@ void SpacingTree::build(std::size_t begin, std::size_t end, double share) {
   nodes_.emplace_back();
   const int axis = box.longest_axis();
   if (count <= kLeaf || box.extent()[axis] <= 0) {
-    // n points in rows have n - 1 gaps; for few points that matters.
+    // n points in a row have n - 1 gaps, which matters for few points.
     const double gaps = std::sqrt(static_cast<double>(std::max<std::size_t>(count, 1))) - 0.5;
     if (count > 1 && count <= kLeaf) {
       const double side = std::sqrt(area_of(box, count)) / gaps;

@@ -28,7 +28,7 @@ double sine(double degrees) {
 }
 double cosine(double degrees) { return sine(degrees + 90); }
 
-/// Turns a vector from the frame with z up to a frame where another direction is up; all right-handed.
+/// Turns a vector from the frame with z up to a frame with another direction up; both are right-handed.
 Vec3 with_up(Vec3 v, Up up) {
   if (up.sign < 0) v = {v.x, -v.y, -v.z};
   if (up.axis == 1) return {v.x, v.z, -v.y};
@@ -41,9 +41,9 @@ bool parse_number(std::string_view text, double& value) {
   return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
 }
 
-constexpr double kOutliers = 0.001;  // of the points, at either end
+constexpr double kOutliers = 0.001;  // share of the points at either end
 constexpr double kFlatness = 0.25;
-constexpr double kFootHeight = 0.02;  // of the extent
+constexpr double kFootHeight = 0.02;  // in parts of the extent
 constexpr double kPreferenceForZ = 1.25, kLeastFooting = 0.25;
 
 struct Range {

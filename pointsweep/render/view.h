@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The direction from which a cloud is looked at, chosen by the user or from the shape of the cloud, and the places of
-/// its points on the picture.
+/// The direction of view, chosen by the user or from the shape of the cloud, and the projection of points onto the
+/// picture.
 #pragma once
 
 #include <optional>
@@ -35,12 +35,13 @@ struct View {
   friend bool operator==(const View&, const View&) = default;
 };
 
-/// The view from above, and the one that shows front, side and top of an object.
+/// The view from above, and a view that shows front, side and top of an object.
 inline constexpr Angles kTop{0, 90}, kThreeQuarter{30, 25};
 
-/// Parses "front", "top", "iso" or "AZIMUTH,ELEVATION" in degrees, |elevation| <= 90; "auto": none. Throws UsageError.
+/// Parses "front", "top", "iso" or "AZIMUTH,ELEVATION" in degrees, |elevation| <= 90; none for "auto". Throws
+/// UsageError.
 std::optional<Angles> parse_view(std::string_view text);
-/// Parses "x", "y", "z", "-x", "-y" or "-z"; "auto": none. Throws UsageError.
+/// Parses "x", "y", "z", "-x", "-y" or "-z"; none for "auto". Throws UsageError.
 std::optional<Up> parse_up(std::string_view text);
 
 /// An orthographic camera: an orthonormal basis, and the part of the plane that the picture shows.
@@ -73,11 +74,11 @@ void frame(Camera& camera, double lo_x, double hi_x, double lo_y, double hi_y, d
 /// scans and reliefs. Extents leave out 0.1 % of the points at either end.
 bool is_flat(std::span<const Vec3> sample, Up up);
 
-/// The direction that points up in a cloud of unknown origin. A flat cloud: the positive axis across it. Else the cloud
-/// stands on the side where the outermost 2 % of its extent cover most of that side (the area of their convex hull over
-/// the area of the bounding rectangle): objects stand on a base or on feet, rooms and streets on a floor. z counts 1.25
-/// times, so that it wins where sides are alike, and it wins where no side reaches a quarter. Cost: a sort of the
-/// sample along each axis.
+/// Finds the direction that points up in a cloud of unknown origin. In a flat cloud it is the positive axis
+/// perpendicular to it. Other clouds stand on the side where the outermost 2 % of the extent cover the largest share of
+/// that side (area of their convex hull over the area of the bounding rectangle): objects stand on a base or on feet,
+/// rooms and streets on a floor. The share of z is multiplied by 1.25, so that z wins if sides are similar; it also
+/// wins if no share reaches a quarter. Cost: a sort of the sample along each axis.
 Up find_up(std::span<const Vec3> sample);
 
 }  // namespace pointsweep

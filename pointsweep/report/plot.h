@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Plots as inline SVG, without scripts or files beside them.
+/// Plots as inline SVG, without scripts and external files.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// A round value that is written beside the scale of a plot.
+/// A mark on the scale of a plot, at a round value.
 struct Tick {
   double value;
   std::string text;
@@ -51,7 +51,7 @@ struct Bar {
   double value;       ///< not negative
   std::string label;  ///< written after the bar
 };
-/// Horizontal bars, one below the other.
+/// Returns horizontal bars, one below another.
 std::string bar_plot(const std::string& title, const std::vector<Bar>& bars);
 
 /// Counts in bins that touch each other.

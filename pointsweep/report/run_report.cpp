@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kBins = 48;
 constexpr std::uint32_t kPercents[] = {0, 5, 25, 50, 75, 95, 100};
 constexpr double kLargestWhole = 1e15;  ///< beyond it, whole numbers are not all doubles
-/// One value in so many on either side lies beyond the evenly divided range; the bins at the ends hold these values.
+/// One in this many values on either side lies beyond the evenly divided range; the first and the last bin count these.
 constexpr std::uint32_t kOneBeyond = 200;
 
 double quantile(const std::vector<double>& sorted, std::uint32_t part, std::uint32_t whole = 100) {

@@ -18,12 +18,12 @@ namespace pointsweep {
 /// The numbers that a run has made, in few words and a histogram.
 struct ValueSummary {
   std::string name = {};        ///< name of the field, e.g. "nx" or "mean_curvature"
-  std::string unit = {};        ///< e.g. "1/m"; empty: none, or not known
-  std::uint64_t values = 0;     ///< number of values that were looked at
-  std::uint64_t undefined = 0;  ///< NaN and infinite ones among `values`
+  std::string unit = {};        ///< e.g. "1/m"; empty: none, or unknown
+  std::uint64_t values = 0;     ///< number of values read
+  std::uint64_t undefined = 0;  ///< number of NaN and infinite values among them
   /// Least, 5 %, 25 %, 50 %, 75 %, 95 %, greatest of the others (quantile_rank()).
   std::array<double, 7> quantiles{};
-  /// Bin i is edges[i] .. edges[i + 1]; the first and the last also hold what lies beyond. Empty without a value.
+  /// Bin i is edges[i] .. edges[i + 1]; the first and the last also count values beyond. Empty without a value.
   std::vector<double> edges = {}, counts = {};
 };
 
@@ -35,14 +35,14 @@ std::vector<ValueSummary> value_summaries(const Schema& schema, std::span<const 
 struct RunSummary {
   std::string title;           ///< e.g. "normals of scan.ply"
   std::string inputs, output;  ///< names of files
-  std::string crs;             ///< the coordinate system, in words; empty: none is stated
-  std::string unit;            ///< unit of the cloud's lengths; empty: not known
+  std::string crs;             ///< the coordinate reference system in words; empty: not stated
+  std::string unit;            ///< unit of the cloud's lengths; empty: unknown
   std::string command;         ///< the command line, as a shell takes it
   std::string version;         ///< version of the program, e.g. "pointsweep 0.1.0"
   Statistics statistics;
-  std::optional<Rendering> picture;  ///< of the result
-  double drawing_seconds = 0;        ///< for reading the result again, and the picture
-  std::vector<ValueSummary> made;    ///< of the result
+  std::optional<Rendering> picture;  ///< picture of the result
+  double drawing_seconds = 0;        ///< time to read the result and draw the picture
+  std::vector<ValueSummary> made;    ///< for the result
 };
 
 /// Returns one self-contained HTML page. The result comes first: inputs and outputs, warnings, a picture, a histogram
@@ -50,9 +50,9 @@ struct RunSummary {
 /// the stream, distances of neighbours (if they were counted), all other statistics.
 std::string report_of(const RunSummary& summary);
 
-/// The colouring, as PointColor takes it, that shows what the last operator of a chain computed: curvature, plain
-/// (light and shade by the normals) after normals and splats, for other operators the first number that was made
-/// (made_numbers). Operators without a visible result are passed over. Empty: no operator has one in the output.
+/// Returns the colouring, in the syntax of PointColor, that shows the result of the last operator of a chain with a
+/// visible result: curvature; plain (shading by the normals) after normals and splats; for other operators the first
+/// number that was made (made_numbers). Empty if no operator has a visible result in the output.
 std::string pictured_attribute(std::span<const std::string> operators, const Schema& input, const Schema& output);
 
 /// Returns the fields of the output that the operators have made: fields that the input does not have, and fields of

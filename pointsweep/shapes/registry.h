@@ -24,12 +24,12 @@ class Shape {
  public:
   virtual ~Shape() = default;
   virtual std::string name() const = 0;
-  /// One line for people: size and density.
+  /// Returns one line about size and density.
   virtual std::string meaning() const = 0;
   virtual bool has_normals() const { return true; }
-  /// Holds every point of the shape; not necessarily tight.
+  /// Returns a box that contains every point of the shape; it need not be tight.
   virtual Box bounds() const = 0;
-  /// One random point of the shape. Called from many threads at once.
+  /// Returns a random point of the shape. Called from many threads at once.
   virtual SurfacePoint sample(Rng& rng) const = 0;
 };
 

@@ -12,7 +12,7 @@
 namespace pointsweep {
 
 /// SplitMix64 (Steele, Lea, Flood: Fast Splittable Pseudorandom Number Generators, OOPSLA 2014) with one stream per
-/// (seed, index): each has its own start and its own odd increment, as the paper's split() gives them.
+/// (seed, index): each has its own start and its own odd increment, as in split() of that paper.
 class Rng {
  public:
   Rng(std::uint64_t seed, std::uint64_t index)

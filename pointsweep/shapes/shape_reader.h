@@ -10,20 +10,20 @@
 
 namespace pointsweep {
 
-/// The options that turn the points of a shape into a cloud. All lengths in metres.
+/// Options for making a cloud of the points of a shape. All lengths in metres.
 struct Sampling {
   std::uint64_t count = 0;
   std::uint64_t seed = 1;
   double noise = 0;         ///< standard deviation of a Gaussian added to x, y and z each; normals stay as on the shape
-  double outliers = 0;      ///< chance of a point to lie anywhere in the outlier box instead, with normal 0; in [0, 1]
+  double outliers = 0;      ///< probability of a point anywhere in the outlier box, with normal 0; in [0, 1]
   double outlier_box = 20;  ///< size of that box in sizes of the shape's box, about the same centre
   Vec3 origin = {};         ///< added to every position, for coordinates as large as on maps
   bool float64 = false;     ///< coordinates as float64 instead of float32
 };
 
-/// Fields x y z and, where the shape has them, nx ny nz (float32). Row i depends on shape, seed and i only: not on the
-/// count, on the size of a call, on threads or on the processor. Rows are in random order by nature. `info().bounds`
-/// holds every point.
+/// Reads points with the fields x y z and, if the shape has normals, nx ny nz (float32). Row i depends only on shape,
+/// seed and i: not on the count, on the size of a call, on threads or on the processor. Rows are in random order.
+/// `info().bounds` contains every point.
 class ShapeReader final : public Reader {
  public:
   /// Throws UsageError for a value out of range.

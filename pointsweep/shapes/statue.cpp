@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kOctaves = 4, kWavesPerOctave = 4, kWaves = kOctaves * kWavesPerOctave;
 constexpr std::array<double, kOctaves> kFrequency{0.35, 0.8, 1.8, 4.0};        // turns per unit of direction
-constexpr std::array<double, kOctaves> kAmplitude{0.09, 0.035, 0.012, 0.004};  // of the radius, each wave
+constexpr std::array<double, kOctaves> kAmplitude{0.09, 0.035, 0.012, 0.004};  // amplitude of each wave, in radii
 constexpr Vec3 kStretch{0.5, 0.4, 0.9};
 constexpr std::uint64_t kStatueSeed = 2005;
 constexpr int kProbes = 1 << 14;
@@ -71,8 +71,8 @@ class Statue final : public Shape {
     return relief;
   }
 
-  /// Outward normal times surface area per solid angle. Before the stretch S it is r² d - r g, where g is the part of
-  /// the gradient across d; the stretch maps it by the cofactors of S.
+  /// Returns the outward normal times surface area per solid angle. Before the stretch S it is r² d - r g, where g is
+  /// the part of the gradient perpendicular to d; the stretch maps it by the cofactors of S.
   static Vec3 area_vector(Vec3 d, const Relief& relief) {
     const Vec3 across = relief.gradient - dot(relief.gradient, d) * d;
     const Vec3 a = (relief.radius * relief.radius) * d - relief.radius * across;

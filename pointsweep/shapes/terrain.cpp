@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// An airborne scan: hills with houses seen from above, 2.5-D but for the few points on walls.
+/// An airborne scan: hills with houses seen from above, 2.5-D except for the few points on walls.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kSide = 1000;  // m
 constexpr double kPlot = 40;    // m, side of the square that may hold one house
-constexpr int kPlots = 25;      // in a row
+constexpr int kPlots = 25;      // number in a row
 constexpr double kHouseChance = 0.4;
 constexpr double kFlatRoofChance = 0.2;
-constexpr double kWallShare = 0.02;                                         // of all points
-constexpr double kSlope = 0.07;                                             // of the steepest place of one wave
+constexpr double kWallShare = 0.02;                                         // share of points on walls
+constexpr double kSlope = 0.07;                                             // slope at the steepest place of one wave
 constexpr std::array<double, 6> kWavelength{950, 700, 520, 380, 290, 220};  // m
 constexpr std::uint64_t kTerrainSeed = 1;
 
@@ -104,7 +104,7 @@ class Terrain final : public Shape {
     return {{x, y, h.roof(p.y)}, {-across * h.axis.y, across * h.axis.x, scale}};
   }
 
-  /// Any house, any place along its walls, any height between the ground and the roof there.
+  /// Returns a point on a wall: any house, any place along its walls, any height between the ground and the roof there.
   SurfacePoint on_wall(Rng& rng) const {
     const House& h = houses_[rng.next() % houses_.size()];
     const double along = rng.uniform(-h.half_u - h.half_v, h.half_u + h.half_v);

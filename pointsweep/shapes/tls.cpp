@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kGround = -1.7;                   // m; the station is the origin
 constexpr double kReach = 100;                     // m
-constexpr double kSteepest = -0.8660254037844386;  // sine of -60 degrees: below it a scanner sees its own tripod
+constexpr double kSteepest = -0.8660254037844386;  // sine of -60 degrees: below, a scanner sees its own tripod
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// A house: higher than the station, so only its walls are seen.

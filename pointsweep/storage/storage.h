@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Objects of bytes, wherever they lie: read at any place, and visible only when they are whole (docs/adr/0018).
+/// Objects of bytes in any storage: readable at any offset, and visible only when they are complete (docs/adr/0018).
 #pragma once
 
 #include <cstddef>
@@ -16,13 +16,13 @@ namespace pointsweep {
 class Source {
  public:
   virtual ~Source() = default;
-  virtual std::string name() const = 0;  ///< for sentences to the user
+  virtual std::string name() const = 0;  ///< name for messages
   virtual std::uint64_t size() const = 0;
   /// Fills `bytes` from `offset` on. Throws Error if the source ends before.
   virtual void read_at(std::uint64_t offset, std::span<std::byte> bytes) const = 0;
 };
 
-/// An object that is being written. Nothing is left of it without seal().
+/// An object that is being written. Without seal(), nothing of it remains.
 class Unsealed {
  public:
   virtual ~Unsealed() = default;
@@ -30,11 +30,11 @@ class Unsealed {
   virtual void append(std::span<const std::byte> bytes) = 0;
   /// Writes bytes from `offset` on. Thread-safe for bytes that do not overlap.
   virtual void write_at(std::uint64_t offset, std::span<const std::byte> bytes) = 0;
-  /// Makes the object visible, as a whole or not at all. To be called once, after the last byte.
+  /// Makes the complete object visible, in one step. Must be called once, after the last byte.
   virtual void seal() = 0;
 };
 
-/// A place that holds sealed objects under their keys. Every failure is an Error, but for that of remove().
+/// A place for sealed objects with keys. Failures throw Error, except in remove().
 class Storage {
  public:
   virtual ~Storage() = default;
@@ -52,7 +52,7 @@ class Storage {
 std::uint64_t checksum_of(std::span<const std::byte> bytes);
 /// Seals an object of `bytes`, after their number and a checksum.
 void seal_bytes(Storage& storage, const std::string& key, std::span<const std::byte> bytes);
-/// Returns the bytes of such an object; nothing if it is damaged.
+/// Returns the bytes of an object that was written with its checksum; nothing if it is damaged.
 std::optional<std::vector<std::byte>> sealed_bytes(const Storage& storage, const std::string& key);
 
 }  // namespace pointsweep

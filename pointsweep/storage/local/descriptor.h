@@ -13,7 +13,7 @@ namespace pointsweep {
 /// A file or folder that the destructor closes.
 class FileDescriptor {
  public:
-  /// -1: nothing is open.
+  /// -1: no file is open.
   explicit FileDescriptor(int number = -1) : number_(number) {}
   ~FileDescriptor() { close(); }
   FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
@@ -24,10 +24,11 @@ class FileDescriptor {
 
   int number() const { return number_; }
   explicit operator bool() const { return number_ >= 0; }
-  /// Closes the file. Returns 0 or an errno: network file systems and quotas report here what they could not store.
+  /// Closes the file. Returns 0 or an errno: network file systems and quotas report here bytes that they could not
+  /// store.
   int close();
 
-  /// Writes all bytes from `offset` on. Returns 0, or the errno of the system, ENOSPC where it takes no more bytes.
+  /// Writes all bytes from `offset` on. Returns 0, or the errno of the system, ENOSPC if it accepts no more bytes.
   /// Thread-safe.
   int write_at(std::uint64_t offset, std::span<const std::byte> bytes) const;
   struct Got {
@@ -41,10 +42,10 @@ class FileDescriptor {
   int number_;
 };
 
-/// Opens a folder, so that it can be locked. Nothing is open if that is not possible; errno says why.
+/// Opens a folder, so that it can be locked. On failure no file is open, and errno has the reason.
 FileDescriptor open_folder(const std::filesystem::path& path, bool follow_link);
-/// Makes a file without a name in a folder, of which nothing is left when it is closed, however the process ends. Nothing
-/// is open if that is not possible; errno says why.
+/// Makes a file without a name in a folder. It vanishes when it is closed, even if the process is killed. On failure no
+/// file is open, and errno has the reason.
 FileDescriptor open_nameless(const std::filesystem::path& folder);
 /// Locks an open file or folder until it is closed. Returns 0 or an errno; EWOULDBLOCK if another process has the lock.
 int lock(const FileDescriptor& descriptor);

@@ -11,8 +11,8 @@
 
 namespace pointsweep {
 
-/// The properties of a file that a write changes. If another file has taken its name meanwhile, this is no change: a
-/// process that had opened the old file still reads the old file. Of a URL they are its size and its ETag, or its time.
+/// The properties of a file that change with a write. Replacing the file by another one of its name is no change: a
+/// process that has opened the old file still reads the old file. For a URL: its size and its ETag, or its time.
 class FileState {
  public:
   /// Looks at the file. Input that is no file (an array, standard input) has no known state and never changes. Throws
@@ -29,7 +29,7 @@ class FileState {
   std::string path_;  ///< a fourth of the memory of a path
   bool known_ = false;
   std::uint64_t device_ = 0, inode_ = 0, size_ = 0;
-  std::int64_t seconds_ = 0, nanoseconds_ = 0;  ///< of the last change of its content
+  std::int64_t seconds_ = 0, nanoseconds_ = 0;  ///< time of the last change of its content
   std::shared_ptr<const RemoteObject> object_;  ///< open, so that readers find it open; null for a file
 };
 

@@ -31,7 +31,7 @@ namespace {
   fail("{}: cannot be opened: {}.", path.string(), std::generic_category().message(error));
 }
 
-/// All that are open, the one that was read last in front.
+/// All open files, most recently read first.
 struct OpenFilesOfProcess {
   std::mutex mutex;
   std::list<const InputFile*> files;
@@ -74,7 +74,7 @@ class InputFile::Lease {
   const InputFile& file_;
 };
 
-/// Makes room for one more. To be called under the lock.
+/// Closes files until one more may be opened. The caller holds the lock.
 void InputFile::close_idle_files() {
   static const std::size_t most = most_open_files();
   OpenFiles& files = open_files().files;
@@ -95,7 +95,7 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   OpenFilesOfProcess& all = open_files();
   const std::lock_guard lock(all.mutex);
   close_idle_files();
-  // O_NONBLOCK: opening a pipe would wait for a writer; it has no effect on regular files.
+  // O_NONBLOCK: opening a pipe would wait for a writer. It has no effect on regular files.
   const bool is_stream = is_standard_stream(path) && standard_input_descriptor() >= 0;
   FileDescriptor file(is_stream ? ::fcntl(standard_input_descriptor(), F_DUPFD_CLOEXEC, 0)
                                 : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
@@ -115,7 +115,7 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   fail("{}: is no regular file, and points are read more than once; save it to a file first.", path.string());
 }
 
-/// To be called under the lock.
+/// The caller holds the lock.
 void InputFile::reopen() const {
   close_idle_files();
   FileDescriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));

@@ -16,10 +16,9 @@
 
 namespace pointsweep {
 
-/// Every failure is an Error that names the file and says what to do. Of a file, opening reads nothing, and nothing is
-/// kept in memory; of a URL see RemoteObject. There may be any number of them: those that were not read for the longest
-/// time are closed where more than 256, or a quarter of what the system allows, would be open, and opened again when
-/// they are read.
+/// A file or object for reading. Every failure is an Error that names the file and the remedy. Opening a file reads
+/// nothing, and no content is kept in memory; for a URL see RemoteObject. Any number may exist: if more than 256 files,
+/// or a quarter of the system's limit, were open, the least recently read are closed, and reopened when they are read.
 class InputFile final : public Source {
  public:
   /// Throws when the file is missing, a folder, no regular file, or may not be read.
@@ -34,7 +33,7 @@ class InputFile final : public Source {
 
   /// Fills `bytes` from `offset` on. Thread-safe. Throws when the file has become shorter.
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const override;
-  /// Reads as many bytes as there are up to the end of the file, at most bytes.size(), and returns how many.
+  /// Reads up to bytes.size() bytes, fewer at the end of the file, and returns their number.
   std::size_t read_some(std::uint64_t offset, std::span<std::byte> bytes) const;
   /// Says that [begin, end) will be read in sequence, so that a server is asked for these bytes at once.
   void will_read(std::uint64_t begin, std::uint64_t end) const;
@@ -49,8 +48,8 @@ class InputFile final : public Source {
   std::uint64_t size_ = 0;
   std::uint64_t device_ = 0, inode_ = 0;
   std::shared_ptr<RemoteObject> object_;  ///< null for a file of this machine
-  // Under the lock of all open files.
-  mutable FileDescriptor file_;        ///< nothing is open: closed for now
+  // The lock of all open files guards the members below.
+  mutable FileDescriptor file_;        ///< not open: closed for now
   mutable unsigned leases_ = 0;        ///< reads under way
   mutable OpenFiles::iterator place_;  ///< among the open files, while it is open
 };

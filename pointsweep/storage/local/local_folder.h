@@ -12,8 +12,8 @@
 
 namespace pointsweep {
 
-/// Sealed objects are on the disk: not even a loss of power takes them away or leaves half of one. No other process
-/// can use the folder while this object lives.
+/// A folder whose sealed objects are safely on the disk: even after a power failure each is complete. No other process
+/// can use the folder during the lifetime of this object.
 class LocalFolder final : public Storage {
  public:
   /// Makes the folder if it is missing. Throws Error if that is not possible, or another process uses the folder.
@@ -23,9 +23,9 @@ class LocalFolder final : public Storage {
   const std::filesystem::path& path() const { return path_; }
   std::unique_ptr<Source> open(const std::string& key) const override;
   std::unique_ptr<Unsealed> create(const std::string& key) override;
-  /// Returns the names of all files but those of unsealed objects; none where the folder is gone.
+  /// Returns the names of all files except those of unsealed objects; none if the folder does not exist.
   std::vector<std::string> list() const override;
-  /// Removes the file, and what a killed process has left of an unsealed object of this key.
+  /// Removes the file, and the file that a killed process may have left of an unsealed object of this key.
   void remove(const std::string& key) override;
   /// Brings a file that was written in place to the disk.
   void flush(const std::string& key) const;

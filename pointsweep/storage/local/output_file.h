@@ -14,23 +14,24 @@
 
 namespace pointsweep {
 
-/// Written as `.<name>.<pid>.part` beside its destination and renamed by seal(); removed by the destructor otherwise.
-/// Every failure is an Error that names the destination and says what to do (no space left, folder missing, read-only).
+/// A file that is written as `.<name>.<pid>.part` beside its destination and renamed by seal(); otherwise the
+/// destructor removes it. Every failure is an Error that names the destination and says what to do (no space left,
+/// folder missing, read-only).
 ///
 /// An output to a URL is written to a file without a name in a folder for temporary files, and uploaded by seal().
 ///
-/// A destination for which is_standard_output() is true is standard output. Bytes go there at once and in sequence, and
-/// what was written before an error stays written.
+/// A destination for which is_standard_output() is true is standard output. Bytes go there immediately and in sequence;
+/// bytes written before an error remain.
 class OutputFile final : public Unsealed {
  public:
-  /// Throws before anything is written when the destination exists and `overwrite` is false, is a folder, or its folder
-  /// is missing. `temp_folder`: for what goes to a URL; empty: the system's.
+  /// Throws before anything is written if the destination exists and `overwrite` is false, if it is a folder, or if its
+  /// folder is missing. `temp_folder`: for outputs to a URL; empty: the system's.
   OutputFile(const std::filesystem::path& destination, bool overwrite, const std::filesystem::path& temp_folder = {});
   ~OutputFile() override;
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Throws as the constructor would, and makes no file.
+  /// Throws the errors of the constructor, and makes no file.
   static void require_possible(const std::filesystem::path& destination, bool overwrite);
   /// Returns the path of an output of this process until it is complete.
   static std::filesystem::path unfinished_path(const std::filesystem::path& destination);
@@ -38,7 +39,7 @@ class OutputFile final : public Unsealed {
   void append(std::span<const std::byte> bytes) override;
   /// Writes bytes from `offset` on. Thread-safe where is_seekable() for bytes that do not overlap.
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes) override;
-  /// Fills `bytes` with what was written from `offset` on.
+  /// Fills `bytes` with the bytes written from `offset` on.
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
   std::uint64_t size() const { return size_; }  ///< end of what append() wrote
   void seal() override;
@@ -61,7 +62,7 @@ class OutputFile final : public Unsealed {
   bool is_stream_ = false;
   bool is_remote_ = false;
   bool incomplete_ = false;            ///< an output to a URL that is being written
-  std::filesystem::path temp_folder_;  ///< of an output to a URL
+  std::filesystem::path temp_folder_;  ///< for an output to a URL
   FileDescriptor file_;
   std::uint64_t size_ = 0;
   std::uint64_t streamed_ = 0;        ///< bytes written to standard output

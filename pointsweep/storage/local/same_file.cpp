@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Without links, `.` and `..`, as far as the path exists.
+/// Returns the path without links, `.` and `..`, as far as the path exists.
 fs::path canonical_form(const fs::path& path) {
   if (is_url(path)) return path;
   std::error_code error;
@@ -33,7 +33,7 @@ std::string both_names(const fs::path& named, const fs::path& other) {
 /// Files by inode and by canonical path, each with the path that named it first.
 class KnownFiles {
  public:
-  /// A path that leads to the same file; null if there is none.
+  /// Returns a path that leads to the same file; null if there is none.
   const fs::path* find(const fs::path& path) const {
     struct stat status {};
     if (::stat(path.c_str(), &status) == 0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Checks that the files of a run that are read and written are different files, whatever paths lead to them.
+/// Checks that the files that a run reads and writes are different files, by any paths.
 #pragma once
 
 #include <filesystem>

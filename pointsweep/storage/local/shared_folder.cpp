@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kNotSealed = ".unsealed";
 
-/// A name that no other process of any machine has, and this one has once.
+/// Returns a text that is unique among all processes of all machines.
 std::string unique_suffix() {
   static std::atomic<unsigned> last = 0;
   std::array<char, 256> host{};
@@ -117,7 +117,7 @@ void RemoteFolder::remove(const std::string& key) {
     remove_remote(url_ + key);
   } catch (const Cancelled&) {
     throw;
-  } catch (const Error&) {  // what stays is removed with the scratch
+  } catch (const Error&) {  // the file is removed later, with the scratch
   }
 }
 

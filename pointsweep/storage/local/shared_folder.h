@@ -12,9 +12,9 @@
 
 namespace pointsweep {
 
-/// Objects are files. Two processes may create an object of the same key: the one that is sealed last stays. Nothing is
-/// forced to the disk, so after a loss of power an object may be damaged; it has a checksum. A killed process may leave
-/// the file of an unsealed object.
+/// A folder that several processes share, with objects as files. If two processes create an object of the same key, the
+/// one sealed last remains. Nothing is flushed to the disk, so an object may be damaged by a power failure, which its
+/// checksum reveals. A killed process may leave the file of an unsealed object.
 class SharedFolder final : public Storage {
  public:
   /// The folder must exist.
@@ -22,7 +22,7 @@ class SharedFolder final : public Storage {
 
   std::unique_ptr<Source> open(const std::string& key) const override;
   std::unique_ptr<Unsealed> create(const std::string& key) override;
-  /// Returns the names of all files but those of unsealed objects.
+  /// Returns the names of all files except those of unsealed objects.
   std::vector<std::string> list() const override;
   void remove(const std::string& key) override;
 
@@ -30,7 +30,7 @@ class SharedFolder final : public Storage {
   std::filesystem::path path_;
 };
 
-/// A folder of a bucket. An object that is put is complete, so those of one key may come from several processes here,
+/// A folder of a bucket. Objects appear only complete, so several processes may create objects of the same key here,
 /// too.
 class RemoteFolder final : public Storage {
  public:

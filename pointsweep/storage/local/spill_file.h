@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// One temporary file that many threads write and read at places they reserve.
+/// One temporary file in which many threads write and read at reserved places.
 #pragma once
 
 #include <atomic>
@@ -15,8 +15,8 @@ namespace pointsweep {
 
 class TempFolder;
 
-/// The place of spilled data: memory; a file that is unlinked as soon as it is open, so that it vanishes however the
-/// process ends; or a file that is kept so that the run can be resumed.
+/// The place of spilled data: memory; a file that is unlinked right after opening, so that it vanishes even if the
+/// process is killed; or a file that is kept so that the run can be resumed.
 class SpillPlace {
  public:
   /// The place is memory if `folder` is null.
@@ -37,7 +37,7 @@ class SpillFile {
  public:
   /// Creates a new file; replaces a kept file of the same name.
   explicit SpillFile(const SpillPlace& place);
-  /// Opens a kept file of which the first `bytes` bytes are in use. Throws Error if the file has fewer.
+  /// Opens a kept file whose first `bytes` bytes are in use. Throws Error if the file has fewer.
   SpillFile(const SpillPlace& place, std::uint64_t bytes);
 
   /// Reserves `bytes` bytes of the file for the caller and returns their offset. Thread-safe.

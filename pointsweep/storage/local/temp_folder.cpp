@@ -38,7 +38,7 @@ std::optional<pid_t> maker_of(std::string_view name) {
 
 bool is_alive(pid_t pid) { return ::kill(pid, 0) == 0 || errno != ESRCH; }
 
-/// Removes a folder that no process uses. The lock protects the folder of a process this one cannot see (another
+/// Removes a folder that no process uses. The lock protects folders of processes that this one cannot see (another
 /// container on the same disk).
 void remove_if_abandoned(const std::filesystem::path& path) {
   const FileDescriptor folder = open_folder(path, false);

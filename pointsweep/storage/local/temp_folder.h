@@ -20,8 +20,8 @@ std::filesystem::path temp_parent(const std::filesystem::path& asked);
 /// Returns `begin` and six letters. The name differs in each call, and almost certainly in each process.
 std::string random_name(const std::string& begin);
 
-/// Made as `<parent>/pointsweep-<pid>-<random>`, mode 0700; removed with everything in it by the destructor. Creating
-/// one first removes the folders of the same parent whose process no longer lives (what kill -9 left behind).
+/// A folder `<parent>/pointsweep-<pid>-<random>`, mode 0700, which the destructor removes with all its files. The
+/// constructor first removes the folders in the same parent whose process has ended, for example by kill -9.
 class TempFolder {
  public:
   explicit TempFolder(const std::filesystem::path& parent);

@@ -44,14 +44,15 @@ std::optional<Part> parse_part(std::string_view name) {
   return part;
 }
 
-/// A file whose process is gone, or that an earlier process with our number left: no process holds its lock.
+/// Returns whether no process works on the file: its process has ended, or it has the number of this process but no
+/// lock, and so is from an earlier process.
 bool is_abandoned(const fs::path& part, pid_t owner) {
   if (owner != ::getpid() && (::kill(owner, 0) == 0 || errno != ESRCH)) return false;
   const FileDescriptor file(::open(part.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
   return file && lock(file) != EWOULDBLOCK;
 }
 
-/// Removes the abandoned parts of those outputs in the folder for which `is_output(name)` is true.
+/// Removes the abandoned parts in the folder of those outputs for which `is_output(name)` is true.
 template <class IsOutput>
 void remove_abandoned(const fs::path& folder, const IsOutput& is_output) {
   std::error_code error;
@@ -67,7 +68,7 @@ std::size_t hash_of(const fs::path& folder, const std::string& name) {
   return std::hash<std::string>{}(folder.string() + '/' + name);
 }
 
-/// All ManyOutputs that there are.
+/// All existing ManyOutputs.
 struct Cleared {
   std::mutex mutex;
   std::set<const ManyOutputs*> outputs;
@@ -77,7 +78,7 @@ Cleared& cleared() {
   return instance;
 }
 
-/// Returns whether ManyOutputs has removed what is left of the file of this name in the folder.
+/// Returns whether ManyOutputs has removed the abandoned parts of the file of this name in the folder.
 bool is_cleared(const fs::path& folder, const std::string& name) {
   const std::lock_guard lock(cleared().mutex);
   return std::ranges::any_of(cleared().outputs, [&](const ManyOutputs* many) { return many->has(folder, name); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Outputs that are not complete: where they are, and what becomes of those whose process was killed.
+/// Outputs that are not complete: their files, and the removal of files of killed processes.
 #pragma once
 
 #include <cstddef>
@@ -14,15 +14,15 @@ namespace pointsweep {
 std::filesystem::path folder_of(const std::filesystem::path& file);
 /// Returns the target of the link `destination`, or `destination` itself if it is no link.
 std::filesystem::path target_of(const std::filesystem::path& destination);
-/// `.<name>.<pid>.part` beside `target`: an output of this process until it is complete.
+/// Returns `.<name>.<pid>.part` beside `target`: the file of an output of this process until it is complete.
 std::filesystem::path part_of(const std::filesystem::path& target);
 
 /// Removes what killed processes have left of `target`. Lists its folder, unless ManyOutputs has done so.
 void remove_abandoned_parts(const std::filesystem::path& target);
 
-/// The outputs of a run that writes many files into a folder. Lists each folder once, and removes what killed processes
-/// have left of any of the outputs. While it lives, remove_abandoned_parts() of one of them does nothing. Memory: 8
-/// bytes for each output.
+/// The outputs of a run that writes many files into folders. Lists each folder once, and removes the files that killed
+/// processes have left of any of the outputs. During its lifetime, remove_abandoned_parts() for one of the outputs is a
+/// no-op. Memory: 8 bytes for each output.
 class ManyOutputs {
  public:
   /// `destination(i)` is output `i` < `count`.
@@ -31,8 +31,8 @@ class ManyOutputs {
   ManyOutputs(const ManyOutputs&) = delete;
   ManyOutputs& operator=(const ManyOutputs&) = delete;
 
-  /// Returns whether the file of this name in the folder is the target of an output. Of one file in 2^64 others it is
-  /// wrong: names are told apart by hashes.
+  /// Returns whether the file of this name in the folder is the target of an output. Names are compared by hashes, so
+  /// an error has a probability of 2^-64 per pair.
   bool has(const std::filesystem::path& folder, const std::string& name) const;
 
  private:
