@@ -14,8 +14,7 @@ Reneighbor make_reneighbor(const OptionValues& options, const Facts&) {
   return Reneighbor(make_neighborhood(options.with_presets_of(neighborhood_declaration().options)));
 }
 
-/// Returns the options of knn. None has a preset, because without options the neighbourhoods keep their size and
-/// radius.
+/// Returns the options of knn without presets, since without options the neighbourhoods keep their size and radius.
 std::vector<OptionDeclaration> options_of_reneighbor() {
   std::vector<OptionDeclaration> options = neighborhood_declaration().options;
   for (OptionDeclaration& option : options) option.preset = {};

@@ -69,7 +69,7 @@ class Cylinder {
   double radius_, depth_;
 };
 
-/// Puts the points of the cloud itself into cells first, beside the cells of the other cloud.
+/// First takes the points of the cloud of the chain into cells, besides the cells of the other cloud.
 class M3c2Work final : public InOrderWork {
  public:
   M3c2Work(const M3c2Options& options, const InOrderSetup& setup)

@@ -19,7 +19,7 @@ struct OperatorDeclaration;
 
 OperatorDeclaration take_declaration();
 
-/// An attribute that `take` makes, of which some components or all are taken.
+/// An attribute made by `take`, with the components that are taken.
 struct TakeTarget {
   Attribute made;
   std::optional<Attribute> old;  ///< the version before, which the operator reads
@@ -37,9 +37,9 @@ class Take final : public InOrderOperator {
   std::vector<Attribute> other_reads() const override;
   std::optional<Reach> reach() const override { return Reach{}; }
   std::optional<Reach> other_reach() const override;
-  /// Throws UsageError for an attribute that the other cloud does not have, with the nearest that it has.
+  /// Throws UsageError for an attribute that the other cloud lacks, with its most similar names.
   std::shared_ptr<const InOrderOperator> bound_to_other(const Schema& other) const override;
-  /// Throws UsageError where points without a value would have none that their attribute can hold.
+  /// Throws UsageError if the type of a new attribute has no value for points without a result.
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;

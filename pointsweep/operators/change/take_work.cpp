@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-/// Nearest points that are found before their values are looked at, and the least places that they are found for.
+/// Nearest points that are found before their values are read, and the least number of places for which they are found.
 constexpr std::uint64_t kFoundAtOnce = 1 << 18, kLeastPlaces = 4096;
 /// Points that a thread gives values to at once.
 constexpr std::size_t kTakenAtOnce = 1024;
@@ -28,8 +28,9 @@ std::uint64_t found_bytes(std::uint64_t k, std::uint64_t value_bytes) {
   return places_at_once(k) * k * (sizeof(std::uint64_t) + value_bytes);
 }
 
-/// The points of the other cloud are numbered in their order, which for points at the same place is that of their rows:
-/// a search that breaks ties by number gives the same points as one by row, and a number tells where the values are.
+/// Takes values from the nearest points. Points of the other cloud are numbered in their order; coincident points are
+/// in the order of their rows. So a search that breaks ties by number gives the same points as one by row, and a number
+/// tells the place of the values.
 class TakeWork final : public InOrderWork {
  public:
   TakeWork(TakeRules rules, std::uint64_t value_bytes, const InOrderSetup& setup)
@@ -89,7 +90,7 @@ class TakeWork final : public InOrderWork {
     for (const FirstRowError& part : refused) refused_.note(part);
   }
 
-  /// The values that the point has; of new attributes, those of rows without a value.
+  /// Stores the values that the point had before; for new attributes, the values of rows without a result.
   void put_old_values(const OrderedPoints& points, std::size_t point, std::byte* record) const {
     const std::size_t reads = points.rows.empty() ? 0 : points.words.size() / points.rows.size();
     std::size_t read = point * reads;
@@ -135,7 +136,7 @@ class TakeWork final : public InOrderWork {
   double most2_ = std::numeric_limits<double>::infinity();
   PointCells other_;
   PointRecords values_;
-  std::vector<std::uint64_t> numbers_;  ///< of the nearest points of a place after another, k for each
+  std::vector<std::uint64_t> numbers_;  ///< nearest points, place after place, k for each
   std::vector<std::byte> found_;        ///< their values
   FirstRowError refused_;
 };

@@ -18,11 +18,10 @@ struct TakeRules {
   std::vector<TakeTarget> targets;
 };
 
-/// Reads the other cloud. Throws Error where it has no point with a finite place. `rules` are those of a bound
-/// operator.
+/// Reads the other cloud. Throws Error if it has no point with a finite place. `rules` are those of a bound operator.
 std::unique_ptr<InOrderWork> start_taking(TakeRules rules, const InOrderSetup& setup);
 
-/// Returns the least memory of the work. `value_bytes`: of what is taken from a point.
+/// Returns the least memory of the work. `value_bytes`: bytes of the values taken from a point.
 std::uint64_t least_taking_bytes(std::uint64_t k, std::uint64_t value_bytes);
 
 }  // namespace pointsweep

@@ -9,9 +9,9 @@ namespace pointsweep {
 
 struct Facts;
 
-/// Throws UsageError, beginning with `where`, unless the neighbourhoods in effect hold the `k` nearest within `radius`:
-/// all of them where k is Neighborhood::kUnlimited. Nothing is refused where the facts do not tell the neighbourhoods,
-/// or where these are those of the operators.
+/// Throws UsageError, beginning with `where`, unless the neighbourhoods in effect contain the `k` nearest points within
+/// `radius`; all points within it if k is Neighborhood::kUnlimited. No error if the neighbourhoods are unknown, or are
+/// the default of the operators.
 void require_complete_lists(const Facts& facts, std::size_t k, double radius, const std::string& where);
 
 }  // namespace pointsweep

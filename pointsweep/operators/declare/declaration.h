@@ -31,20 +31,20 @@ enum class OptionKind : std::uint8_t {
   attribute,    ///< std::string, the name of an attribute; not empty
   condition,    ///< std::string, a condition on attributes; not empty
   numbers,      ///< std::string, finite numbers with commas between, each in its shortest form
-  file,         ///< std::string, the name of a file, or what it would hold; not empty
+  file,         ///< std::string, the name of a file or its content; not empty
   matrix,       ///< std::string, a matrix row by row, or the name of a file that holds it; not empty
   word,         ///< std::string, letters and digits
   attributes,   ///< std::string, names of attributes with commas between; none empty
   assignments,  ///< std::string, NAME = NUMBER or NAME = NUMBER where CONDITION, with commas between; not empty
 };
 
-/// The least of numbers that have to be above 0, however small the cloud is.
+/// The least number above 0, as the limit of options that must be positive.
 inline constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();
 
 struct OptionDeclaration {
   std::string name = {};
   OptionKind kind = OptionKind::word;
-  OptionValue preset = {};   ///< the value where none is given; std::monostate: there is none
+  OptionValue preset = {};   ///< the value if none is given; std::monostate: there is none
   std::string meaning = {};  ///< one line that begins in lower case
   double least = 0;
   double most = std::numeric_limits<double>::infinity();
@@ -53,23 +53,23 @@ struct OptionDeclaration {
   std::string unit = {};
   std::vector<std::string> choices = {};
   bool required = false;    ///< it has to be given
-  bool positional = false;  ///< its name may be left out, as in where("z < 2"); only the first option of an operator
+  bool positional = false;  ///< its name may be omitted, as in where("z < 2"); only for the first option of an operator
   OptionValue sample = {};  ///< a value for examples, where there is no preset
   /// A distance R within which points count, or an attribute that holds it: d² <= R·R in double, the same for all.
   bool is_radius = false;
 
-  /// "1 or more", "0 to 90", "none, up or input", "[X,Y,Z]": what may be given.
+  /// Returns the allowed values: "1 or more", "0 to 90", "none, up or input", "[X,Y,Z]".
   std::string allowed() const;
   /// Returns whether `value` has the type of the kind and lies within the limits.
   bool allows(const OptionValue& value) const;
-  /// Throws UsageError: `where`, what may be given, and that `value` is something else.
+  /// Throws UsageError with `where`, the allowed values and `value`.
   [[noreturn]] void refuse(const std::string& value, const std::string& where) const;
 };
 
-/// Numbers in their shortest form, points as "0,0,1.7"; parse_value() of it gives the value back. Empty: no value.
+/// Returns numbers in their shortest form, points as "0,0,1.7"; parse_value() restores the value. Empty: no value.
 std::string text_of_value(const OptionValue& value);
 
-/// The values of one operator's options: those given, else the presets.
+/// The values of an operator's options: the given ones, else the presets.
 class OptionValues {
  public:
   /// Holds only presets. `where` begins every sentence about these options, e.g. "pipeline, column 12: normals".
@@ -81,7 +81,7 @@ class OptionValues {
   OptionValues with_presets_of(const std::vector<OptionDeclaration>& declared) const;
 
   bool given(std::string_view name) const { return given_.contains(name); }
-  /// Returns the value that is given, else the preset; null if there is neither.
+  /// Returns the given value, else the preset; null if there is neither.
   const OptionValue* find(std::string_view name) const;
   bool any_given() const { return !given_.empty(); }
   /// Returns the value of a declared option by its name. An option without preset is asked for only if it is given or
@@ -103,11 +103,11 @@ class OptionValues {
 /// Facts about the cloud and the neighbourhoods that an operator may need when it is made.
 struct Facts {
   std::uint64_t points = 0;
-  std::optional<Neighborhood> neighborhood = {};  ///< neighbourhood of the operator; absent: not known
+  std::optional<Neighborhood> neighborhood = {};  ///< neighbourhood of the operator; absent: unknown
   double metres_per_unit = 1;                     ///< metres in a unit of the coordinates
 };
 
-/// An attribute as docs/attributes.md describes it, where its own words (Attribute::meaning) are too short.
+/// A description of an attribute for docs/attributes.md, if Attribute::meaning is too short.
 struct AttributeNote {
   std::string name;
   std::string meaning;
@@ -124,14 +124,14 @@ struct OperatorDeclaration {
   std::function<ChainStage(const OptionValues&, const Facts&)> make;
   std::string formula = {};    ///< lines of plain text
   std::string source = {};     ///< the publication and where in it
-  std::string undefined = {};  ///< which points get no value, and what they get
+  std::string undefined = {};  ///< the points without a result, and the value that they get
   /// A clause about the points that it marks as degenerate (Columns::mark_degenerate), e.g. "have no neighbours; their
   /// density is 0"; empty: it marks none.
   std::string degenerate = {};
   std::string cost = {};     ///< in addition to the time of `neighbor_ns`
   double neighbor_ns = 10;   ///< CPU time for each neighbour, of about 1,000; measured with `script/bench radius`
   bool makes_named = false;  ///< its options name the attributes that it makes
-  std::vector<AttributeNote> attributes = {};  ///< about what it makes
+  std::vector<AttributeNote> attributes = {};  ///< about the attributes it makes
   std::string example = {};                    ///< a whole pipeline as one writes it
 };
 
@@ -142,8 +142,8 @@ std::vector<double> numbers_of(std::string_view list);
 /// {1, 2.5} as "1,2.5": each number in its shortest form, so that equal lists are the same text.
 std::string text_of_numbers(const std::vector<double>& numbers);
 
-/// The values of examples: presets, and samples of what is required or needs no name. For docs and checks of a
-/// declaration.
+/// Returns example values: presets, and samples of required options and of options without names. For docs and checks
+/// of a declaration.
 OptionValues sample_values(const OperatorDeclaration& declaration);
 
 }  // namespace pointsweep

@@ -45,7 +45,7 @@ void covariances(const Neighborhoods& in, std::size_t i, std::size_t least, doub
     add_outer_product(squares, 1, o);
     sum = sum + o;
     if (j + 1 < least) continue;
-    const double points = static_cast<double>(j + 2);  // with p_i, whose offset is 0
+    const double points = static_cast<double>(j + 2);  // includes p_i, whose offset is 0
     Symmetric3 m = squares;
     add_outer_product(m, -1 / points, sum);
     out.push_back(m);

@@ -18,19 +18,19 @@ namespace pointsweep {
 ///
 /// Source: M. Weinmann, B. Jutzi, C. Mallet, "Semantic 3D scene interpretation: a framework combining optimal
 /// neighborhood size selection with relevant features", ISPRS Annals II-3 (2014), and Weinmann et al., "Semantic point
-/// cloud interpretation based on optimal neighborhoods, relevant features and efficient classifiers", ISPRS Journal
-/// 105 (2015), which replaces by E the entropy of three dimensionality features of Demantké et al., "Dimensionality
-/// based scale selection in 3D lidar point clouds" (2011). They let k run from 10 to 100 in steps of 1, as here.
+/// cloud interpretation based on optimal neighborhoods, relevant features and efficient classifiers", ISPRS Journal 105
+/// (2015), which replaces by E the entropy of three dimensionality features of Demantké et al., "Dimensionality based
+/// scale selection in 3D lidar point clouds" (2011). They let k run from 10 to 100 in steps of 1, as here.
 ///
-/// Cases that the papers leave open: e ln e is 0 at e = 0 (points on a plane or a line); a k whose neighbours are all
-/// on p_i has no E and is passed over; a point with fewer than `least` neighbours, or without any E, keeps all it has.
-/// The covariance comes from running sums of offsets from p_i, and the logarithm is made of plain IEEE operations, so
-/// that near-ties fall the same way on every machine.
+/// Cases that the papers leave open: e ln e is 0 at e = 0 (points on a plane or a line); a k whose neighbours all
+/// coincide with p_i has no E and is skipped; a point with fewer than `least` neighbours, or without any E, keeps all
+/// its neighbours. The covariance comes from running sums of offsets from p_i, and the logarithm is made of plain IEEE
+/// operations, so that near-ties have the same result on every machine.
 ///
 /// Cost: about 0.1 µs for each k tried, in addition to the search for the largest.
 class LeastEigenentropy final : public NeighborhoodRule {
  public:
-  /// Throws UsageError unless `least` is at least 3, as many neighbours as a volume needs.
+  /// Throws UsageError unless `least` is at least 3, the number of neighbours that spans a volume.
   explicit LeastEigenentropy(std::size_t least = 10);
   std::string meaning() const override;
   std::vector<Attribute> reads() const override { return {}; }

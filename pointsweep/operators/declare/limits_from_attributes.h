@@ -11,10 +11,10 @@
 namespace pointsweep {
 
 /// Keeps the neighbours that both limits allow. A value that is NaN or negative, and a k below 1, allow none: the point
-/// has no neighbours, which operators count as degenerate. A value above what the search was asked for allows all that
-/// it found. A radius of 0 keeps the points in the same place. Within means the same as for a radius of all points:
-/// ((dx² + dy²) + dz²) <= radius · radius in double. So the rounded root of a squared distance, as `neighbor_radius`
-/// holds it, can be too small by one unit in the last place to hold the neighbour that it was taken from.
+/// has no neighbours, which operators count as degenerate. A value above the limits of the search allows all neighbours
+/// found. A radius of 0 keeps the points in the same place. A neighbour is within the radius if ((dx² + dy²) + dz²) <=
+/// radius · radius in double, as for a radius of all points. So `neighbor_radius`, the rounded root of a squared
+/// distance, may be too small by one unit in the last place to include its own neighbour.
 class LimitsFromAttributes final : public NeighborhoodRule {
  public:
   /// Throws UsageError where neither attribute is named.

@@ -17,7 +17,7 @@ namespace pointsweep {
 /// The values that an attribute can hold.
 struct TargetRange {
   Type type = Type::f64;
-  double least = 0, most = 0;  ///< of whole numbers
+  double least = 0, most = 0;  ///< range of whole numbers
   bool is_whole = false;
 
   /// "uint8, 0 to 255", "float32".
@@ -46,7 +46,7 @@ std::optional<T> whole_in(const TargetRange& range, WholeNumber whole) {
 /// An attribute that is there already.
 struct AssignedTarget {
   Attribute made;             ///< a new version of an attribute made before, or of a field of the input
-  std::size_t component = 0;  ///< that the name stands for
+  std::size_t component = 0;  ///< component that the name means
   TargetRange range;
   Attribute old;  ///< the version before, as it can be read: exact
 };

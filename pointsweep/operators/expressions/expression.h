@@ -37,14 +37,14 @@ __extension__ typedef __int128 WholeNumber;
 class Expression {
  public:
   enum class Form : std::uint8_t { condition, number /**< a sum of the grammar */ };
-  /// Throws UsageError that begins with `where` and names the column, from 1 on, and what is expected there.
+  /// Throws UsageError that begins with `where` and states the column, from 1 on, and what is expected there.
   explicit Expression(std::string_view text, std::string_view where = "where", Form form = Form::condition);
 
   struct Name {
     std::string text;
-    std::size_t column;  ///< of its first appearance, from 1 on
+    std::size_t column;  ///< column of its first occurrence, from 1 on
   };
-  /// The attributes it looks at, each once, in the order of appearance.
+  /// The attributes that it reads, each once, in the order of their first occurrence.
   const std::vector<Name>& names() const { return names_; }
   const std::string& text() const { return text_; }  ///< as given, without blanks at both ends
   /// A text that is equal for conditions that differ only in blanks and in "and", "or", "not" for "&&", "||", "!":

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The attributes that the names of an expression stand for, and their values for a batch of points.
+/// The attributes that the names of an expression mean, and their values for a batch of points.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,13 @@
 
 namespace pointsweep {
 
-/// A name is a component of an attribute made before ("nz", "outlier"), else x, y or z, the position of now, else a
-/// field of the input, in any spelling that files use (meant_value.h); of arrays none. Else `row` is the number of the
-/// row in the inputs.
+/// The meanings of names, in this order: a component of an attribute made before ("nz", "outlier"); x, y or z, the
+/// current position; a field of the input, in any spelling that files use (meant_value.h), but no array; `row`, the
+/// number of the row in the inputs.
 class NamedValues {
  public:
   NamedValues() = default;
-  /// `place`: begins messages. Throws UsageError for a name that fits nothing, with those there are.
+  /// `place`: begins messages. Throws UsageError for an unknown name, with the known names.
   NamedValues(const Expression& expression, const std::string& place, const Schema& input,
               std::span<const Attribute> made);
 
@@ -29,21 +29,21 @@ class NamedValues {
   /// The values of one batch, by number of the name.
   class Batch {
    public:
-    /// The values of the points of the batch. The attributes of reads() are those that the operator reads from number
-    /// `first` on.
+    /// Reads the values of the points of the batch. The attributes of reads() are those that the operator reads from
+    /// number `first` on.
     Batch(const NamedValues& names, const Neighborhoods& in, std::size_t first = 0);
-    /// The values of some neighbours of the batch. The attributes of reads() are those that the operator reads of
+    /// Reads the values of some neighbours of the batch. The attributes of reads() are those that the operator reads of
     /// neighbours from number `first` on.
     Batch(const NamedValues& names, const Neighborhoods& in, std::size_t first, std::span<const NeighborRef> neighbors);
     std::span<const ExpressionValues> values() const { return values_; }
 
    private:
-    /// Takes the values of `count` points. `position(i)` is the position of point i, `record(a, i, bytes)` the address
-    /// of its value of reads()[a], which takes so many bytes.
+    /// Reads the values of `count` points. `position(i)` returns the position of point i, `record(a, i, bytes)` the
+    /// address of its value of reads()[a], which has `bytes` bytes.
     template <class Position, class Record>
     void take(const NamedValues& names, std::size_t count, Position position, Record record);
 
-    /// The values of a name; the vectors are what the pointers point into.
+    /// The values of a name. The vectors own the memory of the pointers.
     struct Memory {
       std::vector<double> real;
       std::vector<std::uint64_t> whole;

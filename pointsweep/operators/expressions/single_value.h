@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Attributes that an operator reads by name, wherever they come from.
+/// Attributes of one value that an operator reads by name, from earlier stages or the input.
 #pragma once
 
 #include <optional>

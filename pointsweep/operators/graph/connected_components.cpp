@@ -84,7 +84,7 @@ ConnectedComponents::ConnectedComponents(const ComponentsOptions& options, std::
   components_options().declare(*this, options);
 }
 
-/// Within a distance, both ends know of each other: the one of the lower row emits the edge.
+/// With a distance, both ends have each other as neighbours: the one with the lower row emits the edge.
 void ConnectedComponents::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte*) const {
   for (std::uint32_t i = 0; i < in.size(); ++i) {
     const NeighborRef* neighbors = in.neighbors(i);

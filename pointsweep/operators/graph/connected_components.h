@@ -17,7 +17,7 @@ struct OperatorDeclaration;
 
 OperatorDeclaration components_declaration();
 
-/// Returns whether component numbers and sizes have 32 bits in a cloud of `points` points; 0: not known.
+/// Returns whether component numbers and sizes have 32 bits in a cloud of `points` points; 0: unknown.
 bool has_short_numbers(std::uint64_t points);
 /// N i32 or i64: the number of the component `name` of a point; -1 for points without one.
 Attribute component_number(std::string name, std::string meaning, std::uint64_t points);
@@ -26,14 +26,14 @@ Attribute component_size(std::string name, std::string meaning, std::uint64_t po
 /// Appends both, in these types, to `values`.
 void put_component(const ComponentLabel& label, bool is_short, std::byte* values);
 
-/// Makes component and component_size. Points i and j are joined if one is a neighbour of the other, and, with a
-/// distance, if they are not farther from each other. Components are numbered from 0 by their first point: the least x,
-/// then y, then z, then row.
+/// Makes component and component_size. Points i and j are joined if one is a neighbour of the other, and their distance
+/// is not above the limit, if there is one. Components are numbered from 0 by their first point: the least x, then y,
+/// then z, then row.
 class ConnectedComponents final : public ConnectOperator {
  public:
-  /// With a distance, N_i must hold all points within it. Pipelines that do not give them are refused; C++ code has to
-  /// see to it. `points` of the cloud, if known, decide about the types. Throws UsageError for options out of their
-  /// ranges.
+  /// With a distance, N_i must contain all points within it. Pipelines without such neighbourhoods are refused; C++
+  /// code must ensure it. `points` of the cloud, if known, decides about the types. Throws UsageError for options out
+  /// of their ranges.
   explicit ConnectedComponents(const ComponentsOptions& options = {}, std::uint64_t points = 0);
   std::string name() const override { return "components"; }
   Contract contract() const override;

@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-/// A result of one byte: whether a core point is among the points. Points without one are noise.
+/// Decides, as a result of one byte, whether a component has a core point. Without one its points are noise.
 class AnyCore final : public VoteRule {
  public:
   std::size_t ballot_bytes() const override { return 1; }

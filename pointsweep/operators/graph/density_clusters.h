@@ -34,8 +34,8 @@ class CorePoints final : public LocalOperator {
   DbscanOptions options_;
 };
 
-/// Makes cluster and cluster_size: of the components of core points within `eps` of each other. A point that is no core
-/// point belongs to the cluster of the nearest core point within eps; without one it is noise.
+/// Makes cluster and cluster_size: the components of core points within `eps` of each other. Any other point belongs to
+/// the cluster of the nearest core point within eps; without one it is noise.
 class ClustersOfCores final : public ConnectOperator {
  public:
   ClustersOfCores(const DbscanOptions& options, std::uint64_t points);

@@ -23,8 +23,8 @@ OperatorDeclaration orient_declaration();
 /// N u8: 1 where orient() has turned the normal.
 Attribute normal_turned_attribute();
 
-/// Makes normal_turned: the signs of the minimum spanning forest of the graph of neighbours, an edge of which has the
-/// weight 1 - |n_i . n_j| and joins equal signs where n_i . n_j >= 0. OrientationVotes decides for each component.
+/// Makes normal_turned: the signs along the minimum spanning forest of the graph of neighbours. An edge has the weight
+/// 1 - |n_i . n_j| and joins equal signs if n_i . n_j >= 0. OrientationVotes decides for each component.
 class NormalSigns final : public ConnectOperator {
  public:
   explicit NormalSigns(const OrientOptions& options);
@@ -41,7 +41,7 @@ class NormalSigns final : public ConnectOperator {
   OrientationVotes votes_;
 };
 
-/// Makes normal: the one there is, turned where normal_turned says so.
+/// Makes normal: the existing normal, negated if normal_turned is 1.
 class TurnedNormals final : public LocalOperator {
  public:
   std::string name() const override { return "turned_normals"; }
@@ -54,15 +54,15 @@ class TurnedNormals final : public LocalOperator {
 /// `orient`: these two, or FacingNormals.
 class OrientedNormals final : public CompositeOperator {
  public:
-  /// Reads the trajectory, if the method needs one. `place`: for messages. Throws UsageError for options out of their
-  /// ranges or that do not go together, and Error for a file that cannot be read.
+  /// Reads the trajectory, if the method needs one. `place`: for messages. Throws UsageError for options out of range
+  /// or in conflict, and Error for a file that cannot be read.
   explicit OrientedNormals(OrientOptions options = {}, const std::string& place = "orient");
   std::string name() const override { return "orient"; }
   Contract contract() const override;
   std::vector<ChainStage> parts() const override;
 
  private:
-  OrientOptions options_;  ///< with the checksum of the trajectory that was read
+  OrientOptions options_;  ///< include the checksum of the trajectory
   std::shared_ptr<const FacingNormals> facing_;
 };
 

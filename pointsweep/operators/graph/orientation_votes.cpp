@@ -14,7 +14,7 @@ using Whole = __int128;
 
 constexpr double kNormalUnits = 1 << 20, kPlaceUnits = 4294967296.0, kFarthest = 1099511627776.0;
 
-/// Sums of some points. Those in the first group change with the sign.
+/// Sums over some points. Those in the first group change their sign with the normals.
 struct Votes {
   std::array<Whole, 3> normal;  ///< Σ s n
   Whole out;                    ///< Σ s n · p

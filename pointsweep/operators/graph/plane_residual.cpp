@@ -21,7 +21,7 @@ constexpr std::array<std::array<std::size_t, 2>, 6> kEntries = {{{0, 0}, {0, 1},
 struct Moments {
   std::array<Int192, 6> second;  ///< Σ q_a q_b, of kEntries
   std::array<Int128, 3> first;   ///< Σ q_a
-  std::uint64_t points, placed;  ///< placed: those with finite places, which alone are in the sums
+  std::uint64_t points, placed;  ///< placed: points with finite places; only these are in the sums
 };
 
 Moments moments_at(const std::byte* bytes) {
@@ -30,8 +30,8 @@ Moments moments_at(const std::byte* bytes) {
   return moments;
 }
 
-/// Σ (q_a - c_a)(q_b - c_b) / n with the mean c. In integers around the whole number m nearest below c; the rest
-/// r = Σ q - n m is less than n, and its share is taken off in float64.
+/// Returns Σ (q_a - c_a)(q_b - c_b) / n with the mean c. Computed in integers relative to the whole number m just below
+/// c; the remainder r = Σ q - n m is less than n, and its share is subtracted in float64.
 Symmetric3 covariance(const Moments& sums) {
   const auto n = static_cast<Int128>(sums.points);
   std::array<Int128, 3> mean, rest;

@@ -22,8 +22,8 @@ struct OperatorDeclaration;
 OperatorDeclaration segments_declaration();
 
 /// Makes segment, segment_size and segment_residual: components of the points that are joined if one is a neighbour of
-/// the other, their normals differ by less than an angle, whatever their signs, and they are not farther from each
-/// other than a distance. A point without a normal is a segment of one point. PlaneResidual says how flat they are.
+/// the other, their normals differ by less than an angle, whatever their signs, and their distance is within a limit. A
+/// point without a normal is a segment of one point. PlaneResidual measures how flat segments are.
 class Segments final : public ConnectOperator {
  public:
   /// Throws UsageError for options out of their ranges. `points` of the cloud, if known, decide about the types.

@@ -169,9 +169,9 @@ std::unique_ptr<InOrderWork> Ground::start(const InOrderSetup& setup) const {
   return std::make_unique<GroundWork>(options_, rule(), numbers_, reads_.size(), setup);
 }
 
-/// In cells: the surface at a point comes from the two cells next to it along each axis and their slopes, a hole in it
-/// from cells at most 3R + 3 away, and what is cut off from the disks of all radii up to R one after another, over a
-/// raster whose holes were filled from 3R + 3 cells away.
+/// The reach in cells. The surface at a point depends on the two nearest cells along each axis and their slopes; a hole
+/// in it is filled from cells at most 3R + 3 away; and disks of all radii up to R, one after another, open a raster
+/// whose holes were filled from 3R + 3 cells away.
 std::optional<Reach> Ground::reach() const {
   const auto radius = static_cast<double>(rule().radius);
   return Reach{.distance = radius * (radius + 1) + 2 * (3 * radius + 3) + 4};

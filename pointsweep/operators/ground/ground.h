@@ -23,9 +23,9 @@ OperatorDeclaration ground_declaration();
 /// N u8, classes of LAS: 2 ground, 1 unclassified.
 Attribute classification_attribute();
 
-/// Makes classification: 2 for ground; the class of the input, or of an earlier stage, for other points, but 1 in the
-/// place of 2, and 1 where there is none. Only points that take part can be ground: last returns without the classes 7
-/// and 18 (noise), unless the options ask for others; attributes that the cloud does not have rule nothing out.
+/// Makes classification: 2 for ground. Other points keep the class of the input or of an earlier stage, but 1 replaces
+/// 2, and is the class if there was none. Only points that take part can be ground: last returns without the classes 7
+/// and 18 (noise), unless the options state others. Attributes that the cloud lacks exclude no point.
 class Ground final : public InOrderOperator {
  public:
   /// Throws UsageError for options out of their ranges.

@@ -10,7 +10,7 @@ constexpr double kGround = 2, kUnclassified = 1, kLowNoise = 7, kHighNoise = 18;
 /// A point needs the slopes of the cells around it, and these the cells next to them.
 constexpr std::size_t kRowsAround = 2;
 
-/// The slope along one axis, from the cell and those on both sides of it.
+/// Returns the slope along one axis, from the cell and the cells on both sides of it.
 double difference(double before, double here, double behind, double cell) {
   if (before != kNoCell && behind != kNoCell) return (behind - before) / (2 * cell);
   if (behind != kNoCell) return (behind - here) / cell;

@@ -127,7 +127,7 @@ std::optional<Reach> Height::reach() const {
   return Reach{std::numeric_limits<double>::infinity(), static_cast<std::size_t>(options_.k)};
 }
 
-/// Chooses the points of the ground, among which the nearest ones are looked for.
+/// Returns a function that chooses the ground points, among which the nearest are searched.
 InOrderOperator::ChoosePoints Height::for_other_parts() const {
   return [](const OrderedPoints& points) {
     std::vector<std::uint32_t> ground;

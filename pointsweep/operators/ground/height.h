@@ -21,8 +21,8 @@ OperatorDeclaration height_declaration();
 Attribute height_attribute();
 
 /// Makes height: z - Σ w_j z_j / Σ w_j over the k points of class 2 that are nearest in x and y, w_j = 1 / d_j², summed
-/// nearest first; where the nearest has d = 0, z - z_1. Equal distances go by x, y, z, row. All ground points of the
-/// cloud are searched, however far away.
+/// nearest first; if the nearest has d = 0, it is z - z_1. Equal distances are ordered by x, y, z, row. All ground
+/// points of the cloud are searched, however far away.
 class Height final : public InOrderOperator {
  public:
   /// Throws UsageError for options out of their ranges.

@@ -8,7 +8,7 @@
 
 namespace pointsweep {
 
-/// Takes x, y and z of each point; finish() of a derived class says what the box becomes.
+/// Finds the box around all points; finish() of a derived class converts it to values.
 class BoxAccumulator : public Accumulator {
  public:
   void add(const double* values, std::size_t points) override {

@@ -13,7 +13,7 @@ namespace pointsweep {
 
 /// Returns null for Drop, Reneighbor and Resort.
 const Operator* operator_of(const ChainStage& stage);
-/// Returns the contract of its operator; for an instruction one that is empty and needs no neighbours.
+/// Returns the contract of its operator; an empty one without neighbours for Reneighbor, Resort and Drop.
 Contract contract_of(const ChainStage& stage);
 /// Returns its name in pipelines.
 std::string name_of(const ChainStage& stage);

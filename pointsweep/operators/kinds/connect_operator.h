@@ -23,11 +23,11 @@ struct NeighborEdge {
   bool flips = false;  ///< the signs of the two differ
 };
 
-/// A stage that emits edges. What it makes is known when its pass has ended, for each point from the component that it
-/// is in and from its sign in the minimum spanning forest (docs/adr/0014). It is the only one of its kind in its pass.
+/// A stage that emits edges. Its attributes are known at the end of its pass: for each point they follow from its
+/// component, and from its sign in the minimum spanning forest (docs/adr/0014). It is the only such stage in its pass.
 class ConnectOperator : public Operator {
  public:
-  /// Returns whether weights and parities matter; otherwise all edges are alike.
+  /// Returns whether edges have weights and parities; otherwise all edges are equal.
   virtual bool weighted() const { return false; }
   /// Null: every component counts, and no signs are turned.
   virtual const VoteRule* votes() const { return nullptr; }

@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// The box of the moved positions, of which an output is planned whose format stores integers.
+/// The box of the moved positions, for planning an output that stores integers.
 class MovedBounds final : public Reduction {
  public:
   std::string text() const override { return "bounds of moved points"; }

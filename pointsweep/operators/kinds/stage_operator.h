@@ -35,8 +35,8 @@ bool drops_rows(const StageOperator& stage);
 /// Returns whether the stage reads only the point itself: no neighbour, and no other point in an order.
 bool is_pointwise(const StageOperator& stage);
 
-/// Fills the columns of a batch. The results of a stage in order or a connecting one are not known batch by batch:
-/// such a stage leaves the columns unchanged.
+/// Fills the columns of a batch. In-order and connecting stages do not work on batches: they leave the columns
+/// unchanged.
 void apply(const StageOperator& stage, const Neighborhoods& in, Columns& out);
 
 }  // namespace pointsweep

@@ -46,13 +46,13 @@ struct Points {
   }
 };
 
-/// Rounded to float; beyond the largest float, that one. v is not NaN.
+/// Rounds to float; numbers beyond the largest float become that. v must not be NaN.
 HWY_INLINE FloatV Saturated(V v) {
   const V most = hn::Set(Lanes(), double(std::numeric_limits<float>::max()));
   return hn::DemoteTo(FloatLanes(), hn::Min(hn::Max(v, hn::Neg(most)), most));
 }
 
-/// Does nothing if the column is not wanted, which is empty then; so do the others.
+/// Stores nothing if the column is not wanted and therefore empty; the other functions likewise.
 HWY_INLINE void StoreNumbers(V v, const Points& points, std::span<float> column) {
   if (column.empty()) return;
   const FloatLanes d;

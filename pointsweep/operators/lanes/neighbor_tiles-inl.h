@@ -2,8 +2,8 @@
 /// Points and their neighbours in vector lanes, a point per lane, a tile of points at a time. Included once per
 /// instruction set.
 ///
-/// The data of a tile are fetched point by point into arrays first and read as vectors afterwards: a vector that is
-/// read just after its numbers were written one by one would have to wait for them.
+/// The data of a tile are first copied point by point into arrays, and later read as vectors: reading a vector right
+/// after its numbers were written one by one would stall.
 #if defined(POINTSWEEP_OPERATORS_NEIGHBOR_TILES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_OPERATORS_NEIGHBOR_TILES_INL_H_
 #undef POINTSWEEP_OPERATORS_NEIGHBOR_TILES_INL_H_
@@ -26,24 +26,24 @@ namespace pointsweep::HWY_NAMESPACE {
 using Lanes = hn::ScalableTag<double>;
 using V = hn::Vec<Lanes>;
 constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
-using FloatLanes = hn::Rebind<float, Lanes>;  // as many
+using FloatLanes = hn::Rebind<float, Lanes>;  // with as many lanes
 
 /// One number for each lane.
 struct LaneArray {
   HWY_ALIGN double of[kLanes];
 };
 
-constexpr std::size_t kTilePoints = 32;  // at most
+constexpr std::size_t kTilePoints = 32;  // largest number of points of a tile
 static_assert(kTilePoints % kLanes == 0 && kLanes <= 8);
 
-/// Successive points of a batch, as many as have room for all their neighbours; of more than 64 neighbours a vector's
-/// worth, a part of the neighbours at a time.
+/// Successive points of a batch, as many as fit with all their neighbours. With more than 64 neighbours: one vector of
+/// points, with a part of their neighbours at a time.
 struct Tile {
   static constexpr std::size_t kRoom = 512;
 
   const Neighborhoods& in;
   std::size_t first, size, vectors;
-  std::size_t stride;  // from a neighbour to the next one of the same point
+  std::size_t stride;  // distance between successive neighbours of a point
   std::size_t chunk;   // neighbours of a point there is room for
   std::size_t most = 0;
   std::size_t count[kTilePoints];  // |N_i|; 0 after the last point
@@ -105,8 +105,8 @@ struct NeighborArray {
   HWY_ALIGN T of[Tile::kRoom];
 };
 
-/// Vectors that belong to the neighbours of a tile, transposed: of(i)(ref) of the neighbours of each point i in turn; 0
-/// after a point's last neighbour.
+/// Vectors of the neighbours of a tile, transposed: of(i)(ref) for each neighbour of each point i; 0 after a point's
+/// last neighbour.
 template <class OfNeighbor>
 class NeighborVectors {
  public:
@@ -117,7 +117,7 @@ class NeighborVectors {
     Fetch(from);
     return true;
   }
-  /// The c-th of those held.
+  /// Returns the vector of the c-th neighbours in the tile.
   HWY_INLINE Vec3Lanes<V> Load(std::size_t vector, std::size_t c) const {
     const Lanes d;
     const std::size_t at = tile_.At(vector, c);
@@ -175,7 +175,7 @@ struct OffsetOf {
 };
 using Offsets = NeighborVectors<OffsetOf>;
 
-/// Calls state.Include(offset) with the offsets of the neighbours of a vector of points, one after the other.
+/// Calls state.Include(offset) with the offsets of the neighbours of a vector of points, neighbour by neighbour.
 template <class State>
 HWY_INLINE void ForNeighbors(const Tile& tile, Offsets& offsets, std::size_t vector, State& state) {
   for (std::size_t from = 0; from < tile.most; from += tile.chunk) {

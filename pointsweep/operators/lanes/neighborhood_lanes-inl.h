@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Neighbourhoods in vector lanes, a point per lane: what Equations 1 and 2 need before and during their sums. Included
-/// once per instruction set.
+/// Neighbourhoods in vector lanes, a point per lane, with the values that Equations 1 and 2 need before and during
+/// their sums. Included once per instruction set.
 #if defined(POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_
 #undef POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_
@@ -47,8 +47,9 @@ struct Extents {
   }
 
  private:
-  /// MeasureEnds() of a vector of points at a time; false unless all have as many neighbours, all of them held, the
-  /// first not on the point, and the last at a distance whose square is exact enough to sort by.
+  /// Computes MeasureEnds() for a whole vector of points. Returns false unless all have the same number of neighbours,
+  /// all in the tile, the first not coincident with the point, and the last at a distance whose square is exact enough
+  /// for sorting.
   HWY_INLINE bool MeasureTogether(const Tile& tile, const Offsets& offsets, std::size_t v) {
     const Lanes d;
     const std::size_t begin = v * kLanes, k = tile.count[begin];
@@ -126,7 +127,7 @@ struct Extents {
   }
   void HaveNone(std::size_t l) { largest.of[l] = far2.of[l] = near2.of[l] = 1, coincident.of[l] = 0; }
 
-  /// Sums up offsets one after the other; the zeros after a point's last neighbour count as none.
+  /// Finds extents of offsets in any order; the zeros after a point's last neighbour do not count.
   struct AnyOrder {
     V largest, far2, near2, off;
     hn::Mask<Lanes> reachable;
@@ -169,23 +170,22 @@ struct Extents {
 /// under- or overflows. A point per lane.
 struct Scaling {
   V scale;
-  V rounding;  // of a scaled offset's components
+  V rounding;  // rounding error of the components of a scaled offset
 
   Scaling(const Extents& extents, std::size_t vector) {
     const Lanes d;
     scale = ReciprocalOfPower(d, PowerOfTwoBelow(d, extents.largest.Load(vector)));
-    // Each is wrong by at most 2^-52 of the coordinate: half an ulp of p_i and half an ulp of p_j.
+    // Each coordinate has an error of at most 2^-52 of it: half an ulp of p_i and half an ulp of p_j.
     rounding = hn::Mul(hn::Mul(extents.place.Load(vector), scale), hn::Set(d, 0x1p-51));
   }
   HWY_INLINE Vec3Lanes<V> Scaled(const Vec3Lanes<V>& offset) const { return Times(scale, offset); }
 };
 
-/// θ(r) = exp(-r²/2σ²), σ² = π max_j |p_j - p_i|² / |N_i| (Equation 1), of a point per lane. On a surface of even
-/// density σ is the point spacing, and whatever |N_i| is, the weights add up to about 2π neighbours' worth.
-///
-/// θ is divided by θ of the nearest neighbour that is not on p_i, so that it does not vanish for every one of many
-/// thousand neighbours. Neighbours on p_i get 1 as well, since their offsets add nothing to a sum over positions; other
-/// sums need Weights::LoadTrue().
+/// θ(r) = exp(-r²/2σ²), σ² = π max_j |p_j - p_i|² / |N_i| (Equation 1), for a point per lane. On a surface of even
+/// density σ is the point spacing, and the sum of the weights is about 2π for any |N_i|. θ is divided by θ of the
+/// nearest neighbour that does not coincide with p_i, so that not all of many thousand weights underflow. Neighbours
+/// that coincide with p_i also get 1, since their offsets add nothing to a sum over positions; other sums need
+/// Weights::LoadTrue().
 struct Weighting {
   Scaling scaling;
   V count, near2, falloff;
@@ -204,9 +204,8 @@ struct Weighting {
   }
 };
 
-/// θ of all neighbours of a tile, in single precision. That changes each term of a sum by less than 1e-7 of the
-/// greatest, in proportion to its own size along every direction: small eigenvalues keep their digits, and the first
-/// eigenvector turns by about 1e-7 λ1 / (λ1 - λ0).
+/// θ of all neighbours of a tile, in single precision. The relative error of each term of a sum is below 1e-7 in every
+/// direction: small eigenvalues keep their digits, and the first eigenvector turns by about 1e-7 λ1 / (λ1 - λ0).
 class Weights {
  public:
   Weights(const Tile& tile, const Extents& extents, Offsets& offsets)
@@ -221,7 +220,8 @@ class Weights {
   HWY_INLINE V Load(std::size_t vector, std::size_t c) const {
     return hn::PromoteTo(Lanes(), hn::Load(FloatLanes(), theta_.of + tile_.At(vector, c)));
   }
-  /// The same for sums over what is not 0 at p_i: right for neighbours on p_i too, and divided by Divisor().
+  /// Returns θ for sums over values that are not 0 at p_i: correct also for neighbours that coincide with p_i, and
+  /// divided by Divisor().
   HWY_INLINE V LoadTrue(std::size_t vector, std::size_t c) const {
     const V theta = Load(vector, c), coincident = extents_.coincident.Load(vector), zero = hn::Zero(Lanes());
     const auto some = hn::Gt(coincident, zero);
@@ -289,8 +289,7 @@ HWY_INLINE Symmetric3Lanes<V> ZeroMatrix() {
   return {zero, zero, zero, zero, zero, zero};
 }
 
-/// Σ_j o o^T θ of Equation 1 and Σ_j θ, both without the factors that Scaling and Weighting take out; 1/|N_i| is left
-/// out likewise.
+/// Σ_j o o^T θ of Equation 1 and Σ_j θ, without the factors removed by Scaling and Weighting, and without 1/|N_i|.
 struct Moments {
   Scaling scaling;
   Symmetric3Lanes<V> m = ZeroMatrix();

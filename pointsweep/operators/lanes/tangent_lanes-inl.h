@@ -14,7 +14,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-/// A unit vector where there is a direction, else 0.
+/// A unit vector if there is a direction, else 0.
 template <class V>
 struct Direction {
   Vec3Lanes<V> unit;
@@ -45,8 +45,9 @@ HWY_INLINE Vec3Lanes<V> UnitOrZero(const Vec3Lanes<V>& v) {
   return DirectionOf(v).unit;
 }
 
-/// The unit tangent of the plane with unit normal n that goes along `along` and across `across`. These two are unit and
-/// orthogonal; seldom is either exactly tangent. The one nearer to the plane decides, so it never fails.
+/// Returns the unit tangent of the plane with unit normal n in the direction of `along`, perpendicular to `across`.
+/// These two are unit and orthogonal; usually neither is exactly tangent. The one nearer to the plane determines the
+/// result, so it always exists.
 template <class V>
 HWY_INLINE Vec3Lanes<V> Tangent(const Vec3Lanes<V>& n, const Vec3Lanes<V>& along, const Vec3Lanes<V>& across) {
   const V lift = Dot(n, along);

@@ -20,7 +20,7 @@ struct CellPoint {
 
 /// A point of the set, with its squared distance from the place that is asked about.
 struct CellNeighbor {
-  double distance2;  ///< in float64: (dx² + dy²) + dz², without dz² in the plane
+  double distance2;  ///< in float64: (dx² + dy²) + dz²; without dz² in the plane
   Vec3 position;
   std::uint64_t row;
 
@@ -37,12 +37,12 @@ struct CellNeighbor {
 struct NearestWanted {
   std::size_t k = 1;
   double most2 = std::numeric_limits<double>::infinity();  ///< squared distance, at most
-  bool any_of_equal = false;                               ///< of points at equal distances any will do
-  /// When so many points have been seen, the k nearest of them will do.
+  bool any_of_equal = false;                               ///< of points at equal distances, any may be returned
+  /// A search may end after this many points, with the k nearest of them.
   std::size_t most_seen = std::numeric_limits<std::size_t>::max();
 };
 
-/// The nearest points seen so far, in order, of at most k.
+/// The at most k nearest points seen so far, in order.
 class NearestSoFar {
  public:
   void begin(const NearestWanted& wanted) {
@@ -70,7 +70,7 @@ class NearestSoFar {
   std::size_t seen() const { return seen_; }
 
  private:
-  /// The next smaller number, but for the smallest ones.
+  /// Returns the next smaller number; the smallest numbers become -1.
   static double below(double distance2) { return distance2 > 0 ? distance2 * (1 - 0x1p-53) : -1; }
 
   NearestWanted wanted_;

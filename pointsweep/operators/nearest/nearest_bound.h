@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What cannot be among the nearest of any place in a box.
+/// A bound that excludes points that are not among the nearest of any place in a box.
 #pragma once
 
 #include <algorithm>
@@ -9,10 +9,10 @@
 
 namespace pointsweep {
 
-/// A point is out if each place of a box has k other points nearer to it. That is decided for all places at once: as
-/// (q - p)² - (q - r)² is linear in q, its least value over the places is at an end of the box in each coordinate
-/// (Emrich, Kriegel, Kröger, Renz and Züfle, Boosting spatial pruning: on optimal pruning of MBRs, SIGMOD 2010).
-/// Far away from the points, where all of them are nearly as far from a place as the nearest, it leaves few of them.
+/// A point is excluded if each place of a box has k points nearer to it. This is decided for all places at once:
+/// (q - p)² - (q - r)² is linear in q, so its least value over the places is at an end of the box in each coordinate
+/// (Emrich, Kriegel, Kröger, Renz and Züfle, Boosting spatial pruning: on optimal pruning of MBRs, SIGMOD 2010). It
+/// also excludes most points if the box is far away from them, where all points are almost equally far.
 class NearestBound {
  public:
   /// `near`: holds k points; `most2`: a point whose squared distance from all places is more is out, too.
@@ -49,8 +49,9 @@ class NearestBound {
   }
 
  private:
-  /// Relative to the squared distances. Rounding changes one by less than 2^-50 of it; two are subtracted here, and two
-  /// are compared in the end. With a wider margin places far away from the points would exclude fewer of them.
+  /// Relative to the squared distances. Rounding changes a squared distance by less than 2^-50 of it; two are
+  /// subtracted here, and two are compared later. With a wider margin places far away from the points would exclude
+  /// fewer of them.
   static constexpr double kMargin = 0x1p-46, kUnderflow = 1e-300;
 
   static double gap(const Box& box, double at, int a) {

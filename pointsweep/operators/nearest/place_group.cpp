@@ -15,8 +15,8 @@ namespace {
 
 /// Places that are not halved any more, and so few points that they are compared with all places of a part.
 constexpr std::size_t kFewPlaces = 8, kFewPoints = 12;
-/// So many points are collected about places, else these are halved first. Most of what is collected in vain are points
-/// of cells that are read in any case.
+/// Largest number of points collected for a group; with more, the group is halved first. Most points collected in vain
+/// belong to cells that are read anyway.
 constexpr std::size_t kMostCollected = 32768;
 /// Searches that see few points, before the average of all counts.
 constexpr std::size_t kFirstSearches = 16;
@@ -74,8 +74,8 @@ PlaceGroup::Outcome PlaceGroup::one_by_one(std::size_t begin, std::size_t end, s
   return outcome;
 }
 
-/// Points that are about the k nearest of the middle of the places tell what is out. Where there are fewer than k
-/// within reach of any place, they are all.
+/// Collects points. The bound that excludes others comes from about the k nearest points of the middle of the places.
+/// If fewer than k points are within reach of any place, all of them are collected.
 PointCells::View::Collected PlaceGroup::collect(const Box& places, PointCells::View& view) {
   NearestWanted of_middle = wanted_;
   const double most = (std::sqrt(wanted_.most2) + places.diagonal()) * (1 + 0x1p-20);

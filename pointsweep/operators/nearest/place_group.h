@@ -14,10 +14,11 @@
 
 namespace pointsweep {
 
-/// Places are searched for one by one as long as each search takes few points. Far away from the points, or in the
-/// middle of them, nearly all are as far away as the nearest. Then the points that may be among the nearest of any
-/// place are collected from the cells once, the group is halved again and again, and each half keeps the points that
-/// may be among the nearest of its own places. A group with too many such points is halved before.
+/// A group of places whose nearest points are searched together. Places are searched one by one as long as each search
+/// visits few points. Far away from the points, or in the middle of a sphere of them, nearly all are as far as the
+/// nearest. Then the points that may be among the nearest of any place are collected from the cells once, the group is
+/// halved repeatedly, and each half keeps the points that may be among the nearest of its own places. A group with too
+/// many such points is halved before the collection.
 class PlaceGroup {
  public:
   using Use = std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>;
@@ -27,7 +28,8 @@ class PlaceGroup {
       : places_(places), wanted_(wanted), in_plane_(in_plane), done_(places.size()) {}
 
   Vec3 first() const { return places_.front().position; }
-  /// Answers what it can with the cells in memory. False if some are lacking: then the rest is answered the next time.
+  /// Answers searches for which the cells are in memory. Returns false if cells are missing: the next call answers the
+  /// rest.
   bool answer(PointCells::View& view, const Use& use);
 
  private:
@@ -38,7 +40,8 @@ class PlaceGroup {
   enum class Outcome { done, lacks_cells, takes_long };
 
   void search(Part part, PointCells::View& view, const Use& use);
-  /// Places from `begin` to `end` - 1 that are not done. Ends when searches look at more than `most` points each.
+  /// Searches places from `begin` to `end` - 1 that are not done. Ends when searches visit more than `most` points
+  /// each.
   Outcome one_by_one(std::size_t begin, std::size_t end, std::size_t most, PointCells::View& view, const Use& use);
   PointCells::View::Collected collect(const Box& places, PointCells::View& view);
   void narrow(Part part, std::size_t count, const Use& use);

@@ -19,7 +19,7 @@ constexpr std::size_t kCellPoints = 512, kSlabCells = 64, kLeafPoints = 8;
 constexpr std::size_t kLeastCells = 2 * kSlabCells;
 /// Places that are asked about together.
 constexpr std::size_t kLeastGroup = 512, kMostGroup = 8192;
-/// Places of which all points within a distance are found together.
+/// Number of places that are searched together for all points within a distance.
 constexpr std::size_t kPlacesWithin = 64;
 
 bool meet(const Box& a, const Box& b) {
@@ -131,7 +131,7 @@ std::size_t PointCells::slab_at(double along) const {
   return std::min(static_cast<std::size_t>(at - slabs_.begin()), slabs_.size() - 1);
 }
 
-/// Makes room by dropping what is farthest from `near` along the axis.
+/// Makes room by dropping the cells farthest from `near` along the axis.
 const PointCells::Tree& PointCells::load(std::size_t cell, std::size_t near) {
   Cell& wanted = cells_[cell];
   if (wanted.loaded) return *wanted.loaded;
@@ -149,8 +149,8 @@ const PointCells::Tree& PointCells::load(std::size_t cell, std::size_t near) {
   return *wanted.loaded;
 }
 
-/// Answers in parallel with the cells in memory, then loads missing cells for the questions that are left, and so on;
-/// where that does not fit, one after another.
+/// Answers in parallel with the cells in memory, then loads missing cells for the remaining questions, and so on; if
+/// these do not fit, one question after another.
 void PointCells::answer_all(std::size_t n, std::size_t at_once, const std::function<Vec3(std::size_t i)>& place,
                             const Answer& answer) {
   std::vector<std::size_t> open(n);
@@ -243,9 +243,9 @@ std::span<const PointCells::Slab> PointCells::View::slabs_between(double lo, dou
   return from.first(static_cast<std::size_t>(end - from.begin()));
 }
 
-/// Searches from the slab of the place to both sides along the axis, as long as a slab may hold a point that is not
-/// farther than the k found; in a slab the nearest cells first. Once k are found, all cells that are needed and not in
-/// memory are noted at once.
+/// Searches from the slab of the place to both sides along the axis, as long as a slab may contain a point as near as
+/// the k found; within a slab, nearest cells first. Once k are found, all needed cells that are not in memory are
+/// recorded at once.
 const std::vector<CellNeighbor>* PointCells::View::nearest(Vec3 place, const NearestWanted& wanted) {
   nearest_.begin(wanted);
   const std::vector<Slab>& slabs = of_.slabs_;
@@ -253,7 +253,7 @@ const std::vector<CellNeighbor>* PointCells::View::nearest(Vec3 place, const Nea
   const double at = p[of_.axis_];
   const auto worst = [&] { return nearest_.worst(); };
   const std::size_t near = slabs.empty() ? 0 : of_.slab_at(at);
-  std::size_t before = near, behind = near;  // slabs from `before` to `behind` - 1 have been searched
+  std::size_t before = near, behind = near;  // slabs from `before` to `behind` - 1 are searched
   bool complete = true;
   while (before > 0 || behind < slabs.size()) {
     constexpr double kNone = std::numeric_limits<double>::infinity();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Searches in a set of points that does not fit in memory: compact cells of it lie in scratch, and those near the
-/// questions in memory.
+/// Searches in a set of points that does not fit in memory: compact cells of points are in scratch, and the cells near
+/// the current places in memory.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +24,7 @@ class PointCells {
   /// The coordinates that count in distances: `plane` without the third one.
   enum class Space : std::uint8_t { plane, all };
 
-  /// `axis`: along which points come; `memory_bytes`: for the cells that are in memory, of which there are a few in any
-  /// case.
+  /// `axis`: axis along which points come. `memory_bytes`: limit for the cells in memory; a few always are.
   PointCells(Space space, int axis, std::uint64_t memory_bytes, std::unique_ptr<Scratch> scratch);
   PointCells(PointCells&&) noexcept;
   ~PointCells();
@@ -33,26 +32,26 @@ class PointCells {
   void add(Vec3 position, std::uint64_t row);
   void finish();
 
-  /// The object that answers searches. It sees the cells that are in memory.
+  /// The object that answers searches with the cells in memory.
   class View;
   /// Answers question i; false if a search lacked cells. Then it is asked again, when more cells are in memory.
   using Answer = std::function<bool(std::size_t i, View& view)>;
-  /// Answers n questions on all threads, `at_once` by one of them. `place(i)`: where question i is asked. Places that
-  /// follow one another should be near to each other.
+  /// Answers n questions on all threads; each thread takes `at_once` of them at a time. `place(i)`: place of question
+  /// i. Successive places should be near each other.
   void answer_all(std::size_t n, std::size_t at_once, const std::function<Vec3(std::size_t i)>& place,
                   const Answer& answer);
-  /// Gives the nearest of the set for each place, nearest first, on all threads; for some places more than once.
+  /// Passes the nearest points of each place to `use`, nearest first, on all threads; for some places more than once.
   void nearest_of_all(std::span<const Vec3> places, const NearestWanted& wanted,
                       const std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>& use);
 
-  /// All points of the set within a distance of some places, as nearest_within() gives them.
+  /// All points of the set within a distance of some places, for nearest_within().
   struct WithinPlaces {
     std::vector<std::size_t> places;       ///< their numbers
-    std::vector<std::size_t> counts;       ///< of the points of each place
-    std::vector<CellNeighbor> neighbors;   ///< of one place after another, nearest first
+    std::vector<std::size_t> counts;       ///< number of points of each place
+    std::vector<CellNeighbor> neighbors;   ///< place after place, nearest first
   };
-  /// Gives all points of the set whose squared distance from a place is at most radius * radius, for each place once,
-  /// on all threads. Memory holds the points of a few places of each thread, however many these are.
+  /// Passes all points whose squared distance from a place is at most radius * radius to `use`, once for each place, on
+  /// all threads. Memory holds the points of only a few places per thread.
   void nearest_within(std::span<const Vec3> places, double radius, const std::function<void(WithinPlaces)>& use);
 
   /// The least memory that answers questions without reading most cells again and again.
@@ -92,7 +91,7 @@ class PointCells::View {
  public:
   /// The nearest of the set, until the next search. Null if a cell is needed that is not in memory.
   const std::vector<CellNeighbor>* nearest(Vec3 place, const NearestWanted& wanted);
-  /// Points that the last search looked at.
+  /// Returns the number of points that the last search visited.
   std::size_t seen() const { return nearest_.seen(); }
   /// Calls `use` for all points of the set in a box, in no particular order. False as above: then some may be missing.
   bool within(const Box& box, const std::function<void(const CellPoint&)>& use);
@@ -110,7 +109,7 @@ class PointCells::View {
   const PointCells& of_;
   std::vector<std::size_t> missing_;  ///< cells that were needed
   PointCells* loading_ = nullptr;     ///< loads cells when they are needed,
-  std::size_t near_ = 0;              ///< and drops first those far from this one
+  std::size_t near_ = 0;              ///< cells far from this one are dropped first
   NearestSoFar nearest_;
 };
 

@@ -23,7 +23,7 @@ PointRecords::PointRecords(std::size_t record_bytes, std::uint64_t memory_bytes,
           std::max<std::size_t>(kLeastBlocks, static_cast<std::size_t>(memory_bytes / (kBlockRecords * record_bytes)))),
       scratch_(std::move(scratch)) {}
 
-/// Counts the blocks and the one that grows.
+/// Counts the blocks in memory and the block being filled.
 std::uint64_t PointRecords::least_bytes(std::size_t record_bytes) {
   return (kLeastBlocks + 1) * kBlockRecords * record_bytes;
 }
@@ -69,7 +69,7 @@ void PointRecords::load(std::span<const std::size_t> blocks) {
   }
 }
 
-/// Where the blocks do not all fit, they are loaded a part after the other.
+/// If the blocks do not all fit, they are loaded part by part.
 void PointRecords::gather(std::span<const std::uint64_t> numbers, std::span<std::byte> to) {
   std::vector<bool> is_needed(blocks_.size());
   for (const std::uint64_t number : numbers)

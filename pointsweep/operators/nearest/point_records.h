@@ -20,8 +20,7 @@ class PointRecords {
   /// Stands for no record.
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
 
-  /// `record_bytes`: of a record, > 0; `memory_bytes`: for the blocks that are in memory, of which there are a few in
-  /// any case.
+  /// `record_bytes`: bytes of a record, > 0. `memory_bytes`: limit for the blocks in memory; a few always are.
   PointRecords(std::size_t record_bytes, std::uint64_t memory_bytes, std::unique_ptr<Scratch> scratch);
   /// Takes the next records, all of them before the first question.
   void add(std::span<const std::byte> records);
@@ -39,8 +38,8 @@ class PointRecords {
 
   std::size_t record_bytes_, most_loaded_;
   std::unique_ptr<Scratch> scratch_;
-  std::vector<std::byte> block_;                ///< that grows
-  std::uint64_t count_ = 0;                     ///< of the records in scratch
+  std::vector<std::byte> block_;                ///< the block being filled
+  std::uint64_t count_ = 0;                     ///< number of records in scratch
   std::vector<std::vector<std::byte>> blocks_;  ///< empty: not in memory
   std::vector<std::size_t> loaded_;
 };

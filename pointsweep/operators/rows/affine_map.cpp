@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kLeastDeterminant = 1e-12;  ///< of rows of length 1: what is left of it is rounding
+constexpr double kLeastDeterminant = 1e-12;  ///< for rows of length 1; a smaller determinant may be a rounding error
 constexpr std::string_view kBetweenNumbers = " \t\r\n,;[]";
 constexpr const char* kRemedy = "a matrix is 4 rows of 4 numbers, or its first 3 rows";
 

@@ -20,8 +20,8 @@ struct AffineMap {
   Vec3 turned(Vec3 v) const;
   /// Returns Aᵀ v.
   Vec3 turned_by_transpose(Vec3 v) const;
-  /// Returns the map that moves points back. `place` begins the UsageError for a map of space onto a plane, a line or a
-  /// point: one where |det| of A with rows of length 1 is at most 1e-12.
+  /// Returns the map that moves points back. `place` begins the UsageError for a map onto a plane, a line or a point:
+  /// |det| of A with rows of length 1 is at most 1e-12.
   AffineMap inverse(const std::string& place) const;
 };
 

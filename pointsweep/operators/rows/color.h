@@ -18,7 +18,7 @@ OperatorDeclaration color_declaration();
 /// Makes "color": red, green and blue.
 class Color final : public LocalOperator {
  public:
-  /// `place`: for messages. Throws UsageError for a range that is none.
+  /// `place`: for messages. Throws UsageError for an empty range.
   explicit Color(ColorOptions options, std::string place = "color");
   std::string name() const override { return "color"; }
   Contract contract() const override;

@@ -23,8 +23,8 @@ OperatorDeclaration crop_declaration();
 /// belong to both. A coordinate that is not finite, where the box or the polygons ask for it, lies nowhere.
 class Crop final : public SelectOperator {
  public:
-  /// Reads the file with polygons, if there is one. Throws Error for one that cannot be read, or is not the one of
-  /// CropOptions::checksum, and UsageError where nothing says what is inside. `place`: for messages.
+  /// Reads the file with polygons, if there is one. Throws Error if it cannot be read or does not match
+  /// CropOptions::checksum, and UsageError if no option states a region. `place`: for messages.
   explicit Crop(CropOptions options, std::string place = "crop");
   std::string name() const override { return "crop"; }
   void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;

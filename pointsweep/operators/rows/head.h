@@ -16,8 +16,8 @@ struct OperatorDeclaration;
 
 OperatorDeclaration head_declaration();
 
-/// Keeps the points of the first rows of all inputs in their order. Rows count as `row` does in conditions, whatever
-/// earlier stages have left out.
+/// Keeps the points of the first rows of all inputs in order. Rows are numbered like `row` in conditions, independently
+/// of rows that earlier stages have dropped.
 class Head final : public SelectOperator {
  public:
   /// Throws UsageError for a number of 0.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Assigning values to attributes, of all points or of those for which a condition holds.
+/// Assignment of values to attributes, for all points or those for which a condition holds.
 #pragma once
 
 #include <array>
@@ -37,8 +37,8 @@ std::vector<Assignment> assignments_of(std::string_view text, const std::string&
 /// Makes a new version of one attribute. Values of whole-number types are rounded to the nearest, halves to even.
 class SetAttribute final : public LocalOperator {
  public:
-  /// `type`: the type of a new attribute, and of one of the input that is assigned without a condition; absent: a new
-  /// attribute gets the type that LAS gives to its name, else float64.
+  /// `type`: type of a new attribute, or of an attribute of the input that is assigned without a condition. Absent: a
+  /// new attribute gets the type of the LAS field of its name, else float64.
   SetAttribute(Assignment assignment, std::optional<Type> type, std::string place = "set");
   std::string name() const override { return "set"; }
   Contract contract() const override;
@@ -55,7 +55,7 @@ class SetAttribute final : public LocalOperator {
   RowSentence refusal(const std::string& value) const;
   template <class T>
   void assign(const Neighborhoods& in, Columns& out) const;
-  /// Nothing if the type of the attribute cannot hold the value.
+  /// Returns the value in the type of the attribute; nothing if the type cannot hold it.
   template <class T>
   std::optional<T> stored(double value, bool is_placed) const;
 
@@ -71,7 +71,7 @@ class SetAttribute final : public LocalOperator {
   std::optional<std::size_t> old_value_;
 };
 
-/// Several assignments, one after another: each sees what those before it have made.
+/// Several assignments in order: each uses the results of the previous ones.
 class Set final : public CompositeOperator {
  public:
   Set(std::string_view assignments, std::optional<Type> type, const std::string& place = "set");

@@ -38,7 +38,7 @@ bool is_direction(const Attribute& a) {
   return (a.kind == Kind::normal || a.kind == Kind::vector) && a.fields.size() == 3;
 }
 
-/// The attributes that operators make, of which files may hold earlier results.
+/// Returns the attributes that operators make, since files may contain earlier results.
 const std::vector<Attribute>& known_attributes() {
   static const std::vector<Attribute> all = [] {
     using namespace operators;

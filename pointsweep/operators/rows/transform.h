@@ -22,12 +22,12 @@ OperatorDeclaration transform_declaration();
 /// Returns the unit of the attribute of one value that operators make under this name; "1" if none does.
 std::string unit_of_made(const std::string& name);
 
-/// Moves the points, and makes each attribute again that is a direction or a length: of the earlier stages, and those
-/// of the input that bear the names of attributes that operators of this library make.
+/// Moves the points, and converts each attribute that is a direction or a length: attributes of earlier stages, and
+/// those of the input with the names of attributes that operators of this library make.
 class Transform final : public LocalOperator {
  public:
-  /// Reads the file with the matrix, if there is one. Throws Error for one that cannot be read or is no matrix, and
-  /// UsageError for options that move no point or cannot be taken back. `place`: for messages.
+  /// Reads the file with the matrix, if there is one. Throws Error if it cannot be read or has no matrix, and
+  /// UsageError for options that move no point or have no inverse. `place`: for messages.
   explicit Transform(TransformOptions options, std::string place = "transform");
   std::string name() const override { return "transform"; }
   Contract contract() const override;
@@ -45,7 +45,7 @@ class Transform final : public LocalOperator {
 
   std::string place_;
   AffineMap map_, back_;
-  std::optional<double> scale_;     ///< of lengths; absent: they do not all scale alike
+  std::optional<double> scale_;     ///< scale of lengths; absent: it depends on the direction
   std::vector<Attribute> changed_;  ///< after bound(): read and made again
 };
 

@@ -13,9 +13,9 @@ struct OperatorDeclaration;
 
 OperatorDeclaration unique_declaration();
 
-/// Keeps, of all points with equal coordinates at their current positions, the one of the first row. Coordinates are
-/// equal if all three are equal numbers (-0 and 0 are); points without a finite place are all kept. Needs no
-/// neighbourhoods: the points are put in order once.
+/// Keeps one of the points with equal current coordinates: the one with the lowest row. Coordinates are equal if all
+/// three are equal numbers (-0 and 0 are); points without a finite place are all kept. Needs no neighbourhoods: the
+/// points are put in order once.
 class Unique final : public InOrderOperator {
  public:
   std::string name() const override { return "unique"; }

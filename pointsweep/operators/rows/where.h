@@ -27,13 +27,13 @@ class Where final : public SelectOperator {
   std::string name() const override { return "where"; }
   std::vector<Attribute> reads() const override { return names_.reads(); }
   void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
-  /// Throws UsageError for a name that fits nothing, with those there are.
+  /// Throws UsageError for an unknown name, with the known names.
   std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
  private:
   Expression condition_;
   std::string place_;
-  NamedValues names_;  ///< nothing before bound()
+  NamedValues names_;  ///< empty before bound()
 };
 
 }  // namespace pointsweep

@@ -14,7 +14,7 @@ struct OperatorDeclaration;
 
 OperatorDeclaration denoise_declaration();
 
-/// Short for sor, for a condition that keeps what is no outlier, and for dropping what sor has made.
+/// Stands for sor, for a condition that drops outliers, and for dropping the attributes of sor.
 class Denoise final : public CompositeOperator {
  public:
   explicit Denoise(const SorOptions& options);

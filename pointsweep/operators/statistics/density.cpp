@@ -91,7 +91,7 @@ void Density::apply(const Neighborhoods& in, Columns& out) const {
       out.mark_degenerate(i);
       continue;
     }
-    // One division after the other, so that no power of R under- or overflows.
+    // Dividing step by step keeps powers of R from overflow and underflow.
     surface[i] = single(ball.points / r / r / pi);
     volume[i] = single(ball.points / r / r / r / (4 * pi / 3));
   }

@@ -15,11 +15,11 @@ OperatorDeclaration density_declaration();
 
 /// Makes "surface_density" m / (π R²), points for each unit of area if the points lie on a plane through the point, as
 /// a fitted plane cuts a disc of radius R out of the ball; and "volume_density" m / (4/3 π R³). N f32 each.
-///   Without a radius: R is the distance to the farthest neighbour and m = |N_i|; the point itself is the centre of the
-///   ball and not counted.
-///   With one: R is the radius, m the neighbours within it, inclusive, and the point itself, as in CloudCompare.
-/// Positions are those the stage sees. 0, and counted as degenerate, where R is 0, there is no neighbour, or the
-/// farthest has no finite place.
+///   Without a radius: R is the distance to the farthest neighbour and m = |N_i|; the point itself is not counted.
+///   With a radius: R is the radius, m the number of points within it, inclusive, the point itself counted, as in
+///   CloudCompare.
+/// Positions are the current ones. 0, and counted as degenerate, if R is 0, there is no neighbour, or the farthest has
+/// no finite place.
 class Density final : public LocalOperator {
  public:
   /// Throws UsageError for options out of their ranges.

@@ -49,7 +49,7 @@ class DensityRatio final : public LocalOperator {
   void apply(const Neighborhoods& in, Columns& out) const override;
 };
 
-/// `lof`: these three, one after the other.
+/// `lof`: the three operators above, in order.
 class LocalOutlierFactor final : public CompositeOperator {
  public:
   std::string name() const override { return "lof"; }

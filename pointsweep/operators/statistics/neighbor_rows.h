@@ -12,8 +12,8 @@ namespace pointsweep {
 struct OperatorDeclaration;
 
 /// Makes "neighbors", N×k u32 (u64 from 2^32 - 1 rows on): the input rows of the neighbours, nearest first; and, if
-/// asked, "distances", N×k f64 beside it. Where there are fewer than k, the rest is the largest value of the type, and
-/// NaN.
+/// asked, "distances", N×k f64 beside it. With fewer than k neighbours, the remaining places have the largest value of
+/// the type, and NaN.
 ///
 /// After an operator that moves points, N_i is still the set that was found before, and its k nearest at the moved
 /// positions are written, nearest first at these positions; equal distances go by moved x, y, z, then row. Neighbours
@@ -34,7 +34,8 @@ class NeighborRows : public LocalOperator {
   bool distances_;
 };
 
-/// The declaration for the verb `neighbors`; as a stage the operator would need the k of its neighbourhoods.
+/// Returns the declaration for the verb `neighbors`. It is no stage of pipelines, since it needs the k of the
+/// neighbourhoods.
 OperatorDeclaration neighbor_rows_declaration();
 
 }  // namespace pointsweep

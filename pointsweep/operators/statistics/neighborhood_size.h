@@ -11,9 +11,9 @@ namespace pointsweep {
 struct OperatorDeclaration;
 
 /// Makes "neighbor_count", N u32: |N_i|, the point itself not counted; and "neighbor_radius", N f64: the distance to
-/// the farthest neighbour, in length units, at the positions the stage sees; 0 where there is none, NaN where one has
-/// no finite place. It shows what a rule of neighbourhoods has chosen, and both can be the limits of a later run (PDAL
-/// keeps the same as OptimalKNN and OptimalRadius).
+/// the farthest neighbour, in length units, at the current positions; 0 without neighbours, NaN if a neighbour has no
+/// finite place. The values show the choice of a rule of neighbourhoods, and both can be the limits of a later run
+/// (PDAL stores the same as OptimalKNN and OptimalRadius).
 class NeighborhoodSize final : public LocalOperator {
  public:
   std::string name() const override { return "neighborhood_size"; }

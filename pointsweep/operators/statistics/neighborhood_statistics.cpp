@@ -21,7 +21,7 @@ struct StatisticText {
   const char* meaning;  ///< ends in the name of the attribute
 };
 
-/// By Statistic.
+/// In the order of Statistic.
 constexpr std::array<StatisticText, 8> kStatistics = {{{"mean", "mean of the neighbours'"},
                                                        {"median", "median of the neighbours'"},
                                                        {"min", "least of the neighbours'"},
@@ -31,7 +31,7 @@ constexpr std::array<StatisticText, 8> kStatistics = {{{"mean", "mean of the nei
                                                        {"majority", "most frequent of the neighbours'"},
                                                        {"count", "number of neighbours with a finite"}}};
 
-/// Neighbours, or one point with all of its neighbours, that are looked at together.
+/// Largest number of neighbours that are processed together, except for a single point with more.
 constexpr std::size_t kNeighborsAtOnce = 4096;
 
 const OptionTable<StatisticsOptions>& statistics_options() {
@@ -88,11 +88,11 @@ ChainStage operators::statistics(const StatisticsOptions& options) {
   return std::make_shared<NeighborhoodStatistics>(options);
 }
 
-/// The neighbours of some points of a batch that count, one list after the other.
+/// The neighbours that count, for some points of a batch, list after list.
 struct NeighborhoodStatistics::Lists {
   std::size_t first_point = 0;
   std::span<const NeighborRef> neighbors;
-  std::vector<std::size_t> begin;  ///< of the list of each point in `neighbors`; one more at the end
+  std::vector<std::size_t> begin;  ///< begin of the list of each point in `neighbors`; one more at the end
   std::vector<NeighborRef> kept;   ///< memory of `neighbors` after a condition
 
   std::size_t points() const { return begin.size() - 1; }

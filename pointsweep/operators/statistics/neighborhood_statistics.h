@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Statistics of what the neighbours of a point have: means, medians, ranges, majorities, counts (docs/adr/0019).
+/// Statistics of attributes over the neighbours of a point: means, medians, ranges, majorities, counts (docs/adr/0019).
 #pragma once
 
 #include <cstddef>
@@ -34,14 +34,14 @@ class NeighborhoodStatistics final : public LocalOperator {
   std::string name() const override { return "statistics"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  /// Throws UsageError for an attribute that is not there, with those there are.
+  /// Throws UsageError for an unknown attribute, with the known ones.
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
  private:
   /// An attribute of the neighbours; no name: the neighbours themselves, which are counted.
   struct Source {
     std::string attribute;
-    NamedValues names = {};      ///< nothing before bound()
+    NamedValues names = {};      ///< empty before bound()
     Type type = Type::f64;       ///< type of min, max and majority
     std::size_t first_read = 0;  ///< number of its value in contract().reads_neighbors
   };
@@ -67,7 +67,7 @@ class NeighborhoodStatistics final : public LocalOperator {
   std::vector<Source> sources_;
   std::vector<Result> results_;
   std::optional<Expression> condition_;
-  NamedValues condition_names_;  ///< nothing before bound(); the first that are read of neighbours
+  NamedValues condition_names_;  ///< empty before bound(); these attributes are the first that are read of neighbours
 };
 
 }  // namespace pointsweep

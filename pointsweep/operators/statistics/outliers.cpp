@@ -74,14 +74,14 @@ class DistanceMoments final : public Accumulator {
     return {in.get<std::uint32_t>(), in.get_numbers<std::int64_t>(), in.get_bool(), in.get_bool(), in.get_bool()};
   }
 
-  /// n Σ (d - mean)². Where values of 0 are left out of the sum, n Σ d² - (2 - m/n) (Σ d)² with m values that are not
-  /// 0.
+  /// Returns n Σ (d - mean)². If values of 0 are excluded from the sum: n Σ d² - (2 - m/n) (Σ d)² with m values that
+  /// are not 0.
   double n_squared_variance() const {
     const auto n = static_cast<double>(count_);
     const double zeros = rule_.zero_is_outlier ? static_cast<double>(count_ - nonzero_) : 0;
     const double all = pointsweep::n_squared_variance(sum_, squares_, n);
     if (zeros == 0) return all;
-    // Each value of 0 would have added n mean².
+    // Subtracts the contribution of values of 0, each n mean².
     const double mean = sum_.rounded() / n;
     return std::max(0.0, all - zeros * (n * (mean * mean)));
   }

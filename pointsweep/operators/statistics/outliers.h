@@ -17,10 +17,10 @@ namespace pointsweep {
 
 /// The rules in which the definitions differ.
 struct OutlierRule {
-  bool counts_point = false;          ///< the point itself, at distance 0, is one of those whose mean is taken
+  bool counts_point = false;          ///< the mean includes the point itself, at distance 0
   bool population = false;            ///< the deviation is divided by n, not n - 1
   bool zero_is_outlier = false;       ///< a mean distance of 0 marks an outlier, and is no term of the deviation
-  bool threshold_is_outlier = false;  ///< and so is one that equals the threshold
+  bool threshold_is_outlier = false;  ///< a distance equal to the threshold is an outlier
 };
 OutlierRule rule_of(OutlierDefinition definition);
 
@@ -33,9 +33,10 @@ const OptionTable<SorOptions>& sor_options();
 
 OperatorDeclaration sor_declaration();
 
-/// N f64, in length units: the mean distance to the neighbours; NaN where there are none or one has no finite place.
+/// Returns mean_distance, N f64, in length units: the mean distance to the neighbours; NaN without neighbours, or if
+/// one has no finite place.
 Attribute mean_distance_attribute();
-/// N u8: 1 for outliers, else 0.
+/// Returns outlier, N u8: 1 for outliers, else 0.
 Attribute outlier_attribute();
 
 /// Makes mean_distance: Σ_j |p_j - p_i| / |N_i|, or, if the rule counts the point, / (|N_i| + 1), summed in double in
@@ -52,9 +53,9 @@ class MeanDistance final : public LocalOperator {
 };
 
 /// {mean, deviation, count} of the finite values of a scalar: the mean and the standard deviation, sqrt(Σ (d - mean)² /
-/// (n - 1)), 0 for one value. A rule with `population` divides by n; one with `zero_is_outlier` leaves values of 0 out
-/// of the sum of squares, while they count in n and in the mean. The sums for both are exact; no difference of rounded
-/// sums is taken. The mean of no values is NaN.
+/// (n - 1)), 0 for one value. A rule with `population` divides by n; one with `zero_is_outlier` excludes values of 0
+/// from the sum of squares, but counts them in n and in the mean. The sums are exact, so that differences lose no
+/// digits. The mean of no values is NaN.
 class MeanAndDeviation final : public Reduction {
  public:
   explicit MeanAndDeviation(Attribute of, OutlierRule rule = {}) : of_(std::move(of)), rule_(rule) {}
@@ -67,8 +68,8 @@ class MeanAndDeviation final : public Reduction {
   OutlierRule rule_;
 };
 
-/// Makes outlier: 1 where mean_distance > mean + multiplier * deviation over all points that have one, or >= by some
-/// rules, and for points without one; else 0.
+/// Makes outlier: 1 for points without a mean distance, and where mean_distance > mean + multiplier * deviation over
+/// all points that have one, or >= by some rules; else 0.
 class Outlier final : public LocalOperator {
  public:
   explicit Outlier(const SorOptions& options, double threshold = std::numeric_limits<double>::quiet_NaN());
@@ -82,7 +83,7 @@ class Outlier final : public LocalOperator {
   double threshold_;  ///< mean + multiplier * deviation
 };
 
-/// `sor`: MeanDistance and Outlier, one after the other.
+/// `sor`: MeanDistance and Outlier, in order.
 class StatisticalOutliers final : public CompositeOperator {
  public:
   /// Throws UsageError for options out of their ranges.

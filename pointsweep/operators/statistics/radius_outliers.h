@@ -14,9 +14,10 @@ struct OperatorDeclaration;
 
 OperatorDeclaration ror_declaration();
 
-/// Makes outlier, N u8: 1 where fewer than `min_neighbors` of N_i lie within `radius`, inclusive, of the point at the
-/// positions the stage sees; else 0. N_i must hold the min_neighbors nearest, or all within the radius: k of at least
-/// min_neighbors and no smaller radius. Pipelines that do not give them are refused; C++ code has to see to it.
+/// Makes outlier, N u8: 1 if fewer than `min_neighbors` of N_i lie within `radius`, inclusive, of the point, at the
+/// current positions; else 0. N_i must contain the min_neighbors nearest points, or all within the radius: a k of at
+/// least min_neighbors and no smaller radius. Pipelines without such neighbourhoods are refused; C++ code must ensure
+/// it.
 class RadiusOutliers final : public LocalOperator {
  public:
   /// Throws UsageError for options out of their ranges.

@@ -96,7 +96,7 @@ double median_of(std::span<const Value> values, std::vector<Value>& sorted) {
     return below / 2 + sorted[half] / 2;
 }
 
-/// Returns the most frequent value; of several, the one that comes first in the list. `sorted` is overwritten.
+/// Returns the most frequent value; of equally frequent ones, the first in the list. `sorted` is overwritten.
 template <class Value>
 Value majority_of(std::span<const Value> values, std::vector<Value>& sorted) {
   if (values.size() <= kSortedByRank) {

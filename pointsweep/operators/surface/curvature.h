@@ -15,11 +15,12 @@ struct OperatorDeclaration;
 /// n n^T does not see signs: normals need no orientation, and curvatures come without sign.
 ///
 /// The largest eigenvalue of C_i belongs to the mean normal; the two smaller ones are second moments of the normal
-/// across it. Over the way s to a neighbour a normal turns by κ s, so
+/// across it. Over a distance s a normal turns by κ s, so
 ///   κ² = (second moment of the normals across their mean) / (variance of the positions along the same direction).
-/// The paper leaves this step out. It is taken here with θ = 1, all neighbours weighing alike: θ of Equation 1 weighs
-/// about six neighbours, however many there are; normals estimated with it have errors of that reach, a fixed share of
-/// κ at any density, which a window of the same reach cannot average out. With θ = 1 they fall as k grows.
+/// The paper does not describe this step. It is done here with θ = 1, that is, equal weights: θ of Equation 1
+/// effectively weights about six neighbours for any k. Normals estimated with it have errors over the same distance, a
+/// fixed fraction of κ at any density, which a window of that size cannot average out. With θ = 1 the errors decrease
+/// as k grows.
 ///
 /// In full, over the m neighbours that have a normal, u_j = n_j / |n_j|:
 ///   S = 1/m Σ_j u_j u_j^T, with eigenvalues μ0 <= μ1 <= μ2 and eigenvectors e0, e1, e2;
@@ -31,8 +32,8 @@ struct OperatorDeclaration;
 ///
 /// Makes "k1" "k2" (k1 >= k2 >= 0), "k1_direction", "mean_curvature" (k1 + k2)/2, "gaussian_curvature" k1 k2,
 /// "rms_curvature" √((k1² + k2²)/2), "absolute_curvature" k1 + k2, "surface_variation" λ0/(λ0 + λ1 + λ2) of M_i
-/// (Equation 1), and "normal_eigenvalues", the eigenvalues of C_i with θ as the paper has it, ascending. Where the
-/// directions of k1 and k2 tie (a sphere, a plane), k1_direction is some tangent.
+/// (Equation 1), and "normal_eigenvalues", the eigenvalues of C_i with θ as in the paper, ascending. If k1 and k2 are
+/// equal (a sphere, a plane), k1_direction is an arbitrary tangent.
 ///
 /// All are 0, and the point counted as degenerate, where it has no normal, where fewer than three neighbours have one,
 /// or where those lie on a line to rounding: det <= (1e-12 trace + ρ²) trace of D within the tangent plane, with ρ =

@@ -132,8 +132,8 @@ HWY_INLINE Principal PrincipalCurvatures(const Vector& n, const Sums& sums, cons
   return {hn::Max(a, b), hn::Min(a, b), Choose(hn::Lt(a, b), across, along), found};
 }
 
-/// The smallest eigenvalue of m with the given trace. After `normals` n is its eigenvector, rounded to single
-/// precision, and n^T m n is right to the square of that.
+/// Returns the smallest eigenvalue of m with the given trace. n is its eigenvector, rounded to single precision by
+/// `normals`; the error of n^T m n is the square of that rounding.
 HWY_INLINE V SmallestEigenvalue(const Matrix& m, V trace, const Vector& n) {
   const Lanes d;
   const Vector mn = Times(m, n);
@@ -156,7 +156,7 @@ HWY_INLINE V SmallestEigenvalue(const Matrix& m, V trace, const Vector& n) {
 HWY_INLINE void StorePrincipal(const Principal& p, V scale, const Points& points, const CurvatureColumns& out,
                                DegeneratePoints& degenerate) {
   const Lanes d;
-  const V half = hn::Set(d, 0.5), most = hn::Set(d, 1e150);  // so that a product is a number
+  const V half = hn::Set(d, 0.5), most = hn::Set(d, 1e150);  // small enough that a product does not overflow
   const auto curvature = [&](V v) HWY_ATTR { return hn::IfThenElseZero(p.found, hn::Min(hn::Mul(v, scale), most)); };
   const V k1 = curvature(p.k1), k2 = curvature(p.k2), sum = hn::Add(k1, k2);
   StoreNumbers(k1, points, out.k1);
@@ -169,7 +169,7 @@ HWY_INLINE void StorePrincipal(const Principal& p, V scale, const Points& points
   points.MarkWithout(p.found, degenerate);
 }
 
-/// `eigen_normals`: of |N_i| C_i. Inline, so that eigenvectors that are not used are not computed.
+/// `eigen_normals`: eigenvalues and eigenvectors of |N_i| C_i. Inline, so that unused eigenvectors are not computed.
 template <class Mask>
 HWY_INLINE void StoreWeighted(Mask found, const WeightedSums& sums, const Eigen3Lanes<V>& eigen_normals,
                               const Vector& normal, V divisor, V neighbors, const Points& points,
@@ -200,7 +200,7 @@ class CurvatureTile {
     if constexpr (kWeighted) weights_.emplace(tile, extents_, offsets_);
   }
 
-  /// Two eigenproblems at a time: of one vector of points if θ is wanted, of two if not.
+  /// Solves two eigenproblems at a time: both of one vector of points if θ is wanted, else one of each of two vectors.
   HWY_INLINE void Store() {
     const Lanes d;
     for (std::size_t v = 0; v < tile_.vectors; v += kWeighted ? 1 : 2) {

@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// The columns that Curvature makes. Each is as long as the batch, or empty if it is not wanted.
+/// The columns of Curvature. Each is as long as the batch, or empty if it is not wanted.
 struct CurvatureColumns {
   std::span<float> k1, k2;
   std::span<std::array<float, 3>> direction;  ///< direction of k1
@@ -24,9 +24,8 @@ struct CurvatureColumns {
 };
 
 /// Computes the curvatures of all points of the batch. The first attribute read, of points and of neighbours, is the
-/// normal. All is 0 where there is no result; such points are marked. The bits depend on a point's neighbourhood alone:
-/// not on the instruction set, nor on what shares the batch. About 0.2 µs per point with 8 neighbours on one core with
-/// AVX2.
+/// normal. Points without a result get 0 and are marked. The bits depend only on a point's neighbourhood: not on the
+/// instruction set or the batch. About 0.2 µs per point with 8 neighbours on one core with AVX2.
 void curvatures(const Neighborhoods& in, const CurvatureColumns& out, DegeneratePoints& degenerate);
 
 }  // namespace pointsweep

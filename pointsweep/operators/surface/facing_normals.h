@@ -10,15 +10,14 @@
 
 namespace pointsweep {
 
-/// Makes normal: the one there is, turned so that n . (s - p) >= 0, s where the sensor was at the gps_time of the
-/// point.
+/// Makes normal: the existing normal, turned so that n . (s - p) >= 0, with s the place of the sensor at the gps_time
+/// of the point.
 class FacingNormals final : public LocalOperator {
  public:
-  /// A time that lies so far outside of a trajectory is of another system or survey.
+  /// A time farther than this outside of the trajectory belongs to another clock or survey.
   static constexpr double kMostSeconds = 1;
 
-  /// Reads the file. Throws Error, also where its content has another checksum than the one given, if that is not
-  /// empty.
+  /// Reads the file. Throws Error, also if `checksum` is not empty and differs from that of the file.
   FacingNormals(std::string file, std::string checksum);
 
   std::string name() const override { return "orient"; }

@@ -31,7 +31,7 @@ double inverse_width(std::string_view option, double width) {
   return inverse;
 }
 
-/// Area of a splat over π; 0 where there is none.
+/// Returns the area of a splat over π; 0 without a splat.
 double area(float length, float ratio) {
   const double a = double(length) * double(length) * double(ratio);
   return a > 0 && std::isfinite(a) ? a : 0;
@@ -120,8 +120,8 @@ struct Fair::Pull {
   double area, off_plane;
 };
 
-/// The neighbours of point i that count and the exponents of their weights. Offsets keep what coordinates far from the
-/// origin would lose.
+/// Collects the neighbours of point i that count, and the exponents of their weights. Offsets from p_i keep digits that
+/// coordinates far from the origin would lose.
 void Fair::collect(const Neighborhoods& in, std::size_t i, std::vector<Pull>& pulls,
                    std::vector<double>& exponents) const {
   pulls.clear(), exponents.clear();

@@ -14,7 +14,7 @@ namespace pointsweep {
 
 struct OperatorDeclaration;
 
-/// The set P of a point are its neighbours and, by default, p_i itself; n = |P|, p̄ its mean.
+/// The set P of a point contains its neighbours and, by default, p_i itself; n = |P|, p̄ its mean.
 ///   Σ = 1/n Σ_{p in P} (p - p̄)(p - p̄)^T, eigenvalues l1 >= l2 >= l3 >= 0, unit eigenvectors e1, e2, e3.
 /// λ are l (raw, length²), √l (root, length) or l / (l1 + l2 + l3) (normalized).
 ///
@@ -35,19 +35,19 @@ struct OperatorDeclaration;
 ///
 /// Sources: M. Weinmann et al., ISPRS Journal 105 (2015); T. Hackel, J. D. Wegner, K. Schindler, "Fast semantic
 /// segmentation of 3D point clouds with strongly varying density" (2016), for moments and verticality. Their moments
-/// have the sign of an eigenvector, which is arbitrary, and are here without it. CloudCompare's "1st order moment" is
+/// have the sign of an eigenvector, which is arbitrary, and are absolute here. CloudCompare's "1st order moment" is
 /// moment1_axis2² / moment2_axis2.
 ///
-/// For lone points, or points all in one place, number_of_neighbors and height_range have their values and all else is
-/// 0; so is everything but number_of_neighbors where an offset is not finite. verticality is 0 where P lies on a line
-/// to rounding: l2 <= 1e-12 l1 + ρ², ρ as in Normals. Such points count as degenerate, unless none of the attributes
-/// concerned was asked for. Where two eigenvalues are equal, their axes are some pair across each other.
+/// If P is one point, or all points of P coincide, all attributes but number_of_neighbors and height_range are 0; if an
+/// offset is not finite, height_range is 0, too. verticality is 0 if P lies on a line to rounding: l2 <= 1e-12 l1 + ρ²,
+/// ρ as in Normals. Such points count as degenerate if one of these attributes is wanted. If two eigenvalues are equal,
+/// their axes are an arbitrary orthogonal pair.
 ///
 /// Everything is in double and rounded to float32 at the end. Sums are about a point of P; eigenvalues are right to
 /// some n 2^-52 of the largest.
 class Features final : public LocalOperator {
  public:
-  /// Throws UsageError for a name that is not one of those above, or is given twice.
+  /// Throws UsageError for an unknown or repeated name.
   explicit Features(FeaturesOptions options = {});
   std::string name() const override { return "features"; }
   Contract contract() const override;

@@ -31,16 +31,16 @@ HWY_INLINE Vector OrZero(M mask, const Vector& a) {
   return {hn::IfThenElseZero(mask, a.x), hn::IfThenElseZero(mask, a.y), hn::IfThenElseZero(mask, a.z)};
 }
 
-/// Sums over the points of a neighbourhood, of their scaled offsets from one of them: p_i if it counts, else its first
-/// neighbour. About a point of the set, the sums exceed those about the mean at most by the number of points, so that
-/// their difference keeps its digits also where p_i is far from its neighbours.
+/// Sums over the points of a neighbourhood, of their scaled offsets from one of them: from p_i if it counts, else from
+/// its first neighbour. Relative to a point of the set, the sums exceed those relative to the mean at most by a factor
+/// of the number of points, so that their difference keeps its digits even if p_i is far from its neighbours.
 struct PointSums {
   Scaling scaling;
   V points;       // n
   Vector origin;  // the offset from p_i of the point that the others are from
   Vector offset;
   Matrix products = ZeroMatrix();
-  V low, high;  // of the offsets' z
+  V low, high;  // least and greatest z of the offsets
 
   HWY_INLINE PointSums(const Extents& extents, const Offsets& offsets, std::size_t v, bool with_point)
       : scaling(extents, v) {
@@ -90,7 +90,7 @@ HWY_INLINE PointSums SumPoints(const Tile& tile, const Extents& extents, Offsets
 struct Values {
   V v1, v2, v3, sum;
   V unit;     // the length that is 1 in scaled offsets
-  int power;  // of the unit
+  int power;  // power of the unit of length
 
   HWY_INLINE Values(const PointSums& sums, const Eigen3Lanes<V>& e, EigenvalueScale scale) {
     const Lanes d;

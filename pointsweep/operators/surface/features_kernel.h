@@ -44,8 +44,8 @@ struct FeatureColumns {
   std::span<float> operator[](Feature f) const { return numbers[static_cast<std::size_t>(f)]; }
 };
 
-/// Computes the features of all points of the batch. All is 0 where there is no result; such points are marked. The
-/// bits depend on a point's neighbourhood alone: not on the instruction set, nor on what shares the batch.
+/// Computes the features of all points of the batch. Points without a result get 0 and are marked. The bits depend only
+/// on a point's neighbourhood: not on the instruction set or the batch.
 void features(const Neighborhoods& in, const FeatureColumns& out, DegeneratePoints& degenerate);
 
 }  // namespace pointsweep

@@ -18,13 +18,13 @@ struct OperatorDeclaration;
 /// single precision, all else in double: n_i is right to about 2e-7 + 1e-7 λ1 / (λ1 - λ0) radians.
 ///
 /// Makes "normal". It is (0, 0, 0) and counted as degenerate where the data define no plane: fewer than two neighbours;
-/// all of them on p_i; p_i and they on a line to rounding, that is λ1 <= 1e-12 λ2 (nothing is wider than a millionth of
-/// the length) or, more exactly, λ1 <= 1e-12 λ2 + ρ² mean_j θ, with ρ = 2^-51 of the largest coordinate of p_i, which
-/// is what rounding coordinates to double leaves; or offsets that overflow or are not finite (next to a point that was
-/// moved to such a place).
+/// all of them on p_i; p_i and its neighbours on a line to rounding, that is λ1 <= 1e-12 λ2 (the width is at most a
+/// millionth of the length) or, more exactly, λ1 <= 1e-12 λ2 + ρ² mean_j θ, with ρ = 2^-51 of the largest coordinate of
+/// p_i, the rounding error of coordinates in double; or offsets that overflow or are not finite (next to a point that
+/// was moved to such a place).
 class Normals : public LocalOperator {
  public:
-  /// `place`: for messages. Throws UsageError for options out of their ranges or that do not go together.
+  /// `place`: for messages. Throws UsageError for options out of range or in conflict.
   explicit Normals(const NormalsOptions& options = {}, const std::string& place = "normals");
   std::string name() const override { return "normals"; }
   Contract contract() const override;

@@ -36,7 +36,7 @@ void UnorientedNormals(const Neighborhoods& in, std::span<std::array<float, 3>> 
       const Moments b = v + 1 < tile.vectors ? SumMoments(tile, extents, offsets, weights, v + 1) : a;
       const auto eigen = EigenSymmetric3(Lanes(), a.m, b.m);
       StoreNormals(a, eigen[0], Points(tile, v), normals, degenerate);
-      StoreNormals(b, eigen[1], Points(tile, v + 1), normals, degenerate);  // of none, maybe
+      StoreNormals(b, eigen[1], Points(tile, v + 1), normals, degenerate);  // the second vector may have no points
     }
     first += tile.size;
   }

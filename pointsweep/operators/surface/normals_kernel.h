@@ -11,9 +11,9 @@
 
 namespace pointsweep {
 
-/// The unit normal of every point of the batch, the first of its largest components positive; (0, 0, 0) where Normals
-/// calls it degenerate. Such points are marked. The bits of a normal depend on its own neighbourhood alone: not on the
-/// instruction set, nor on what shares the batch.
+/// Computes the unit normal of every point of the batch; the first of its largest components is positive. Points that
+/// are degenerate by the definition of Normals get (0, 0, 0) and are marked. The bits depend only on a point's
+/// neighbourhood: not on the instruction set or the batch.
 void unoriented_normals(const Neighborhoods& in, std::span<std::array<float, 3>> normals, DegeneratePoints& degenerate);
 
 }  // namespace pointsweep

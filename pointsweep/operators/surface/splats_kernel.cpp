@@ -41,7 +41,7 @@ HWY_INLINE Ellipse EllipseOfPositions(const Moments& moments, const Vector& norm
   return MakeEllipse(Tangent(normal, e.vector2, e.vector1), hn::IfThenElse(hn::Gt(e.value2, zero), flatness, one));
 }
 
-/// Along the direction of least curvature where there is one, else of the eigenvectors of M_i.
+/// Returns an ellipse along the direction of least curvature if there is one, else along the eigenvectors of M_i.
 HWY_INLINE Ellipse EllipseOfCurvature(const Tile& tile, const Extents& extents, const Offsets& offsets,
                                       Weights& weights, std::size_t v, const Vector& normal) {
   const V zero = hn::Zero(Lanes()), k1 = OwnNumbers(tile, 2, v), k2 = OwnNumbers(tile, 3, v);
@@ -65,7 +65,7 @@ struct Reaches {
         major(ellipse.major),
         across(Times(hn::Div(hn::Set(Lanes(), 1.0), ellipse.ratio), Cross(normal, ellipse.major))) {}
 
-  /// The next one, `otherwise` where it does not count.
+  /// Returns the next one; `otherwise` if it does not count.
   HWY_INLINE V Next(const Vector& raw, V otherwise) {
     const Lanes d;
     const Vector offset = Times(scale, raw);
@@ -104,7 +104,7 @@ struct Least : Reaches {
       v = smaller;
     }
   }
-  /// The greatest of those held.
+  /// Returns the greatest of those kept.
   V Last() const {
     V last = least[0];
     for (std::size_t i = 1; i < kHeld; ++i)

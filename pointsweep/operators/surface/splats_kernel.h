@@ -19,9 +19,9 @@ struct SplatColumns {
 };
 
 /// Fits the splats of all points of the batch, whose first attribute read is their normal. `along_ridges`: the next
-/// three are the direction of k1, k1 and k2, and shape the ellipse where there are curvatures; elsewhere M_i does. All
-/// is 0 where there is no splat; such points are marked. The bits depend on a point's neighbourhood alone: not on the
-/// instruction set, nor on what shares the batch.
+/// three are the direction of k1, k1 and k2, and shape the ellipse where there are curvatures; elsewhere M_i does.
+/// Points without a splat get 0 and are marked. The bits depend only on a point's neighbourhood: not on the instruction
+/// set or the batch.
 void fit_splats(const Neighborhoods& in, bool along_ridges, const SplatColumns& out, DegeneratePoints& degenerate);
 
 }  // namespace pointsweep

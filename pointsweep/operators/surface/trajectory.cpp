@@ -13,7 +13,7 @@
 namespace pointsweep {
 namespace {
 
-/// The first four numbers of a line; nothing if there are none.
+/// Returns the first four numbers of a line; nothing if it does not begin with four numbers.
 std::optional<std::array<double, 4>> numbers_of_line(std::string_view line) {
   constexpr std::string_view kSeparators = ",;\t \r";
   std::array<double, 4> numbers;

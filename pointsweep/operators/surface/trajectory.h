@@ -12,9 +12,9 @@ namespace pointsweep {
 
 class Trajectory {
  public:
-  /// Lines of time, x, y, z, with commas, semicolons, tabs or blanks between; further columns, empty lines and those
-  /// that begin with # are left out, and so is a first line of names. Times come in any order, each once. Throws Error
-  /// that begins with `name` and says which line is wrong.
+  /// Parses lines of time, x, y, z, separated by commas, semicolons, tabs or blanks. Further columns, empty lines,
+  /// lines that begin with #, and a first line of names are ignored. Times are distinct, in any order. Throws Error
+  /// that begins with `name` and states the invalid line.
   Trajectory(std::string_view text, const std::string& name);
 
   double first_time() const { return times_.front(); }

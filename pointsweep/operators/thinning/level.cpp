@@ -25,7 +25,7 @@ constexpr std::uint64_t kDepthBits = 5;
 struct Record {
   GridPoint point;
   std::array<std::byte, 8> row;
-  std::array<std::byte, 8> number;  ///< in the order in which points come
+  std::array<std::byte, 8> number;  ///< number of the point in the order of arrival
 };
 
 std::array<std::byte, 8> first_byte_most(std::uint64_t number) {
@@ -73,7 +73,7 @@ class LevelWork final : public InOrderWork {
   }
 
  private:
-  /// Returns the length of a step: a run refuses clouds for which it would be no number, or 0.
+  /// Returns the length of a step. A run refuses clouds for which it would be 0 or not finite.
   double step_of() const {
     const Vec3 extent = bounds_.extent();
     const double widest = std::max({extent.x, extent.y, extent.z});
@@ -144,7 +144,7 @@ std::unique_ptr<InOrderWork> Level::start(const InOrderSetup& setup) const {
 }
 
 std::uint64_t Level::least_bytes(const CloudEstimate& cloud) const {
-  constexpr std::uint64_t kPointBytes = 200;  // of a cloud that is so small that no list is full
+  constexpr std::uint64_t kPointBytes = 200;  // per point of a cloud so small that no list is full
   return std::min(least_level_bytes(thread_count()), (std::uint64_t{1} << 20) + cloud.points * kPointBytes);
 }
 

@@ -15,7 +15,7 @@ struct OperatorDeclaration;
 OperatorDeclaration level_declaration();
 
 /// Makes "level", the depth at which a point is first drawn (levels/level_choice.h). Positions are rounded to steps of
-/// the widest extent / 2^30, so that the levels of a cloud are those of one stored on such a grid.
+/// 2^-30 of the widest extent, so that the levels equal those of a cloud stored on such a grid.
 class Level final : public InOrderOperator {
  public:
   Level();

@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-/// The radius of a point: what its attribute says, at most the limit; NaN and negative values count as 0.
+/// Returns the radius of a point: the value of its attribute, at most the limit; NaN and negative values count as 0.
 double own_radius(double value, double limit) { return value > 0 ? std::min(value, limit) : 0; }
 
 /// Points that come between two decisions.
@@ -23,7 +23,7 @@ constexpr std::uint64_t kHeldAtMost = 4096;
 
 class PoissonFront final : public InOrderWork {
  public:
-  /// `values`: components of what is read of each point, of which number `component` is its radius; 0: nothing is read.
+  /// `values`: number of values read of each point, 0: none. Value number `component` is the radius.
   PoissonFront(const InOrderSetup& setup, double radius, std::size_t values, std::size_t component)
       : points_(setup.axis, radius, setup.memory_bytes / UndecidedPoints::kPointBytes),
         may_lack_(setup.may_lack),

@@ -17,9 +17,9 @@ struct OperatorDeclaration;
 
 OperatorDeclaration poisson_declaration();
 
-/// Takes the points in ascending order of the hash of their coordinates, of equal ones by x, y, z, then row, and keeps
-/// a point unless a kept one lies within its own radius. So every point that is left out has a kept one within its
-/// radius, and of two kept points the later has the other beyond its radius. Points without a finite place all stay.
+/// Takes the points in ascending order of the hash of their coordinates, equal ones by x, y, z, then row. A point is
+/// kept unless a kept one lies within its own radius. So every dropped point has a kept one within its radius, and of
+/// two kept points the later has the other beyond its radius. Points without a finite place are all kept.
 class Poisson final : public InOrderOperator {
  public:
   /// Throws UsageError for options out of their ranges, and if the square of the radius cannot be represented.

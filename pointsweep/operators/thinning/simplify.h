@@ -16,11 +16,11 @@ struct OperatorDeclaration;
 
 OperatorDeclaration simplify_declaration();
 
-/// N f64, in length units: how far from a point a kept one may represent it.
+/// Returns simplify_radius, N f64, in length units: the distance up to which a kept point may represent the point.
 Attribute simplify_radius_attribute();
 
-/// Makes simplify_radius = √(2 error / k1), between `least` and `most`: within it a surface of curvature k1 leaves its
-/// tangent plane by no more than the error, to second order. A point without curvature gets `most`.
+/// Makes simplify_radius = √(2 error / k1), limited to `least` and `most`: within it, a surface of curvature k1
+/// deviates from its tangent plane by at most the error, to second order. A point without curvature gets `most`.
 class SimplifyRadius final : public LocalOperator {
  public:
   explicit SimplifyRadius(const SimplifyOptions& options) : options_(options) {}

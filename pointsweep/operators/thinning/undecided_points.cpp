@@ -38,9 +38,9 @@ std::int64_t UndecidedPoints::cell_along(double c) const {
   return static_cast<std::int64_t>(std::clamp(std::floor(c / cell_), -0x1p62, 0x1p62));
 }
 
-/// Visits all cells that hold a point whose distance to p, as distance2() rounds it, may be within the largest radius:
-/// c - cell_ and c + cell_ are beyond these coordinates however they are rounded, and cell_along() ascends. The cell of
-/// p is the first. Ends where `visit` returns true.
+/// Visits all cells that may contain a point within the largest radius of p, by distance2() as rounded. c - cell_ and c
+/// + cell_ are beyond the coordinates of such points with any rounding, and cell_along() is monotonic. The cell of p
+/// comes first. Ends when `visit` returns true.
 template <class Visit>
 void UndecidedPoints::visit_cells_around(Vec3 p, Visit visit) {
   const CellKey own = {cell_along(p.x), cell_along(p.y), cell_along(p.z)};
@@ -91,7 +91,7 @@ UndecidedPoints::Slot UndecidedPoints::place(const DiskPoint& point) {
     slot = free_.back();
     free_.pop_back();
   }
-  slots_[slot] = {.point = point, .uses = 2};  // in its cell, and incomplete or to be decided
+  slots_[slot] = {.point = point, .uses = 2};  // uses: in its cell, and incomplete or to be decided
   const Vec3 p = point.position;
   cells_[{cell_along(p.x), cell_along(p.y), cell_along(p.z)}].members.push_back({point.hash, slot});
   return slot;
@@ -104,7 +104,7 @@ void UndecidedPoints::hold(const DiskPoint& point, bool lacks_some) {
   ++come_;
 }
 
-/// Cells are put in order again each time, so that a share of what is held must have come.
+/// Cells are sorted again each time, so the function waits until a share of the points is new.
 void UndecidedPoints::decide(Findings& findings) {
   constexpr std::uint64_t kShare = 16, kLeast = 256;
   if (come_ < std::max(held() / kShare, kLeast)) return;
@@ -119,7 +119,7 @@ void UndecidedPoints::finish(Findings& findings) {
   assert(held() == 0);
 }
 
-/// The squared distance along the axis, as distance2() rounds it, is no more than that to any point to come.
+/// The squared distance along the axis, rounded like distance2(), is at most the distance2() to any later point.
 void UndecidedPoints::take_complete(double front) {
   for (; !incomplete_.empty(); incomplete_.pop_front()) {
     const Slot slot = incomplete_.front();
@@ -146,7 +146,7 @@ void UndecidedPoints::decide_waiting(Findings& findings) {
   }
 }
 
-/// An undecided point that has to be decided before this one; kNone: there is none.
+/// Returns an undecided point that must be decided before this one; kNone if there is none.
 UndecidedPoints::Slot UndecidedPoints::lesser_within(const DiskPoint& point) {
   Slot found = kNone;
   visit_cells_around(point.position, [&](Cell& cell) {
@@ -164,7 +164,7 @@ UndecidedPoints::Slot UndecidedPoints::lesser_within(const DiskPoint& point) {
   return found;
 }
 
-/// Uses the slots of greater points that are not decided and have this one, which is decided now, within their radius.
+/// Calls `use` for undecided greater points that have this point, which is decided now, within their radius.
 template <class Use>
 void UndecidedPoints::decide_for_greater(Slot slot, Use use) {
   const DiskPoint& decided = slots_[slot].point;
@@ -185,7 +185,7 @@ void UndecidedPoints::decide_for_greater(Slot slot, Use use) {
 
 void UndecidedPoints::keep(Slot slot, Findings& findings) {
   decide_for_greater(slot, [&](Slot greater) { leave_out(greater, findings); });
-  // Points that waited for this one have it within their radius, so that they are left out by now.
+  // Points that wait for this one have it within their radius, so they are dropped by now.
   for (Slot waiter = slots_[slot].first_waiter; waiter != kNone;) {
     const Slot next = slots_[waiter].next_waiter;
     assert(slots_[waiter].is_decided);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The points around the front of which a greedy choice by priority is not sure yet.
+/// The points near the front for which a greedy choice by priority is not decided yet.
 #pragma once
 
 #include <array>
@@ -28,12 +28,13 @@ struct DiskPoint {
 /// The greedy choice: in ascending order of DiskPoint, a point is kept unless a kept one lies within its radius. Points
 /// come in the order of a coordinate instead, and every order of evaluation gives the same set (Blelloch, Fineman and
 /// Shun, Greedy sequential maximal independent set and matching are parallel on average, SPAA 2012):
-/// - A point is complete when the front is farther ahead of it than the largest radius: all that concerns it has come.
-/// - A complete point waits for any lesser undecided point within its radius. Without one it is kept, and what has it
-///   within its own radius is left out, complete or not; then it concerns no point to come and is forgotten.
-/// - Where points are missing, a complete point that may lack lesser ones, and that no kept one leaves out, stays open,
-/// and
-///   so do those for which it would be the one that leaves them out.
+/// - A point is complete when the front is farther ahead of it than the largest radius: all points that may affect it
+///   have come.
+/// - A complete point waits for any lesser undecided point within its radius. Without one it is kept, and all points
+///   that have it within their own radius are dropped, complete or not; then it affects no later point and is
+///   forgotten.
+/// - If points are missing, a complete point that no kept one excludes, and for which lesser ones may be missing, stays
+///   undecided, and so do the points that only it would exclude.
 /// So memory holds the points that are not complete, and complete points that wait for one of them. Chains of waiting
 /// points are short, about the logarithm of the number of points.
 class UndecidedPoints {
@@ -44,8 +45,8 @@ class UndecidedPoints {
   /// A point that does not come before the last one along the axis; its radius is at most the largest one.
   /// `lacks_some`: lesser points within its radius may never come. Throws Error if there are more to hold than allowed.
   void hold(const DiskPoint& point, bool lacks_some = false);
-  /// Decides what can be decided by now, if enough points have come since the last time; appends the rows left out, and
-  /// those of which missing points decide.
+  /// Decides the points that can be decided, if enough points have come since the last call. Appends the dropped rows,
+  /// and the rows that depend on missing points.
   void decide(Findings& findings);
   /// Decides the remaining points; called after the last point.
   void finish(Findings& findings);
@@ -60,7 +61,7 @@ class UndecidedPoints {
   struct Held {
     DiskPoint point;
     Slot first_waiter = kNone;  ///< first of the points that wait for this one
-    Slot next_waiter = kNone;   ///< beside this one in the list of the point that it waits for
+    Slot next_waiter = kNone;   ///< next point in the list of points that wait for the same one
     bool is_decided = false;
     bool lacks_some = false;  ///< a lesser point within the radius may be missing, or is open
     std::uint8_t uses = 0;    ///< lists that hold the slot
@@ -69,7 +70,7 @@ class UndecidedPoints {
     std::uint64_t hash;
     Slot slot;
   };
-  /// The points of a cell. The first `sorted` members ascend; newer ones follow. Decided points may be among them.
+  /// The points of a cell. The first `sorted` members ascend; newer ones follow. Some may be decided already.
   struct Cell {
     std::vector<Member> members;
     std::size_t sorted = 0, decided = 0;
@@ -105,8 +106,8 @@ class UndecidedPoints {
   std::deque<Held> slots_;
   std::vector<Slot> free_;
   std::unordered_map<CellKey, Cell, CellHash> cells_;
-  std::deque<Slot> incomplete_;  ///< in the order in which they came; some may be left out by now
-  std::vector<Slot> to_decide_;  ///< complete ones that wait for no known point
+  std::deque<Slot> incomplete_;  ///< in order of arrival; some may be dropped already
+  std::vector<Slot> to_decide_;  ///< complete points that wait for no known point
 };
 
 }  // namespace pointsweep

@@ -24,7 +24,7 @@ const OptionTable<VoxelOptions>& voxel_options() {
   return table;
 }
 
-/// Knows the best point so far of the voxel whose points come now.
+/// Holds the best point so far of the current voxel.
 class OneOfEachVoxel final : public InOrderWork {
  public:
   OneOfEachVoxel(double size, VoxelKeep keep) : size_(size), keep_(keep) {}

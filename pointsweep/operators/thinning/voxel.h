@@ -20,9 +20,9 @@ OperatorDeclaration voxel_declaration();
 
 /// Keeps one of the points of each voxel. Along each axis, voxel v holds the coordinates whose quotient by the size,
 /// rounded to float64, lies in [v, v + 1): the grid depends on coordinates only, not on the cloud, and a point on a
-/// face belongs to the voxel above it. Points without a finite place all stay. The points are put in order by voxel, so
-/// that memory holds one voxel's choice at a time, however large voxels are. With VoxelKeep::centroid the point that
-/// stays moves to the mean position, and attributes become means.
+/// face belongs to the voxel above it. Points without a finite place are all kept. The points are put in order by
+/// voxel, so that memory holds the choice of one voxel at a time, for any size of voxels. With VoxelKeep::centroid the
+/// kept point moves to the mean position, and attributes become means.
 class Voxel final : public InOrderOperator {
  public:
   /// Throws UsageError for options out of their ranges.

@@ -9,9 +9,9 @@
 
 namespace pointsweep {
 
-/// The lesser of two is kept.
+/// A candidate of a voxel. The least one is kept.
 struct VoxelCandidate {
-  double distance2 = 0;  ///< to the centre; 0 where the hash decides
+  double distance2 = 0;  ///< squared distance to the centre; 0 if the hash decides
   std::uint64_t hash = 0;
   Vec3 position;
   std::uint64_t row = 0;

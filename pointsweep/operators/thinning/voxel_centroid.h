@@ -10,19 +10,19 @@
 
 namespace pointsweep {
 
-/// An attribute of which means are taken. Others keep the value of the row that stays.
+/// An attribute that is averaged. Other attributes keep the value of the kept row.
 struct AveragedAttribute {
   Attribute made;                ///< made again, with the type and fields that it had
   std::vector<Attribute> reads;  ///< itself, or scalars of the input that are its fields
   bool is_direction = false;     ///< the mean is made a unit vector again
 };
 
-/// Returns the normals, floating-point numbers, colours and intensities among the fields of `input` and what is made;
-/// but no vectors without a sign, arrays, packed or scaled fields.
+/// Returns the attributes to average: normals, floating-point numbers, colours and intensities among the fields of
+/// `input` and the made ones; but no vectors of arbitrary sign, arrays, packed or scaled fields.
 std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::span<const Attribute> made);
 
-/// Returns the work of voxel(keep=centroid), which drops all rows of a voxel but the one that keep=center would keep.
-/// It gives that row the mean position, then `averaged`.
+/// Returns the work of voxel(keep=centroid). It drops all rows of a voxel except the one that keep=center would keep,
+/// which gets the mean position and means of `averaged`.
 std::unique_ptr<InOrderWork> means_of_voxels(double size, const std::vector<AveragedAttribute>& averaged);
 
 }  // namespace pointsweep
