@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""What the Python package costs beyond the library: the same calls on arrays from C++ and from Python; and a file to arrays by the
-package, beside the tool and laspy, which reads the file that the tool writes. Answers have the same bytes before times
-count; the runs of one row take turns."""
+"""The overhead of the Python package: the same calls on arrays from C++ and from Python; and reading a file into arrays by the package, the
+tool and laspy, from a file that the tool has written. Answers must have the same bytes before times count; the runs of one row
+alternate."""
 import argparse
 import json
 import os

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A run over tiles on two workers of one thread against one process of two threads: CPU, memory, and bytes through the scratch.
+"""A run over tiles on two workers with one thread each, compared with one process of two threads: CPU, memory, and bytes in the scratch.
 
 The CPU time of the workers and of the client is that of the run alone, without the start of their processes. The table for 10^11 points multiplies counted bytes."""
 import argparse

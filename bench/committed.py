@@ -14,7 +14,7 @@ def begun(**figures):
 
 
 def file_of(result, kind, asked=None):
-    """Where a result goes: to `asked`, or to bench/results."""
+    """Returns the file for a result: `asked`, or one in bench/results."""
     return asked or ROOT / f"bench/results/{result['date']}-{result['commit'].rstrip('+')}-{kind}.json"
 
 
@@ -31,7 +31,7 @@ def median(runs, figure):
 
 
 def where(result):
-    """On what machine and of which commit a result is."""
+    """Returns the machine and the commit of a result."""
     return f"{result['machine']['cpu']}, {result['machine']['cpus']} cores, commit {result['commit']}, {result['date']}"
 
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The engine against itself, file to file: threads, memory, orders, chains, statistics, instruction sets, files, the paper's algorithm.
+"""The engine compared with itself, from file to file: threads, memory, orders, chains, statistics, instruction sets, files, the paper's
+algorithm.
 
-Whole processes taken in turn. Rows of one answer must have the same bytes before their times count. Ratios are medians
-of those of each turn, to the row named. Search and operators: their sum over threads, divided by the threads."""
+Whole processes run in turns. Rows with one answer must have the same bytes before their times count. A ratio to another row is the median
+of the ratios of all turns. Times of search and operators are sums over threads, divided by the number of threads."""
 import argparse
 import json
 import os
@@ -39,7 +40,7 @@ def tool(options, verb, cloud, *words, threads=None):
 
 
 def threads(options, cloud):
-    """One, two, four and so on, up to all."""
+    """Returns the rows for one, two, four and so on, up to all threads."""
     counts = sorted({options.threads, *(2**i for i in range(options.threads.bit_length()))})
     return [Case(f"normals, {n} thread{'s' if n > 1 else ''}", tool(options, "normals", cloud, "-k", 8, threads=n), over="normals, 1 thread" if n > 1 else None,
                  in_memory=True) for n in counts]
@@ -56,8 +57,8 @@ def memory(options, cloud):
 
 
 def chains(options, cloud):
-    """Each once more with one thread, whose bytes must be the same. What is made of a point takes 84 bytes at the end of the longest chain, 32 where only
-    splats are kept, 12 after normals."""
+    """Returns the rows for chains, each also with one thread, which must give the same bytes. Attributes made per point take 84 bytes at
+    the end of the longest chain, 32 if only splats are kept, 12 after normals."""
     chain = CURVATURE.split(" | ", 1)[1]
     every = [("normals", "normals", ["-k", 8]), ("curvature", "curvature", ["-k", 8]), (chain, "run", ["--pipeline", CURVATURE]),
              ("the same, splats kept", "run", ["--pipeline", CURVATURE, "--keep", SPLATS]), ("fair -k 64", "fair", ["-k", 64])]
@@ -69,7 +70,7 @@ def chains(options, cloud):
 
 
 def instruction_sets(options, cloud):
-    """The emulated vectors of a machine without any of them are left out. The first is the best, and so what the tool takes."""
+    """Returns the rows for instruction sets, without emulated vectors. The first is the best one, which the tool uses."""
     program = options.build / "bench/with_instruction_set"
     names = subprocess.run([program], capture_output=True, text=True, check=True).stdout.split()
     names = [name for name in names if name not in ("EMU128", "SCALAR")] or names
@@ -79,14 +80,15 @@ def instruction_sets(options, cloud):
 
 
 def statistics(options, cloud):
-    """Statistics of the neighbours, beside the normals that find as many."""
+    """Returns the rows for statistics of neighbours, compared with normals of as many neighbours."""
     every = ["z_mean", "z_median", "z_range", "z_deviation", "z_majority", "count"]
     return [Case("normals -k 16", tool(options, "normals", cloud, "-k", 16), answer="normals"),
             *(Case(f"statistics({one}) -k 16", tool(options, "run", cloud, "--pipeline", f"knn(k=16) | statistics({one})"), over="normals -k 16", answer=one) for one in every)]
 
 
 def copies(options, cloud):
-    """The files as bytes, and point by point, which must come to the same bytes. `convert` is compared with the reader and the writer alone."""
+    """Returns the rows for copies of files, as bytes and point by point, which must give the same bytes. `convert` is compared with the
+    reader and the writer alone."""
     program, suffix = options.build / "bench/copy_points", cloud.suffix[1:]
     plain, alone = f"{suffix}: bytes, 4 MB at a time", f"{suffix}: reader and writer"
     return [Case(plain, lambda output: [program, "--plain", cloud, output], tool=False),

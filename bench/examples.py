@@ -14,7 +14,8 @@ def examples(tool, other):
 
 
 def scaled(tool, files, output, attributes=()):
-    """One file of the points of all files, with that spacing, around the origin, and with whole numbers as `attributes`; made if it is not there."""
+    """Makes one file of the points of all files, unless it exists: scaled to a given spacing, around the origin, with whole numbers as
+    `attributes`."""
     if not output.exists():
         told = json.loads(subprocess.run([tool, "info", "--json", *files], check=True, capture_output=True, text=True).stdout)
         factor = SPACING / max(file["spacing"] for file in told["files"])

@@ -4,7 +4,8 @@ import committed
 
 
 def comparisons(result):
-    """What is compared, the figures of both sides, and their ratio. A figure is CPU or wall seconds of medians."""
+    """Returns the rows of the table: the comparison, the figures of both sides, and their ratio. A figure is the median of CPU or wall
+    seconds."""
     median = {row["program"]: row["median"] for row in result["rows"]}
     threads = result["threads"]
 

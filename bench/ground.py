@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""script/ground FOLDER: `ground` against the ground classes of all airborne scans below FOLDER, as a table in Markdown.
+"""script/ground FOLDER: compares `ground` with the ground classes of all airborne scans below FOLDER, as a table in Markdown.
 
-A scan is a LAS or LAZ file of 20,000 to 3 million points, 5 to 95 % of them of class 2, whose coordinates are no degrees; of files with
-the same number of points and bounds the first. Options are the defaults for all of them, lengths converted where the unit is a foot.
-For each scan: share of points (last returns without noise) that are classed otherwise than in the file, and Cohen's kappa; the same of
-the filter with the holes filled as in the paper, by springs over the whole raster (needs SciPy); and of the cloth simulation filter
-(Zhang et al. 2016; package cloth-simulation-filter), if it is installed, as another method. The last line compares the two fillings."""
+A scan is a LAS or LAZ file of 20,000 to 3 million points, 5 to 95 % of them of class 2, with coordinates in metres or feet. Of files with
+equal numbers of points and bounds only the first is used. All runs have default options, with lengths converted to feet if needed. For each
+scan: the share of points (last returns without noise) whose class differs from the file, and Cohen's kappa. The same figures are given for
+the filter with holes filled as in the paper, by springs over the whole raster (needs SciPy), and for the cloth simulation filter (Zhang et
+al. 2016; package cloth-simulation-filter) if it is installed. The last line compares the two ways of filling holes."""
 import json
 import os
 import pathlib
@@ -36,7 +36,7 @@ def summary_of(path):
 
 
 def options_of(path, summary):
-    """None: the coordinates are degrees."""
+    """Returns the options for the unit of the file; None if the coordinates are degrees."""
     bounds, unit = summary["bounds"], (summary["crs"] or {}).get("length_unit") or ""
     if max(bounds["max"][a] - bounds["min"][a] for a in (0, 1)) < 1:
         return None
@@ -74,7 +74,8 @@ def by_tool(path, options):
 
 
 def springs(raster, reach):
-    """inpaint_nans, method 4: absent cells between springs of length 0 to their four neighbours. By conjugate gradients."""
+    """Fills holes like inpaint_nans, method 4: absent cells are connected with their four neighbours by springs of length 0. Solved by
+    conjugate gradients."""
     from scipy import sparse
     from scipy.sparse import linalg
     absent = np.isnan(raster)
@@ -118,7 +119,7 @@ def by_cloth(points, takes_part, options):
     rows = np.flatnonzero(takes_part)
     cloth.setPointCloud(points[rows] - points[rows].mean(axis=0))
     ground, others = CSF.VecInt(), CSF.VecInt()
-    own_output = os.dup(1)  # the library prints what it does
+    own_output = os.dup(1)  # the library prints messages to standard output
     os.dup2(2, 1)
     cloth.do_filtering(ground, others, False)
     os.dup2(own_output, 1)
@@ -128,7 +129,7 @@ def by_cloth(points, takes_part, options):
 
 
 def row_of(name, path, options):
-    """The row of the table, and the kappas of the methods; None where a package is missing."""
+    """Returns the row of the table, and the kappas of the methods; None for a method whose package is missing."""
     cloud = laspy.read(path)
     points = np.column_stack([cloud.x, cloud.y, cloud.z])
     classes = np.asarray(cloud.classification)

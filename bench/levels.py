@@ -101,7 +101,7 @@ def octants(copc, places, depth):
 
 
 def is_divided(copc, places, depth):
-    """For each point, whether its octant of a depth has deeper nodes with points."""
+    """Returns for each point whether its octant of a depth has deeper nodes with points."""
     deeper = {tuple(number >> (node.level - depth) for number in node.at) for node in copc.nodes.values() if node.level > depth and node.points > 0}
     cells, _ = octants(copc, places, depth)
     import numpy as np
@@ -111,7 +111,7 @@ def is_divided(copc, places, depth):
 
 
 def ideal_distance(options, cloud, count):
-    """The radius at which the tool's own greedy Poisson discs, a stage that shares no code with levels, keep so many points."""
+    """Returns the radius at which the tool's poisson stage, which shares no code with levels, keeps this many points."""
     import numpy as np
 
     points, kept = options.work / "levels-ideal.npy", options.work / "levels-kept.csv"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How near a run is to what it cannot do without: normals (k = 8, in memory, one thread) against the bare parts.
+"""The overhead of a run over the work that no run can avoid: normals (k = 8, in memory, one thread) against the bare parts.
 
 The parts are measured alone, on one thread: copying the same bytes, a radix sort of the same keys, the search kernel
 on 112 candidates a point that are in cache, about as many as a query meets; and, named apart, the kernel of Equation 1."""

@@ -25,7 +25,7 @@ def surface(shape, n, noise, **options):
 
 
 def true_normals(shape, xyz):
-    """At the nearest points of the surface without noise."""
+    """Returns the true normals at the nearest points of the surface without noise."""
     if shape == "plane":
         return np.tile([0.0, 0.0, 1.0], (len(xyz), 1))
     centres = np.zeros_like(xyz)
@@ -63,7 +63,7 @@ def normals(k, noise, n):
 
 
 def curvature(k, noise, n):
-    """Mean curvature of the unit sphere (1), 5th to 95th percentile; k1 likewise."""
+    """Returns the mean curvature on the unit sphere (true value 1), 5th to 95th percentile, and k1."""
     made = run(surface("sphere", n, noise), k, "normals | curvature", ["mean_curvature", "k1"])
     mean, k1 = (percentiles(made[name], 5, 95) for name in ("mean_curvature", "k1"))
     return f"{mean[0]:.2f}-{mean[1]:.2f}, {k1[0]:.2f}-{k1[1]:.2f}"
@@ -138,7 +138,7 @@ def orient(k, noise, n):
 
 
 def fair(k, noise, n):
-    """Root mean square distance to the sphere, after over before; without noise, in spacings."""
+    """Returns the root mean square distance to the sphere, after over before; without noise, in spacings."""
     cloud = surface("sphere", n, noise)
     xyz = ps.run(cloud["xyz"], f"knn(k={k}) | normals | splats | fair", keep=["xyz"])["xyz"]
     off = [np.sqrt(np.mean((np.linalg.norm(p.astype(float), axis=1) - 1) ** 2)) for p in (cloud["xyz"], xyz)]

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Operators against what others hold in memory, and against themselves within little memory.
+"""Operators compared with other libraries that hold the cloud in memory, and with themselves in little memory.
 
-Whole runs of pointsweep, file to file, without a limit and within --memory, beside one call of the other library on
-arrays that are in memory already; its process has read them before, and its peak counts them. Answers are compared
-before times count."""
+Whole runs of pointsweep, from file to file, without a limit and with --memory, are compared with one call of the other library on arrays in
+memory; its process has read them before, and its peak includes them. Answers are compared before times count."""
 import argparse
 import json
 import os
@@ -69,7 +68,7 @@ class Bench:
         return path
 
     def clouds(self, shape, size):
-        """The cloud of an operator and the one it is compared with."""
+        """Returns the cloud of an operator and the cloud with which it is compared."""
         if shape == "ground":  # terrain with its classes
             terrain = self.generated("terrain", size, 1)
             path = terrain.with_stem(f"operators-ground-{size}")

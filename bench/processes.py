@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whole processes, timed; clouds to time them on; and on what machine that was."""
+"""Timed processes, the clouds for them, and a description of the machine."""
 import json
 import os
 import pathlib
@@ -16,8 +16,8 @@ def points(text):
 
 
 def run(command, said=None, before=None):
-    """Wall and CPU seconds, peak resident bytes and bytes read of one process. What it says goes to the file `said`, if there is
-    one. `before` is called in the new process before the command."""
+    """Returns the wall and CPU seconds, peak resident bytes and bytes read of one process. Its output goes to the file `said`, if given.
+    `before` is called in the new process before the command."""
     command = [str(word) for word in command]
     launched = [sys.executable, "-I", "-S", str(ROOT / "bench/launch.py"), str(said or ""), *command]
     figures = json.loads(subprocess.run(launched, check=True, stdout=subprocess.PIPE, text=True, preexec_fn=before).stdout)
@@ -54,7 +54,7 @@ def header_bytes(path):
 
 
 def same_bytes(a, b):
-    """Whether two files hold the same bytes, those of PLY headers not counted."""
+    """Returns whether two files hold the same bytes, ignoring PLY headers."""
     return subprocess.run(["cmp", "-s", f"--ignore-initial={header_bytes(a)}:{header_bytes(b)}", a, b]).returncode == 0
 
 

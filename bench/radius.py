@@ -28,12 +28,12 @@ def arguments():
     return parser.parse_args()
 
 
-# Radius on a statue of 1M points -> neighbours of a point; of others they shrink as points lie closer.
+# Radius on a statue of 1M points -> neighbours of a point. For other numbers of points the radii scale with the spacing.
 STATUE = {0.00615: 24, 0.0102: 66, 0.0203: 262, 0.0407: 1051}
 
 
 def processes(options):
-    """Rows of whole processes: medians of CPU seconds, user and system, in turns."""
+    """Returns rows for whole processes run in turns: medians of user and system CPU seconds."""
     options.work.mkdir(parents=True, exist_ok=True)
     cloud = bench.cloud(options, "statue", options.size)
     closer = (bench.points("1M") / bench.points(options.size)) ** 0.5
@@ -79,7 +79,7 @@ def print_processes(options, rows):
 
 
 def searches(options):
-    """Rows of searches alone: the least of the runs."""
+    """Returns rows for searches alone: the fastest of several runs."""
     program = options.build / "bench/radius_searches"
     least = {}
     for _ in range(options.repeat):

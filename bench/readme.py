@@ -21,7 +21,7 @@ def times(number, base):
 
 
 def comparison(results, names):
-    """One row for each cloud and tool: time, CPU and memory over those of pointsweep with the same neighbourhoods."""
+    """Returns one row for each cloud and tool: time, CPU and memory relative to pointsweep with the same neighbourhoods."""
     first = results[0]
     most = max(len(row["runs"]) for result in results for row in result["rows"])
     k = sorted({row["k"] for result in results for row in result["rows"]})
@@ -56,7 +56,7 @@ def caption(results):
 
 
 def table(results, names, smallest=0):
-    """One row for each cloud of at least `smallest` points."""
+    """Returns one row for each cloud of at least `smallest` points."""
     program = next(r["program"] for r in results[0]["rows"] if r["program"].startswith("pointsweep --memory"))
     little = f"`{program.removeprefix('pointsweep ')}`"
     yield (f"| cloud | wall s | CPU s | peak MB | {little}: CPU s | peak MB | nanoflann, points permuted: CPU | in file order |\n"

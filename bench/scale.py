@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a run costs a point as clouds grow within the same memory: normals (k = 8) of clouds with noise and outliers and without.
+"""The cost per point for growing clouds with the same memory: normals (k = 8) of clouds with and without noise and outliers.
 
 Each run is in a control group with a hard limit of memory, page cache included, so that points that were spilled are read from
 the disk again. Compared are CPU seconds and bytes read a point with those of the smallest cloud, the share of the recall in the
@@ -48,7 +48,7 @@ def own_group():
 
 @contextlib.contextmanager
 def limited(limit):
-    """A function that brings the calling process into a control group with so much memory; None where groups cannot be made."""
+    """Returns a function that moves the calling process into a control group with this memory limit; None if groups cannot be made."""
     parent, name = own_group()
     group = parent / f"pointsweep-{os.getpid()}"
     try:

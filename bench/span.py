@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What more cores would give: records every task of a run and schedules the same tasks on other numbers of workers.
+"""Predicts the speed on more cores: records every task of a run and schedules the same tasks on other numbers of workers.
 
 Each case runs for 1, 2, 4, 16 and 64 planned threads, by which the run divides its work; only the cores of this machine
 execute it. Then each record is replayed (bench/span/replay.py), and the predictions for one thread and for all cores of
@@ -49,7 +49,7 @@ def arguments():
 
 
 def run(words, program, threads, environment):
-    """When the process began and ended, in ns."""
+    """Returns the begin and end of the process in ns."""
     begin = time.monotonic_ns()
     done = subprocess.run([program, *words, "--threads", str(threads), "--force", "--quiet"], env={**os.environ, **environment})
     if done.returncode != 0:

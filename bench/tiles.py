@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""What order costs: the normals of a folder of LAZ tiles, which are put in order by their boxes, and of the same points as one LAS file in random order, which are distributed.
+"""The cost of ordering: normals of a folder of LAZ tiles, which are ordered by their boxes, and of the same points as one LAS file in
+random order, which are distributed.
 
 Tiles lie in a row along x. All runs have the same budget and take turns; the normals of the tiles are compared with those of one cloud of them, made in memory."""
 import argparse
@@ -27,7 +28,7 @@ def arguments():
 
 
 def make_inputs(options):
-    """tiles/tile00.laz, ... and random.las, by tile_files.py."""
+    """Makes tiles/tile00.laz, ... and random.las with tile_files.py."""
     folder = options.work / f"tiles-{options.tiles}-{options.size}"
     if not (folder / "random.las").exists():
         folder.mkdir(parents=True, exist_ok=True)
@@ -37,7 +38,7 @@ def make_inputs(options):
 
 
 def normals(options, source, target, *more):
-    """One run: wall, CPU, peak memory, and what its statistics say of bytes and order."""
+    """Runs once and returns wall and CPU time, peak memory, and the bytes and order from the statistics."""
     stats = options.work / "tiles-stats.json"
     figures = processes.run([options.build / "cli/pointsweep", "normals", source, target, "--threads", options.threads, "--temp-dir", options.work,
                              "--no-provenance", "--force", "--quiet", "--stats", stats, *more])

@@ -14,14 +14,14 @@ import processes
 @dataclasses.dataclass
 class Case:
     label: str
-    command: Callable            # from the file to write
+    command: Callable            # takes the file to write
     over: Optional[str] = None   # label of the case it is compared with
     answer: str = ""             # cases of one answer must write the same bytes
     tool: bool = True            # is pointsweep itself, which writes statistics
     in_memory: bool = False      # must not spill
-    timed: bool = True           # else run once, for its answer
-    says: Optional[str] = None   # what it must print
-    check: Optional[Callable] = None  # of an answer, an output and its figures, in the place of "same bytes"; returns a remark
+    timed: bool = True           # False: runs once, for its answer
+    says: Optional[str] = None   # text that it must print
+    check: Optional[Callable] = None  # checks an answer, from an output and its figures, instead of "same bytes"; returns a remark
 
 
 class Turns:
@@ -30,7 +30,7 @@ class Turns:
         self.answers, self.runs, self.remarks = {}, {}, {}
 
     def rows(self, **fields):
-        """One row for each timed case: medians, and ratios over another case as medians of those of each turn."""
+        """Returns one row for each timed case: medians, and medians of the ratios of all turns to another case."""
         try:
             for turn in range(self.options.repeat):
                 for case in self.cases:
@@ -50,7 +50,7 @@ class Turns:
             sys.exit(f"script/bench engine: {case.label} took {said.read_text().strip()}")
         if case.tool:
             figures.update(of_statistics(json.loads(stats.read_text())))
-            for clock in ("wall_seconds", "cpu_seconds"):  # what looks at the reference engine is no part of it
+            for clock in ("wall_seconds", "cpu_seconds"):  # its analysis is not part of the reference engine
                 figures[clock] -= figures["audit_seconds"]
         if case.in_memory and figures["spilled_bytes"] != 0:
             sys.exit(f"script/bench engine: {case.label} spilled {figures['spilled_bytes']} bytes; choose a smaller --sizes")
@@ -58,7 +58,7 @@ class Turns:
         self.runs.setdefault(case.label, []).append(figures)
 
     def check(self, case, output, figures):
-        """The first output of each answer is kept for the others."""
+        """Checks an output. The first output of each answer is kept for comparison with the others."""
         if case.answer not in self.answers:
             self.answers[case.answer] = output.rename(self.options.work / f"answer-{len(self.answers)}{self.suffix}")
             return
@@ -92,7 +92,7 @@ def of_statistics(stats):
 
 
 def compare_normals(options):
-    """A check for Case: normals may differ in no more rows than the run itself counts as not certain to be exact."""
+    """Returns a check for Case: at most as many normals may differ as the run itself counts as not certain."""
     def check(answer, output, figures):
         share = figures["incomplete_share"]
         done = subprocess.run([options.build / "bench/compare_normals", answer, output, f"{share + 1e-9:.12f}"], capture_output=True, text=True)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The count of exact neighbourhoods among those found by NearestOperator. Not in the paper, which "observed no
-/// difference" (Section 8) and does not say how it looked.
+/// Counts the exact neighbourhoods among those found by NearestOperator. The paper "observed no difference" (Section 8)
+/// and does not describe its test.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ namespace pointsweep::reference {
 /// The nearest of the points offered, nearest first.
 class NearestRanks {
  public:
-  /// `nearest_first`: points offered before; of these the first k count.
+  /// `nearest_first`: points offered before; only the first k count.
   NearestRanks(Reach reach, std::vector<Rank> nearest_first);
   /// Squared distance within which a point may enter.
   double reach2() const { return ranks_.size() == reach_.k ? ranks_.back().distance2 : reach_.radius2; }
@@ -33,21 +33,21 @@ class NearestRanks {
 struct Suspect {
   RuledPoint point;
   std::vector<Rank> kept;  ///< N_i as the stages see it
-  NearestRanks exact;      ///< what the search should have found, but for the first points of the stream,
-  std::uint64_t written;   ///< so many, which had been written when the point came
+  NearestRanks exact;      ///< the exact result of the search, still without the first `written` points of the stream
+  std::uint64_t written;   ///< number of points that had been written when the point came
 };
 
-/// Suspects that wait for the points that had been written. These are read again from the stream, many suspects at a
-/// time.
+/// Suspects that wait for a comparison with points written before they came. These points are read again from the
+/// stream, for many suspects at a time.
 class Suspects {
  public:
   explicit Suspects(const Stream& stream) : stream_(stream) {}
 
   void add(Suspect suspect);
-  /// Returns whether so many suspects wait that they should be settled.
+  /// Returns whether the suspects take so much memory that they should be settled.
   bool full() const { return bytes_ > kMostBytes; }
   std::uint64_t bytes() const { return bytes_; }
-  /// Completes what the search should have found, and returns and forgets the suspects.
+  /// Completes the exact results of all suspects; returns and forgets them.
   std::vector<Suspect> settled();
 
  private:
@@ -60,12 +60,11 @@ class Suspects {
   SortedSlab slab_;
 };
 
-/// A neighbourhood can lack only points that left S before its own point came. Those still active are kept in a kD-heap
-/// of their own, where the nearest of them are found as a point comes. Those already written lie before the last of
-/// them along the axis; a neighbourhood that reaches so far is settled by reading them again. So the counts are exact:
-/// `incomplete` neighbourhoods differ from the exact ones, after the rule of neighbourhoods if there is one.
-///
-/// The audit only observes the search. Its time is counted apart, so that the algorithm is measured without it.
+/// Observes a search and counts inexact results. A neighbourhood can lack only points that left S before its own point
+/// came. Those still active are in a separate kD-heap, in which the nearest of them are found when a point comes. Those
+/// already written lie before the last written point along the axis; for a neighbourhood that reaches so far, they are
+/// read again. So the counts are exact: `incomplete` neighbourhoods differ from the exact ones, after the rule of
+/// neighbourhoods if there is one. The audit only observes, and its time is measured separately from the algorithm.
 class Audit {
  public:
   /// `stream` in canonical order, as the read operator reads it.
@@ -77,7 +76,7 @@ class Audit {
   void arrived(StreamPoint& point);
   void completed(StreamPoint& point);
   void written(const StreamPoint& point);
-  /// Before the counts are asked for.
+  /// Must be called before the counts are read.
   void finish() { settle(); }
 
   std::uint64_t complete() const { return complete_; }      ///< exact neighbourhoods
@@ -86,7 +85,7 @@ class Audit {
   std::uint64_t bytes() const { return suspects_.bytes(); }
 
  private:
-  /// Takes from the point what was hidden from it.
+  /// Returns a suspect with the points that were hidden from `point`.
   Suspect suspect(StreamPoint& point) const;
   void settle();
   void judge(const Suspect& suspect);
@@ -94,10 +93,10 @@ class Audit {
   int sweep_axis_;
   Reach reach_;
   Shortening& shortening_;
-  KdHeap hidden_;  ///< active, and no longer in S
+  KdHeap hidden_;  ///< active points that are no longer in S
   Suspects suspects_;
   std::uint64_t written_ = 0;
-  double written_to_ = 0;  ///< of the last point written: coordinate on the axis
+  double written_to_ = 0;  ///< coordinate of the last written point on the axis
   std::uint64_t complete_ = 0, incomplete_ = 0;
 };
 

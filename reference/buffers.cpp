@@ -35,7 +35,7 @@ std::uint64_t PreBuffer::smallest_element() {
 }
 
 /// The paper's outline drops references when a point is released, and keeps the references of the last point (Figure
-/// 15). They are dropped here when they are looked at, so that the end of the stream leaves none.
+/// 15). Here references are dropped when this function reads them, so that none remain at the end of the stream.
 std::uint64_t PreBuffer::smallest_reference() {
   return std::min(prev_->smallest_reference(), references_.smallest(smallest_element()));
 }

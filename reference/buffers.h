@@ -56,8 +56,8 @@ class OperatorCall {
   FirstRowError refused_;
 };
 
-/// An operator that adds attributes to a point and looks at nothing that operators make of its neighbours. It processes
-/// points as soon as they come (Section 5.2.1, Figures 12 and 13).
+/// An operator that adds attributes to a point and reads no made attributes of its neighbours. It processes points as
+/// soon as they come (Section 5.2.1, Figures 12 and 13).
 class ThroughBuffer final : public StreamOperator {
  public:
   explicit ThroughBuffer(OperatorCall& call) : call_(call) {}
@@ -65,7 +65,7 @@ class ThroughBuffer final : public StreamOperator {
   void pull_push() override;
   StreamPoint* front() override { return fifo_.empty() ? nullptr : fifo_.front(); }
   void pop_front() override { fifo_.pop_front(); }
-  /// Points in the queue have been processed: only the operators before hold unprocessed points.
+  /// All points in the queue have been processed, so only earlier operators hold unprocessed points.
   std::uint64_t smallest_element() override { return prev_->smallest_element(); }
   std::uint64_t smallest_reference() override { return prev_->smallest_reference(); }
   std::size_t size() const override { return fifo_.size(); }
@@ -76,8 +76,8 @@ class ThroughBuffer final : public StreamOperator {
   std::vector<StreamPoint*> pulled_;
 };
 
-/// An operator that looks at what earlier operators made of its neighbours, such as curvature: the paper's "simplified"
-/// buffer. A point waits until all its neighbours have been released by the operator before.
+/// An operator that reads attributes of its neighbours made by earlier operators, such as curvature: the paper's
+/// "simplified" buffer. A point waits until the previous operator has released all its neighbours.
 class PreBuffer : public StreamOperator {
  public:
   explicit PreBuffer(OperatorCall& call) : call_(call) {}
@@ -101,9 +101,9 @@ class PreBuffer : public StreamOperator {
   std::vector<StreamPoint*> ready_;
 };
 
-/// An operator that moves points, such as fairing. No operator before or after it may see a neighbourhood of which some
-/// points are moved and some are not: a point also waits until no earlier point refers to it, and is released when all
-/// its neighbours are moved. Within the operator, neighbours are seen through the copies made as they entered.
+/// An operator that moves points, such as fairing. No operator before or after it may see a neighbourhood with both
+/// moved and unmoved points: a point also waits until no earlier point refers to it, and is released when all its
+/// neighbours are moved. Within the operator, neighbours are seen through the copies made as they entered.
 class PrePostBuffer final : public PreBuffer {
  public:
   using PreBuffer::PreBuffer;

@@ -48,7 +48,7 @@ class Rows {
   std::size_t stride_;
   std::vector<std::uint64_t> rows_;
   std::vector<std::byte> records_;
-  FirstRowError refused_;  ///< of a row that the layout of the output cannot hold
+  FirstRowError refused_;  ///< error of a row that the layout of the output cannot store
 };
 
 reference::Task task_of(const PlannedPass& pass) {
@@ -83,7 +83,7 @@ class ReferenceEngine final : public SweepEngine {
     counts.write_seconds += s.operators.back().seconds, counts.audit_seconds += s.audit_seconds;
     SweepStatistics out;
     out.certified = s.complete;
-    out.degenerate = s.degenerate;  // of the operators of the task, which are the stages of the plan
+    out.degenerate = s.degenerate;  // for the operators of the task, which are the stages of the plan
     out.read_seconds = s.operators[0].seconds;
     out.search_seconds = s.operators[1].seconds;
     for (std::size_t i = 2; i + 1 < s.operators.size(); ++i) out.stage_seconds.push_back(s.operators[i].seconds);

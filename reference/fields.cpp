@@ -68,11 +68,11 @@ Field Fields::add_from_file(const Attribute& attribute) {
   return file.to;
 }
 
-/// A waiting operator looks at its neighbours when they may be operators ahead, so what it or any later one overwrites
-/// is copied when a point enters its buffer. Positions are overwritten by movers alone, and a mover waits for all that
-/// refer to a point (smallest_reference) but those in its own buffer.
+/// A waiting operator reads its neighbours when they may be several operators ahead. So fields that it or a later
+/// operator overwrites are copied when a point enters its buffer. Only movers overwrite positions, and a mover waits
+/// for all points that refer to a point (smallest_reference), except those in its own buffer.
 void Fields::plan_copies() {
-  std::set<std::size_t> overwritten;  // by offset: what this stage or a later one makes
+  std::set<std::size_t> overwritten;  // offsets of the fields that this stage or a later one makes
   for (auto stage = stages_.rbegin(); stage != stages_.rend(); ++stage) {
     for (const Field& made : stage->makes)
       if (!made.is_position) overwritten.insert(made.offset);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// The fields that a point has while it is active, and their places (paper Section 5.1 and Figure 10).
 ///
-/// A field is one place in the point: an operator that makes an attribute again overwrites it, as in the paper. What
-/// must not be overwritten too early is the business of the buffers and of their copies (FairOpFields).
+/// A field is one place in the point: an operator that makes an attribute again overwrites it, as in the paper. The
+/// buffers and their copies prevent that a value is overwritten too early (FairOpFields).
 #pragma once
 
 #include <cstddef>
@@ -40,12 +40,12 @@ struct Stage {
   std::vector<Field> reads, reads_neighbors, makes;
   Field neighbor_position;
   std::vector<Copy> copies;
-  bool waits = false;  ///< looks at what earlier operators make of its neighbours: pre-buffer
+  bool waits = false;  ///< reads attributes of its neighbours made by earlier operators: pre-buffer
   bool moves = false;  ///< changes positions: pre- and post-buffer
-  bool moved = false;  ///< an earlier operator changes positions: the search used the old ones
+  bool moved = false;  ///< an earlier operator moves points: the search used the old positions
 };
 
-/// All fields of a chain of operators (AllFields): the record of the file (InputFields), then what operators make
+/// All fields of a chain of operators (AllFields): the record of the file (InputFields), then the fields of operators
 /// (OpFields, OpOutFields).
 class Fields {
  public:
@@ -56,7 +56,7 @@ class Fields {
          const std::vector<Attribute>& kept);
 
   const std::vector<Stage>& stages() const { return stages_; }
-  /// The fields that the rule reads; no operator overwrites them.
+  /// Returns the fields that the rule reads; no operator overwrites them.
   const std::vector<Field>& rule_reads() const { return rule_reads_; }
   std::size_t bytes() const { return bytes_; }
 

@@ -12,12 +12,12 @@
 
 namespace pointsweep::reference {
 
-/// Each node holds a point and a line that parts the points below it; the point itself may lie on either side. So the
-/// smallest index can stand at the top of every subtree (heap), and a point is removed by moving up the smaller of the
-/// two points below, down to a leaf, while all lines stay where they are (kD-tree).
+/// A kD-tree that is also a heap. Each node has a point and a line that divides the points below it; the point itself
+/// may lie on either side. So the smallest index can be at the top of every subtree (heap), and a point is removed by
+/// moving up the smaller of the two points below it, down to a leaf, while all lines stay (kD-tree).
 ///
-/// Three more numbers per subtree spare visits: how far its points still reach, where the plane will have passed the
-/// first of them, and the last coordinate along the axis.
+/// Three more numbers per subtree save visits: the largest reach of its points, the place where the sweep plane passes
+/// the first of their neighbourhoods, and the last coordinate along the axis.
 ///
 /// Semi-balanced: where one side holds more than three quarters, the subtree is rebuilt (a scapegoat tree). Equal
 /// coordinates may stand on both sides of a line, so duplicates cannot unbalance it. Depth is O(log m), insertion and
@@ -31,7 +31,7 @@ class KdHeap {
 
   bool empty() const { return root_ == nullptr; }
   std::size_t size() const { return root_ ? root_->size : 0; }
-  /// The point of smallest index. Not of an empty heap.
+  /// Returns the point of smallest index. The heap must not be empty.
   StreamPoint& smallest() const { return *root_->point; }
 
   void insert(StreamPoint& point);
@@ -39,7 +39,7 @@ class KdHeap {
   /// Appends the points whose neighbourhoods end before the plane, in no order, and removes them.
   void take_passed(double plane, std::vector<StreamPoint*>& out);
 
-  /// Offers the points near p to `set`: afterwards it holds what brute force over all would leave in it.
+  /// Offers the points near p to `set`, which then has the result of brute force over all points.
   void find_nearest(Vec3 p, NearestSet& set) const;
   /// Offers `point` to the sets of all points whose reach holds it.
   void offer_to_all(StreamPoint& point);
@@ -52,7 +52,7 @@ class KdHeap {
     double split = 0;
     std::size_t size = 1;
     double reach2 = 0;  ///< largest of the subtree
-    double end = 0;     ///< smallest of the subtree: where on the sweep axis a neighbourhood ends
+    double end = 0;     ///< smallest end of a neighbourhood in the subtree, along the sweep axis
     double last = 0;    ///< largest of the subtree: coordinate on the sweep axis
     bool is_leaf() const { return !lower && !upper; }
   };

@@ -18,14 +18,14 @@
 
 namespace pointsweep::reference {
 
-/// A point as the rule sees it: apart from the active set, so that it may have left.
+/// A point as the rule sees it, separate from the active set, from which it may have gone.
 struct RuledPoint {
   Vec3 position;
   std::uint64_t row;
   std::vector<std::byte> attributes;  ///< attributes that the rule reads, one after another
 };
 
-/// Says how many of the neighbours found the rule of the task keeps; without a rule, all of them.
+/// Decides how many of the neighbours found the rule of the task keeps; all of them without a rule.
 class Shortening {
  public:
   Shortening(SharedRule rule, const Fields& fields) : rule_(std::move(rule)), reads_(fields.rule_reads()) {}
@@ -34,7 +34,7 @@ class Shortening {
   RuledPoint ruled(StreamPoint& point) const;
   /// `nearest_first`: neighbours of the point.
   std::size_t kept(const RuledPoint& point, std::span<const Rank> nearest_first);
-  /// Leaves N_i of the neighbours found. Only after NearestSet::sort().
+  /// Shortens the neighbours found to N_i. Must be called after NearestSet::sort().
   void shorten(StreamPoint& point);
 
  private:
@@ -46,7 +46,7 @@ class Shortening {
   std::vector<PointColumns> slots_;
 };
 
-/// The neighbours found, apart from the active set.
+/// Returns copies of the neighbours found, independent of the active set.
 std::vector<Rank> ranks_of(std::span<const Neighbor> neighbors);
 
 /// When the plane meets p_j, its left-sided set is found among the points in S, it is offered to the right-sided sets
@@ -71,7 +71,7 @@ class NearestOperator final : public StreamOperator {
   std::size_t size() const override { return searched_.size() + sorting_.size(); }
 
   std::size_t searched() const { return searched_.size(); }  ///< points in S
-  /// Points that came, and those that were completed, in the last pull_push().
+  /// Points that came in the last pull_push(), and those that were completed in it.
   std::span<StreamPoint* const> arrived() const { return arrived_; }
   std::span<StreamPoint* const> completed() const { return completed_; }
 

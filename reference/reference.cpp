@@ -18,10 +18,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kRows = 1000;              ///< rows of a series
-constexpr std::uint64_t kMeasurePoints = 1 << 12;  ///< read at least between two looks at memory
+constexpr std::uint64_t kMeasurePoints = 1 << 12;  ///< least number of points read between two measurements of memory
 constexpr std::uint64_t kNodeBytes = 128;          ///< bytes of a point's place in a kD-heap and in queues, about
 constexpr double kReportSeconds = 0.1;
-constexpr std::uint64_t kReportPoints = 1024;  ///< written between two looks at the clock
+constexpr std::uint64_t kReportPoints = 1024;  ///< points written between two readings of the clock
 
 /// The main routine of Figure 16.
 class Pipeline {
@@ -120,7 +120,7 @@ class Pipeline {
       for (std::size_t i = 0; i < operators_.size(); ++i)
         statistics_.operators[i].series.emplace_back(read, operators_[i]->size());
     }
-    // The interval makes all measurements together cost no more than a few steps for each point.
+    // With this interval, all measurements together cost no more than a few steps for each point.
     if (read - measured_at_ < std::max<std::uint64_t>(kMeasurePoints, active_.size() / 4)) return;
     measured_at_ = read;
     require_memory();

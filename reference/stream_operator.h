@@ -16,9 +16,9 @@ class StreamOperator {
  public:
   virtual ~StreamOperator() = default;
 
-  /// Takes what the previous operator has released, processes what may be processed, releases what may be released.
+  /// Takes the points that the previous operator has released, and processes and releases as many points as possible.
   virtual void pull_push() = 0;
-  /// The next point to be released; null if there is none now.
+  /// Returns the next point to be released; null if there is none now.
   virtual StreamPoint* front() = 0;
   virtual void pop_front() = 0;
 
@@ -41,7 +41,8 @@ class ReferenceHeap {
  public:
   void push(const StreamPoint& p) { heap_.push({p.min_index, p.index}); }
 
-  /// The smallest index that points from `smallest_element` on refer to; those before it have left. kNoIndex: none.
+  /// Returns the smallest index to which points from `smallest_element` on refer; earlier points have left. kNoIndex:
+  /// none.
   std::uint64_t smallest(std::uint64_t smallest_element) {
     while (!heap_.empty() && heap_.top().index < smallest_element) heap_.pop();
     return heap_.empty() ? kNoIndex : heap_.top().referenced;

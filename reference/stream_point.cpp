@@ -4,7 +4,7 @@
 namespace pointsweep::reference {
 namespace {
 
-constexpr std::size_t kReserved = 512;  ///< at once; larger sets grow
+constexpr std::size_t kReserved = 512;  ///< initial capacity; larger sets grow
 
 constexpr auto nearer = [](const Neighbor& a, const Neighbor& b) {
   return a.distance2 != b.distance2 ? a.distance2 < b.distance2 : a.rank() < b.rank();

@@ -20,7 +20,7 @@ namespace pointsweep::reference {
 
 struct StreamPoint;
 
-/// The order of neighbours: by distance, ties by x, y, z of the input, and row.
+/// A neighbour with its order: by distance, ties by x, y, z of the input, and row.
 struct Rank {
   double distance2;
   Vec3 position;
@@ -46,13 +46,14 @@ struct Reach {
   double radius2;
 };
 
-/// Filled first with the nearest of the points before p_i in the stream (left-sided), then with every later one that
-/// comes nearer than the farthest of them (right-sided): both sides are merged as they come.
+/// The k nearest points. First filled with points before p_i in the stream (left-sided), then with every later point
+/// that is nearer than the farthest of them (right-sided).
 class NearestSet {
  public:
   explicit NearestSet(Reach reach) : k_(reach.k), reach2_(reach.radius2) {}
 
-  /// Squared distance within which a point may enter: of the farthest neighbour if there are k, else of the radius.
+  /// Returns the squared distance within which a point may enter: that of the farthest neighbour if there are k, else
+  /// of the radius.
   double reach2() const { return reach2_; }
   bool full() const { return found_.size() == k_; }
   /// Offers a point to the set; returns whether the set changed. O(log k).
@@ -63,9 +64,9 @@ class NearestSet {
   void keep(std::size_t count) { kept_ = count; }
 
   std::size_t k() const { return k_; }
-  /// All neighbours found: sorted after sort(), a heap with the farthest on top before.
+  /// Returns all neighbours found: sorted after sort(), before that a heap with the farthest on top.
   std::span<const Neighbor> found() const { return found_; }
-  /// N_i: all neighbours found, or as many of them as keep() says.
+  /// Returns N_i: all neighbours found, or as many as keep() has set.
   std::span<const Neighbor> kept() const { return found().first(std::min(kept_, found_.size())); }
   std::size_t bytes() const { return found_.capacity() * sizeof(Neighbor); }
 
@@ -76,7 +77,7 @@ class NearestSet {
   std::vector<Neighbor> found_;
 };
 
-/// The index that stands for no point: larger than the index of every point.
+/// The index that means no point: larger than the index of every point.
 inline constexpr std::uint64_t kNoIndex = std::numeric_limits<std::uint64_t>::max();
 
 struct StreamPoint {
@@ -84,9 +85,9 @@ struct StreamPoint {
       : input(p), position(p), row(input_row), index(stream_index), neighbors(reach) {}
 
   // InputFields and ReadOpFields
-  Vec3 input;           ///< as in the input: search and order go by it
-  Vec3 position;        ///< where an operator may have moved it
-  std::uint64_t row;    ///< in the input
+  Vec3 input;           ///< position in the input, which search and order use
+  Vec3 position;        ///< current position, after operators that move points
+  std::uint64_t row;    ///< row in the input
   std::uint64_t index;  ///< i, in the stream
   std::chrono::steady_clock::time_point read_at;
 
@@ -98,7 +99,7 @@ struct StreamPoint {
   // Points that the search could not see when the point came (Audit)
   static constexpr double kNothing = std::numeric_limits<double>::infinity();
   std::vector<Rank> hidden;    ///< the nearest of the active points that had left S, nearest first
-  std::uint64_t written = 0;   ///< so many points of the stream had been written
+  std::uint64_t written = 0;   ///< number of points of the stream that had been written
   double written2 = kNothing;  ///< squared distance along the axis to the last of them
 
   // Every other field, at the places that Fields gives them: the record of the file, attributes, an operator's copies

@@ -38,7 +38,7 @@ def laspy(source, k, threads):
     import numpy as np
 
     las = laspy.read(source)
-    las.xyz  # the arrays of the other
+    las.xyz  # laspy makes arrays only on access
     return np.column_stack([las.NormalX, las.NormalY, las.NormalZ]).astype("f4")
 
 

@@ -55,7 +55,7 @@ def pcd_header(data):
 
 
 def write_positions(source, ply, pcd):
-    """The float32 positions of a PLY file whose records begin with x, y, z: as PLY and as PCD, without normals."""
+    """Writes the float32 positions of a PLY file whose records begin with x, y, z, as PLY and as PCD, without normals."""
     rows = Rows(source)
     size, view = rows.row.size, memoryview(rows.bytes)
     with open(ply, "wb") as as_ply, open(pcd, "wb") as as_pcd:

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kBlock = std::size_t{4} << 20;
 
-/// One thread reads, one writes.
+/// Copies points: one thread reads, one writes.
 void copy_points(const std::string& in, const std::string& out) {
   using namespace pointsweep;
   InputCloud cloud({in});

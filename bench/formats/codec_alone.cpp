@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The codec of LAZ without anything else: the records of a LAS file in memory, encoded in chunks of 50,000 and decoded
-/// again by some threads. Prints what each took as JSON; fails if other records come back.
+/// The codec of LAZ alone: the records of a LAS file in memory are encoded in chunks of 50,000 and decoded again by
+/// some threads. Prints both times as JSON; fails if the decoded records differ.
 ///   codec_alone IN.las THREADS
 #include <array>
 #include <atomic>

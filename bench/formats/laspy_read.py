@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""laspy_read.py IN: all points of a LAS or LAZ file read by laspy, with lazrs on all cores; prints as JSON how many, what reading
-took without the start of Python, and the bounds, which are found apart from the time.
+"""laspy_read.py IN: reads all points of a LAS or LAZ file with laspy, with lazrs on all cores. Prints the number of points,
+the times without the start of Python, and the bounds, which are not part of the times, as JSON.
 laspy_read.py A B: fails unless both files have the same records."""
 import json
 import sys

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// All records of a point file, decoded by the library's readers as a run decodes them; prints as JSON how many points,
-/// what it took from before the file was opened, and the bounds, which are found apart from the time.
+/// Decodes all records of a point file with the library's readers, like a run. Prints the number of points, the time
+/// including opening the file, and the bounds, which are not part of the time, as JSON.
 ///   read_points IN THREADS
 #include <algorithm>
 #include <cstdio>

@@ -8,7 +8,7 @@ import sys
 import laspy
 import numpy as np
 
-WIDTH = 1000.0  # of a tile, in metres
+WIDTH = 1000.0  # width of a tile, in metres
 
 
 def header():

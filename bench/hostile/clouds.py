@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The clouds that script/hostile tries: how each is made, what it is compared with, what is odd in it."""
+"""The clouds of script/hostile: how each is made, with which one it is compared, and which of its points are special."""
 import dataclasses
 
 
@@ -8,19 +8,19 @@ class Cloud:
     name: str
     made: tuple  # commands that write the input files; see inputs() in run.py
     clean: str = "surface"  # the cloud of the same size that its time and window are held against
-    special: int | str = 0  # rows that verify looks at in addition to its sample: the first so many, or those of "normal 0"
-    share: float = 0  # of the points that are outliers: they may stay in the window
-    times: int = 1  # so many times the points of the others
+    special: int | str = 0  # rows that verify checks in addition to its sample: the first ones, or those of "normal 0"
+    share: float = 0  # share of the points that are outliers, which may stay in the window
+    times: int = 1  # factor for the number of points
     options: tuple = ()
     refused: str = ""  # words of the sentence with which it is refused
-    sample: str = ""  # rows held against brute force, if not as many as of the others
+    sample: str = ""  # rows to compare with brute force, if not as many as for other clouds
     verbs: tuple = ("normals", "neighbors")
-    chain: str = "knn(k=8) | normals | splats | fair"  # three steps: each looks at what the one before made of the neighbours
+    chain: str = "knn(k=8) | normals | splats | fair"  # three steps: each reads attributes of neighbours made by the previous one
     small_window: bool = False  # its window is to stay below 3 % of the cloud at 20M points
 
     @property
     def timed(self):
-        """Whether its time per point says anything beside that of the clean cloud."""
+        """Returns whether its time per point is worth comparing with that of the clean cloud."""
         return "neighbors" in self.verbs
 
 
@@ -32,7 +32,7 @@ def own(name, **settings):
 
 
 def radius(name, length, **settings):
-    """All neighbours within a radius: no limit k, so there is no graph of fixed width, and time is by the neighbour."""
+    """Makes a cloud that is searched within a radius, without a limit k: the graph has no fixed width, and time is per neighbour."""
     return Cloud(f"{name}, all within {length}", (("generate", name),), clean=name, sample="300",
                  options=("--radius", str(length)), verbs=("normals",), **settings)
 
@@ -45,7 +45,7 @@ def outliers(percent, box, **settings):
 
 CLEAN = [own("surface"), Cloud("statue", (("generate", "statue"),)), Cloud("volume", (("generate", "volume"),))]
 
-# Those of the law of --memory.
+# The clouds of the law of --memory.
 LAW = [Cloud("statue", (("generate", "statue"),)), Cloud("terrain", (("generate", "terrain"),)), Cloud("tls", (("generate", "tls"),)),
        Cloud("volume", (("generate", "volume"),)), own("dense-ball"), own("walls")]
 

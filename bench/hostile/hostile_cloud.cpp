@@ -28,14 +28,14 @@ double random(Index i, Index stream) {
   return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-/// On an ellipsoid 4 high and 2 wide; u in [0, 1) ascends along z.
+/// Returns a point on an ellipsoid 4 high and 2 wide; u in [0, 1) ascends along z.
 Point on_surface(double u, double turn) {
   const double z = 2 * u - 1, radius = std::sqrt(1 - z * z), angle = 2 * std::numbers::pi * turn;
   return {radius * std::cos(angle), radius * std::sin(angle), 2 * z};
 }
 Point surface(Index i, Index) { return on_surface(random(i, 0), random(i, 1)); }
 
-/// The same surface in an order: place p of n along z.
+/// Returns a point on the same surface, with place p of n along z.
 Point in_place(Index p, Index n) {
   return on_surface((static_cast<double>(p) + random(p, 0)) / static_cast<double>(n), random(p, 1));
 }
@@ -48,7 +48,7 @@ Point station(Index i, double x, double y) {
 
 Point shifted(Point p, double by) { return {p[0] + by, p[1] + by, p[2] + by}; }
 Point scaled(Point p, double by) { return {p[0] * by, p[1] * by, p[2] * by}; }
-/// To whole 1024ths, about millimetres: as exact at 5e6 as at 0.
+/// Rounds to whole 1024ths, about millimetres, which are exact at 5e6 as at 0.
 Point in_millimetres(Point p) {
   return {std::round(p[0] * 102400) / 1024, std::round(p[1] * 102400) / 1024, std::round(p[2] * 102400) / 1024};
 }

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Folders of many small tiles: CPU seconds for each tile, as inputs of one output and as outputs in a folder, are the same for 100 tiles as for 10,000."""
+"""Folders of many small tiles. The CPU time per tile, as inputs of one output and as outputs in a folder, must be the same for 100 tiles as
+for 10,000."""
 import json
 import resource
 import shutil

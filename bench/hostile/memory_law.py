@@ -42,7 +42,7 @@ class Law:
         return json.loads(statistics.read_text())["peak_rss_bytes"] / 2**20
 
     def budgets(self, cloud, pipeline, threads):
-        """Those that are accepted. A pipeline that is not refused in any memory needs no more than 48 MiB."""
+        """Returns the accepted budgets. A pipeline that no budget refuses needs at most 48 MiB."""
         refusal = self.run(cloud, pipeline, 1, threads)
         least = int(found[1]) if isinstance(refusal, str) and (found := LEAST.search(refusal)) else 48
         plan = [str(word) for word in [*self.command(cloud, pipeline, least, threads), "--dry-run"]]

@@ -39,7 +39,7 @@ class Operators:
         (self.other,) = bench.inputs(CLEAN[0])
 
     def lengths(self, cloud):
-        """Texts for the braces of CHAINS; without those of a cloud that has no such length."""
+        """Returns texts for the braces of CHAINS, without those for lengths that the cloud does not have."""
         told = subprocess.run([self.bench.tool, "info", "--json", *self.bench.inputs(cloud)], check=True, capture_output=True, text=True).stdout
         files = json.loads(told)["files"]
         spacing = max(file["spacing"] or 0 for file in files)
@@ -53,7 +53,7 @@ class Operators:
         return texts
 
     def run(self, cloud, chain, output, memory):
-        """Under the limit of memory, in MiB; without one, if it is 0."""
+        """Runs with a memory limit in MiB; 0: no limit."""
         options = self.bench.options
         limit = ["prlimit", f"--data={(memory + options.constant) * 2**20}"] if memory else []
         statistics = options.work / "statistics.json"

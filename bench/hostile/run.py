@@ -59,7 +59,7 @@ class Bench:
         options.work.mkdir(parents=True, exist_ok=True)
 
     def inputs(self, cloud):
-        """Its files, made if they are not there."""
+        """Returns the files of the cloud, and makes missing ones."""
         points, files = cloud.times * self.points // len(cloud.made), []
         for number, command in enumerate(cloud.made):
             file = self.options.work / f"{'-'.join(c.strip('-') for c in command)}-{points}.ply"
@@ -88,7 +88,7 @@ class Bench:
         return {"status": process.returncode, "error": error, "cpu_seconds": usage.ru_utime + usage.ru_stime, "statistics": told}
 
     def least(self, cloud, output, verb="normals", options=()):
-        """Of so many runs as are asked for, the one of the least CPU seconds; or the first that failed."""
+        """Returns the run with the least CPU seconds of the requested number of runs; or the first run that failed."""
         repeat = self.options.repeat if cloud.timed else 1
         runs = [self.run(verb, cloud, output, options) for _ in range(repeat)]
         return min(runs, key=lambda run: (run["status"] == 0, run["cpu_seconds"]))
@@ -137,7 +137,7 @@ class Bench:
         return row
 
     def deep_figures(self, cloud, clean, rows):
-        """Of the chain."""
+        """Returns the figures of the chain of three steps."""
         output = self.options.work / "deep.ply"
         run = self.least(cloud, output, "run", ("--pipeline", cloud.chain))
         if run["status"] != 0:
@@ -178,7 +178,7 @@ class Bench:
         return [name for name, reached in goals.items() if not reached]
 
     def same_where_shifted(self):
-        """Neighbours and normals of a cloud in millimetres at 5e6 are those of the same cloud at the origin."""
+        """Checks that neighbours and normals of a cloud in millimetres at 5e6 equal those of the same cloud at the origin."""
         clouds = {c.name: c for c in HOSTILE}
         made = []
         for name in ("millimetres", "millimetres-at-5e6"):

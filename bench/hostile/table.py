@@ -5,7 +5,7 @@ import sys
 
 
 def chains_table(result):
-    """Of script/hostile --operators: a row for each chain, over all clouds."""
+    """Returns the table of script/hostile --operators: a row for each chain, over all clouds."""
     print("| chain | clouds | least memory | peak memory | time: median | most, of | missed |\n|---|---|---|---|---|---|---|")
     for chain in result["chains"]:
         rows = [row for row in result["rows"] if row["chain"] == chain]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The bare cost of what a run cannot do without, each part alone on one thread: copying the bytes of input and output,
-/// a radix sort of the points' keys, the search kernel on candidates that are in cache, and the kernel of Equation 1 on
+/// The bare cost of the parts that no run can avoid, each alone on one thread: copying the bytes of input and output, a
+/// radix sort of the points' keys, the search kernel on candidates that are in cache, and the kernel of Equation 1 on
 /// neighbourhoods that are in cache. Prints CPU seconds as JSON.
 ///   bare_parts IN.ply OUTPUT_BYTES SCRATCH_FILE
 #include <cstdio>
@@ -26,7 +26,8 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep {
 namespace HWY_NAMESPACE {
 
-/// k = 8 of `leaves` leaves for so many points; the sum of what the last ones found, so that nothing is left out.
+/// Searches k = 8 neighbours in `leaves` leaves for `points` points. Returns a sum of the last results, so that the
+/// compiler removes nothing.
 float search_in_cache(std::size_t points, std::uint32_t leaves) {
   const Lanes d;
   std::mt19937 rng(1);
@@ -113,7 +114,7 @@ void radix_sort(std::vector<Item>& items) {
   }
 }
 
-/// The coordinate along x as an integer of the same order.
+/// Returns the coordinates along x as integers of the same order.
 std::vector<Item> keys_of(const Ply& ply) {
   const auto position = ply.triple("x", "y", "z");
   if (!position || Ply::bytes(position->second) != 4) give_up("no single precision x, y, z side by side");
@@ -125,7 +126,7 @@ std::vector<Item> keys_of(const Ply& ply) {
   return items;
 }
 
-/// Equation 1 for so many points, a cell's worth at a time, always the same.
+/// Computes Equation 1 for `points` points, one cell at a time, always the same cell.
 void normals_in_cache(std::size_t points) {
   constexpr std::size_t kCell = 1024, kNeighbors = 8;
   std::mt19937 rng(2);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Just enough LAS for the contenders: 1.2 to 1.4, uncompressed, nothing behind the points. Not the library's reader on
-/// purpose.
+/// The parts of LAS that the contenders need: 1.2 to 1.4, uncompressed, without bytes after the points. It is
+/// deliberately not the library's reader.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace bench {
 /// Bytes of a normal, which the programs append to each record.
 inline constexpr std::size_t kNormalBytes = 12;
 
-/// A whole file in memory: all before the points, and the records unchanged.
+/// A whole file in memory: the bytes before the points, and the unchanged records.
 struct Las : Records {
   std::vector<char> head;  ///< header and VLRs, up to the first point
 
@@ -41,7 +41,7 @@ struct Las : Records {
 
   std::array<double, 3> scale() const { return entry<std::array<double, 3>>(131); }
   std::array<double, 3> offset() const { return entry<std::array<double, 3>>(155); }
-  /// Of an axis, in steps of its scale: the lowest and the highest coordinate by the header's box.
+  /// Returns the lowest and the highest coordinate of an axis, from the box in the header, in steps of the scale.
   std::array<double, 2> range(std::size_t axis) const {
     const auto steps = [&](std::size_t at) { return (entry<double>(at) - offset()[axis]) / scale()[axis]; };
     return {steps(187 + 16 * axis), steps(179 + 16 * axis)};

@@ -50,7 +50,7 @@ Las head_of(const Box& box, std::size_t count, double scale, const Point& offset
   Las las;
   las.head.assign(375, 0);
   std::memcpy(las.head.data(), "LASF", 4);
-  las.set_entry(6, std::uint16_t{16});  // point format 6 says so, coordinate system or not
+  las.set_entry(6, std::uint16_t{16});  // WKT bit, which point format 6 requires even without a system
   las.set_entry(24, std::uint16_t{0x0401});
   las.set_entry(94, std::uint16_t{375});
   las.set_entry(96, std::uint32_t{375});
@@ -63,7 +63,7 @@ Las head_of(const Box& box, std::size_t count, double scale, const Point& offset
     las.set_entry(187 + 16 * a, offset[a] + scale * steps(box.lo[a], a));
   }
   las.set_entry(247, std::uint64_t(count));
-  las.set_entry(255, std::uint64_t(count));  // all are the first return
+  las.set_entry(255, std::uint64_t(count));  // all points are first returns
   return las;
 }
 

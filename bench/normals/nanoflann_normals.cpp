@@ -29,7 +29,7 @@ namespace {
 struct Options {
   std::string in, out;
   std::size_t k = 8;
-  double radius = 0;  ///< positive: in place of k
+  double radius = 0;  ///< positive: used instead of k
   std::size_t threads = std::max(1u, std::thread::hardware_concurrency());
   bool permuted = false;
 };
@@ -182,7 +182,7 @@ Cloud<T> cloud_of(const Ply& ply, std::size_t offset) {
   return cloud;
 }
 
-/// In steps of the scale of x, from the middle of the box: a normal knows neither length nor place.
+/// In steps of the scale of x, relative to the middle of the box: normals depend neither on length nor on place.
 template <class T>
 Cloud<T> cloud_of(const Las& las) {
   std::array<double, 3> middle, factor;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Just enough PLY for the contenders: binary little-endian, vertices first, no lists. Not the library's reader on
-/// purpose.
+/// The parts of PLY that the contenders need: binary little-endian, vertices first, no lists. It is deliberately not
+/// the library's reader.
 #pragma once
 
 #include <map>

@@ -57,7 +57,7 @@ void write_records(std::ofstream& out, const std::string& path, std::size_t coun
   if (!out.flush()) give_up(path + ": cannot write");
 }
 
-/// By the name, as all of them are made by script/bench.
+/// Decides by the name, since script/bench makes all files.
 inline bool is_las(const std::string& path) { return path.ends_with(".las"); }
 
 }  // namespace bench

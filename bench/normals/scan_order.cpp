@@ -14,14 +14,14 @@
 namespace bench {
 namespace {
 
-/// By line, then along it, every other line backwards.
+/// The place of a point: its line, then the place along it, backwards in every other line.
 struct Place {
   std::int64_t line;
   double along;
   bool operator<(const Place& other) const { return line != other.line ? line < other.line : along < other.along; }
 };
 
-/// at(i, axis): a coordinate of point i, in any unit.
+/// at(i, axis): returns a coordinate of point i, in any unit.
 template <class At>
 std::vector<std::size_t> scan_order(std::size_t count, At at) {
   if (count == 0) return {};

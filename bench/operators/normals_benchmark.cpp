@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Normals alone, one thread, neighbours given: a wavy sheet cut into cells of 1024 points, in nanoseconds per point.
+/// Times of the kernel of normals on one thread with given neighbours: a wavy sheet cut into cells of 1024 points, in
+/// nanoseconds per point.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -31,7 +31,7 @@ def number(pipeline, name):
 
 
 class Task:
-    """The call, and what it is compared by: share of equal values, or two numbers."""
+    """The call, and the comparison of its answer: the share of equal values, or two numbers."""
 
     def __init__(self, pipeline, cloud, other, output, threads):
         self.pipeline, self.cloud, self.other, self.output, self.threads = pipeline, cloud, other, output, threads
@@ -91,7 +91,7 @@ def unique(library, task):
 
 def voxel(library, task):
     cloud, size = open3d_cloud(task.cloud), float(re.search(r"voxel\(([0-9.e-]+)", task.pipeline)[1])
-    # Its grid begins at the corner of the cloud.
+    # the other library's grid begins at the corner of the cloud
     return lambda: len(cloud.voxel_down_sample(size).points), lambda n: task.numbers(n, len(task.output), 0.02)
 
 

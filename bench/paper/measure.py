@@ -75,13 +75,13 @@ def statue(tool, count):
 
 
 def thinned(rows, most=200):
-    """At most so many rows, each the highest of its stretch."""
+    """Returns at most `most` rows, each with the largest value of its stretch of rows."""
     stretch = max(1, math.ceil(len(rows) / most))
     return [max(rows[i:i + stretch], key=lambda row: row[1]) for i in range(0, len(rows), stretch)]
 
 
 def summary(stats, output, with_series=False):
-    """What the tables and plots need of the statistics of a run."""
+    """Returns the statistics of a run that the tables and plots need."""
     kept = {key: stats[key] for key in ("points", "certified", "recalled", "threads", "peak_rss_bytes", "memory_budget_bytes", "seconds",
                                         "bytes", "lifespan_seconds")}
     kept["output_bytes"] = output.stat().st_size
@@ -124,7 +124,7 @@ def law(tool, sizes):
 
 
 def exponent(rows):
-    """Of the power law through the peaks, by least squares of the logarithms; None for one size."""
+    """Returns the exponent of a power law through the peaks, by least squares of logarithms; None for one size."""
     if len(rows) < 2:
         return None
     xs, ys = [math.log(r["points"]) for r in rows], [math.log(r["peak"]) for r in rows]

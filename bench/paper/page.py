@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One self-contained page: the tables and figures of the paper, its numbers beside ours."""
+"""Makes one self-contained page: the tables and figures of the paper, with its numbers beside ours."""
 import base64
 import html
 

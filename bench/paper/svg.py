@@ -103,7 +103,7 @@ def stacked(title, rows):
 
 
 def grouped(title, unit, groups):
-    """groups: {name: {kind: value}}; one bar for each."""
+    """Returns a bar for each value of groups: {name: {kind: value}}."""
     kinds = list(next(iter(groups.values())))
     names, bar = 170, 16
     x = Scale(0, max(v for g in groups.values() for v in g.values()), names, WIDTH - 90)

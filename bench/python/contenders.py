@@ -32,7 +32,7 @@ def pointsweep(task, xyz, threads):
 
 
 def radius_of(xyz):
-    """Which holds K points beside its centre at half of all points."""
+    """Returns a radius within which half of all points have at least K neighbours."""
     import pointsweep as ps
 
     return float(np.median(ps.neighbors(xyz, k=K).distances[:, -1]))
@@ -52,7 +52,7 @@ def roughness(ps):
 
 
 def numpy_in_memory(task, xyz, threads):
-    """The same NumPy code on arrays that hold all neighbourhoods, which pointsweep finds; 'operator' alone."""
+    """Computes with the same NumPy code on arrays of all neighbourhoods, which pointsweep finds; only for the task 'operator'."""
     import pointsweep as ps
 
     if task != "operator":

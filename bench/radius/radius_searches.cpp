@@ -20,7 +20,7 @@
 namespace pointsweep {
 namespace {
 
-/// On a wavy closed surface; coordinates are floats in doubles.
+/// Returns points on a wavy closed surface; coordinates are floats stored as doubles.
 std::vector<Vec3> surface(std::size_t n) {
   std::mt19937_64 rng(1);
   std::normal_distribution<double> gauss;
@@ -35,7 +35,7 @@ std::vector<Vec3> surface(std::size_t n) {
   return points;
 }
 
-/// What a contender found; all must agree.
+/// The results of a contender; all must agree.
 struct Found {
   std::uint64_t neighbors = 0;
   double distances = 0;  ///< sum of squares
@@ -51,7 +51,7 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-/// The cloud cut into cells; `ordered` are the points cell by cell, which the other contenders get.
+/// The cloud cut into cells. `ordered`: the points cell by cell, as the other contenders get them.
 struct Cells {
   CellDirectory directory;
   std::vector<std::unique_ptr<Cell>> cells;
@@ -78,7 +78,7 @@ struct Cells {
     }
   }
 
-  /// Of the points of the first cells, as many as hold `queries` points.
+  /// Searches for the points of the first cells, until `queries` points.
   Found search(double radius, std::size_t queries) const {
     Found found;
     SearchScratch scratch;
@@ -180,7 +180,7 @@ Found search(const Tree& tree, const std::vector<Vec3>& points, double radius, s
   nanoflann::SearchParams parameters;
   parameters.sorted = in_order;
   std::vector<std::pair<std::uint32_t, double>> list;
-  // It takes what is nearer than the radius, and we what is as far as well.
+  // nanoflann finds points nearer than the radius; this library also points at the radius.
   const double limit = std::nextafter(radius * radius, 4 * radius * radius);
   const Stopwatch watch;
   for (std::size_t q = 0; q < queries; ++q) {
@@ -208,7 +208,7 @@ void compare(std::size_t points, double neighbors_per_row) {
   const Adaptor adaptor{cells.ordered};
   const Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
   for (const double wanted : {24, 66, 262, 1051}) {
-    const double area = 4 * std::numbers::pi * 1.1;  // about: of the wavy surface
+    const double area = 4 * std::numbers::pi * 1.1;  // approximate area of the wavy surface
     const double radius = std::sqrt(wanted * area / (std::numbers::pi * static_cast<double>(points)));
     const auto queries = std::min(points, static_cast<std::size_t>(neighbors_per_row / wanted) + 1);
     const Grid grid(cells.ordered, radius);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Cutting and searching alone, one thread, points on a wavy closed surface, in nanoseconds per point.
+/// Times of cutting and searching on one thread: points on a wavy closed surface, in nanoseconds per point.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -270,7 +270,7 @@ class Trace:
                 parts.append([ops[b:e] for b, e in zip(cuts, cuts[1:])])
         if not locks or max(locks) == min(locks) or len(locks) - locks.count(min(locks)) > self.real + 2:
             return False
-        if make:  # what different bodies drew, in turn
+        if make:  # what different bodies have drawn, alternately
             loop.items = [part[i] for i in range(max(map(len, parts))) for part in parts if i < len(part)]
             loop.tasks = {i: self.task_of(p, loop.site) for i, p in enumerate(prologues)}
         return True
@@ -573,7 +573,7 @@ def by_label(trace, replay):
 
 
 def by_function(trace, replay):
-    """Lost time by functions: that of each label, shared out by the samples of its segments."""
+    """Distributes the lost time of each label over functions, by the samples of its segments."""
     weights = collections.defaultdict(collections.Counter)
     for tid, samples in trace.samples.items():
         spans = trace.segments[tid]
@@ -585,7 +585,7 @@ def by_function(trace, replay):
             _, ns, segment = spans[i]
             if replay.seg_lost[segment] <= 0:
                 continue
-            chain, lib = trace.names.chain(sample[3:])  # without the handler and its return
+            chain, lib = trace.names.chain(sample[3:])  # without the signal handler and its return
             weights[trace.seg_label[segment]][(chain, lib)] += replay.seg_lost[segment] / ns
     out = collections.Counter()
     for lost, _, name in by_label(trace, replay):

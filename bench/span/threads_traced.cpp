@@ -68,7 +68,7 @@ enum Kind : std::uint64_t {
 struct Event {
   std::uint64_t cpu;   ///< ns
   std::uint64_t what;  ///< kind << 56 | id
-  std::uint64_t a, b;  ///< by kind: count or index; site or return address
+  std::uint64_t a, b;  ///< count or index; site or return address; depending on the kind
 };
 
 constexpr int kFrames = 28;
@@ -82,9 +82,9 @@ constexpr std::size_t kChunk = 1 << 15, kMostSamples = 1 << 16;
 struct Thread {
   pid_t tid;
   std::uint64_t overhead = 0;                ///< ns of the tracer
-  std::uint64_t last_cpu = 0, last_tsc = 0;  ///< of the last event that asked the kernel
+  std::uint64_t last_cpu = 0, last_tsc = 0;  ///< at the last event for which the kernel was asked
   std::vector<Event*> chunks;
-  std::size_t used = kChunk;  ///< of the last chunk
+  std::size_t used = kChunk;  ///< in the last chunk
   Sample* samples = nullptr;
   std::size_t sample_count = 0;
   std::unordered_map<std::uint64_t, std::uint64_t> sites;  ///< by return address and stack pointer
@@ -127,8 +127,8 @@ _Unwind_Reason_Code note_frame(_Unwind_Context* context, void* sample) {
   return s.depth == kFrames ? _URC_END_OF_STACK : _URC_NO_REASON;
 }
 
-/// The tables of the compiler do not hold for each instruction of a function that aligns its stack: the unwinder may
-/// come to addresses that are none.
+/// Unwinding may reach invalid addresses, since the compiler's tables are not valid for every instruction of a function
+/// that aligns its stack.
 void on_fault(int signal_number, siginfo_t*, void*) {
   if (may_fault) siglongjmp(unwinding, 1);
   signal(signal_number, SIG_DFL);
@@ -165,7 +165,8 @@ void attach() {
   how.sigev_signo = SIGRTMIN + 3;
   how.sigev_notify_thread_id = self->tid;
   timer_t timer;
-  if (timer_create(CLOCK_THREAD_CPUTIME_ID, &how, &timer) == 0) {  // in fact every tick of the kernel: 4 ms at 250 Hz
+  if (timer_create(CLOCK_THREAD_CPUTIME_ID, &how, &timer) == 0) {  // in practice every tick of the kernel: 4 ms at 250
+                                                                   // Hz
     const itimerspec every{{0, 1000000}, {0, 1000000}};
     timer_settime(timer, 0, &every, nullptr);
   }
@@ -196,8 +197,8 @@ inline void record(Kind kind, std::uint64_t id, std::uint64_t a = 0, std::uint64
   t->last_tsc = __rdtsc();
 }
 
-/// Locks are many and short: their times are counted on from the last event that asked the kernel, by the clock of the
-/// processor. Where the thread did not run for a while in between, the next event that asks puts it right.
+/// Locks are many and short. Their times are extrapolated, by the clock of the processor, from the last event for which
+/// the kernel was asked. If the thread was interrupted in between, the next such event corrects them.
 inline void record_lock(Kind kind, const void* mutex, const void* at) {
   constexpr std::uint64_t kLongest = 20'000'000;  // cycles
   Thread* const t = self;

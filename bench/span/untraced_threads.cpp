@@ -8,7 +8,7 @@ namespace untraced {
 using namespace pointsweep;
 }  // namespace untraced
 
-/// All that threads.h declares and threads.cpp defines goes to the namespace untraced.
+/// Moves all declarations of threads.h and definitions of threads.cpp to the namespace untraced.
 #define pointsweep untraced
 #include "pointsweep/threads.cpp"
 #undef pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The threads of the library under another name, for those that record their tasks (threads_traced.cpp).
+/// The threads of the library under another name, for the threads that record their tasks (threads_traced.cpp).
 #pragma once
 
 #include <cstddef>

@@ -16,7 +16,7 @@ namespace pointsweep {
 
 /// An N×m array, borrowed until this object is destroyed, on any thread.
 struct ArrayColumn {
-  std::vector<std::string> names;  ///< of the m values of a row
+  std::vector<std::string> names;  ///< names of the m values of a row
   Type type = Type::f64;
   const std::byte* first = nullptr;
   std::ptrdiff_t row_stride = 0;    ///< bytes from row to row; may be negative

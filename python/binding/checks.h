@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Looks at files: what is in them, and whether a run has written what it should.
+/// Functions that inspect files: their contents, and whether the output of a run is right.
 #pragma once
 
 #include <nanobind/nanobind.h>

@@ -14,10 +14,11 @@ namespace pointsweep {
 /// The name of the field that holds the number of each row.
 inline constexpr const char* kRowField = "row";
 
-/// Any range of rows is a chunk, decoded by all threads. The arrays are read where they are: strided or memory-mapped.
+/// Reads arrays as points. Rows may be split anywhere and are decoded by all threads. Arrays are not copied: they may
+/// be strided or memory-mapped.
 class ColumnsOfArrays final : public Reader {
  public:
-  /// `with_rows`: one more field, kRowField, i64. Throws UsageError if the arrays differ in length.
+  /// `with_rows`: adds a field, kRowField, i64. Throws UsageError if the arrays differ in length.
   ColumnsOfArrays(std::vector<ArrayColumn> columns, bool with_rows, std::optional<Crs> crs);
 
   Chunk chunk_of(std::uint64_t row) const override;
@@ -29,9 +30,9 @@ class ColumnsOfArrays final : public Reader {
   class Decoder;
   /// Bytes of a row that are together in an array and in a record.
   struct Piece {
-    const std::byte* first;  ///< of row 0; null: the number of the row itself
+    const std::byte* first;  ///< address of row 0; null: the value is the number of the row
     std::ptrdiff_t stride;
-    std::uint32_t offset, bytes;  ///< in a record
+    std::uint32_t offset, bytes;  ///< place in a record
   };
 
   void add(const ArrayColumn& column);

@@ -29,7 +29,7 @@ std::vector<T> elements(const nb::bytes& bytes) {
   return values;
 }
 
-/// None for a text that is not WKT.
+/// Returns None for a text that is not WKT.
 nb::object wkt_crs(const std::string& wkt) {
   const Crs crs = crs_of_wkt(wkt);
   return crs.name.empty() && crs.kind == CrsKind::unknown ? nb::none() : crs_value(crs);

@@ -10,7 +10,8 @@
 
 namespace pointsweep {
 
-/// (name, kind, EPSG code, EPSG code of the heights, WKT, directory, doubles and ascii of GeoTIFF keys); None without one.
+/// Returns (name, kind, EPSG code, EPSG code of the heights, WKT, directory, doubles and ascii of GeoTIFF keys); None
+/// without a system.
 nanobind::object crs_value(const std::optional<Crs>& crs);
 /// The system that crs_value() made such a tuple of.
 std::optional<Crs> crs_from(nanobind::handle value);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Exceptions of the library as those of the package.
+/// Translation of the library's exceptions to those of the package.
 #pragma once
 
 namespace pointsweep {
 
-/// Error and UsageError become the classes of those names in pointsweep._errors.
+/// Translates Error and UsageError to the classes of these names in pointsweep._errors.
 void translate_errors();
 
 }  // namespace pointsweep

@@ -32,7 +32,7 @@ nb::tuple list_files(const std::vector<std::filesystem::path>& named, bool recur
   return nb::make_tuple(files, list.notices);
 }
 
-/// ((x, y, z), (x, y, z)) as the headers state it; None where one with points does not.
+/// Returns the bounds in the headers, ((x, y, z), (x, y, z)); None if a file with points states none.
 nb::object stated_bounds(const Cloud& cloud) {
   Box box;
   for (std::size_t i = 0; i < cloud.input_count(); ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The extension module pointsweep._core: what the Python layer in pointsweep/ calls. It checks types; the layer above
-/// makes arguments complete and explains them.
+/// The extension module pointsweep._core, which the Python layer in pointsweep/ calls. It checks types; the Python
+/// layer completes arguments and explains errors.
 #include <nanobind/nanobind.h>
 
 #include "python/binding/checks.h"

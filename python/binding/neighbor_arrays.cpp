@@ -18,7 +18,7 @@ namespace nb = nanobind;
 namespace pointsweep {
 namespace {
 
-/// Throws Error if so many distances and rows of `row_bytes` are larger than the memory of the machine.
+/// Throws Error if `values` distances and rows of `row_bytes` exceed the memory of the machine.
 void require_memory(double values, std::size_t row_bytes) {
   const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   const double needed = values * static_cast<double>(row_bytes + sizeof(double));

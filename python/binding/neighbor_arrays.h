@@ -15,23 +15,25 @@
 
 namespace pointsweep {
 
-/// Rows and distances of the neighbours of all points of a run, at the row of the point, so that they are in memory
-/// once. Both arrays have the bytes of operators::neighbors(). Likewise those of places, at the number of the place.
+/// Rows and distances of the neighbours of all points of a run, each stored once, at the row of the point. Both arrays
+/// have the bytes of operators::neighbors(). Neighbours of places are stored likewise, at the number of the place.
 class NeighborArrays {
  public:
   NeighborArrays(std::size_t k, std::uint64_t points) : NeighborArrays(k, points, points) {}
-  /// For the neighbours of `places` places among `points` points; none has neighbours until put() gives them.
+  /// Makes arrays for the neighbours of `places` places among `points` points. Places without a put() have no
+  /// neighbours.
   static NeighborArrays of_places(std::size_t k, std::uint64_t places, std::uint64_t points);
 
   /// An operator that makes "neighbor_count", u32, and writes the neighbours of each point to *this, which outlives it.
   /// A point may come twice, with the same neighbours.
   std::shared_ptr<const LocalOperator> op();
-  /// For Outputs::writer: marks the rows of points that have no neighbours as missing. *this outlives the run.
+  /// Returns a writer for Outputs::writer. It marks the rows of points without neighbours as missing. *this must
+  /// outlive the run.
   std::unique_ptr<Writer> writer(const OutputPlan& plan);
   /// Takes neighbours of places. Called from any number of threads at once, for different places.
   void put(const PlaceLists& lists);
-  /// After the run: (rows u32 or u64, distances f64), both N×k for the N points of the output, or the N places. Empties
-  /// *this.
+  /// Returns (rows u32 or u64, distances f64) after the run, both N×k for the N points of the output, or the N places.
+  /// Empties *this.
   nanobind::tuple arrays();
 
  private:
@@ -45,7 +47,7 @@ class NeighborArrays {
 
   std::size_t k_;
   Type row_type_;
-  std::uint64_t count_ = 0;  ///< of points in the output, or of places
+  std::uint64_t count_ = 0;  ///< number of points in the output, or of places
   ArrayMemory rows_, distances_;
 };
 

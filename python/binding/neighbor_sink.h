@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// Makes "neighbor_count", u32, and keeps nothing itself: `take`, which any number of threads call at once, owns what
+/// Makes "neighbor_count", u32, and passes neighbours on. `take` is called by many threads at once and must copy what
 /// it needs of a batch. A point may come twice, with the same neighbours.
 class NeighborSink final : public LocalOperator {
  public:

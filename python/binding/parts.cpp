@@ -30,8 +30,8 @@ namespace {
 const std::array<std::string, 7> kRoundNames{"look", "other", "order", "sweep", "label", "rows", "write"};
 const std::array<std::string, 4> kJoinNames{"", "tiles", "components", "values"};
 
-/// The arguments that all tasks of a run share, as run_pipeline() takes them; `to` has a file for each input. The facts
-/// are those of the whole cloud: (points, metres per unit).
+/// The arguments that all tasks of a run share, in the form of run_pipeline(); `to` has a file for each input. The
+/// facts are those of the whole cloud: (points, metres per unit).
 struct PartRequest {
   PartRequest(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
               const nb::dict& given, std::vector<std::filesystem::path> to, const nb::object& known = nb::none())

@@ -85,7 +85,7 @@ class PlaceSearch::Work final : public InOrderWork {
   const PlaceSearch& search_;
   int axis_;
   PointCells cells_;
-  std::vector<std::size_t> numbers_;  ///< of the places that are asked about at once
+  std::vector<std::size_t> numbers_;  ///< places that are searched at the same time
   std::vector<Vec3> places_;
 };
 

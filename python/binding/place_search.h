@@ -17,22 +17,24 @@
 
 namespace pointsweep {
 
-/// Neighbours of places, in their order: those of places[i] are the next counts[i] of `neighbors`, nearest first.
+/// Neighbours of places, in their order: the next counts[i] elements of `neighbors` belong to places[i], nearest first.
 struct PlaceLists {
   std::span<const std::size_t> places;
   std::span<const std::size_t> counts;
   std::span<const CellNeighbor> neighbors;
 };
 
-/// Puts the points of a run into cells, and then asks for the neighbours of each place. Makes "neighbor_queries", u8,
-/// without a meaning: a stage that makes nothing would not be run. A place that is not finite has no neighbours, and is
-/// not among those handed over. Memory for places: 16 bytes for each, and that of some ten thousand at once.
+/// Stores the points of a run in cells, and then searches the neighbours of each place. Makes "neighbor_queries", u8,
+/// whose value has no meaning, since a stage without attributes would not run. A place that is not finite has no
+/// neighbours and is not passed on. Memory: 16 bytes for each place, and the neighbours of some ten thousand places at
+/// once.
 class PlaceSearch final : public InOrderOperator {
  public:
   /// Called from any number of threads at once; a place may come twice, with the same neighbours, if there is a k.
   using Take = std::function<void(const PlaceLists&)>;
 
-  /// `places`: N×3 numbers, which outlive the run. `k`: of neighbours, at most; nothing: all within the radius.
+  /// `places`: N×3 numbers, which must outlive the run. `k`: largest number of neighbours; nothing: all within the
+  /// radius.
   PlaceSearch(const ArrayColumn& places, std::optional<std::size_t> k, double radius, Take take)
       : places_(places), k_(k), radius_(radius), take_(std::move(take)) {}
 

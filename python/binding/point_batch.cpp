@@ -29,10 +29,10 @@ nb::object filled(std::vector<std::size_t> shape, Type type, Fill fill) {
 
 void put(double* to, Vec3 p) { to[0] = p.x, to[1] = p.y, to[2] = p.z; }
 
-/// An index that no array has, so that it is an error where -1 would be the last row.
+/// An index outside of every array, so that its use is an error, whereas -1 would mean the last row.
 constexpr std::int64_t kNoRow = std::numeric_limits<std::int64_t>::max();
 
-/// The bytes that stand for "no neighbour": NaN, or 0 in integers.
+/// Returns the bytes of a missing neighbour: NaN, or 0 for integers.
 std::vector<std::byte> missing_value(const Attribute& attribute) {
   const bool is_float = attribute.type == Type::f32 || attribute.type == Type::f64;
   return std::vector<std::byte>(attribute.bytes(), is_float ? std::byte{0xFF} : std::byte{0});
@@ -102,7 +102,7 @@ nb::object PointBatch::neighbor_rows() const {
 }
 
 nb::object PointBatch::own(std::size_t a) const {
-  const Neighborhoods& points = in();  // first: without it reads_ is gone, too
+  const Neighborhoods& points = in();  // must come first: without points reads_ does not exist either
   const Attribute& attribute = reads_[a];
   const std::byte* const from = points.values<std::byte>(a) + first_ * attribute.bytes();
   ArrayMemory memory(size_ * attribute.bytes());

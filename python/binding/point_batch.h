@@ -14,9 +14,9 @@
 
 namespace pointsweep {
 
-/// The points [first, first + size) of a batch. Every function makes an array of its own, so that arrays may be kept;
-/// the object itself belongs to Python, but borrows the points: after end() every function throws UsageError. Lists are
-/// padded to width(), the length of the longest: with NaN, or 0 in integers.
+/// The points [first, first + size) of a batch. Every function makes a new array, which may be kept. The object belongs
+/// to Python but borrows the points: after end() every function throws UsageError. Lists are padded to width(), the
+/// length of the longest one, with NaN, or 0 for integers.
 class PointBatch {
  public:
   /// `contract` of the operator, which outlives this object's use.
@@ -31,11 +31,11 @@ class PointBatch {
   nanobind::object neighbor_positions() const;         ///< N×width×3 f64
   nanobind::object neighbor_rows() const;              ///< N×width i64; missing: the largest
   nanobind::object own(std::size_t a) const;           ///< attribute a of `reads`, N or N×m
-  nanobind::object of_neighbors(std::size_t a) const;  ///< of `reads_neighbors`, N×width or N×width×m
+  nanobind::object of_neighbors(std::size_t a) const;  ///< attribute of `reads_neighbors`, N×width or N×width×m
 
  private:
   const Neighborhoods& in() const;
-  /// Returns in() for values that an operator without neighbours must not look at.
+  /// Returns in(). Throws for an operator declared without neighbours.
   const Neighborhoods& in_with_neighbors() const;
 
   const Neighborhoods* in_;

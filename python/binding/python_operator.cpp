@@ -25,8 +25,8 @@ namespace nb = nanobind;
 
 namespace pointsweep {
 
-/// The function of Python, the threads of the run that call it, and the first exception it raised. These threads call
-/// at the same time where the interpreter has no lock; one that is not attached to it destroys this object.
+/// A Python function, the threads of the run that call it, and the first exception it raised. Without an interpreter
+/// lock the threads call it at the same time. A thread that is not attached to the interpreter destroys this object.
 class PythonFunction {
  public:
   explicit PythonFunction(nb::object op) : op_(std::move(op)) {}
@@ -52,7 +52,7 @@ class PythonFunction {
     require_success();
     return {};
   }
-  /// To be called when no thread calls the function any more.
+  /// Throws the first exception. Must be called when no thread calls the function any more.
   void rethrow() const {
     if (raised_) std::rethrow_exception(raised_);
   }
@@ -79,8 +79,8 @@ std::shared_ptr<PythonFunction> function_of(nb::handle op) {
 
 bool is_64_bits(Type type) { return type == Type::i64 || type == Type::u64; }
 
-/// Returns the attribute that `name` stands for where it is read: the attribute of that name that was made last, else
-/// fields of the input, as conditions read them.
+/// Returns the attribute that a read `name` means: the last made attribute of that name, else fields of the input, as
+/// in conditions.
 Attribute resolved(const std::string& name, const Schema& input, std::span<const Attribute> made) {
   for (std::size_t m = made.size(); m-- > 0;)
     if (made[m].name == name && name != position_attribute().name) return made[m];
@@ -111,7 +111,7 @@ Type type_named(const std::string& name) {
   fail_usage("'{}' is not the name of a type.", name);
 }
 
-/// From (name, type, values of a point; 0: one that is no list).
+/// Makes an attribute from (name, type, number of values per point; 0: a single value that is no list).
 Attribute made_attribute(const std::tuple<std::string, std::string, std::size_t>& made) {
   const auto& [name, type_name, values] = made;
   if (name == position_attribute().name) return position_attribute();
@@ -175,7 +175,7 @@ class PythonCall {
 
   std::string name_, digest_;
   std::vector<std::string> reads_, reads_neighbors_;
-  std::size_t most_places_;  ///< in the padded lists that Python gets at once; one point may have more
+  std::size_t most_places_;  ///< in the padded lists that Python gets at once; a single point may have more
   Contract contract_;
   std::shared_ptr<PythonFunction> function_;
 };

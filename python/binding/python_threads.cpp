@@ -16,7 +16,7 @@ class PythonThreads::Thread {
  public:
   Thread() : thread_([this] { serve(); }) {}
   ~Thread() {
-    given_.release();  // nothing
+    given_.release();  // an empty function
     thread_.join();
   }
 

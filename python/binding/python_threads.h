@@ -19,8 +19,8 @@ class PythonThreads {
   /// Ends the threads, which destroy their `threading.local` values. The calling thread is not attached.
   ~PythonThreads();
 
-  /// Calls work() on a thread that is attached to the interpreter, and returns or throws what it throws. May be called
-  /// by several threads at once, which are not attached.
+  /// Calls work() on a thread attached to the interpreter, and returns or throws like it. Several threads may call at
+  /// once; they must not be attached.
   void call(const std::function<void()>& work);
 
  private:

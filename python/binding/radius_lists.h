@@ -28,8 +28,9 @@ class RadiusLists {
   /// Takes the lists of places, by their numbers. Called from any number of threads at once.
   void put(const PlaceLists& lists);
 
-  /// After the run: (offsets i64 N+1, rows u32 or u64, distances f64); the neighbours of point or place i, nearest
-  /// first, are those from offsets[i] up to offsets[i + 1]. `lists`: N; `points`: of the cloud. Empties *this.
+  /// Returns (offsets i64 N+1, rows u32 or u64, distances f64) after the run. The neighbours of point or place i,
+  /// nearest first, have the indices from offsets[i] up to offsets[i + 1]. `lists`: N. `points`: points of the cloud.
+  /// Empties *this.
   nanobind::tuple arrays(std::uint64_t lists, std::uint64_t points);
 
  private:
@@ -37,17 +38,17 @@ class RadiusLists {
   struct Batch {
     std::vector<std::uint64_t> points;  ///< rows of points, or numbers of places
     std::vector<std::uint32_t> counts;
-    std::vector<std::uint64_t> rows;  ///< of neighbours
+    std::vector<std::uint64_t> rows;  ///< rows of neighbours
     std::vector<double> distances;
     std::unique_ptr<Batch> next;
   };
   static std::unique_ptr<Batch> lists_of(const Neighborhoods& in);
-  /// Called by any number of threads at once, none of which waits. A point may come twice, with the same list.
+  /// Adds lists. Many threads may call at once, without waiting. A point may come twice, with the same list.
   void add(std::unique_ptr<Batch> batch);
   template <class Row>
   nanobind::tuple joined(std::uint64_t lists, Type type);
 
-  std::atomic<Batch*> newest_ = nullptr;  ///< owned, and with it all others
+  std::atomic<Batch*> newest_ = nullptr;  ///< owned; it owns the older ones
 };
 
 }  // namespace pointsweep

@@ -53,7 +53,7 @@ Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options
 
 PythonChain chain_of(const nb::list& pipeline, const Facts& facts) {
   PythonChain chain;
-  bool may_begin = true;  // knn comes before all stages that look at neighbours
+  bool may_begin = true;  // knn must precede all stages that read neighbours
   for (const nb::handle item : pipeline) {
     if (!nb::isinstance<nb::str>(item)) {
       chain.stages.push_back(python_operator(item, chain.functions));
@@ -97,7 +97,7 @@ RunOptions run_options(const nb::dict& given) {
   RunOptions options;
   for (const RunOption& declared : run_options()) {
     const char* const name = declared.name.c_str();
-    // A path, since texts that stand for paths may hold bytes that are no UTF-8.
+    // A path instead of a text, since paths may contain bytes that are not UTF-8.
     const std::string text = given.contains(name) ? option<std::filesystem::path>(given, name).string() : "";
     if (!text.empty()) declared.set(options, text, declared.name);
   }

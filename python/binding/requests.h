@@ -22,7 +22,7 @@ Cloud open_cloud(const nanobind::list& source, bool with_rows, const nanobind::d
 
 /// `pipeline`: a list of texts and of operators of Python, for the cloud of `facts`. Throws as parse_chain().
 PythonChain chain_of(const nanobind::list& pipeline, const Facts& facts);
-/// Throws UsageError for a pipeline of knn alone; an empty one copies the points.
+/// Returns the chain. Throws UsageError for a pipeline with only knn; an empty pipeline copies the points.
 PythonChain chain_to_run(const nanobind::list& pipeline, const Facts& facts);
 
 /// Returns whether the rows of the output differ from the rows of the input: some are left out, or the order differs.

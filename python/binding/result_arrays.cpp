@@ -99,7 +99,7 @@ class ResultArrays::Collector final : public Writer {
 
   ResultArrays& results_;
   std::size_t stride_;
-  std::vector<std::byte> block_;  ///< of one array, on its way to the file
+  std::vector<std::byte> block_;  ///< values of one array on their way to the file
   std::uint64_t next_row_ = 0, rows_written_ = 0;
 };
 

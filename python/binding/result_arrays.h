@@ -31,7 +31,7 @@ struct ArrayMemory {
 /// An array of NumPy that owns `memory`.
 nanobind::object numpy_array(ArrayMemory memory, const std::vector<std::size_t>& shape, Type type);
 
-/// The type of the array that holds the values of `field`: with a scale they are f64; those of some bits fit u8 to u32.
+/// Returns the type of the array for the values of `field`: f64 if it is scaled; u8 to u32 for bit fields.
 Type result_type(const Field& field);
 
 /// Components that make one array, e.g. {"xyz", {"x", "y", "z"}}.
@@ -39,22 +39,23 @@ using FieldGroup = std::pair<std::string, std::vector<std::string>>;
 
 /// The arrays that a run is to return.
 struct WantedArrays {
-  std::vector<FieldGroup> groups;                  ///< of the input
-  std::set<std::string> names;                     ///< of arrays or of single fields; empty: all
-  bool made_only = false;                          ///< nothing that the input has
-  std::map<std::string, WritableArray> into = {};  ///< by name, arrays that are there
+  std::vector<FieldGroup> groups;                  ///< groups of fields of the input
+  std::set<std::string> names;                     ///< names of arrays or of single fields; empty: all
+  bool made_only = false;                          ///< exclude attributes of the input
+  std::map<std::string, WritableArray> into = {};  ///< existing arrays to fill, by name
 };
 
-/// Takes the records of a run apart, into arrays in memory or in a temporary file.
+/// Splits the records of a run into arrays in memory or in a temporary file.
 class ResultArrays {
  public:
   explicit ResultArrays(WantedArrays wanted) : wanted_(std::move(wanted)) {}
   /// The arrays are in a nameless file in `folder` (empty: the system's). Throws Error if none can be made there.
   ResultArrays(WantedArrays wanted, const std::filesystem::path& folder);
-  /// For Outputs::writer. *this outlives the run. Throws UsageError for a wanted name that there is not.
+  /// Returns a writer for Outputs::writer. *this must outlive the run. Throws UsageError for a wanted name that does
+  /// not exist.
   std::unique_ptr<Writer> writer(const OutputPlan& plan);
-  /// After the run, with the interpreter: name -> (N or N×m array, or None where it was there; names of its
-  /// components). Empties *this.
+  /// Returns name -> (N or N×m array, or None for an existing array that was filled; names of its components) after the
+  /// run, with the interpreter. Empties *this.
   nanobind::dict arrays();
   /// Returns the arrays of the rows [first, first + rows), fewer rows at the end, where the arrays are in a file.
   nanobind::dict read(std::size_t first, std::size_t rows) const;
@@ -65,12 +66,12 @@ class ResultArrays {
   struct Array {
     std::string name;
     Type type;
-    std::vector<Field> fields;  ///< of the records
+    std::vector<Field> fields;  ///< fields of the records
     ArrayMemory memory;
-    std::byte* first;        ///< of the values, in memory or in an array that was there; null: in the file
-    std::size_t values = 1;  ///< of a row
+    std::byte* first;        ///< address of the values, in memory or in an existing array; null: in the file
+    std::size_t values = 1;  ///< number of values of a row
     bool is_list = false;
-    std::uint64_t offset = 0;  ///< in the file
+    std::uint64_t offset = 0;  ///< offset in the file
 
     std::size_t row_bytes() const { return values * size_of(type); }
     std::vector<std::string> components() const;
@@ -78,7 +79,7 @@ class ResultArrays {
     nanobind::tuple with_names(ArrayMemory values, std::size_t rows) const;
   };
   void add(const std::string& name, const std::vector<std::string>& fields, const OutputPlan& plan);
-  /// Returns the place for the values of a new array in an array that was given; null: none was given.
+  /// Returns the address for the values of an array within the existing array of that name; null: there is none.
   std::byte* place_in(const std::string& name, Type type, std::size_t values) const;
   void require_all_wanted() const;
 

@@ -74,7 +74,8 @@ nb::tuple run_to_arrays(Cloud& cloud, const PythonChain& chain, const WantedArra
   return nb::make_tuple(results.arrays(), statistics);
 }
 
-/// Without `keep`: what is made, and everything where the rows are not those of the input.
+/// Returns the default arrays without `keep`: made attributes, and all attributes if the rows differ from those of the
+/// input.
 WantedArrays wanted_arrays(Chain& chain, const RunOptions& options, std::vector<FieldGroup> groups) {
   WantedArrays wanted{std::move(groups), {chain.keep.begin(), chain.keep.end()}, false};
   if (!wanted.names.empty()) {
@@ -85,9 +86,9 @@ WantedArrays wanted_arrays(Chain& chain, const RunOptions& options, std::vector<
     return wanted;
   } else {
     wanted.made_only = true;
-    if (moves_points(chain)) return wanted;  // "x" would then be one of what is made, and exclude the others
+    if (moves_points(chain)) return wanted;  // "x" would then mean the made position, and exclude other made attributes
   }
-  chain.keep.push_back("x");  // of the input's attributes no other
+  chain.keep.push_back("x");  // excludes all other attributes of the input
   return wanted;
 }
 
@@ -131,8 +132,8 @@ std::vector<std::string> canonical(const nb::list& pipeline) {
   return canonical_stages(chain_of(pipeline, Facts{}), Presets::left_out);
 }
 
-/// Puts a stage that drops points with NaN or infinite coordinates at the beginning: after one that numbers the rows,
-/// where Nonfinite::drop would drop them before.
+/// Adds a stage at the beginning that drops points with NaN or infinite coordinates. Unlike Nonfinite::drop, it keeps
+/// the numbers that the rows have in the input.
 void leave_finite_points(Chain& chain) {
   const Chain finite = build_chain(parse_pipeline("where(x - x == 0 && y - y == 0 && z - z == 0)"), Facts{});
   chain.stages.insert(chain.stages.begin(), finite.stages.begin(), finite.stages.end());

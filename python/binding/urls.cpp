@@ -18,7 +18,8 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-/// (bytes, seconds of the last change since 1970, what tells versions apart); None if there is no such object.
+/// Returns (bytes, seconds of the last change since 1970, text that distinguishes versions); None if there is no such
+/// object.
 nb::object object_state(const std::string& url) {
   std::optional<RemoteVersion> found;
   {
@@ -29,7 +30,7 @@ nb::object object_state(const std::string& url) {
   return nb::make_tuple(found->size, static_cast<double>(found->seconds) + found->nanoseconds * 1e-9, found->text());
 }
 
-/// The bytes of an object; None if there is none.
+/// Returns the bytes of an object; None if there is none.
 nb::object get_object(const std::string& url) {
   std::vector<std::byte> bytes;
   std::optional<RemoteVersion> version;
@@ -45,7 +46,7 @@ nb::object get_object(const std::string& url) {
   return nb::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
-/// Returns whether the object was made: without `overwrite`, one that exists stays.
+/// Returns whether the object was written. Without `overwrite`, an existing object stays unchanged.
 bool put_object(const std::string& url, const nb::bytes& content, bool overwrite) {
   const std::span bytes(reinterpret_cast<const std::byte*>(content.c_str()), content.size());
   const nb::gil_scoped_release others_go_on;

@@ -16,7 +16,7 @@ namespace nb = nanobind;
 namespace pointsweep {
 namespace {
 
-constexpr auto kBetweenLooks = std::chrono::milliseconds(50);  // at signals
+constexpr auto kBetweenLooks = std::chrono::milliseconds(50);  // between checks for signals
 
 /// The events since the last look.
 struct Events {
@@ -26,7 +26,7 @@ struct Events {
   bool any() const { return done || progress || !warnings.empty(); }
 };
 
-/// Keeps what the run tells until the waiting thread looks.
+/// Stores the messages of the run for the waiting thread.
 class Mailbox final : public Observer {
  public:
   void on_progress(const Progress& progress) override {

@@ -10,15 +10,15 @@
 
 namespace pointsweep {
 
-/// Calls of Python while a run goes on; None: no call.
+/// Python functions that are called during a run; None: no call.
 struct Callbacks {
   nanobind::object progress;  ///< (phase, points done, points in all)
   nanobind::object warn;      ///< (sentence)
 };
 
-/// Calls work(observer) on a thread of its own, without the interpreter lock. Meanwhile the calling thread lets Python
-/// handle signals and calls back. An exception of either, KeyboardInterrupt above all, cancels the work and is thrown
-/// when it has ended; otherwise that of the work.
+/// Calls work(observer) on another thread, without the interpreter lock. Meanwhile the calling thread handles Python's
+/// signals and makes the callbacks. Their exceptions, such as KeyboardInterrupt, cancel the work and are thrown when it
+/// has ended; otherwise the exception of the work is thrown.
 void watch(const Callbacks& callbacks, const std::function<void(Observer&)>& work);
 
 }  // namespace pointsweep

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The slow and obvious oracle of every neighbour search: all pairs, in double, in the order DESIGN promises.
+/// The slow and obvious oracle of every neighbour search: all pairs, in double, in the order of neighbours that the
+/// library documents.
 #pragma once
 
 #include <algorithm>
@@ -37,7 +38,7 @@ inline std::vector<std::uint32_t> brute_force_neighbors_of(std::span<const Vec3>
   return found;
 }
 
-/// One list for every entry of `queries` (rows).
+/// Returns one list for every entry of `queries` (rows).
 inline std::vector<std::vector<std::uint32_t>> brute_force_neighbors(
     std::span<const Vec3> points, std::span<const std::uint32_t> queries, std::size_t k,
     double radius = std::numeric_limits<double>::infinity()) {
@@ -47,7 +48,7 @@ inline std::vector<std::vector<std::uint32_t>> brute_force_neighbors(
   return lists;
 }
 
-/// One list for every point.
+/// Returns one list for every point.
 inline std::vector<std::vector<std::uint32_t>> brute_force_neighbors(
     std::span<const Vec3> points, std::size_t k, double radius = std::numeric_limits<double>::infinity()) {
   std::vector<std::uint32_t> queries(points.size());

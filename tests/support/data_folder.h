@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Where the real scans are: POINTSWEEP_DATA, or the folder shared/data beside the source tree.
+/// The folder of the real scans: POINTSWEEP_DATA, or the folder shared/data beside the source tree.
 #pragma once
 
 #include <cstdlib>
@@ -7,7 +7,7 @@
 
 namespace pointsweep {
 
-/// Empty if there is none: the test then says so and skips.
+/// Returns an empty path if there is no such folder: tests then skip.
 inline std::filesystem::path data_folder() {
   const char* named = std::getenv("POINTSWEEP_DATA");
   const std::filesystem::path folder = named != nullptr && *named != '\0'

@@ -19,17 +19,18 @@ namespace pointsweep {
 struct OperatorCase {
   const OperatorDeclaration* declaration;
   std::string stage;     ///< canonical text
-  std::string pipeline;  ///< the neighbourhood, stages that make what it needs, the stage
+  std::string pipeline;  ///< neighbourhood, stages that make the needed attributes, and the stage
 };
 
 /// Makes cases for clouds with the attributes `of_input`. `neighborhood`: the first stage, "knn(radius=4)".
-/// `other_cloud`: the file that operators read beside the cloud.
+/// `other_cloud`: the file of the other cloud that operators read.
 class EveryOperator {
  public:
   EveryOperator(std::set<std::string> of_input, std::string neighborhood, std::string other_cloud)
       : of_input_(std::move(of_input)), neighborhood_(std::move(neighborhood)), other_cloud_(std::move(other_cloud)) {}
 
-  /// One case for each operator, and one for every further choice and every further option that can stand alone.
+  /// Returns one case for each operator, and one for every further choice and every further option that can stand
+  /// alone.
   std::vector<OperatorCase> cases() const {
     std::vector<OperatorCase> all;
     for (const OperatorDeclaration& declaration : all_operators()) {

@@ -20,7 +20,7 @@
 namespace pointsweep {
 
 struct Example {
-  std::string name;  ///< of the operator
+  std::string name;  ///< name of the operator
   std::string pipeline;
 };
 

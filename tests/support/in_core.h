@@ -17,7 +17,7 @@
 
 namespace pointsweep {
 
-/// One column of raw values per attribute an operator makes, and its degenerate points.
+/// One column of raw values for each attribute that an operator makes, and its degenerate points.
 struct InCoreResult {
   std::vector<std::vector<std::byte>> columns;
   std::uint64_t degenerate = 0;

@@ -77,8 +77,8 @@ class MemoryStorage final : public Storage {
   Objects objects_;
 };
 
-/// Another storage, of which operation number `fails` from 0, and all after it, throw Error. A write that fails has
-/// written half of its bytes, as on a disk that is full.
+/// A storage whose operation number `fails`, counted from 0, and all later ones throw Error. A failing write has
+/// written half of its bytes, like on a full disk.
 class FaultyStorage final : public Storage {
  public:
   FaultyStorage(Storage& storage, std::size_t fails) : storage_(storage), left_(fails) {}

@@ -32,8 +32,8 @@ inline void add_operators_of(const std::vector<ChainStage>& stages, const Schema
                stage);
 }
 
-/// The operators of a chain that has nothing else, for a cloud with the fields of `input`; in place of a composite its
-/// parts.
+/// Returns the operators of a chain of only `stages`, for a cloud with the fields of `input`; composites are replaced
+/// by their parts.
 inline std::vector<StageOperator> operators_of(const std::vector<ChainStage>& stages, const Schema& input) {
   std::vector<StageOperator> operators;
   add_operators_of(stages, input, operators);

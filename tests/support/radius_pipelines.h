@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Pairs of points at the least radius that holds them, and pipelines that ask for it.
+/// Pairs of points at exactly the radius that includes both, and pipelines that search within that radius.
 #pragma once
 
 #include <fmt/format.h>
@@ -31,8 +31,8 @@ struct PairAtRadius {
   static double below(double r) { return std::nextafter(r, 0); }
 };
 
-/// Pairs of equal height, so that the distance to a vertical axis is the distance, too. Some are short beside their
-/// coordinates, some have a rounded root that is too small.
+/// Returns pairs of equal height, so that the distance to a vertical axis equals the distance of the pair. Some are
+/// short relative to their coordinates, for some the rounded root is too small.
 inline std::vector<PairAtRadius> pairs_at_radius() {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -45,7 +45,8 @@ inline std::vector<PairAtRadius> pairs_at_radius() {
   return all;
 }
 
-/// By operator and option, a pipeline that looks for points within the radius {r}, which is also the attribute `own`.
+/// Returns for each operator and option a pipeline that searches points within the radius {r}, which is also the
+/// attribute `own`.
 inline const std::map<std::string, std::string>& radius_pipelines() {
   static const std::map<std::string, std::string> pipelines = {
       {"knn radius", "knn(radius={r}) | neighborhood_size"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// An observer made of functions.
+/// An observer that calls functions.
 #pragma once
 
 #include <functional>
