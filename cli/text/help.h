@@ -22,8 +22,9 @@ inline constexpr const char* kMachineGroup = "Memory and machine";
 inline constexpr const char* kOtherGroup = "Other";
 inline constexpr const char* kGroups[] = {kOwnGroup, kNeighborGroup, kOutputGroup, kMachineGroup, kOtherGroup};
 
-/// `text` broken at blanks into lines of at most `columns` characters. The first line begins at column `indent` of a
-/// line that the caller has begun; the others get `indent` blanks. A word longer than a line stays whole.
+/// Returns `text`, broken at blanks into lines of at most `columns` characters. The first line begins at column
+/// `indent` of a line that the caller has begun; the others get `indent` blanks. A word longer than a line is not
+/// broken.
 std::string wrapped(std::string_view text, std::size_t indent, std::size_t columns = text_columns());
 
 /// Lays out help. In footers, lines that begin with a blank (examples, tables) are kept; the other lines form
@@ -48,7 +49,7 @@ class HelpFormatter : public CLI::Formatter {
 /// Returns a sentence about the error in the command line that `app` has just refused, with the remedy.
 std::string usage_sentence(const CLI::App& app, const CLI::ParseError& error);
 
-/// Null where no verb has that name.
+/// Returns the verb; null if no verb has that name.
 const CLI::App* find_verb(const CLI::App& app, const std::string& name);
 
 /// "'norml' is not a verb. Did you mean 'normals'?"

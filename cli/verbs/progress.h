@@ -40,7 +40,7 @@ class ProgressDisplay {
   /// `done` of `total` points have passed `phase`, e.g. "sort". Rate and time count from the first report of a phase.
   /// Cheap and thread-safe: a report that comes while another is printed is dropped unless it completes the phase.
   void report(std::string_view phase, std::uint64_t done, std::uint64_t total);
-  /// Prints a sentence that stays; the bar is moved below it.
+  /// Prints a sentence above the bar. The sentence is not overwritten.
   void say(Severity severity, std::string_view sentence);
 
  private:

@@ -54,10 +54,10 @@ using ChainStage = std::variant<std::shared_ptr<const LocalOperator>,      ///< 
                                 std::shared_ptr<const SelectOperator>,     ///< drops rows by a condition on a point
                                 std::shared_ptr<const InOrderOperator>,    ///< takes all points in order
                                 std::shared_ptr<const ConnectOperator>,    ///< joins neighbours by edges
-                                std::shared_ptr<const CompositeOperator>,  ///< is short for other stages
+                                std::shared_ptr<const CompositeOperator>,  ///< stands for other stages
                                 Drop, Reneighbor, Resort>;
 
-/// An operator that is short for other stages, which follow each other in its place.
+/// An operator that stands for a sequence of other stages, which replace it.
 class POINTSWEEP_EXPORT CompositeOperator : public Operator {
  public:
   virtual std::vector<ChainStage> parts() const = 0;

@@ -29,7 +29,7 @@ class POINTSWEEP_EXPORT Cancelled : public Error {
   Cancelled() : Error("cancelled") {}
 };
 
-/// A request to stop that is made once and stays. Lock-free: any thread and a signal handler may call cancel().
+/// A request to stop. Once made, it cannot be withdrawn. Lock-free: any thread and a signal handler may call cancel().
 class POINTSWEEP_EXPORT CancellationToken {
  public:
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }

@@ -122,7 +122,7 @@ class POINTSWEEP_EXPORT Columns {
         refuse_value_size(bytes_[m], sizeof(T));
     return {reinterpret_cast<T*>(made_[m]), size_};
   }
-  /// False if column `m` is never read. An operator may then skip the work and leave the column unchanged.
+  /// Returns false if column `m` is never read. An operator may then skip the work and leave the column unchanged.
   bool wanted(std::size_t m) const { return m >= unwanted_.size() || !unwanted_[m]; }
   /// Point i gets the documented value in place of a result, because its data define none. Statistics counts it.
   void mark_degenerate(std::size_t i);
@@ -205,8 +205,8 @@ class POINTSWEEP_EXPORT SelectOperator : public Operator {
  public:
   /// Attributes of the point itself that decide, in addition to its position.
   virtual std::vector<Attribute> reads() const { return {}; }
-  /// Sets kept[i] to 1 for every point i of the batch whose row stays; all values are 0 before the call. `points` have
-  /// no neighbours. Called from many threads at once.
+  /// Sets kept[i] to 1 for every point i of the batch whose row is kept; all values are 0 before the call. `points`
+  /// have no neighbours. Called from many threads at once.
   virtual void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const = 0;
   /// Returns the operator for such a cloud, or null; see LocalOperator::bound().
   virtual std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const {

@@ -104,7 +104,7 @@ struct AttributeLimits {
   std::string radius = {};  ///< the point keeps the neighbours within the value, inclusive, in length units
 };
 
-/// The choice of the point that stays in a voxel.
+/// The choice of the point of a voxel that is kept.
 enum class VoxelKeep {
   center,  ///< the point nearest to the centre of the voxel
   hash,    ///< the point whose coordinates have the smallest hash: a random choice

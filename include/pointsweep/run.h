@@ -55,8 +55,8 @@ struct Progress {
 /// Watches a run, and stops it. An exception that an override throws ends the run, which then leaves no files.
 ///
 /// cancel(), from any thread or from a signal handler, ends the run with Cancelled within a fraction of a second. An
-/// operator is not interrupted between two batches of at most 262,144 neighbours or one point. An observer that has
-/// been cancelled stays so.
+/// operator is not interrupted between two batches of at most 262,144 neighbours or one point. A cancelled observer
+/// remains cancelled.
 class POINTSWEEP_EXPORT Observer {
  public:
   virtual ~Observer();
@@ -129,8 +129,8 @@ struct RunOptions {
   /// always overwritten.
   std::vector<std::string> replace = {};
   std::string prefix = {};  ///< before the names of made attributes in outputs, except positions
-  /// Outputs hold a record of this run: its operators with their options, and the inputs. The records of the inputs
-  /// stay in any case.
+  /// Outputs contain a record of this run: its operators with their options, and the inputs. Records of the inputs are
+  /// always kept.
   bool provenance = true;
   bool input_paths = false;  ///< the record has the absolute paths of the inputs instead of their file names
 

@@ -90,7 +90,7 @@ class POINTSWEEP_EXPORT Writer {
   /// Appends whole records. Large calls run at disk speed. Throws Error (no space left, ...).
   virtual void write(std::span<const std::byte> records) = 0;
 
-  /// True for formats whose records have a fixed size in the file, so that write_at() works.
+  /// Returns true for formats whose records have a fixed size in the file, so that write_at() works.
   virtual bool can_write_at() const { return false; }
   /// Writes whole records at `row`; every row must be written at least once, in any order. A caller uses either write()
   /// or write_at(). Not thread-safe.

@@ -60,7 +60,7 @@ std::pair<int, int> codes_of(std::string_view text) {
   return {code(text.substr(0, plus)), plus == text.npos ? 0 : code(text.substr(plus + 1))};
 }
 
-/// The piece [first, first + count) of `all`, as far as it is there.
+/// Returns the part of [first, first + count) that lies within `all`.
 template <class Range>
 Range piece(const Range& all, std::size_t first, std::size_t count) {
   first = std::min(first, all.size());
@@ -178,7 +178,7 @@ struct LengthUnit {
 
 constexpr LengthUnit kLengthUnits[] = {{9001, 1, "m"}, {9002, 0.3048, "ft"}, {9003, 1200.0 / 3937, "US survey ft"}};
 
-/// Null for a number that is that of no length unit, as of a degree, which is 0.01745 radians.
+/// Returns null for a number that belongs to no length unit, as for a degree, which is 0.01745 radians.
 const LengthUnit* unit_of_metres(double metres) {
   const auto same = [&](const LengthUnit& unit) { return std::abs(metres - unit.metres) < 1e-9; };
   const auto found = std::ranges::find_if(kLengthUnits, same);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The description of a format and of what its files can hold. Each format defines it once, beside its code;
+/// The description of a format and of the possible contents of its files. Each format defines it once, beside its code;
 /// registry.cpp lists all of them. Other layers use a Format and never compare names or extensions.
 #pragma once
 
@@ -94,7 +94,8 @@ struct Format {
   /// them unchanged.
   StoredCoordinate (*stored_coordinate)(const OutputPlan& plan) = nullptr;
 
-  /// Returns whether this build reads and writes the format, as far as `open` and `create` are given.
+  /// Returns whether this build supports the format. `open` is null if it is never read, `create` if it is never
+  /// written.
   bool is_built_in() const { return has_codec == nullptr || has_codec(); }
 };
 

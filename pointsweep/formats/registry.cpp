@@ -43,7 +43,7 @@ constexpr Magic kMagics[] = {
     {"\xfe\xff"sv, "text in UTF-16", "save it as UTF-8"},
 };
 
-/// Text formats without a magic number go by their extension.
+/// Text formats without a signature are recognised by their extension.
 constexpr Magic kExtensions[] = {
     {".ptx"sv, "a PTX file that does not begin with the ten lines of its header", "export it again"},
     {".stl"sv, "an STL file", kWithMeshTool},
@@ -89,7 +89,7 @@ bool has_extension(const Format& format, std::string_view extension) {
   return std::ranges::find(format.extensions, extension) != format.extensions.end();
 }
 
-/// Null for "".
+/// Returns null for "".
 const Format* format_asked_for(std::string_view name) {
   for (const Format* format : kFormats)
     if (!name.empty() && format->asked_for_as == name) return format;

@@ -9,8 +9,8 @@
 
 namespace pointsweep {
 
-/// Pages cost nothing until they are touched and go back to the system at once. Large pages are asked for, which halves
-/// the cost of touching them in sequence and saves most of it at random.
+/// Memory in pages, which cost nothing until they are touched, and which return to the system at once. Uses large
+/// pages, which halve the cost of touching pages in sequence and save most of it for random access.
 class PageMemory {
  public:
   PageMemory() = default;

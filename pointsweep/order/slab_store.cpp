@@ -86,7 +86,7 @@ struct SlabStore::State {
     pool.give_back(out.buffer);
   }
 
-  /// Calls use(block, skipped bytes of it, bytes) for the blocks that hold `bytes` from record `first` on.
+  /// Calls use(block, bytes to skip in it, bytes) for the blocks that contain `bytes` bytes from record `first` on.
   template <class Use>
   void for_each_part(std::size_t slab, std::uint64_t first, std::size_t bytes, Use use) const {
     const SlabList& list = lists[slab];

@@ -185,8 +185,8 @@ struct Stream::State {
     return pieces;
   }
 
-  /// Joins neighbouring pieces that are small together: a thin slab gives slivers. Copies of one point stay by
-  /// themselves, so that they need not wait for slabs around them.
+  /// Joins adjacent pieces that are small together, since cutting a thin slab gives slivers. Pieces of copies of one
+  /// point are not joined, so that they need not wait for slabs around them.
   static std::vector<PiecedSlab> join(const std::vector<StreamPiece>& pieces, std::uint64_t aim) {
     std::vector<PiecedSlab> slabs;
     bool after_copies = false;

@@ -47,7 +47,7 @@ void WorkingRecord::carry(const Schema& source, std::size_t index) {
   schema_.fields.push_back(std::move(field));
   schema_.stride += bytes;
   if (!pieces_.empty() && pieces_.back().from + pieces_.back().bytes == piece.from)
-    pieces_.back().bytes += bytes;  // neighbours in the source stay neighbours
+    pieces_.back().bytes += bytes;  // adjacent fields of the source stay adjacent
   else
     pieces_.push_back(piece);
 }

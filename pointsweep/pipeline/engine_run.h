@@ -34,8 +34,8 @@ struct EngineOptions : RunOptions {
   bool spill = false;            ///< use the temporary folder even if memory suffices
   /// Find neighbourhoods again for every step even where there is memory to keep them.
   bool search_again = false;
-  /// Bytes for the lists of neighbours that a thread has in hand. A list of one point always fits. 0: chosen from the
-  /// budget.
+  /// Bytes for the lists of neighbours that a thread uses at a time. A list of one point always fits. 0: chosen from
+  /// the budget.
   std::uint64_t lists_bytes = 0;
   bool count_distances = false;  ///< fill Statistics::neighbor_distances; about 5 ns a point
   /// A .npy file of one uint8 for each input row: its PointState (sweep/sweep.h) when half of the points have been

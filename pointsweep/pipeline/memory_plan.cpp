@@ -30,18 +30,18 @@ constexpr std::uint64_t kThreadBytes = 256 << 10;
 constexpr std::uint64_t kSlabBytes = 640;
 /// A slab in each series of the statistics: a pair of counts.
 constexpr std::uint64_t kSeriesBytes = 2 * 16;
-/// Bytes that stay of a cell after it is dropped (DroppedCell), with an eighth more for growth.
+/// Bytes that remain of a dropped cell (DroppedCell), with an eighth more for growth.
 constexpr std::uint64_t kDroppedCellBytes = 63;
 /// A Block of a SlabStore.
 constexpr std::uint64_t kBlockBytes = 2 * 24;
-/// A key of 8 bytes and a name of 4 for each neighbour of the point in hand, and an eighth more for candidates.
+/// A key of 8 bytes and a name of 4 for each neighbour of the point being searched, and an eighth more for candidates.
 constexpr std::uint64_t kNeighborInHandBytes = 14;
 /// A candidate of a search for the k nearest. There may be twice as many, and a copy.
 constexpr std::uint64_t kCandidateBytes = 128;
 /// Smallest and largest blocks of the spilled stream (order/stream.cpp) and of spilled results (order/row_store.cpp).
 constexpr std::uint64_t kLeastStreamBlock = 8192, kLeastResultBlock = 4096, kLargestBlock = 1u << 20;
 constexpr std::uint64_t kMostStreamPieces = 4096;
-/// The lists a thread has in hand, at most and at least.
+/// Most and least memory for the lists that a thread uses at a time.
 constexpr std::uint64_t kMostListBytes = 16 * kMega, kLeastListBytes = kMega / 4;
 
 /// Returns the points of the thinnest slabs. If later steps read values that earlier steps made of neighbours, a cell
@@ -185,7 +185,7 @@ std::uint64_t limit_of_control_group() {
   return limit;
 }
 
-/// One way to divide a budget.
+/// A division of a budget.
 class Division {
  public:
   Division(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand, bool lists)

@@ -39,7 +39,7 @@ struct MemoryPlan {
   std::uint64_t most_waiting = 0;  ///< for slabs on demand: points that may wait for their slabs
   std::uint64_t recall_bytes = 0;
   std::uint32_t slabs_per_turn = 1;  ///< slabs that come into the window before the steps are taken
-  std::uint64_t window_bytes = 0;    ///< expected, with what threads have in hand
+  std::uint64_t window_bytes = 0;    ///< expected, including memory that threads use at a time
   std::uint64_t threads_bytes = 0;   ///< memory of threads with the thinnest slabs; 0 if nothing is recalled
   std::uint64_t cells_bytes = 0;     ///< limit for the cells of the window
   std::uint64_t in_order_bytes = 0;  ///< limit for an in-order operator

@@ -40,7 +40,7 @@ class SweepEngine {
 /// `made` outlives all runs.
 void register_engine(Engine engine, const SweepEngine& made);
 
-/// Null for Engine::exact. Throws UsageError where the program has not registered the engine.
+/// Returns the engine; null for Engine::exact. Throws UsageError if the program has not registered it.
 const SweepEngine* engine_of(Engine engine);
 
 }  // namespace pointsweep

@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// Records that are walked once for each coordinate stay in the first-level cache.
+/// Number of records that stay in the first-level cache while they are visited once for each coordinate.
 constexpr std::size_t kBlock = 256;
 
 template <class T>

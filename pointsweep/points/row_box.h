@@ -8,7 +8,7 @@
 
 namespace pointsweep {
 
-/// The rows [first_row, first_row + rows) and a box that is said to hold their points: a hint, not to be trusted.
+/// The rows [first_row, first_row + rows) and a stated box of their points, which may be wrong.
 struct RowBox {
   std::uint64_t first_row = 0, rows = 0;
   Box box;

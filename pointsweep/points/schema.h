@@ -36,8 +36,8 @@ bool is_spelling_of(std::string_view field, std::string_view word);
 /// Returns whether `word`, in any case, is a spelling of the attribute field `field` and of no other. "curvature" is a
 /// spelling of the surface variation (PCL), but other programs mean other curvatures by it.
 bool means_only(std::string_view word, std::string_view field);
-/// Returns the index of the field that a user means by `word`: the field with exactly this name, else a field of which
-/// `word` is a spelling, else one that other programs call so. Returns nullopt if there is none.
+/// Returns the index of the field that a user means by `word`: the field with exactly this name, else a field with
+/// `word` as a spelling, else a field with this name in other programs. Returns nullopt if there is none.
 std::optional<std::size_t> field_meant(const Schema& schema, std::string_view word);
 
 /// The three coordinate fields of a schema.

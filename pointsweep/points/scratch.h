@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Bytes that an algorithm puts aside: appended in sequence, then read from any place.
+/// Temporary storage of an algorithm: bytes are appended in sequence, and later read at any offset.
 #pragma once
 
 #include <cstddef>

@@ -32,7 +32,7 @@ struct Polygon {
 class PolygonIndex {
  public:
   explicit PolygonIndex(const std::vector<Polygon>& polygons);
-  /// False for a point that is not finite.
+  /// Returns whether the point is covered; false for a point that is not finite.
   bool covers(Point2 p) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The colour of a point, from what its file says of it.
+/// The colour of a point, from its attributes.
 #pragma once
 
 #include <array>

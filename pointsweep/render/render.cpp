@@ -80,7 +80,7 @@ RowStretches rows_of(InputCloud& cloud, const RenderOptions& options) {
   return rows_within(cloud, options.seconds - fill_seconds(options, fineness_of(options)));
 }
 
-/// The direction up where it is known before the points are.
+/// Returns the direction up if the options or the formats of the inputs state it.
 std::optional<Up> stated_up(const RenderOptions& options, const InputCloud& cloud) {
   const auto z_is_up = [](const auto& reader) { return reader->info().z_is_up; };
   return options.up ? options.up : std::ranges::all_of(cloud.readers(), z_is_up) ? std::optional(Up{}) : std::nullopt;

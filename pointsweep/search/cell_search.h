@@ -102,7 +102,7 @@ struct SearchScratch {
 std::uint32_t search(const CellQuery& query, const CellSubset& points, std::uint64_t most, SearchScratch& scratch,
                      CellNeighbors& out);
 
-/// A value of `most` that all lists stay below.
+/// A value of `most` that exceeds the size of all lists.
 inline constexpr std::uint64_t kAllLists = ~std::uint64_t{0};
 
 /// The function search() for any k > 0 and any radius, for many neighbours: the points around a leaf are gathered once,

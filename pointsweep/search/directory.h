@@ -23,7 +23,7 @@ class CellDirectory {
     }
   };
 
-  /// Adds a cell under a slot number (any, each once); the cell stays where it is.
+  /// Adds a cell under a slot number (any, each once). The cell is borrowed and must not move.
   void add(std::uint32_t slot, const Cell* cell);
   void remove(std::uint32_t slot);
   const Cell& cell(std::uint32_t slot) const { return *cells_[slot]; }

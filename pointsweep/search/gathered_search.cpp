@@ -298,7 +298,8 @@ class GatheredSearch {
     return count;
   }
 
-  /// Candidates whose distances begin with the same bits are put into exact order, as far as they get into the list.
+  /// Puts candidates whose distances begin with the same bits into exact order, unless they are beyond the end of the
+  /// list.
   void settle_ties(Vec3 p, std::size_t count, std::size_t size) {
     std::uint64_t* keys = scratch_.gathered.key.data();
     for (std::size_t begin = 0; begin + 1 < count && begin < size; ++begin) {

@@ -14,7 +14,8 @@ namespace pointsweep {
 struct Sampling {
   std::uint64_t count = 0;
   std::uint64_t seed = 1;
-  double noise = 0;         ///< standard deviation of a Gaussian added to x, y and z each; normals stay as on the shape
+  double noise = 0;         ///< standard deviation of a Gaussian added to x, y and z each; normals stay those of the
+                            ///< shape
   double outliers = 0;      ///< probability of a point anywhere in the outlier box, with normal 0; in [0, 1]
   double outlier_box = 20;  ///< size of that box in sizes of the shape's box, about the same centre
   Vec3 origin = {};         ///< added to every position, for coordinates as large as on maps

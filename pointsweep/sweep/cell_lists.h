@@ -50,7 +50,7 @@ class CellLists {
 
   /// Notes in the worker which cells the lists name.
   static void note_references(const WindowCell& cell, std::uint32_t first, const CellNeighbors& lists, Worker& worker);
-  /// The cells noted since the last call stay in the window until this cell is finished.
+  /// Keeps the cells referred to since the last call in the window until this cell is finished.
   static void hold_references(WindowCell& cell, Worker& worker);
 
   /// Keeps a copy in the cell if there is room.

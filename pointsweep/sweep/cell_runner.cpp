@@ -23,8 +23,8 @@ double reach_of_most(const std::vector<double>& reach2, double share) {
   return std::sqrt(*at);
 }
 
-/// The quantile of the reaches of a cell's points that counts as the reach of the cell. The reach of a cell decides how
-/// long the cell stays in the window.
+/// The quantile of the reaches of a cell's points that counts as the reach of the cell, which decides how long the cell
+/// stays in the window.
 constexpr double kCountedShare = 0.9;
 
 /// Makes the cell wait, with a better estimate of its reach than its density gave.

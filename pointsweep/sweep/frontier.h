@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Places of points that are not in memory: a ball that touches none of them is certain to hold nothing unknown,
-/// neither a point not yet read nor one already dropped. The paper only looks ahead (Section 4.2.2).
+/// Places of points that are not in memory. A ball that touches none of them cannot contain an unread or a dropped
+/// point. The paper considers only unread points (Section 4.2.2).
 #pragma once
 
 #include <array>

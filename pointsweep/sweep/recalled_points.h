@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Deferred points with their surroundings: everything their values depend on, and the neighbour lists of all of it.
+/// Deferred points with their surroundings: all points on which their values depend, with the neighbour lists of these.
 #pragma once
 
 #include <atomic>

@@ -17,7 +17,7 @@
 
 namespace pointsweep {
 
-/// The request of the run: its stages and what it wrote.
+/// The request of the run: its stages and its outputs.
 struct MadeBy {
   NeighborRule neighborhood = {};
   SharedRule rule = {};  ///< shortens the neighbourhood

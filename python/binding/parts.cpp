@@ -73,10 +73,9 @@ nb::tuple tuple_of(const PartRound& round) {
   return nb::make_tuple(steps, kJoinNames[static_cast<std::size_t>(round.join)]);
 }
 
-/// (rounds, rows by tile, the option `nonfinite` for the tasks, notes, bytes of a point in the scratch, files of other
-/// clouds by pass, stages for the record, facts). A round: (steps, what is to be
-/// joined). A step: (kind, pass). Files: (paths, points of
-/// each).
+/// Returns (rounds, rows by tile, the option `nonfinite` for the tasks, notes, bytes of a point in the scratch, files
+/// of other clouds by pass, stages for the record, facts). A round: (steps, kind of the results to be joined). A step:
+/// (kind, pass). Files: (paths, points of each).
 nb::tuple planned_parts(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                         const nb::dict& given, std::vector<std::filesystem::path> to) {
   PartRequest request(source, pipeline, keep, given, std::move(to));

@@ -103,7 +103,7 @@ def _has_rows(points: Any) -> bool:
 
 
 def _row_name(points: Any, operator: Operator, given: dict[str, Any]) -> list[str]:
-    """Numbers of rows, where they are needed to compare and there are any."""
+    """Returns the name of the row numbers if the points have them and the comparison needs them."""
     needed = isinstance(operator, Select) or given.get("order") == "sweep"
     return ["row"] if needed and _has_rows(points) else []
 

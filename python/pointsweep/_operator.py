@@ -19,14 +19,12 @@ _TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint6
 
 
 class PointNeighbors:
-    """The neighbours of the points of a batch: m places for each point, of which `mask` says which are taken.
+    """The neighbours of the points of a batch: m places for each point. `mask` is True for the places that are taken.
 
-    With ``knn(k=16)`` m is 16 and all places are taken, unless the cloud has fewer points. With a radius, points have
-    different numbers of neighbours, and m is the largest of the batch. Places that are not taken hold NaN, or 0 in
-    integers; in `rows` the largest value, which is the row of no point: ``values[rows]`` raises an IndexError.
-    Neighbours come nearest first; the point itself is not among them. `offsets` and `flat` give the same without such
-    places: the neighbours of point i are ``offsets[i]:offsets[i + 1]``.
-    """
+    With ``knn(k=16)`` m is 16 and all places are taken, unless the cloud has fewer points. With a radius, points have different numbers of
+    neighbours, and m is the largest of the batch. Places that are not taken hold NaN, or 0 for integers; in `rows` the largest value, which
+    is no row, so that ``values[rows]`` raises an IndexError. Neighbours come nearest first; the point itself is not among them. `offsets`
+    and `flat` give the same without such places: the neighbours of point i are ``offsets[i]:offsets[i + 1]``. """
 
     def __init__(self, batch: Any, names: list[str]) -> None:
         self._batch = batch
@@ -219,7 +217,7 @@ _FIXED = {"position": "float64", "normal": "float32"}
 
 
 class Select(Operator):
-    """A function of Python that says which points stay; made with `pointsweep.select`."""
+    """A Python function that decides which points are kept; made with `pointsweep.select`."""
 
     def __init__(self, function: Callable[[Points], Any], reads: Sequence[str], name: str | None) -> None:
         super().__init__(function, reads, (), {}, name, sees_neighbors=False)

@@ -68,7 +68,7 @@ def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
 
 
 def word(name: str, value: Any) -> str:
-    """`value` if it is one of the words that the option of this name has in the declarations; empty for None."""
+    """Returns `value` if it is one of the words in the declaration of the option; empty for None."""
     return "" if value is None else choice(name, value, tuple(_core.run_options[name][1]))
 
 

@@ -15,7 +15,7 @@ from ._types import Path
 
 
 def outputs_to(out: Mapping[str, np.ndarray] | None) -> dict[str, np.ndarray]:
-    """The arrays of `out` as (n, m) views, checked as far as they can be before the run."""
+    """Returns the arrays of `out` as (n, m) views, after all checks that are possible before the run."""
     if out is None:
         return {}
     if not isinstance(out, Mapping):

@@ -28,7 +28,7 @@ def known_place(value: Any, name: str) -> str:
 
 
 def absolute(name: str) -> str:
-    """The absolute path; a URL as it is."""
+    """Returns the absolute path; a URL unchanged."""
     return name if is_url(name) else os.path.abspath(name)
 
 

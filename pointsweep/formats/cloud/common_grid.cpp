@@ -32,7 +32,8 @@ std::optional<std::int64_t> factor_between(double coarse, double scale) {
   return static_cast<std::int64_t>(factor);
 }
 
-/// Whole steps from the grid of `input` to one that begins at `offset`, if all its coordinates stay in 32 bits there.
+/// Returns the number of whole steps from the grid of `input` to a grid that begins at `offset`; nothing if the
+/// coordinates would not fit in 32 bits there.
 std::optional<std::int64_t> steps_between(const AxisOfInput& input, double scale, double offset) {
   if (input.field.scale == scale && input.field.bias == offset) return 0;
   const double distance = (input.field.bias - offset) / scale, steps = std::nearbyint(distance);

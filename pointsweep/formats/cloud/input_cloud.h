@@ -50,7 +50,7 @@ class InputCloud {
   bool ignores_crs() const { return ignores_crs_; }
   /// The meaning of coordinates and times of inputs that are or were LAS; null if there are no such inputs.
   const std::shared_ptr<const LasOrigin>& las() const { return las_; }
-  /// The range of values that each field can have, as far as the types of the inputs tell.
+  /// Returns the range of each field that the types of the inputs allow.
   const std::vector<ValueRange>& ranges() const { return ranges_; }
   /// Harmless faults in the combination of inputs, one sentence each. Faults of a single input are in its FileInfo.
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -92,7 +92,7 @@ class InputCloud {
   /// Drops all rows that `selection` does not keep, until keep_all() or the next select(); the kept rows are numbered
   /// from 0. The selection is made for all rows that drop_nonfinite() has kept.
   void select(RowSelection selection);
-  /// Null if no rows are selected.
+  /// Returns the selection; null if no rows are selected.
   const RowSelection* selection() const { return selection_.get(); }
 
   /// Reads only the chosen chunks, as if the inputs had no others, until read_all_chunks() is called. Inputs without

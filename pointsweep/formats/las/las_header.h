@@ -50,9 +50,9 @@ struct LasHeader {
 std::uint16_t standard_header_size(int minor);
 
 /// Parses `bytes`, the first bytes of a file of `file_size` bytes (standard_header_size(4) bytes, or the whole file if
-/// it is shorter). Throws Error naming `path` when an entry contradicts itself, the file's size, or what the library
-/// can read. `header.bytes` stays empty, since the header may be longer than `bytes`. The presence of the points of a
-/// compressed file is not checked.
+/// it is shorter). Throws Error naming `path` if an entry contradicts itself or the file's size, or has a value that
+/// the library does not support. `header.bytes` stays empty, since the header may be longer than `bytes`. The presence
+/// of the points of a compressed file is not checked.
 LasHeader parse_las_header(std::span<const std::byte> bytes, std::uint64_t file_size, std::string_view path,
                            std::vector<std::string>& warnings);
 

@@ -25,8 +25,8 @@ std::uint64_t chunk_bytes(std::uint64_t record_bytes) {
   return chunk + chunk / 2 + kModels;
 }
 
-/// Returns how many chunks are compressed at once in `bytes` of memory: at least kFewChunksAtOnce where there are so
-/// many threads, at most one per thread.
+/// Returns how many chunks are compressed at once: one per thread, as far as `bytes` of memory allow, but at least
+/// kFewChunksAtOnce if there are as many threads.
 unsigned chunks_at_once(std::uint64_t bytes, std::uint64_t record_bytes, unsigned threads) {
   const std::uint64_t fitting = std::max<std::uint64_t>(bytes / chunk_bytes(record_bytes), kFewChunksAtOnce);
   return static_cast<unsigned>(std::clamp<std::uint64_t>(threads, 1, fitting));

@@ -64,7 +64,7 @@ class Parser {
     return *line;
   }
 
-  /// False at the end of the header.
+  /// Parses a line. Returns false at the end of the header.
   bool parse_line(std::string_view line) {
     const auto words = words_of(line);
     if (words.empty()) return true;

@@ -63,7 +63,7 @@ std::string_view name_of(PlyEncoding encoding);
 /// Lines that begin with `comment` and have at most 1,000 bytes, which the readers of other programs accept.
 std::vector<std::string> crs_comments(const Crs& crs);
 
-/// The system that such lines state; they are removed from `lines`. Lines that do not make sense stay.
+/// Returns the system stated by such lines, and removes them from `lines`. Invalid lines are not removed.
 std::optional<Crs> take_crs_comments(std::vector<std::string>& lines);
 
 /// A line, as above, that states the meaning of the coordinates and times of a LAS file.

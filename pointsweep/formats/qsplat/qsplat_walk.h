@@ -80,8 +80,8 @@ class QsplatWalk {
   const Place& place() const { return place_; }
   void go_to(const Place& place) { place_ = place; }
 
-  /// False at the end of the file. Throws Error for a tree that contradicts itself or its header, or is deeper than 256
-  /// levels.
+  /// Returns false at the end of the file. Throws Error for a tree that contradicts itself or its header, or is deeper
+  /// than 256 levels.
   bool next(QsplatLeaf& leaf);
 
  private:

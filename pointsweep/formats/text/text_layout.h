@@ -23,9 +23,10 @@ Separator separator_of(std::string_view line);
 /// empty; an empty cell after a last separator is dropped.
 void split_cells(std::string_view line, Separator separator, std::vector<std::string_view>& cells);
 
-/// True for lines that hold cells: neither blank nor a comment, which `#`, `%` or `//` starts.
+/// Returns whether a line has cells: it is neither blank nor a comment, which begins with `#`, `%` or `//`.
 bool is_text_row(std::string_view line);
-/// True for rows of files that state numbers of rows on lines of their own (PTS): lines of more than one cell.
+/// Returns whether a line is a row of points in files that have lines with numbers of rows (PTS): it has more than one
+/// cell.
 bool is_pts_row(std::string_view line);
 /// Returns the text after the `#`, `%` or `//` of a comment; empty for other lines.
 std::string_view comment_of(std::string_view line);

@@ -141,7 +141,7 @@ const OptionTable<M3c2Options>& m3c2_options() {
       option("cloud", &M3c2Options::cloud,
              "the other cloud, measured later: a point file, a folder of them or a pattern",
              {.kind = OptionKind::file, .required = true, .positional = true, .sample = "after.las"}),
-      // Half of it is the radius within which points count.
+      // Points count within half of the diameter.
       option("cylinder", &M3c2Options::cylinder, "diameter of the cylinder along the normal (projection scale)",
              {.least = kAboveZero, .unit = "length", .required = true, .sample = 0.5, .is_radius = true}),
       option("depth", &M3c2Options::depth, "how far the cylinder reaches to each side of the point",

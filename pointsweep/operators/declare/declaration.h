@@ -75,7 +75,8 @@ class OptionValues {
   /// Holds only presets. `where` begins every sentence about these options, e.g. "pipeline, column 12: normals".
   OptionValues(const std::vector<OptionDeclaration>& declared, std::string where);
 
-  /// False if the option has been given before. `name` is declared, and its declaration allows `value`.
+  /// Stores a value. Returns false if the option has been given before. `name` must be declared, and its declaration
+  /// must allow `value`.
   bool give(const std::string& name, OptionValue value);
   /// Returns these values, with the presets of `declared` for options that are not given.
   OptionValues with_presets_of(const std::vector<OptionDeclaration>& declared) const;

@@ -59,7 +59,8 @@ NeighborhoodDeclaration declare_neighborhood() {
       .example = "knn(k=100, adaptive=eigenentropy, k_min=10) | normals"};
 }
 
-/// The most that a rule may choose from must be said: the k that operators want is for points that are all alike.
+/// Throws UsageError unless a rule has an upper limit to choose from. Default numbers of neighbours are no such limit,
+/// since operators choose them for points that all have the same number.
 void require_most(const OptionValues& options, const char* option, bool radius_does) {
   if (options.given("k") || (radius_does && options.given("radius"))) return;
   fail_usage("{}: {} needs {}, the most that any point may have, as in knn(k=64, {}={}).", options.where(), option,

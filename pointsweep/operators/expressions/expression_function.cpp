@@ -20,7 +20,8 @@ double first_by(Arguments arguments, Precedes precedes) {
   return first;
 }
 
-/// In float64. Plain IEEE operations make the last three, whose bits the C library does not promise.
+/// The functions, in float64. The last three consist of plain IEEE operations, since the C library does not guarantee
+/// their bits.
 constexpr ExpressionFunction kFunctions[] = {
     {"abs", 1, 1, [](Arguments a) { return std::fabs(a[0]); }},
     {"sqrt", 1, 1, [](Arguments a) { return std::sqrt(a[0]); }},

@@ -15,7 +15,7 @@ struct ExpressionFunction {
   double (*value)(std::span<const double> arguments);
 };
 
-/// Null if no function has this name.
+/// Returns the function; null if none has this name.
 const ExpressionFunction* expression_function(std::string_view name);
 
 /// The names of all functions, with blanks between.

@@ -34,7 +34,7 @@ class ExpressionText {
 
   std::string_view text_;
   std::size_t at_ = 0;     ///< index of the first character that has not been read
-  std::string canonical_;  ///< of what has been read
+  std::string canonical_;  ///< of the text read so far
 
  private:
   std::string_view where_;

@@ -40,7 +40,7 @@ ChainStage make_dbscan(const OptionValues& values, const Facts& facts) {
   return std::make_shared<DensityClusters>(options, facts.points);
 }
 
-/// The nearest core point within eps; equal distances go by x, y, z, row.
+/// Returns the nearest core point within eps; equal distances are ordered by x, y, z, row.
 std::optional<NeighborRef> nearest_core(const Neighborhoods& in, std::size_t i, double eps2) {
   using Key = std::tuple<double, double, double, double, std::uint64_t>;
   std::optional<NeighborRef> nearest;

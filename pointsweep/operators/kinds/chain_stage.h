@@ -17,9 +17,9 @@ const Operator* operator_of(const ChainStage& stage);
 Contract contract_of(const ChainStage& stage);
 /// Returns its name in pipelines.
 std::string name_of(const ChainStage& stage);
-/// Returns all options that tell it from other stages of its name.
+/// Returns all options that distinguish it from other stages of its name.
 Options options_of(const ChainStage& stage);
-/// Returns whether the stage, or one that it is short for, leaves out rows.
+/// Returns whether the stage, or a stage for which it stands, drops rows.
 bool drops_rows(const ChainStage& stage);
 
 }  // namespace pointsweep

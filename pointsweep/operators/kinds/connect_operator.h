@@ -29,7 +29,7 @@ class ConnectOperator : public Operator {
  public:
   /// Returns whether edges have weights and parities; otherwise all edges are equal.
   virtual bool weighted() const { return false; }
-  /// Null: every component counts, and no signs are turned.
+  /// Returns the rule of votes of components; null: every component counts, and no signs are flipped.
   virtual const VoteRule* votes() const { return nullptr; }
   /// Appends edges of the points of the batch, which may be fewer than one for each neighbour, and fills ballots,
   /// votes()->ballot_bytes() for each point. Called from many threads at once.

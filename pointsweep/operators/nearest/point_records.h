@@ -17,7 +17,7 @@ namespace pointsweep {
 /// about records near to each other.
 class PointRecords {
  public:
-  /// Stands for no record.
+  /// A number that means no record.
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
 
   /// `record_bytes`: bytes of a record, > 0. `memory_bytes`: limit for the blocks in memory; a few always are.

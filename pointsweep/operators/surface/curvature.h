@@ -10,7 +10,7 @@ namespace pointsweep {
 
 struct OperatorDeclaration;
 
-/// From the covariance of the normals,
+/// Computes curvatures from the covariance of the normals,
 ///   C_i = 1/|N_i| Σ_j n_j n_j^T θ(|p_j - p_i|),  θ as in Equation 1.
 /// n n^T does not see signs: normals need no orientation, and curvatures come without sign.
 ///

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Features of the shape of a neighbourhood, from the eigenvalues of its covariance: is it like a line, a plane or a
-/// volume?
+/// Features of the shape of a neighbourhood, from the eigenvalues of its covariance: how much it resembles a line, a
+/// plane or a volume.
 #pragma once
 
 #include <string>

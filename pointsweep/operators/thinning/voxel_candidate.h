@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The comparison that decides which point of a voxel stays.
+/// The comparison that decides which point of a voxel is kept.
 #pragma once
 
 #include <cstdint>

@@ -20,7 +20,8 @@ struct Checkpoint {
   Survey survey;                            ///< survey of the input, from which a resumed run also plans its memory
   std::uint64_t sweep = 0;                  ///< pass to begin, or to go on with; rows carried into it are complete
   std::uint64_t slab_points = 0;            ///< the aim of the slabs of `stream`
-  std::vector<std::byte> stream;            ///< encoded Stream; empty before it is in order, and when it has been swept
+  std::vector<std::byte> stream;            ///< encoded Stream; empty before the points are in order, and after the
+                                            ///< sweep
   std::vector<Vec3> bucket_places;          ///< between buckets of edges of the pass
   std::vector<std::byte> results;           ///< encoded RowStore; empty before the first slab
   std::vector<std::byte> progress;          ///< encoded SweepProgress; empty before the first slab

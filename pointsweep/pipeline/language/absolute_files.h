@@ -8,7 +8,7 @@
 namespace pointsweep {
 
 /// Returns the pipeline with the absolute names of the files, folders and patterns that its options name. An option
-/// that may be a text instead of a file stays as it is where there is no such file. Throws UsageError as
+/// that may be a text instead of a file stays unchanged if there is no such file. Throws UsageError like
 /// parse_pipeline() and find_operator().
 std::string with_absolute_files(std::string_view pipeline);
 

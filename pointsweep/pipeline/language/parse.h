@@ -39,7 +39,7 @@ std::vector<StageText> parse_json_pipeline(std::string_view text, std::string_vi
 /// Parses the content of a file if the name ends with .json, otherwise the text itself.
 std::vector<StageText> parse_pipeline_or_file(const std::string& text_or_file);
 
-/// The stages in the first form; parse_pipeline() of it gives them back.
+/// Returns the stages as text in the first form; parse_pipeline() restores the stages.
 std::string to_text(const std::vector<StageText>& stages);
 
 /// Returns whether `name` may be the name of an operator or an option: letters, digits, _ . and -.

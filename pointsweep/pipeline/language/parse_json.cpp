@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-using Json = nlohmann::ordered_json;  // options stay in the order written
+using Json = nlohmann::ordered_json;  // keeps options in the order of the text
 
 /// Parses JSON and throws UsageError for repeated keys, of which the library would silently use the last.
 Json parsed(std::string_view text, std::string_view source) {

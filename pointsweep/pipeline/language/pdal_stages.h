@@ -13,9 +13,8 @@ namespace pointsweep {
 /// Returns whether the name has the form of PDAL's stages: `readers.las`, `filters.range`, `writers.copc`.
 bool is_pdal_stage(std::string_view name);
 
-/// Returns stages that do what stages of PDAL do, in order, with the neighbourhoods that these have. Readers and
-/// writers are left out: files are named on the command line. Throws UsageError, naming the stage, for one that we
-/// lack, and for an option of it that we lack.
+/// Converts stages of PDAL to equivalent stages, in order, with their neighbourhoods. Readers and writers are dropped:
+/// files are named on the command line. Throws UsageError for a stage, or an option of a stage, without an equivalent.
 std::vector<StageText> stages_of_pdal(const std::vector<StageText>& stages);
 
 }  // namespace pointsweep

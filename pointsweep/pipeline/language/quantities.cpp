@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kPrefixes = "KMGT";
 
-/// The number at the start of `text`, which is taken off it.
+/// Removes the number at the start of `text` and returns it.
 std::optional<double> take_number(std::string_view& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -14,7 +14,7 @@ namespace pointsweep {
 /// The operators of pipelines, in the order of their presentation.
 const std::vector<OperatorDeclaration>& all_operators();
 
-/// Null if no operator has this name.
+/// Returns the declaration of an operator; null if no operator has this name.
 const OperatorDeclaration* declaration_of(std::string_view name);
 
 /// Returns advice for a word of other programs, e.g. "reproject" or "merge"; empty for all other words.

@@ -79,7 +79,7 @@ void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& s
 }
 
 /// Adds the demand of a forest: the supernodes of a bucket and of the points whose neighbours are not all in earlier
-/// buckets, and the edges that a thread has in hand.
+/// buckets, and the edges that a thread uses at a time.
 void add_forest(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey) {
   const Stage* stage = pass.connecting_stage();
   if (stage == nullptr) return;
@@ -235,7 +235,7 @@ bool is_enough(std::uint64_t budget, const RunMemory& memory) {
          std::ranges::all_of(memory.passes, [&](const MemoryPlan& pass) { return pass.threads_bytes <= most; });
 }
 
-/// Returns the least of the numbers above `no` that is enough, where `no` is not and `yes` is.
+/// Returns the least number that is enough, by bisection. `no` is not enough, and `yes` is.
 template <class IsEnough>
 std::uint64_t least(std::uint64_t no, std::uint64_t yes, const IsEnough& is_enough) {
   while (yes - no > 1) {
@@ -319,7 +319,7 @@ std::uint64_t once_decoder_bytes(const InputCloud& cloud, unsigned threads) {
 }
 
 unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget) {
-  constexpr std::uint64_t kThreadBytes = 512 << 10;  // its stack, which stays, and a block of rows
+  constexpr std::uint64_t kThreadBytes = 512 << 10;  // its stack, which is not freed, and a block of rows
   std::uint64_t decoder = 0;
   for (const auto& reader : cloud.readers())
     if (reader->has_decoders() && !reader->info().decode_once)

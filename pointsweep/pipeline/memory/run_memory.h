@@ -52,10 +52,10 @@ struct RunMemory {
 using CodecBytes = std::function<std::uint64_t(unsigned threads)>;
 
 /// Plans the memory of all passes. Records carried between sweeps stay in memory only if nothing is spilled. One survey
-/// serves all sweeps, since the places of moved points are not known yet. As many threads work as the budget has memory
-/// for, at most the threads of the options; with a limit k, the threads beyond two must also leave three
-/// quarters of that memory to the window and the recall. Throws Error, which states the least sufficient budget, if the
-/// budget is too small for one thread. `output_bytes`: bytes of an output record; `codecs` may be empty.
+/// serves all sweeps, since the places of moved points are not known yet. The number of threads is limited by the
+/// options and by the budget; with a limit k, the threads beyond two must also leave three quarters of that memory to
+/// the window and the recall. Throws Error, which states the least sufficient budget, if the budget is too small for
+/// one thread. `output_bytes`: bytes of an output record; `codecs` may be empty.
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs = {},
                           const OnDemandOrder& on_demand = {"it was not looked for", {}});
@@ -82,7 +82,7 @@ std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const
 /// their rows once.
 std::uint64_t once_decoder_bytes(const InputCloud& cloud, unsigned threads);
 
-/// The part of it for encoding one output.
+/// Returns the bytes for encoding one output.
 std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, unsigned threads);
 
 /// Returns the bytes that the output stores in scratch for `count` records of `record_bytes`, if encoders may use

@@ -97,8 +97,8 @@ Offsets nearest_offsets(Vec3 place, const std::vector<Vec3>& others) {
   return offsets;
 }
 
-/// An offset in a cloud whose neighbours are at `scale` times the distance. A coordinate is not scaled where it stays
-/// below the distance: noise across a wall does not become less with more points.
+/// Scales an offset to a cloud whose neighbours are at `scale` times the distance. A coordinate that is smaller than
+/// the scaled distance stays unchanged: noise across a wall does not decrease with more points.
 Vec3 scaled(Vec3 offset, double scale) {
   const double most = scale * length(offset);
   for (const int c : {0, 1, 2}) offset[c] = std::clamp(offset[c], -most, most);

@@ -23,7 +23,7 @@ Attributes only(Attributes attributes, const Names& names) {
 
 bool is_selection(const Attribute& a) { return a.name == selection_attribute().name; }
 
-/// A pass while it is not known yet which of its results are used.
+/// A pass before it is known which of its results are used.
 struct Draft {
   ScheduledPass pass;
   Attributes carried;  ///< before it: everything made by then

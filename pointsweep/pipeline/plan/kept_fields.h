@@ -46,8 +46,8 @@ NamedFields named_fields(const std::vector<std::string>& names, const std::vecto
 /// replace if it were written in full. So an old ny is never written beside a new nx.
 KeptFields without_replaced(KeptFields kept, const Schema& input);
 
-/// The names with `prefix` taken off where a made attribute or field is called so in an output whose names have it:
-/// "p_nx" becomes "nx". Positions have no prefix.
+/// Removes `prefix` from names of made attributes and fields, as used in outputs with a prefix: "p_nx" becomes "nx".
+/// Positions have no prefix.
 std::vector<std::string> without_prefix(std::vector<std::string> names, const std::string& prefix,
                                         const std::vector<Attribute>& made);
 

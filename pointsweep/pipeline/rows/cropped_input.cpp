@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// The boxes in x and y that hold all points that the first stages keep, as far as these only select.
+/// Returns boxes in x and y that contain all points kept by the selects at the beginning of the chain.
 std::vector<Box> first_extents(const ChainPlan& plan) {
   std::vector<Box> extents;
   for (const GraphNode& node : plan.graph.nodes) {

@@ -23,7 +23,7 @@ struct OnDemandOrder {
 /// The first pass of `planned` that puts points in order; the number of passes if none does.
 std::size_t first_ordered_pass(const ChainPlan& planned);
 
-/// Returns what is known for making slabs on demand in the first pass that puts points in order.
+/// Decides whether slabs on demand are possible in the first pass that puts points in order.
 OnDemandOrder on_demand_order(const InputCloud& cloud, const ChainPlan& planned, const EngineOptions& options);
 
 }  // namespace pointsweep

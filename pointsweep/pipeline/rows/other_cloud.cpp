@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::uint64_t kSlabPoints = 32768, kBufferBytes = 8u << 20;
 
-/// The fields of a cloud that an operator reads of it.
+/// Returns the fields of a cloud that an operator reads.
 std::vector<std::size_t> fields_of(const std::vector<Attribute>& reads, const Schema& schema, const std::string& name) {
   std::vector<std::size_t> fields;
   for (const Attribute& a : reads) {

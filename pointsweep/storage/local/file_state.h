@@ -15,8 +15,8 @@ namespace pointsweep {
 /// process that has opened the old file still reads the old file. For a URL: its size and its ETag, or its time.
 class FileState {
  public:
-  /// Looks at the file. Input that is no file (an array, standard input) has no known state and never changes. Throws
-  /// Error for a URL that cannot be opened.
+  /// Reads the state of the file. Input that is no file (an array, standard input) has no known state and never
+  /// changes. Throws Error for a URL that cannot be opened.
   explicit FileState(const std::filesystem::path& path);
   /// Returns whether the file has changed, by the clock of the file system. Writes within its tick (some milliseconds)
   /// of the first look may be missed.

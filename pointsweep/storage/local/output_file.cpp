@@ -27,8 +27,8 @@ namespace fs = std::filesystem;
 std::atomic<bool> any_complete = false, any_streamed = false, reader_ended = false;
 std::atomic<int> incomplete_files = 0;  ///< standard output is not counted
 
-/// Throws for an output to a URL. Looks for its object even if it may be replaced, so that a wrong bucket is found
-/// before the work; who may only write cannot see whether it exists.
+/// Throws for an impossible output to a URL. Looks for its object even if it may be replaced, so that a wrong bucket is
+/// found before the work. A user with only the right to write cannot see whether the object exists.
 void check_url(const fs::path& destination, bool overwrite) {
   const std::string& url = destination.native();
   require_writable_url(url);

@@ -138,7 +138,7 @@ std::uint64_t RemoteObject::end_of_request(std::uint64_t offset, std::uint64_t w
   const std::uint64_t before = run == runs_.end() ? 0 : run->length;
   const auto said = said_.upper_bound(offset);
   if (said != said_.begin() && offset < std::prev(said)->second)
-    bytes = std::max(std::prev(said)->second - offset, before / 2);  // at most a third is read in vain
+    bytes = std::max(std::prev(said)->second - offset, before / 2);  // at most a third of the bytes are unneeded
   else
     bytes = std::max(bytes, before);
   std::uint64_t end = offset + std::min(bytes, kLargestRequest);

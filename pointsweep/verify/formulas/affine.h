@@ -17,7 +17,7 @@ class Affine {
   /// The map that takes points back, by cofactors.
   Affine inverse() const;
 
-  /// Returns A p + t; a point that is not finite stays.
+  /// Returns A p + t; a point that is not finite is returned unchanged.
   Place moved(const Place& p) const;
   /// Returns A v with the length of v.
   Estimate tangent(const Estimate& v) const;

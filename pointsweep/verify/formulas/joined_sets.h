@@ -35,7 +35,7 @@ class JoinedSets {
     }
     return {top, flips};
   }
-  /// False if they were in one set; then nothing changes.
+  /// Joins the sets of i and j. Returns false, without a change, if they were in one set.
   bool join(std::uint32_t i, std::uint32_t j, bool signs_differ = false) {
     auto [a, of_i] = root(i);
     auto [b, of_j] = root(j);

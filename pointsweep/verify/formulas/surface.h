@@ -44,13 +44,13 @@ struct CurvatureHere {
 
 /// The ellipse in the tangent plane of n_i. Without `curvature`: the major axis is the eigenvector of the largest
 /// eigenvalue of M_i (Equation 1), brought into the plane (see tangent(); the other axis is that of λ1), and the ratio
-/// √(λ1/λ2). With it: the major axis is n_i × k1_direction and the ratio √(k2/k1); where k1_direction or k1 is 0, as
-/// without. Ratios below 1/8 are 1/8.
+/// √(λ1/λ2). With `curvature`: the major axis is n_i × k1_direction and the ratio √(k2/k1), unless k1_direction or k1
+/// is 0. Ratios below 1/8 are 1/8.
 ///
 /// The length is the 8th smallest of q_j = √(x² + (y/ratio)²) over the neighbours off p_i, with x and y the coordinates
 /// of p_j - p_i along the axes. With only m < 8 such neighbours it is √(8/m) times the largest q_j, so that the area
-/// stays proportional. Neighbours whose x and y are
-/// 0 do not count. All values are 0 without a normal, without a neighbour that counts, or if an offset is not finite.
+/// stays proportional. Neighbours whose x and y are 0 do not count. All values are 0 without a normal, without a
+/// neighbour that counts, or if an offset is not finite.
 Splat splat(const Place& p, const Estimate& n, std::span<const Place> neighbors, const CurvatureHere* curvature);
 
 /// The values that Equation 3 reads of a point.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The choice of the point that stays of several, from the definitions of decimate, parts and voxel, and the means of a
-/// voxel.
+/// The choice of the point that is kept, from the definitions of decimate, parts and voxel, and the means of a voxel.
 #pragma once
 
 #include <array>

@@ -25,7 +25,7 @@ class NotTold : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// More memory is needed than VerifyOptions::memory_bytes.
+/// Thrown if a check needs more memory than VerifyOptions::memory_bytes.
 class NeedsMemory : public NotTold {
  public:
   using NotTold::NotTold;

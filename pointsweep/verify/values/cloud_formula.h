@@ -42,7 +42,7 @@ struct CloudInput {
 class CloudFormula {
  public:
   virtual ~CloudFormula() = default;
-  /// Looks at all points, once before the first evaluate(). Throws NotTold.
+  /// Reads all points. Must be called once, before the first evaluate(). Throws NotTold.
   virtual void prepare(const CloudInput& in) = 0;
   /// Returns which values are not checked, without a full stop; empty if all are.
   virtual std::string limits() const { return {}; }

@@ -28,7 +28,8 @@ std::vector<std::vector<formulas::Estimate>> labels_of_neighbors(std::span<const
                                                                  std::span<const ColumnSource> more,
                                                                  const JoiningRule& rule);
 
-/// The column of the number, then `more`. Throws NotTold where it is not in the output, or does not fit the memory.
+/// Returns the column of the component's number, then `more`. Throws NotTold if the number is not in the output, or the
+/// columns do not fit in memory.
 std::vector<ColumnSource> label_columns(const CloudInput& in, std::span<const ColumnSource> more);
 
 }  // namespace pointsweep

@@ -72,7 +72,7 @@ std::unique_ptr<StageFormula> formula_made(const FormulaSetup& stage) {
     return std::make_unique<Formula>(stage);
 }
 
-/// Null where no formula has the name of the operator.
+/// Returns the formula of an operator; null if no formula has its name.
 std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold = {});
 
 /// Returns how many of the neighbours found a rule keeps; `values` are the rule's reads() of the point.
