@@ -17,7 +17,7 @@ class CancellationScope {
   CancellationScope(const CancellationScope&) = delete;
   CancellationScope& operator=(const CancellationScope&) = delete;
 
-  /// The token of this thread; null outside of every scope.
+  /// Returns the token of this thread; null outside of every scope.
   static const CancellationToken* current() noexcept { return current_; }
 
  private:
@@ -26,8 +26,8 @@ class CancellationScope {
 };
 
 /// Throws Cancelled if the token of this thread asks for it. About 1 ns. Every loop of the library whose length depends
-/// on the data calls it, so that a run ends within a fraction of a second. An operator is given a bounded number of
-/// neighbours at once, and is not interrupted.
+/// on the data calls it, so that a run ends within a fraction of a second. Operators are not interrupted, but get a
+/// bounded number of neighbours at once.
 inline void stop_if_cancelled() {
   if (const CancellationToken* token = CancellationScope::current(); token != nullptr && token->cancelled())
     throw Cancelled();

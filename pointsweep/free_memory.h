@@ -4,7 +4,7 @@
 
 namespace pointsweep {
 
-/// Gives free memory of the allocator to the system, where the C library can do so.
+/// Returns free memory of the allocator to the system, if the C library supports it.
 void return_free_memory() noexcept;
 
 /// Empties a container and frees its memory, which neither clear() nor the assignment of {} does.
@@ -13,8 +13,8 @@ void free_memory_of(Container& container) {
   Container().swap(container);
 }
 
-/// Sets up the allocator of the whole process so that it holds little free memory, for many threads, too. A program
-/// calls it before its first thread; a library must not.
+/// Sets up the allocator of the whole process so that it holds little free memory, even with many threads. A program
+/// calls this function before its first thread; a library must not.
 void keep_little_free_memory() noexcept;
 
 }  // namespace pointsweep

@@ -42,7 +42,7 @@ void Leftover::forget() noexcept {
   place_ = kNone;
 }
 
-/// Files first, so that folders are empty.
+/// Removes files first, so that folders are empty.
 void remove_leftovers() noexcept {
   const int before = errno;
   for (const auto remove : {::unlink, ::rmdir})

@@ -17,7 +17,7 @@ class Leftover {
   ~Leftover() { forget(); }
   Leftover(const Leftover&) = delete;
   Leftover& operator=(const Leftover&) = delete;
-  /// Takes the path off the list: it was removed, or has become a complete output.
+  /// Removes the path from the list, since it was removed or has become a complete output.
   void forget() noexcept;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Things made in the background, a few ahead of their use.
+/// Objects that are made in the background, a few ahead of their use.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// make(i) for i in [first, end), up to `depth` of them at once, handed out in order.
+/// Returns make(i) for i in [first, end), in order; up to `depth` of them are made ahead.
 template <class Thing>
 class Prefetch {
  public:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Errors that name a row. The threads of a run meet rows in any order; the run throws the error of the lowest row.
+/// Errors about the value of a row. The threads of a run find them in any order; the run throws the error of the lowest
+/// row.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +18,12 @@ struct RowSentence {
   std::string before, after;
 };
 
-/// An error about the value of one row, whose number the sentence names.
+/// An error about the value of one row. Its message contains the number of the row.
 class RowError : public Error {
  public:
   RowError(std::uint64_t row, RowSentence sentence) : RowError(row, std::to_string(row), std::move(sentence)) {}
   std::uint64_t row() const { return row_; }
-  /// Returns this error with another number of the row. Needed because a pass numbers only the rows that earlier
-  /// selects have left.
+  /// Returns this error with another row number, since a pass numbers only the rows that earlier selects have kept.
   RowError numbered(std::uint64_t row) const { return {row, sentence_}; }
   /// Returns this error with a sentence that calls the row `name`.
   RowError named(const std::string& name) const { return {row_, name, sentence_}; }

@@ -17,9 +17,9 @@ namespace pointsweep {
 /// Signed and unsigned integers and IEEE floating-point numbers, with their bits.
 enum class Type : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
 
-/// Bytes of one value.
+/// Returns the bytes of one value.
 POINTSWEEP_EXPORT std::size_t size_of(Type type);
-/// "int8", "uint8", ... "float64".
+/// Returns "int8", "uint8", ... "float64".
 POINTSWEEP_EXPORT std::string_view name_of(Type type);
 
 /// The way in which a value changes when the cloud is rotated, translated or scaled.
@@ -48,7 +48,7 @@ inline Attribute scalar(std::string name, Type type, std::string unit, std::stri
   return {name, type, Kind::scalar, {name}, std::move(unit), std::move(meaning)};
 }
 
-/// The unit surface normal, N×3 f32; (0, 0, 0) where none can be computed.
+/// The unit surface normal, N×3 f32; (0, 0, 0) if undefined.
 inline Attribute normal_attribute() {
   return {"normal", Type::f32, Kind::normal, {"nx", "ny", "nz"}, "1", "unit surface normal; 0 where undefined"};
 }
@@ -81,17 +81,19 @@ struct POINTSWEEP_EXPORT Schema {
   std::vector<Field> fields;
   std::uint32_t stride = 0;  ///< bytes of a record; may exceed the sum of the fields
 
-  /// Index of the field that holds `name`, one of the library's own names ("x", "nx", "intensity", ...), in any
-  /// spelling that files use ("normal_x", "NormalX"), upper and lower case alike.
+  /// Returns the index of the field that holds `name`, one of the library's own names ("x", "nx", "intensity", ...), in
+  /// any spelling that files use ("normal_x", "NormalX"), ignoring case.
   std::optional<std::size_t> find(std::string_view name) const;
   /// Appends a field after the present record and returns its index.
   std::size_t append(std::string name, Type type, std::uint32_t count = 1);
   friend bool operator==(const Schema&, const Schema&) = default;
 };
 
-/// Value of element `component` of `field` in the record at `record`, as a double; 64-bit integers may round.
+/// Returns the value of element `component` of `field` in the record at `record`, as a double; 64-bit integers may
+/// round.
 POINTSWEEP_EXPORT double value_of(const Field& field, const std::byte* record, std::uint32_t component = 0);
-/// Stores `value` there: divides out scale and bias, rounds to nearest for integers and saturates at the type's ends.
+/// Stores `value` in the record: divides out scale and bias, rounds to nearest for integers, and saturates at the ends
+/// of the type.
 POINTSWEEP_EXPORT void set_value(const Field& field, std::byte* record, double value, std::uint32_t component = 0);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A chain of operators, as a user asks for it.
+/// A chain of operators: the request of a user.
 #pragma once
 
 #include <memory>
@@ -26,7 +26,7 @@ class Cloud;
 /// before it one temporary record for each point with its position and the attributes still needed. With Resort it is
 /// the extension that Section 8 of the paper asks for: "new sort-update and k-nearest-update stream operators".
 struct Reneighbor {
-  /// The previous definition of a neighbourhood applies.
+  /// Keeps the previous definition of a neighbourhood.
   Reneighbor() = default;
   explicit Reneighbor(Neighborhood next) : neighborhood(std::make_shared<const Neighborhood>(std::move(next))) {}
   std::shared_ptr<const Neighborhood> neighborhood;  ///< null: the previous one
@@ -49,7 +49,7 @@ class InOrderOperator;
 class ConnectOperator;
 class CompositeOperator;
 
-/// An entry of a chain. A shared pointer to an operator converts to the kind that it is.
+/// An entry of a chain. A shared pointer to an operator converts to the alternative of its kind.
 using ChainStage = std::variant<std::shared_ptr<const LocalOperator>,      ///< makes attributes from neighbourhoods
                                 std::shared_ptr<const SelectOperator>,     ///< drops rows by a condition on a point
                                 std::shared_ptr<const InOrderOperator>,    ///< takes all points in order

@@ -36,7 +36,7 @@ struct Crs {
 /// A statement about the coordinate reference system of points. It changes no coordinate.
 struct StatedCrs {
   std::optional<Crs> crs = {};  ///< absent: outputs state no system
-  bool replaces = false;        ///< inputs may state another system, which then does not count
+  bool replaces = false;        ///< inputs with another system are accepted, and their system is ignored
 };
 
 /// Returns the system that `text` names: "EPSG:2154", "EPSG:2154+5720" (with heights), WKT, or a file of WKT such as a
@@ -44,7 +44,7 @@ struct StatedCrs {
 /// UsageError, beginning with `where`, for anything else and for codes that GeoTIFF keys cannot state.
 POINTSWEEP_EXPORT std::optional<Crs> parse_crs(const std::string& text, std::string_view where = "--crs");
 
-/// `wkt` in one line or several; a text that is not WKT has neither name nor kind nor codes.
+/// Parses `wkt`, in one line or several. The result of a text that is not WKT has neither name nor kind nor codes.
 POINTSWEEP_EXPORT Crs crs_of_wkt(std::string_view wkt);
 
 /// Returns "EPSG:26910 (NAD83 / UTM zone 10N)", or the known part of it, in at most about 80 characters.

@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// The user, a file or the machine is at fault. `what()` is one sentence for the user: file, place (`line 7`, `byte
+/// An error of the user, a file or the machine. `what()` is one sentence for the user: file, place (`line 7`, `byte
 /// 312`, `stage 'normals'`) and remedy. Thrown during set-up, input and output; no half-written output remains.
 /// Degenerate data cause no Error: they get a documented value, and Statistics counts them.
 class POINTSWEEP_EXPORT Error : public std::runtime_error {
@@ -17,7 +17,7 @@ class POINTSWEEP_EXPORT Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The request itself makes no sense: an option out of range, a chain that does not fit the cloud.
+/// An impossible request: an option out of range, a chain that does not fit the cloud.
 class POINTSWEEP_EXPORT UsageError : public Error {
  public:
   using Error::Error;

@@ -32,8 +32,8 @@ struct InputList {
 POINTSWEEP_EXPORT InputList list_inputs(const std::vector<std::filesystem::path>& named, bool recursive,
                                         const std::string& format = "");
 
-/// The name of the output in a folder for an input (ListedFile::relative); `format`: an extension, or "" for that of
-/// the input. A COPC file is written as LAZ, and programs tell it by its name.
+/// Returns the name of the output in a folder for an input (ListedFile::relative). `format`: an extension, or "" for
+/// that of the input. A COPC file becomes LAZ, with another extension, since programs recognise COPC by its name.
 POINTSWEEP_EXPORT std::filesystem::path tile_name(const std::filesystem::path& relative, const std::string& format);
 
 /// Returns whether the path stands for other files: a folder, a pattern or a .vpc file.

@@ -24,7 +24,7 @@ inline Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a
 inline double length(Vec3 a) { return std::sqrt(dot(a, a)); }
 inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
-/// Squared distance as every exact comparison of the library evaluates it: ((dx² + dy²) + dz²) in double.
+/// Returns the squared distance as evaluated in every exact comparison of the library: ((dx² + dy²) + dz²) in double.
 inline double distance2(Vec3 a, Vec3 b) {
   const double dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
   return (dx * dx + dy * dy) + dz * dz;

@@ -36,10 +36,10 @@ struct OrderedPoints {
 /// The results of a call to an InOrderWork. A run may name each row once. A row that is never named is kept, with
 /// Attribute::fill as the value of the made attributes.
 struct Findings {
-  std::vector<std::uint64_t> dropped;    ///< rows that are left out from here on
+  std::vector<std::uint64_t> dropped;    ///< rows that are dropped from here on
   std::vector<std::uint64_t> rows;       ///< rows whose values are known
   std::vector<std::byte> values;         ///< made attributes of `rows`, row after row
-  std::vector<std::uint64_t> undecided;  ///< rows about which points decide that may be missing (Reach::is_guess)
+  std::vector<std::uint64_t> undecided;  ///< rows whose result depends on points that may be missing (Reach::is_guess)
 };
 
 /// The work of an operator in one run over all points. Its findings depend only on the set of points, not on their
@@ -47,12 +47,12 @@ struct Findings {
 class POINTSWEEP_EXPORT InOrderWork {
  public:
   virtual ~InOrderWork() = default;
-  /// Number of times that the points come.
+  /// Returns how often the work takes all points.
   virtual unsigned rounds() const { return 1; }
   /// Takes the next points of round `round`, which counts from 0. Appends all findings known by then, also about
   /// earlier points.
   virtual void add(unsigned round, const OrderedPoints& points, Findings& findings) = 0;
-  /// Follows the last point of a round.
+  /// Called after the last point of a round.
   virtual void end(unsigned round, Findings& findings) { (void)round, (void)findings; }
 };
 
@@ -66,7 +66,7 @@ struct OtherPoints {
   std::span<const std::byte> values;  ///< attributes InOrderOperator::other_reads(), point after point
 };
 
-/// Gives all finite points of another cloud in their order.
+/// Passes all finite points of another cloud to `take`, in their order.
 using GiveOtherPoints = std::function<void(const std::function<void(const OtherPoints&)>& take)>;
 
 /// The setting of an InOrderWork: its axis, its memory, and access to files and to the other cloud.
@@ -93,7 +93,7 @@ struct CloudEstimate {
 struct InOrderEffort {
   double seconds = 0;       ///< CPU time on one core of 2.6 GHz
   std::string cause = {};   ///< "The window"
-  std::string text = {};    ///< what the cause means: "disks of up to 100 cells"
+  std::string text = {};    ///< the cause in words: "disks of up to 100 cells"
   std::string remedy = {};  ///< "larger cells take less"
 };
 
@@ -110,8 +110,8 @@ struct Reach {
   double distance = 0;      ///< needs all points within this distance along each axis from the place of the point,
   std::size_t nearest = 0;  ///< or, if not 0, this many nearest points within the distance, in the plane with
                             ///< Places::in_plane
-  /// The distance is only likely to do: a part with Findings::undecided about its rows is done again with twice as
-  /// much.
+  /// The distance suffices only in most cases. A part with Findings::undecided about its rows is repeated with twice
+  /// the distance.
   bool is_guess = false;
 };
 
@@ -142,8 +142,8 @@ class POINTSWEEP_EXPORT InOrderOperator : public Operator {
     (void)cloud;
     return {};
   }
-  /// Returns the reach of the operator among the points of the cloud; empty: it may have to know any of them. Places
-  /// then ascend along each axis with the positions.
+  /// Returns the points of the cloud that a finding depends on; empty: it may depend on any. If set, places must ascend
+  /// along each axis with the positions.
   virtual std::optional<Reach> reach() const { return std::nullopt; }
   /// Returns which points of a batch the other parts of the cloud need although they do not contain them: at least all
   /// that are needed; by number in the batch. Empty function: all points. Called from many threads at once.

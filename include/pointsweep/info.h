@@ -40,11 +40,11 @@ struct GpsTimes {
 };
 
 struct FileSummary {
-  /// The description by the reader, without extras. The warnings also say where the header does not fit the points.
+  /// The description by the reader, without extras. Its warnings include differences between the header and the points.
   FileInfo info;
   Box bounds;                                       ///< bounds of the finite points
   std::uint64_t nonfinite = 0;                      ///< points with a NaN or infinite coordinate
-  std::array<bool, 3> ascending{true, true, true};  ///< no finite point lies below the one before it along x, y, z
+  std::array<bool, 3> ascending{true, true, true};  ///< coordinates of finite points never decrease along x, y, z
   std::array<bool, 3> descending{true, true, true};
   std::vector<FieldRange> ranges;            ///< ranges of the fields of the schema
   std::array<std::uint64_t, 256> classes{};  ///< points of each class, if there is a field `classification`
@@ -58,9 +58,9 @@ struct FileSummary {
 
   /// Returns the number of finite points per unit of occupied area; nothing without an area.
   std::optional<double> density() const;
-  /// The median of `nearest`.
+  /// Returns the median of `nearest`.
   std::optional<double> spacing() const;
-  /// Points of the sample that have the coordinates of another point.
+  /// Returns the number of points in the sample with the same coordinates as another point.
   std::size_t duplicates() const;
 };
 
@@ -70,7 +70,7 @@ struct SummaryOptions {
   std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
 };
 
-/// Reads all points of a file in sequence. Memory: about 10 MB. Throws Error where the file cannot be read to its end.
+/// Reads all points of a file in sequence. Memory: about 10 MB. Throws Error if the file cannot be read to its end.
 POINTSWEEP_EXPORT FileSummary summarize(Reader& reader, const SummaryOptions& options = {});
 
 /// Returns the facts in the header, without reading points. Formats without a header were read when they were opened.
@@ -79,8 +79,8 @@ POINTSWEEP_EXPORT FileSummary summarize_header(const Reader& reader);
 /// Returns the range of the field `gps_time`, with the clock of the LAS header; none without the field or if all are 0.
 POINTSWEEP_EXPORT std::optional<GpsTimes> gps_times(const FileSummary& summary);
 
-/// "2010-06-15T12:34:56": date and time of adjusted standard GPS time, on the GPS scale (ahead of UTC by leap seconds,
-/// 18 since 2017). Empty if it is not between the years 1980 and 2200.
+/// Returns "2010-06-15T12:34:56": date and time of adjusted standard GPS time, on the GPS scale (ahead of UTC by leap
+/// seconds, 18 since 2017). Empty if it is not between the years 1980 and 2200.
 POINTSWEEP_EXPORT std::string gps_date(double adjusted_standard_seconds);
 
 /// Returns a sentence for each respect in which files of one data set differ: formats, coordinate reference
@@ -89,7 +89,7 @@ POINTSWEEP_EXPORT std::string gps_date(double adjusted_standard_seconds);
 POINTSWEEP_EXPORT std::vector<std::string> inconsistencies_of(std::span<const FileSummary> files);
 
 /// Finds inconsistencies_of() files that are summarized one after another. Keeps the number of points, the bounds and
-/// the name of each, about 150 bytes, and what headers say once for all files that say the same.
+/// the name of each file, about 150 bytes, and one copy of header facts for all files with equal ones.
 class POINTSWEEP_EXPORT FileComparison {
  public:
   FileComparison();
@@ -105,7 +105,7 @@ class POINTSWEEP_EXPORT FileComparison {
   std::unique_ptr<Known> known_;
 };
 
-/// A value of an attribute: a whole number where the attribute has whole numbers, unsigned if it is a uint64.
+/// A value of an attribute: a whole number if the attribute has whole numbers, unsigned if it is a uint64.
 using AttributeValue = std::variant<double, std::int64_t, std::uint64_t>;
 
 /// The values of one attribute, all components together. Integers with a decimal scale are taken as decimal fractions.

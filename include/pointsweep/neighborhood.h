@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The rule that says which points are neighbours, and a batch of points with their neighbourhoods N_i for operators.
+/// The definition of neighbourhoods, and batches of points with their neighbourhoods N_i for operators.
 #pragma once
 
 #include <array>
@@ -57,8 +57,8 @@ struct Neighborhood {
   double radius2() const { return radius * radius; }
 };
 
-/// The memory layout of a batch begins here. Operators do not need it: Neighborhoods hides it.
-/// The most points that a cell may hold. A neighbour is named by the slot of its cell and its index in the cell.
+/// The memory layout of a batch begins here; class Neighborhoods hides it from operators.
+/// Largest number of points in a cell. A neighbour is referred to by the slot of its cell and its index in the cell.
 inline constexpr std::uint32_t kIndexBits = 11;
 inline constexpr std::uint32_t kCellCapacity = 1u << kIndexBits;
 using NeighborRef = std::uint32_t;  ///< slot << kIndexBits | index; valid as long as the batch
@@ -110,13 +110,13 @@ class Neighborhoods {
   std::size_t size() const { return size_; }
   Vec3 position(std::size_t i) const { return position_in(own_, i); }
   std::uint64_t row(std::size_t i) const { return own_.row[i]; }
-  /// |N_i|
+  /// Returns |N_i|.
   std::size_t count(std::size_t i) const { return begin_[i + 1] - begin_[i]; }
 
   /// Returns whether positions are those of the search, so that distance2(i, j) never decreases as j grows.
   bool sorted_by_distance() const { return sorted_by_distance_; }
-  /// max_j |p_j - p_i|² over N_i, at the positions of now; 0 without neighbours, NaN if one of them has no finite
-  /// place.
+  /// Returns max_j |p_j - p_i|² over N_i, at the current positions; 0 without neighbours, NaN if one of them has no
+  /// finite place.
   double farthest_distance2(std::size_t i) const {
     const std::size_t n = count(i);
     if (n == 0) return 0;
@@ -134,7 +134,7 @@ class Neighborhoods {
   const NeighborRef* neighbors(std::size_t i) const { return refs_ + begin_[i]; }
   Vec3 position_of(NeighborRef ref) const { return position_in(slots_[slot_of(ref)], index_of(ref)); }
   Vec3 neighbor_position(std::size_t i, std::size_t j) const { return position_of(neighbors(i)[j]); }
-  /// p_j - p_i, exact to the last bit of a double subtraction.
+  /// Returns p_j - p_i, exact to the last bit of a double subtraction.
   Vec3 offset(std::size_t i, std::size_t j) const { return neighbor_position(i, j) - position(i); }
   double distance2(std::size_t i, std::size_t j) const {
     return pointsweep::distance2(neighbor_position(i, j), position(i));
@@ -157,24 +157,25 @@ class Neighborhoods {
     if constexpr (!std::is_same_v<T, std::byte>) require_size<T>(reads_[a]);
     return reinterpret_cast<const T*>(own_.columns[reads_[a]]);
   }
-  /// Attribute `a` of the operator's contract().reads_neighbors at the j-th neighbour of point i.
+  /// Returns attribute `a` of the operator's contract().reads_neighbors at the j-th neighbour of point i.
   template <class T>
   T neighbor_value(std::size_t a, std::size_t i, std::size_t j) const {
     return value_of<T>(a, neighbors(i)[j]);
   }
-  /// Attribute `a` of contract().reads_neighbors at all points of a slot, by index_of(); std::byte fits any type.
+  /// Returns attribute `a` of contract().reads_neighbors at all points of a slot, by index_of(); std::byte is allowed
+  /// as T for any type.
   template <class T>
   const T* values_of_slot(std::size_t a, std::uint32_t slot) const {
     if constexpr (!std::is_same_v<T, std::byte>) require_size<T>(reads_neighbors_[a]);
     return reinterpret_cast<const T*>(slots_[slot].columns[reads_neighbors_[a]]);
   }
-  /// Attribute `a` of contract().reads_neighbors at any neighbour of the batch.
+  /// Returns attribute `a` of contract().reads_neighbors at any neighbour of the batch.
   template <class T>
   T value_of(std::size_t a, NeighborRef ref) const {
     require_size<T>(reads_neighbors_[a]);
     return load<T>(slots_[slot_of(ref)].columns[reads_neighbors_[a]], index_of(ref));
   }
-  /// Attributes of three floats as a vector, of a point and of any neighbour.
+  /// Returns attributes of three floats as a vector, of a point and of any neighbour.
   Vec3 vector(std::size_t a, std::size_t i) const {
     require_size<std::array<float, 3>>(reads_[a]);
     return load_vector(own_.columns[reads_[a]], i);

@@ -53,7 +53,7 @@ class POINTSWEEP_EXPORT Accumulator {
   virtual std::vector<std::byte> save() const {
     throw Error("An accumulator is to be saved that does not override save().");
   }
-  /// Takes what an accumulator of the same reduction took that has saved `bytes`. Throws Error for bytes of another
+  /// Restores the state from `bytes`, saved by an accumulator of the same reduction. Throws Error for bytes of another
   /// kind or length.
   virtual void load(std::span<const std::byte>) {
     throw Error("An accumulator is to be loaded that does not override load().");
@@ -109,7 +109,7 @@ class POINTSWEEP_EXPORT Columns {
           std::vector<bool> unwanted = {}, std::vector<std::size_t> bytes = {})
       : made_(made), size_(size), degenerate_(&degenerate), unwanted_(std::move(unwanted)), bytes_(std::move(bytes)) {}
 
-  /// Points in the batch.
+  /// Returns the number of points in the batch.
   std::size_t size() const { return size_; }
   /// Returns column `m` of contract().makes, all 0 before the operator runs. T is the whole value, e.g.
   /// std::array<float, 3> or float, of Attribute::bytes() bytes. If the engine made the columns, a type of another size
@@ -124,9 +124,10 @@ class POINTSWEEP_EXPORT Columns {
   }
   /// Returns false if column `m` is never read. An operator may then skip the work and leave the column unchanged.
   bool wanted(std::size_t m) const { return m >= unwanted_.size() || !unwanted_[m]; }
-  /// Point i gets the documented value in place of a result, because its data define none. Statistics counts it.
+  /// Marks point i, which gets the documented value instead of a result because its data define none. Statistics counts
+  /// it.
   void mark_degenerate(std::size_t i);
-  /// The points so marked, for the engine.
+  /// Returns the marked points, for the engine.
   DegeneratePoints& degenerate() { return *degenerate_; }
 
  private:
@@ -148,7 +149,8 @@ class POINTSWEEP_EXPORT Operator {
   /// Returns the options that distinguish objects of this class: the declared options, else own_options(). Name and
   /// options are part of a run: `resume_folder` refuses a run with other options, and outputs record them.
   Options declared_options() const { return declared_ ? *declared_ : own_options(); }
-  /// Sets the declared options, unless they are set: the first call, that of the class that has the options, counts.
+  /// Sets the declared options, unless they are set: the first call counts, which comes from the class with the
+  /// options.
   void declare_options(Options options) {
     if (!declared_) declared_ = std::move(options);
   }
@@ -170,14 +172,14 @@ class POINTSWEEP_EXPORT LocalOperator : public Operator {
   /// Neighborhoods.
   virtual void apply(const Neighborhoods& in, Columns& out) const = 0;
 
-  /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`, where its contract
-  /// depends on these. Null: it does not. Throws UsageError.
+  /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`, if its contract
+  /// depends on these; else null. Throws UsageError.
   virtual std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;
   }
-  /// Returns the operator that knows the values of the whole cloud, by number in contract().values. Called before
-  /// apply() if there are any.
+  /// Returns the operator with the values of the whole cloud, by number in contract().values. Called before apply() if
+  /// there are any.
   virtual std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const {
     (void)values;
     return nullptr;
@@ -203,7 +205,7 @@ class POINTSWEEP_EXPORT PointOperator : public LocalOperator {
 /// not contain them. Points without a finite place are tested, too.
 class POINTSWEEP_EXPORT SelectOperator : public Operator {
  public:
-  /// Attributes of the point itself that decide, in addition to its position.
+  /// Returns the attributes of the point that the condition reads, besides its position.
   virtual std::vector<Attribute> reads() const { return {}; }
   /// Sets kept[i] to 1 for every point i of the batch whose row is kept; all values are 0 before the call. `points`
   /// have no neighbours. Called from many threads at once.

@@ -18,12 +18,12 @@
 
 namespace pointsweep {
 
-/// The choice between the two directions of a normal. `none` applies where a rule does not decide (a dot product of 0).
+/// The choice between the two directions of a normal. If a rule cannot decide (a dot product of 0), `none` is used.
 enum class Orient {
   none,       ///< the component of largest magnitude (the first of equal ones) is positive
   up,         ///< nz >= 0
   viewpoint,  ///< towards NormalsOptions::viewpoint, which is required
-  input,      ///< agrees with the normal the file has
+  input,      ///< agrees with the normal in the file
 };
 
 struct NormalsOptions {
@@ -31,10 +31,10 @@ struct NormalsOptions {
   std::optional<Vec3> viewpoint = {};  ///< in the coordinates of the cloud; only for Orient::viewpoint
 };
 
-/// The matrix that determines the direction and the ratio of the ellipse of a splat.
+/// The matrix that determines the direction and the ratio of a splat's ellipse.
 enum class SplatAxes {
   automatic,  ///< uses curvature if an earlier stage makes it, else positions
-  positions,  ///< M_i of Equation 1: long where the neighbours are spread
+  positions,  ///< M_i of Equation 1: long in the direction of the widest spread of neighbours
   curvature,  ///< C_i of Equation 2, by way of k1, k2 and k1_direction: long along ridges and valleys
 };
 
@@ -276,20 +276,20 @@ POINTSWEEP_EXPORT ChainStage splats(const SplatsOptions& options = {});
 /// Moves the points: feature-preserving smoothing in one pass (paper Section 4.3.4, Equation 3). Needs "normal" and
 /// splats(). Widths are in length units. Throws UsageError unless both are positive.
 POINTSWEEP_EXPORT ChainStage fair(const FairOptions& options);
-/// fair() with widths that follow the extent of the cloud.
+/// Makes fair() with widths relative to the extent of the cloud.
 POINTSWEEP_EXPORT ChainStage fair_in_percent(const FairPercent& percent = {});
 /// Makes "mean_distance" and "outlier", which is 1 if the mean distance to the neighbours exceeds its mean over the
 /// cloud by more than `multiplier` standard deviations, by one of five definitions.
 POINTSWEEP_EXPORT ChainStage sor(const SorOptions& options = {});
-/// Leaves out the outliers of sor() and makes nothing.
+/// Drops the outliers of sor() and makes no attribute.
 POINTSWEEP_EXPORT ChainStage denoise(const SorOptions& options = {});
 /// Makes "outlier": 1 where fewer than `min_neighbors` neighbours lie within `radius`, which the neighbourhoods have to
 /// hold (k of at least min_neighbors, no smaller radius).
 POINTSWEEP_EXPORT ChainStage ror(const RorOptions& options);
 /// Makes "k_distance", "reachability_density" and "lof", the local outlier factor (Breunig et al. 2000).
 POINTSWEEP_EXPORT ChainStage lof();
-/// Makes "surface_density" and "volume_density", of the ball up to the farthest neighbour, or of one with a radius, all
-/// of whose points the neighbourhoods have to hold.
+/// Makes "surface_density" and "volume_density", in the ball up to the farthest neighbour, or in a ball with a radius,
+/// all points of which the neighbourhoods must contain.
 POINTSWEEP_EXPORT ChainStage density(const DensityOptions& options = {});
 /// Makes the statistics of the neighbours' attributes that are named, in float64; min, max and majority in the type of
 /// the attribute, count in uint32. Throws UsageError for a name that ends in no statistic.
@@ -306,7 +306,7 @@ POINTSWEEP_EXPORT ChainStage set(std::string_view assignments, std::optional<Typ
 POINTSWEEP_EXPORT ChainStage transform(const TransformOptions& options);
 /// Makes "color", red, green and blue, from the values of an attribute.
 POINTSWEEP_EXPORT ChainStage color(const ColorOptions& options);
-/// Leaves attributes out of the output; later stages do not see them.
+/// Removes attributes from the output and from the view of later stages.
 POINTSWEEP_EXPORT ChainStage drop(const std::vector<std::string>& attributes);
 /// Keeps the points inside a box, polygons, or both. Throws Error for a file that cannot be read.
 POINTSWEEP_EXPORT ChainStage crop(const CropOptions& options);
@@ -330,7 +330,7 @@ POINTSWEEP_EXPORT ChainStage ground(const GroundOptions& options = {});
 /// Needs "classification", of the input or of ground().
 POINTSWEEP_EXPORT ChainStage height(const HeightOptions& options = {});
 /// Makes "component" and "component_size": connected components of the graph in which points are joined to their
-/// neighbours, or, with a distance, to all points within it, which the neighbourhoods have to hold.
+/// neighbours, or, with a distance, to all points within it, which the neighbourhoods must contain.
 POINTSWEEP_EXPORT ChainStage components(const ComponentsOptions& options = {});
 /// Makes "core", "cluster" and "cluster_size": DBSCAN, with border points in the cluster of the nearest core point.
 /// Neighbourhoods have to hold all points within eps.
@@ -348,7 +348,7 @@ POINTSWEEP_EXPORT ChainStage orient(const OrientOptions& options = {});
 /// Makes "cloud_distance": the distance to the nearest point of another cloud, or NaN where that is farther than
 /// `most`.
 POINTSWEEP_EXPORT ChainStage distance_to(const DistanceToOptions& options);
-/// Gives the attributes of another cloud's nearest points to the points.
+/// Gives the points attributes of the nearest points of another cloud.
 POINTSWEEP_EXPORT ChainStage take(const TakeOptions& options);
 /// Makes "m3c2_distance", the change to another cloud along the normal, and "m3c2_lod", its level of detection, with
 /// the spreads and numbers of points that these come from. Needs "normal".
@@ -359,7 +359,8 @@ POINTSWEEP_EXPORT ChainStage features(const FeaturesOptions& options = {});
 /// Keeps points at mutual distances greater than the radius: points are visited in the order of a hash of their
 /// coordinates, and a point is kept unless a kept one lies within its radius.
 POINTSWEEP_EXPORT ChainStage poisson(const PoissonOptions& options);
-/// Keeps few points where the surface is flat: poisson() with "simplify_radius", which it makes. Needs curvature().
+/// Keeps few points where the surface is flat: applies poisson() with "simplify_radius", which it makes. Needs
+/// curvature().
 POINTSWEEP_EXPORT ChainStage simplify(const SimplifyOptions& options);
 /// Makes "neighbor_count", |N_i|, and "neighbor_radius", the distance to the farthest neighbour.
 POINTSWEEP_EXPORT ChainStage neighborhood_size();

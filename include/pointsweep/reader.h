@@ -39,16 +39,16 @@ struct POINTSWEEP_EXPORT FormatExtras {
 /// Statements of a header about the points. They may be wrong.
 struct HeaderClaims {
   Box bounds;                               ///< the ends may be in any order, or NaN
-  std::vector<std::uint64_t> returns = {};  ///< points of return number 1, 2, ...; empty: it does not count them
+  std::vector<std::uint64_t> returns = {};  ///< number of points of return number 1, 2, ...; empty: not stated
 };
 
-/// The facts that are known of an input when it is open.
+/// The facts known about an open input.
 struct FileInfo {
   std::filesystem::path path;  ///< for messages; any name if there is no file
   std::string format;          ///< for messages: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
   Schema schema;
   std::uint64_t count = 0;             ///< points in the file, even if its header states another number
-  std::uint64_t left_out = 0;          ///< points of the file that `count` and read() leave out
+  std::uint64_t left_out = 0;          ///< points of the file that `count` excludes and read() skips
   std::uint64_t bytes = 0;             ///< size of the file
   bool decode_once = false;            ///< decoding costs much more than writing and reading its records
   std::uint64_t decoder_bytes = 0;     ///< memory of each decoding thread, besides the records
@@ -61,13 +61,13 @@ struct FileInfo {
   std::optional<Crs> crs;                ///< the coordinate reference system, if the file states one
   std::shared_ptr<const LasOrigin> las;  ///< set if the file is LAS, or was made from LAS; for LAS writers
   std::vector<std::string> provenance;   ///< lines that say how the file was made; may be empty
-  std::string asked_for_as;  ///< the `format` of open_reader() that the file has; empty if it has a signature
+  std::string asked_for_as;  ///< the `format` of open_reader() that matches the file; empty if it has a signature
 };
 
 /// Rows of a file that can be decoded without the rows before them.
 struct Chunk {
   std::uint64_t first_row = 0, rows = 0;
-  std::uint64_t begin = 0, end = 0;  ///< its bytes in the file; 0 and 0 where they are in several places or unknown
+  std::uint64_t begin = 0, end = 0;  ///< its bytes in the file; 0 and 0 if they are scattered or unknown
   std::optional<Box> bounds;         ///< bounds of its points in the file; they may be wrong
   std::optional<int> depth = {};     ///< depth of its node, if chunks are nodes of levels of detail
 
@@ -88,7 +88,7 @@ class POINTSWEEP_EXPORT RowDecoder {
 /// Indices of fields of a schema. Empty: all fields.
 using WantedFields = std::vector<std::size_t>;
 
-/// Gives the points of one input by rows, from row 0 on.
+/// An input that returns points by rows, from row 0 on.
 class POINTSWEEP_EXPORT Reader {
  public:
   Reader() = default;
@@ -114,7 +114,7 @@ class POINTSWEEP_EXPORT Reader {
 
   /// Reads records as RowDecoder::read does, through the reader's own decoder. Not thread-safe.
   virtual std::size_t read(std::uint64_t row, std::span<std::byte> records);
-  /// Frees what read() keeps for the next call, since another reader is read now.
+  /// Frees the data that read() keeps for its next call. Called when another reader is read next.
   virtual void rest() { own_decoder_.reset(); }
 
  protected:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Running a chain of operators over a cloud of any size: the library's front door.
+/// Running a chain of operators over a cloud of any size: the main function of the library.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ enum class Order : std::uint8_t {
           ///< row; at the positions of the input, or of the last Resort of the chain
 };
 
-/// The engine, which finds the neighbourhoods and moves the points through the operators. The library has only `exact`.
+/// The engine, which finds the neighbourhoods and applies the operators. The library itself has only `exact`.
 enum class Engine : std::uint8_t {
   exact,      ///< the engine of this library: exact, in parallel, within the memory budget
   reference,  ///< the paper's own algorithm, point by point, on one thread: neighbourhoods may lack a point, and counts
@@ -40,7 +40,7 @@ enum class Engine : std::uint8_t {
 enum class Nonfinite : std::uint8_t {
   by_format,  ///< `drop` for LAS, which cannot hold them, `keep` for all other formats
   keep,       ///< they are written; made attributes have the value that is documented for undefined results
-  drop,       ///< their rows are left out of all outputs; numbers of rows (Order::input, neighbours) count the others
+  drop,       ///< their rows are dropped from all outputs; row numbers (Order::input, neighbours) do not count them
   refuse,     ///< the first one ends the run
 };
 
@@ -52,7 +52,7 @@ struct Progress {
   std::uint64_t active;  ///< points in the window, while sweeping
 };
 
-/// Watches a run, and stops it. An exception that an override throws ends the run, which then leaves no files.
+/// Observes a run, and can stop it. An exception thrown by an override ends the run, which then leaves no files.
 ///
 /// cancel(), from any thread or from a signal handler, ends the run with Cancelled within a fraction of a second. An
 /// operator is not interrupted between two batches of at most 262,144 neighbours or one point. A cancelled observer
@@ -71,8 +71,8 @@ class POINTSWEEP_EXPORT Observer {
   virtual void on_note(const std::string& sentence);
 
   void cancel() noexcept { own_.cancel(); }
-  /// Returns the token that the run asks whether to stop: the observer's own token, or a token that several observers
-  /// share. The token must outlive the run.
+  /// Returns the token by which the run is stopped: the observer's own token, or a token that several observers share.
+  /// The token must outlive the run.
   virtual const CancellationToken& token() const noexcept;
 
  private:

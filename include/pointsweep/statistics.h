@@ -40,14 +40,14 @@ struct DegenerateResults {
 /// resumed run, counts of points cover the whole run; times, bytes, series and distances cover only the last process.
 struct Statistics {
   std::uint64_t points = 0;          ///< points of the input, without the dropped ones
-  std::uint64_t points_written = 0;  ///< points of the input that no select has left out
+  std::uint64_t points_written = 0;  ///< points of the input that no select has dropped
   std::uint64_t files_written = 0;   ///< point files
   std::uint64_t sweeps = 0;          ///< passes that find neighbourhoods
   std::uint64_t k = 0;               ///< number of neighbours in the first sweep; 0: no limit
   std::uint64_t certified = 0;       ///< points whose neighbourhoods are proven exact in every sweep: all finite points
                                      ///< that the last sweep has
   std::uint64_t recalled = 0;    ///< neighbourhoods proven by reading a part of the stream again
-  std::uint64_t degenerate = 0;  ///< results that got the documented value, of all stages
+  std::uint64_t degenerate = 0;  ///< results with the documented value for undefined ones, of all stages
   std::uint64_t nonfinite = 0;   ///< points whose coordinates are NaN or infinite, in the input or when a sweep begins
   std::uint64_t dropped = 0;     ///< nonfinite points that were dropped; `points` does not count them
   std::vector<std::uint64_t> nonfinite_rows;          ///< rows of the input, from 0, ascending, at most the first 1,000
@@ -57,9 +57,9 @@ struct Statistics {
   double recall_seconds = 0;                          ///< wall time after each sweep, for deferred points
   double read_seconds = 0;                            ///< loading and cutting slabs, summed over threads
   double search_seconds = 0;                          ///< summed over threads
-  double write_seconds = 0;  ///< wall: bringing the results into the output, or to the next sweep
+  double write_seconds = 0;  ///< wall time for writing the results to the output, or passing them to the next sweep
   std::vector<std::pair<std::string, double>> operator_seconds;  ///< summed over threads
-  /// Read: records of the input in each pass, and spilled points that recalls have read again.
+  /// bytes_read: records of the input in each pass, and spilled points that recalls have read again.
   std::uint64_t bytes_read = 0, bytes_spilled = 0, bytes_written = 0;
   /// Parts of bytes_spilled: bytes of points that are put in order, and bytes of inputs that are decoded once.
   std::uint64_t bytes_spilled_ordering = 0, bytes_spilled_decoding = 0;
@@ -68,7 +68,8 @@ struct Statistics {
   std::uint64_t peak_rss_bytes = 0, memory_budget_bytes = 0;
   std::uint64_t peak_points = 0;  ///< most points in the window, in all sweeps
   double mean_points = 0;
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read (on from sweep to sweep), points active
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read (continued from sweep to sweep), points
+                                                                ///< active
   /// For each operator, or step of the engine: pairs of points read and points in its buffer.
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
   double lifespan_mean_seconds = 0, lifespan_max_seconds = 0;

@@ -56,7 +56,7 @@ struct AttributeArrival {
 /// The comparison of all points and attributes of the input with those of the output.
 struct Arrivals {
   std::vector<AttributeArrival> attributes;
-  std::vector<std::string> missing;  ///< attributes of the input that the output has not
+  std::vector<std::string> missing;  ///< attributes of the input that the output lacks
   std::uint64_t points_in = 0, points_out = 0;
   std::uint64_t sum_in = 0, sum_out = 0;            ///< checksums of whole points, all attributes together
   std::uint64_t rows_different = 0;                 ///< rows of both whose points differ
@@ -73,7 +73,7 @@ struct Arrivals {
 /// The findings of a check.
 struct Verdict {
   std::string input, output;  ///< names
-  /// Points of the input without a finite place that the run has left out. Numbers of rows count the others.
+  /// Number of points of the input without a finite place that the run has dropped. Row numbers do not count them.
   std::uint64_t dropped = 0;
   Arrivals arrivals;
   bool attributes_compared = true;  ///< false for arrays, which hold none of the input's
@@ -86,7 +86,7 @@ struct Verdict {
   std::uint64_t sampled = 0;       ///< points whose values were evaluated
   std::uint64_t wrong_points = 0;  ///< points of the sample with a wrong value
   std::uint64_t passes = 0;        ///< times that the whole input was read
-  std::optional<std::uint64_t> left_out;  ///< rows that a stage after others has left out
+  std::optional<std::uint64_t> left_out;  ///< rows that a later select has dropped
   std::uint64_t open_rows = 0;            ///< rows of the sample for which the data do not decide whether they are kept
   std::vector<std::string> unknown;  ///< attributes of the output that neither the input has nor the stages make; they
                                      ///< are not checked

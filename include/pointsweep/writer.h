@@ -24,7 +24,7 @@ namespace pointsweep {
 struct KnownValues;
 class Scratch;
 
-/// A place that is given, or that a writer chooses near the middle of the points.
+/// A place that the user states, or that a writer chooses near the middle of the points.
 struct Anchor {
   std::optional<Vec3> at = {};  ///< absent: it is chosen
   friend bool operator==(const Anchor&, const Anchor&) = default;
@@ -50,7 +50,7 @@ struct FileLayout {
 struct OutputPlan {
   std::filesystem::path path;
   Schema schema;                               ///< lists the fields in the order of columns
-  std::uint64_t count = 0;                     ///< exact number of records that will come
+  std::uint64_t count = 0;                     ///< exact number of records to be written
   std::shared_ptr<const FormatExtras> extras;  ///< extras of the (first) input; null if there are none
   bool overwrite = false;                      ///< if false, an existing file is an error
   /// Box of the finite coordinates. Formats that store integers (LAS) need it where the input is not of that format,
@@ -58,7 +58,7 @@ struct OutputPlan {
   std::optional<Box> bounds = std::nullopt;
   /// Coordinate reference system of the points. Not needed if `extras` have it for a writer of the same format.
   std::optional<Crs> crs = std::nullopt;
-  /// `crs`, or none where it is absent, counts in place of what `extras` state.
+  /// `crs`, or no system if it is absent, replaces the system in `extras`.
   bool replaces_crs = false;
   /// The meaning of coordinates and times in an input that is or was LAS.
   std::shared_ptr<const LasOrigin> las = nullptr;
@@ -66,7 +66,7 @@ struct OutputPlan {
   std::shared_ptr<const KnownValues> values = nullptr;
   /// The extras of the inputs after the first; one of several alike (FormatExtras::is_like) may represent all.
   std::vector<std::shared_ptr<const FormatExtras>> other_extras = {};
-  /// The attributes in `schema` that operators made: formats that describe attributes take the meaning from here.
+  /// The attributes in `schema` that operators made. Formats that describe attributes use their meaning.
   std::vector<Attribute> made = {};
   /// Lines about how the file was made, which the file stores; those of `extras` come first. Formats without a place
   /// for them ignore them.
@@ -101,7 +101,7 @@ class POINTSWEEP_EXPORT Writer {
   virtual void finish() = 0;
 
   std::uint64_t bytes_written() const { return bytes_written_; }
-  /// Sentences about values that the format cannot hold. The list is complete when finish() has returned.
+  /// Returns sentences about values that the format cannot hold. The list is complete when finish() has returned.
   const std::vector<std::string>& warnings() const { return warnings_; }
   void add_warning(std::string warning) { warnings_.push_back(std::move(warning)); }
 
@@ -114,7 +114,7 @@ class POINTSWEEP_EXPORT Writer {
 /// exists, folder missing or read-only.
 POINTSWEEP_EXPORT std::unique_ptr<Writer> create_writer(const OutputPlan& plan);
 
-/// The extensions that create_writer() knows, e.g. ".ply".
+/// Returns the extensions that create_writer() knows, e.g. ".ply".
 POINTSWEEP_EXPORT std::vector<std::string_view> writable_extensions();
 
 /// Collects the fields `names` of the plan into `values`, N×names.size(), those of one point side by side.

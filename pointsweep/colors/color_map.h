@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Numbers and the classes of airborne scans as colours.
+/// Colours for numbers and for the classes of airborne scans.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +19,12 @@ Rgb viridis(double value);
 /// Returns a colour of Turbo (Mikhailov 2019, by his polynomials), a smooth rainbow from dark blue over green to dark
 /// red.
 Rgb turbo(double value);
-/// Black to white.
+/// Returns a grey from black (0) to white (1).
 Rgb gray(double value);
-/// The colour of NaN.
+/// Returns the colour of NaN.
 Rgb no_value_color();
 
-/// `color` times `light`, 0 to 1.
+/// Returns `color` times `light`, 0 to 1.
 Rgb shaded(Rgb color, double light);
 
 /// The colour of a class of LAS 1.4. ASPRS names the classes and leaves their colours to programs; these follow common

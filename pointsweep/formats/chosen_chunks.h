@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Some chunks of a file, read as if it had no others.
+/// A reader of only some chunks of a file.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace pointsweep {
 class ChosenChunks final : public Reader {
  public:
   using Choice = std::function<bool(const Chunk&)>;
-  /// `all` has decoders. Bytes of chunks that are not chosen are not read. `word`: FileInfo::asked_for_as.
+  /// `all` must have decoders. Bytes of chunks that are not chosen are not read. `word`: FileInfo::asked_for_as.
   ChosenChunks(std::unique_ptr<Reader> all, const Choice& is_chosen, std::string_view word = "");
 
   Chunk chunk_of(std::uint64_t row) const override;

@@ -34,7 +34,7 @@ struct KeyValues {
   std::map<std::uint16_t, std::vector<double>> numbers;
   std::map<std::uint16_t, std::string> texts;
 
-  /// A code of the EPSG registry; 0 for none, for "undefined" and for "user-defined".
+  /// Returns a code of the EPSG registry; 0 for none, for "undefined" and for "user-defined".
   int code(std::uint16_t key) const {
     const auto found = numbers.find(key);
     if (found == numbers.end() || found->second.empty() || found->second[0] >= kUserDefined) return 0;
@@ -150,7 +150,7 @@ void take_node(Crs& crs, const WktNode& wrapped) {
     crs.name = node.values[0];
 }
 
-/// Compares systems by the numbers of their keys: citations are words and may differ.
+/// Compares systems by the numbers of their keys, since citations are free texts and may differ.
 CrsAgreement compare_numbers(const KeyValues& a, const KeyValues& b) {
   if (a.numbers == b.numbers) return CrsAgreement::same;
   for (const auto& [key, value] : a.numbers) {
@@ -185,7 +185,7 @@ const LengthUnit* unit_of_metres(double metres) {
   return found == std::end(kLengthUnits) ? nullptr : found;
 }
 
-/// The number of `UNIT["name",number` whose `[` is at `bracket`.
+/// Returns the number in `UNIT["name",number`, whose `[` is at `bracket`.
 std::optional<double> factor_at(std::string_view wkt, std::size_t bracket) {
   const std::size_t open = wkt.find('"', bracket), close = open == wkt.npos ? open : wkt.find('"', open + 1);
   std::size_t begin = close == wkt.npos ? close : wkt.find(',', close);

@@ -49,7 +49,7 @@ CrsAgreement compare(const Crs& a, const Crs& b);
 /// Returns "m", "ft" or "US survey ft", as stated by the system's WKT or GeoTIFF keys; empty for degrees and unknown
 /// units.
 std::string length_unit_of(const Crs& crs);
-/// The metres in that unit; absent where it is not known.
+/// Returns the metres in that unit; nothing if unknown.
 std::optional<double> metres_of_unit(const Crs& crs);
 
 }  // namespace pointsweep

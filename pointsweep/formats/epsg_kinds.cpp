@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// First and last code of a range; codes in a range that the registry does not have are of no kind.
+/// The first and the last code of a range. Codes in a range that the registry lacks have no kind.
 using Range = std::pair<int, int>;
 
 // clang-format off

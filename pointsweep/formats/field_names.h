@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Names of fields as text headers can hold them, and names for columns that have none.
+/// Names of fields in text headers, and names for columns without names.
 #pragma once
 
 #include <string>

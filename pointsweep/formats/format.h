@@ -31,18 +31,18 @@ struct Format {
 
   std::string_view name;     ///< in sentences: "LAS"
   std::string_view title;    ///< in tables: "LAS 1.0 to 1.4"
-  std::string_view details;  ///< page or section of docs/formats.md that says more; "" if none does
+  std::string_view details;  ///< page or section of docs/formats.md with more details; "" if there is none
   std::string_view reads;    ///< for tables: which files of the format can be read; "no" if none
   std::string_view writes;   ///< for tables: which files can be written; "no" if none
-  /// Names of its files end so, in lower case. An output whose name ends so is written in this format, if create is
-  /// set.
+  /// Endings of the names of its files, in lower case. An output with such a name is written in this format, if
+  /// `create` is set.
   std::span<const std::string_view> extensions;
-  /// The codec that its files need; "" if none. A build without it recognises them and refuses them in a sentence.
+  /// The codec that its files need; "" if none. A build without it recognises the files and refuses them with an error.
   std::string_view codec = "";
   bool (*has_codec)() = nullptr;  ///< returns whether this build has the codec; null without a codec
 
   /// The word for this format in --format (CloudOptions::format). A format with such a word has no signature, and its
-  /// files are only read where it is asked for. "" for all other formats.
+  /// files are read only if the user names it. "" for all other formats.
   std::string_view asked_for_as = "";
 
   /// Returns whether a file that begins with `head` (at most 4,096 bytes) is of this format. Null for a format without
@@ -62,13 +62,13 @@ struct Format {
   bool holds_crs = false;         ///< a coordinate reference system
   bool holds_provenance = false;  ///< lines that say how the file was made
   bool is_sequential = false;     ///< its writer writes all bytes in order, as for standard output
-  bool reorders = false;          ///< its writer puts points in another order than that in which they come
-  /// Coordinates are any float64, NaN and infinity included. False: integers on a grid of finite steps.
+  bool reorders = false;          ///< its writer changes the order of points
+  /// Coordinates may be any float64, NaN and infinity included. False: integers on a grid of finite steps.
   bool real_coordinates = true;
-  /// Box of all points is in the header (FileInfo::bounds), so that it is known without reading the points.
+  /// The header has the box of all points (FileInfo::bounds), which is known without reading the points.
   bool states_bounds = false;
-  /// Returns the bytes that its writer takes to encode records of `record_bytes` on `threads` threads; null: too few to
-  /// count.
+  /// Returns the bytes that its writer needs to encode records of `record_bytes` on `threads` threads; null:
+  /// negligible.
   std::uint64_t (*encoder_bytes)(std::uint64_t record_bytes, unsigned threads) = nullptr;
   /// Returns the bytes that its writer stores in OutputPlan::scratch, for `count` records of `record_bytes`, with
   /// `memory` as OutputPlan::encoder_bytes on `threads` threads; null: none.
@@ -80,7 +80,7 @@ struct Format {
   /// Returns the value of a field in its outputs if neither an input nor a stage gives one; none for names that are not
   /// the format's own. Null: the format has no such fields.
   std::optional<double> (*own_field)(std::string_view name) = nullptr;
-  /// The wishes of FileLayout that its writer fulfils, by their names among the options of runs.
+  /// The options of FileLayout that its writer supports, by their names among the options of runs.
   std::span<const std::string_view> layout = {};
   /// Returns whether OutputPlan::bounds must be known before records of `schema` are written; null: never.
   bool (*needs_bounds)(const Schema& schema, const FileLayout& layout) = nullptr;

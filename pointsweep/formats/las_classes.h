@@ -7,7 +7,7 @@
 
 namespace pointsweep {
 
-/// "Ground", "High vegetation", ...; "Reserved" for 8, 12 and 23 to 63, "User definable" for 64 to 255.
+/// Returns "Ground", "High vegetation", ...; "Reserved" for 8, 12 and 23 to 63, "User definable" for 64 to 255.
 std::string_view name_of_las_class(std::uint8_t code);
 
 }  // namespace pointsweep

@@ -18,7 +18,7 @@ constexpr double kUsableSteps = 2147483646;  // one below the largest integer, s
 constexpr double kRoundSteps = 1000;         // offsets are multiples of this many steps
 constexpr int kLeast = -300, kMost = 300;
 
-/// 10^exponent, correctly rounded (pow need not be).
+/// Returns 10^exponent, correctly rounded, which std::pow does not guarantee.
 double power_of_ten(int exponent) {
   std::array<char, 8> text{'1', 'e'};
   const char* end = std::to_chars(text.data() + 2, text.data() + text.size(), exponent).ptr;
@@ -27,21 +27,21 @@ double power_of_ten(int exponent) {
   return value;
 }
 
-/// The largest power of ten that is at most `size`.
+/// Returns the exponent of the largest power of ten that is at most `size`.
 int exponent_of(double size) {
   int exponent = kLeast;
   while (exponent < kMost && power_of_ten(exponent + 1) <= size) ++exponent;
   return exponent;
 }
 
-/// The multiple of a power of ten nearest to `value`; the power is at most an eighth of `size`.
+/// Returns the multiple of a power of ten nearest to `value`; the power is at most an eighth of `size`.
 double round_number(double value, double size) {
   const int exponent = exponent_of(size / 8);
   return exponent >= 0 ? std::nearbyint(value / power_of_ten(exponent)) * power_of_ten(exponent)
                        : std::nearbyint(value * power_of_ten(-exponent)) / power_of_ten(-exponent);
 }
 
-/// `useful` is the smallest step of use, so that a flat axis does not get an absurd scale.
+/// `useful`: the smallest useful step, so that a flat axis does not get an absurdly fine scale.
 void quantize_axis(double lo, double hi, double useful, double& scale, double& offset) {
   const double largest = std::max(std::abs(lo), std::abs(hi));
   const double half = 0.5 * hi - 0.5 * lo;

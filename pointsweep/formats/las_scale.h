@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The finest scale at which LAS, which stores coordinates as 32-bit integers, can hold real coordinates, and the grid
-/// and times that points of LAS files had.
+/// and times of points that come from LAS files.
 #pragma once
 
 #include <memory>
@@ -27,22 +27,22 @@ bool las_grid_reaches(double value, double scale, double offset);
 /// double.
 bool is_on_las_grid(double value, double scale, double offset);
 
-/// Scale and offset of each axis for coordinates inside `bounds`: the scale is the smallest power of ten whose steps
-/// reach both ends from the offset in 31 bits, but no finer than doubles of that size are; the offset is a round
-/// number near the middle. An axis of extent E loses at most 1.3e-9 E (1.3 mm on 1,000 km), which is less than the
-/// steps of float32 coordinates of magnitude E.
+/// Returns scale and offset of each axis for coordinates inside `bounds`. The scale is the smallest power of ten whose
+/// steps reach both ends from the offset in 31 bits, but no finer than the spacing of doubles of that size; the offset
+/// is a round number near the middle. An axis of extent E loses at most 1.3e-9 E (1.3 mm on 1,000 km), which is less
+/// than the steps of float32 coordinates of magnitude E.
 LasQuantization las_quantization(const Box& bounds);
 
-/// `grid` with its offsets moved by whole steps where `bounds` are too far away for 32 bits; an axis that is too long
-/// for its scale is as las_quantization() has it.
+/// Returns `grid` with its offsets moved by whole steps if `bounds` are out of the reach of 32 bits. An axis that is
+/// too long for its scale gets that of las_quantization().
 LasQuantization las_grid_within(const LasQuantization& grid, const Box& bounds);
 
-/// The grid for points that stages have moved: `grid`, or where `bounds` are too far away for 32 bits the same scale
-/// with another offset, whole steps from the first. An axis that is too long for its scale keeps its offset: its points
-/// do not fit.
+/// Returns the grid for points that stages have moved: `grid`, or if `bounds` are out of the reach of 32 bits, the same
+/// scale with another offset, whole steps from the first. An axis that is too long for its scale keeps its offset: its
+/// points do not fit.
 LasQuantization las_grid_for_moved(const LasQuantization& grid, const Box& bounds);
 
-/// `grid` with the offset that is the multiple of 1,000 steps nearest to the middle of `bounds`.
+/// Returns `grid` with the multiple of 1,000 steps nearest to the middle of `bounds` as offset.
 LasQuantization las_grid_in_the_middle(const LasQuantization& grid, const Box& bounds);
 
 /// Returns the smallest powers of ten at which 32 bits reach `bounds` from this offset, and that are no finer than

@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kLongestProvenanceLine = 999;  ///< rply, which Open3D and CloudCompare read with, allows 1,023
+constexpr std::size_t kLongestProvenanceLine = 999;  ///< rply, the reader of Open3D and CloudCompare, allows 1,023
 constexpr std::size_t kMostProvenanceBytes = 256 << 10;
 constexpr std::size_t kMostInputBytes = 32 << 10;  ///< largest size of the names in one record
 

@@ -38,11 +38,11 @@ struct ProvenanceRecord {
   std::vector<ProvenanceInput> inputs;
   std::uint64_t more_inputs = 0;  ///< inputs whose names are left out, since there are too many
 
-  /// The value of a setting, or nothing.
+  /// Returns the value of a setting, or nothing.
   std::optional<std::string> setting(std::string_view name) const;
 };
 
-/// Printable ASCII only, each line under 1,000 bytes. Other bytes of a name are written as %XX.
+/// Returns lines of printable ASCII, each under 1,000 bytes. Other bytes of a name are written as %XX.
 std::vector<std::string> lines_of(const ProvenanceRecord& record);
 /// Parses lines into records, oldest first. Ignores unknown lines.
 std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines);

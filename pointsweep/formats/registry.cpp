@@ -99,8 +99,8 @@ const Format* format_asked_for(std::string_view name) {
 /// Begins the word for text whose columns are stated: "text:x,y,z,-,intensity".
 constexpr std::string_view kColumnsStated = "text:";
 
-/// The columns that the word for a format states; empty: it is another word. Throws UsageError unless they name x, y
-/// and z, and nothing twice.
+/// Returns the columns in the word for a format; empty if it is another word. Throws UsageError unless they include x,
+/// y and z, and no name twice.
 std::vector<std::string> stated_columns(std::string_view name) {
   if (!name.starts_with(kColumnsStated)) return {};
   name.remove_prefix(kColumnsStated.size());
@@ -142,7 +142,7 @@ std::string head_of(const std::filesystem::path& path, const InputFile& file) {
   return head_of(file);
 }
 
-/// "A, B`last`C": the names of the formats for which `chosen` holds, each once.
+/// Returns "A, B`last`C": the names of the formats for which `chosen` is true, each once.
 template <class Chosen>
 std::string names_of(Chosen chosen, std::string_view last) {
   std::vector<std::string_view> names;

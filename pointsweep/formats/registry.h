@@ -18,9 +18,8 @@ std::string extension_of(const std::filesystem::path& path);
 /// Returns all formats. A file belongs to the first format with a matching signature.
 std::span<const Format* const> formats();
 
-/// The format of an output of this name; null if its extension is that of none that is written. Standard output is PLY
-/// as
-/// "-" and text as "-.csv".
+/// Returns the format of an output of this name; null if no format with its extension is written. Standard output is
+/// PLY as "-" and text as "-.csv".
 const Format* format_of_output(const std::filesystem::path& path);
 
 /// Throws UsageError for standard output in a format that is not sequential.
@@ -36,15 +35,16 @@ bool is_array_name(const std::filesystem::path& path);
 /// The format of arrays.
 const Format& array_format();
 
-/// "PLY, LAS, PCD, QSplat, text": the names of the formats whose files are read as points.
+/// Returns "PLY, LAS, PCD, QSplat, text": the names of the formats whose files are read as points.
 std::string readable_formats();
 
-/// "kitti|float32-xyz": the formats that have to be asked for (Format::asked_for_as).
+/// Returns "kitti|float32-xyz": the formats that the user must name (Format::asked_for_as).
 std::string formats_asked_for();
 /// Throws UsageError where `name` is neither empty nor one of them.
 void require_format_asked_for(std::string_view name);
 
-/// "LASzip", or "none (no LAZ)": the codecs of this build, and the formats that it cannot read or write without one.
+/// Returns "LASzip", or "none (no LAZ)": the codecs of this build, or the formats that it cannot read and write without
+/// them.
 std::string codecs();
 
 /// The table of docs/formats.md.

@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-/// Multiples of a middle offset, in steps, so that it is a round number.
+/// A middle offset is a multiple of this many steps, so that it is a round number.
 constexpr double kRoundSteps = 1000;
 
 bool is_grid(const Field& field) {
@@ -43,7 +43,7 @@ std::optional<std::int64_t> steps_between(const AxisOfInput& input, double scale
   return static_cast<std::int64_t>(steps);
 }
 
-/// Looks for the common grid of one axis.
+/// Finds the common grid of one axis.
 class AxisGrid {
  public:
   explicit AxisGrid(std::vector<AxisOfInput> inputs) : inputs_(std::move(inputs)) {}

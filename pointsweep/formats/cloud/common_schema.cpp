@@ -15,7 +15,7 @@ constexpr int kOverlapClass = 12;  ///< LAS 1.4 R15, Table 9
 
 using Readers = std::vector<std::unique_ptr<Reader>>;
 
-/// The schema after its coordinates are converted to `grid`.
+/// Returns the schema after its coordinates are converted to `grid`.
 Schema on_grid(Schema schema, const LasQuantization& grid) {
   for (int axis = 0; axis < 3; ++axis) {
     Field& field = schema.fields[*schema.find(kAxisNames[static_cast<std::size_t>(axis)])];
@@ -29,7 +29,7 @@ struct IntegerRange {
   double lo, hi;
 };
 
-/// The integers that a field can hold, or nothing if it is scaled or floating.
+/// Returns the range of integers of a field; nothing if it is scaled or floating.
 std::optional<IntegerRange> integers_of(const Field& field) {
   if (field.scale != 1 || field.bias != 0) return std::nullopt;
   if (field.bit_width != 0) return IntegerRange{0, std::ldexp(1.0, field.bit_width) - 1};
@@ -58,7 +58,7 @@ bool fits_float(const Field& field) {
   return is_plain_float(field) || (integers && integers->lo >= -16777216 && integers->hi <= 16777216);
 }
 
-/// The smallest type that holds every value of both fields; float64 where none does.
+/// Returns the smallest type that holds every value of both fields; float64 if there is none.
 Type common_type(const Field& a, const Field& b) {
   const auto p = integers_of(a), q = integers_of(b);
   if (!p || !q) return fits_float(a) && fits_float(b) ? Type::f32 : Type::f64;
@@ -75,7 +75,7 @@ bool same_storage(const Field& a, const Field& b) {
   return a.type == b.type && a.bit_width == b.bit_width && a.scale == b.scale && a.bias == b.bias;
 }
 
-/// `field` without its place: bit fields get a word of their own.
+/// Returns `field` without its place; bit fields become whole words.
 Field unpacked(const Field& field) {
   Field out = field;
   out.offset = 0;
@@ -95,7 +95,7 @@ void widen(Field& into, const Field& field) {
   into.bias = 0;
 }
 
-/// Fields of many schemas, gathered under the names of the first that has each.
+/// The union of the fields of many schemas, each under its name in the first schema that has it.
 class Union {
  public:
   /// Adds a schema and returns it with its fields renamed to those of the union.

@@ -48,11 +48,11 @@ std::optional<CommonGrid> common_grid(const std::vector<std::unique_ptr<Reader>>
 class MissingFields {
  public:
   MissingFields() = default;
-  /// `common`: the schema that the records of `input` are converted to.
+  /// `common`: the schema to which the records of `input` are converted.
   MissingFields(const FileInfo& input, const Schema& common);
 
   bool is_needed() const { return !ones_.empty() || overlap_.has_value(); }
-  /// Records of the common schema, just converted.
+  /// Sets the values in records that have just been converted to the common schema.
   void run(std::span<std::byte> records, std::size_t stride) const;
 
  private:
@@ -83,15 +83,16 @@ CommonSchema common_schema(const std::vector<std::unique_ptr<Reader>>& readers);
 struct CommonCrs {
   std::optional<Crs> crs;             ///< system of the first input that states one; its WKT may come from another
                                       ///< input
-  std::vector<std::string> warnings;  ///< inputs without a system; systems that could not be compared, or differ
-  bool replaces = false;              ///< an input states another system, which does not count
+  std::vector<std::string> warnings;  ///< about inputs without a system, and systems that could not be compared or
+                                      ///< differ
+  bool replaces = false;              ///< an input states another system, which is ignored
 };
 
 /// Throws UsageError for inputs with different systems. With `ignore` there is a warning instead, and coordinates stay
 /// unchanged.
 CommonCrs common_crs(const std::vector<std::unique_ptr<Reader>>& readers, bool ignore);
 
-/// Returns the system that the user states. Throws UsageError where it contradicts an input and does not replace.
+/// Returns the system that the user states. Throws UsageError if an input states another one, unless it replaces that.
 CommonCrs stated_crs(const std::vector<std::unique_ptr<Reader>>& readers, const StatedCrs& stated);
 
 /// Returns ", e.g. by 'pdal translate ...'": a command that transforms a file to the system; empty without an EPSG

@@ -45,7 +45,7 @@ class FiniteRowIndex {
   bool has_all() const { return count() == rows_; }
 
   std::size_t blocks() const { return before_.size() - 1; }
-  /// The block that holds finite row `row`.
+  /// Returns the block that holds finite row `row`.
   std::size_t block_of(std::uint64_t row) const;
   std::uint64_t before(std::size_t block) const { return before_[block]; }
   std::uint64_t rows_in(std::size_t block) const { return std::min(kBlock, rows_ - block * kBlock); }
@@ -60,20 +60,20 @@ class FiniteRowIndex {
   std::vector<std::uint64_t> before_;  ///< for each block, and one more at the end
 };
 
-/// Row i is the i-th finite row of `all`.
+/// The finite rows of an input: row i is the i-th finite row of `all`.
 class FiniteRows final : public Reader {
  public:
   FiniteRows(std::unique_ptr<Reader> all, FiniteRowIndex index);
   ~FiniteRows() override;
 
-  /// The finite rows of the blocks that begin in one chunk of `all`.
+  /// Returns the finite rows of the blocks that begin in one chunk of `all`.
   Chunk chunk_of(std::uint64_t row) const override;
   bool has_decoders() const override { return all_->has_decoders(); }
   bool decodes_any_range() const override { return all_->decodes_any_range(); }
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted) const override;
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
   void rest() override { all_->rest(); }
-  /// The row of the input that is finite row `row`.
+  /// Returns the row of the input that is finite row `row`.
   std::uint64_t input_row(std::uint64_t row);
   /// Returns the reader of all rows. This object must not be used afterwards.
   std::unique_ptr<Reader> release() { return std::move(all_); }

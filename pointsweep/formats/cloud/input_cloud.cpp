@@ -209,7 +209,7 @@ std::uint64_t InputCloud::input_row(std::uint64_t row) {
 std::shared_ptr<const FormatExtras> InputCloud::extras() const { return readers_.front()->info().extras; }
 
 std::vector<std::shared_ptr<const FormatExtras>> InputCloud::other_extras() const {
-  constexpr std::ptrdiff_t kCompared = 16;  // kinds of files in a folder are few
+  constexpr std::ptrdiff_t kCompared = 16;  // number of kinds that are compared; a folder has few kinds of files
   std::vector<Extras> others;
   for (std::size_t i = 1; i < readers_.size(); ++i) {
     const Extras& extras = readers_[i]->info().extras;
@@ -271,7 +271,7 @@ std::uint64_t InputCloud::chunk_end(std::uint64_t row) const {
   return cursor ? cursor->kept_before(end) : end;
 }
 
-/// Has a decoder for the input it reads; the others have none, since there may be thousands of inputs.
+/// A decoder of the cloud. It has a decoder only for the input that it reads, since there may be thousands of inputs.
 class InputCloud::Decoder final : public RowDecoder {
  public:
   Decoder(const InputCloud& cloud, WantedFields wanted) : cloud_(cloud), wanted_(std::move(wanted)) {}

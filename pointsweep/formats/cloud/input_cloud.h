@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The inside of a Cloud: several readers as one, rows that are left out, decoders for several threads.
+/// The implementation of a Cloud: several readers as one, dropped rows, decoders for several threads.
 #pragma once
 
 #include <cstddef>
@@ -54,12 +54,12 @@ class InputCloud {
   const std::vector<ValueRange>& ranges() const { return ranges_; }
   /// Harmless faults in the combination of inputs, one sentence each. Faults of a single input are in its FileInfo.
   const std::vector<std::string>& warnings() const { return warnings_; }
-  /// The warnings that say which input lacks attributes of other inputs.
+  /// Returns the warnings about inputs that lack attributes of other inputs.
   const std::vector<std::string>& missing_attributes() const { return missing_attributes_; }
   /// Appends stated boxes of the points of all rows, ascending: boxes of chunks if a file states them, else of whole
   /// files. Returns the first input with points that states none, or null.
   const Reader* stated_boxes(std::vector<RowBox>& boxes) const;
-  /// Bytes of all input files.
+  /// Returns the bytes of all input files.
   std::uint64_t bytes() const;
 
   /// Reads records of all inputs like Reader::read. Not thread-safe.

@@ -121,7 +121,7 @@ ArgumentKind kind_of(const fs::path& path) {
   return is_virtual_cloud(path) ? ArgumentKind::virtual_cloud : ArgumentKind::file;
 }
 
-/// `path` below `folder`, which begins it.
+/// Returns `path` relative to `folder`, with which it begins.
 fs::path below(const fs::path& folder, const fs::path& path) {
   return folder.empty() ? path : path.lexically_relative(folder);
 }

@@ -15,8 +15,8 @@ NumberedRows::NumberedRows(std::unique_ptr<Reader> all, std::uint64_t first_row)
   info_.schema = with_input_row(info_.schema);
 }
 
-/// Reads the records without numbers to the end of `records`, and moves each to its place in front of its number. The
-/// place of a record ends before the next record begins.
+/// Reads the records without numbers into the end of `records`, and then moves each to its place before its number. No
+/// move overwrites a record that has not been moved, since the place of a record ends before the next record begins.
 template <class Read>
 std::size_t NumberedRows::read_numbered(Read read, std::uint64_t row, std::span<std::byte> records) const {
   const std::size_t stride = info_.schema.stride, own = all_->info().schema.stride;

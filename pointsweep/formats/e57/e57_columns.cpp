@@ -19,7 +19,8 @@
 namespace pointsweep {
 namespace {
 
-/// The library's names of attributes that a file has under names of the standard, or of its extension, all or none.
+/// The library's names of groups of attributes for which E57 or its extension has names; a group is stored under these
+/// names only as a whole.
 constexpr std::array<std::string_view, 3> kPosition{"x", "y", "z"}, kColors{"red", "green", "blue"},
     kNormal{"nx", "ny", "nz"};
 constexpr std::array<std::string_view, 2> kReturns{"return_index", "return_count"};
@@ -67,7 +68,7 @@ Field component_of(const Field& field, std::uint32_t component) {
   return one;
 }
 
-/// Gives fields the names of a group if all of them are there and `may_be` holds them.
+/// Gives fields the names of a group if all of them exist and `may_be` is true for each.
 template <std::size_t N, class MayBe>
 void name_group(const Schema& schema, const std::array<std::string_view, N>& group, MayBe may_be,
                 std::vector<std::string>& names) {
@@ -80,7 +81,7 @@ void name_group(const Schema& schema, const std::array<std::string_view, N>& gro
   for (std::size_t i = 0; i < N; ++i) names[found[i]] = stored_name_of(group[i]);
 }
 
-/// Names of the standard and of its extension by field; empty for a field that has none.
+/// Returns the names of the standard and its extension for each field; empty for a field without one.
 std::vector<std::string> standard_names(const Schema& schema) {
   std::vector<std::string> names(schema.fields.size());
   const auto any = [](const Field&) { return true; };

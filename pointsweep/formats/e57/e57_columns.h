@@ -53,15 +53,15 @@ struct E57Column {
   E57Attribute attribute;  ///< name "cartesianX", "nor:normalX", "ps:NAME"
   Field field;             ///< has one component
 
-  /// The number that the file stores: an integer without its scale, or the bits of a double.
+  /// Returns the number that the file stores: an integer without its scale, or the bits of a double.
   std::uint64_t stored(const std::byte* record) const;
 };
 
 /// Returns the columns for records of `schema`, the coordinates first, without `invalid_state`.
 std::vector<E57Column> e57_columns(const Schema& schema);
 
-/// `name` with '_' for every character but letters, digits, '-' and '_'. A name that the standard uses, or that XML
-/// does not allow, has an '_' in front.
+/// Returns `name` with '_' instead of all characters except letters, digits, '-' and '_'. A name of the standard, or
+/// one that XML does not allow, gets an '_' in front.
 std::string e57_name(const std::string& name);
 
 }  // namespace pointsweep

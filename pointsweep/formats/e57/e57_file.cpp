@@ -66,7 +66,7 @@ E57Scan scan_of(const psc_e57* codec, std::size_t number) {
   return scan;
 }
 
-/// Bits that the values of one point take at least.
+/// Returns a lower bound of the bits that the values of one point take.
 double bits_of(const E57Scan& scan) {
   double bits = 0;
   for (const E57Attribute& a : scan.attributes) {

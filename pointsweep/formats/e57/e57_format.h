@@ -18,10 +18,10 @@ namespace pointsweep {
 /// not built in.
 std::unique_ptr<Reader> open_e57(const std::filesystem::path& path);
 
-/// Coordinates in the type of the input, integers of a LAS grid as scaled integers. A point whose coordinates are not
-/// all finite is marked as invalid, and reads as NaN. Attributes that the standard names are stored under its names,
-/// normals as the extension for surface normals has it, all others as `ps:NAME`. Throws Error where codecs are not
-/// built in, and for an unsigned integer above 2^63 - 1.
+/// Creates a writer. Coordinates have the type of the input; integers of a LAS grid become scaled integers. A point
+/// with a coordinate that is not finite is marked as invalid, and reads as NaN. Attributes of the standard have its
+/// names, normals those of the extension for surface normals, all others the name `ps:NAME`. Throws Error if codecs are
+/// not built in, and for an unsigned integer above 2^63 - 1.
 std::unique_ptr<Writer> create_e57_writer(const OutputPlan& plan);
 
 /// Returns the bytes that encoding takes, for any records.

@@ -40,7 +40,7 @@ std::optional<std::size_t> find(const E57Scan& scan, std::string_view name) {
   return static_cast<std::size_t>(found - scan.attributes.begin());
 }
 
-/// The smallest integer type for values from `least` to `most`.
+/// Returns the smallest integer type for values from `least` to `most`.
 Type integer_type(std::int64_t least, std::int64_t most) {
   const auto holds = [&]<class T>(T) {
     using Limits = std::numeric_limits<T>;
@@ -57,7 +57,7 @@ Type integer_type(std::int64_t least, std::int64_t most) {
   return Type::i64;
 }
 
-/// The lines of a description that say how the points were made.
+/// Returns the lines of a description about how the points were made.
 std::vector<std::string> provenance_of(std::string_view description) {
   std::vector<std::string> lines;
   while (!description.empty()) {
@@ -189,7 +189,7 @@ class E57Reader : public Reader {
     return columns;
   }
 
-  /// The last one that begins at `row` or before: scans without points are passed over.
+  /// Returns the last scan that begins at `row` or before, which skips scans without points.
   std::size_t scan_of(std::uint64_t row) const {
     return static_cast<std::size_t>(std::ranges::upper_bound(first_row_, row) - first_row_.begin()) - 1;
   }
@@ -242,7 +242,7 @@ class E57Reader : public Reader {
     return {turned.x + scan.translation[0], turned.y + scan.translation[1], turned.z + scan.translation[2]};
   }
 
-  /// q p q* for the unit quaternion q.
+  /// Returns q p q* for the unit quaternion q.
   static Vec3 rotated(const E57Scan& scan, const Vec3& p) {
     const auto [w, x, y, z] = scan.rotation;
     return {(w * w + x * x - y * y - z * z) * p.x + 2 * (x * y - w * z) * p.y + 2 * (x * z + w * y) * p.z,

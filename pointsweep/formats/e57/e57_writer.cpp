@@ -114,7 +114,7 @@ class E57Writer final : public Writer {
   }
 
  private:
-  /// Values of one point.
+  /// Stores the values of one point.
   void put(std::uint64_t row, const std::byte* record, std::uint64_t* values) const {
     bool finite = true;
     for (std::size_t axis = 0; axis < 3; ++axis) finite &= std::isfinite(value_of(columns_[axis].field, record));

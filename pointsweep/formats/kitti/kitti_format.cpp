@@ -34,15 +34,15 @@ class FloatRecords final : public ColumnsReader {
   }
 };
 
-/// x, y, z and intensity of each point, as the scans of the KITTI data sets. Throws Error if the size is no multiple of
-/// 16 bytes.
+/// Opens a file of x, y, z and intensity of each point, as in the scans of the KITTI data sets. Throws Error if the
+/// size is no multiple of 16 bytes.
 std::unique_ptr<Reader> open_kitti(const std::filesystem::path& path) {
   return std::make_unique<FloatRecords>(path, "kitti", "KITTI, float32 x y z intensity",
                                         std::initializer_list<const char*>{"x", "y", "z", "intensity"},
                                         "has points without intensity (--format float32-xyz)");
 }
 
-/// x, y, z of each point. Throws Error if the size is no multiple of 12 bytes.
+/// Opens a file of x, y, z of each point. Throws Error if the size is no multiple of 12 bytes.
 std::unique_ptr<Reader> open_float_xyz(const std::filesystem::path& path) {
   return std::make_unique<FloatRecords>(path, "float32-xyz", "float32 x y z",
                                         std::initializer_list<const char*>{"x", "y", "z"},

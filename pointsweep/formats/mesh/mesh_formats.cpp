@@ -55,7 +55,7 @@ std::optional<std::uint64_t> take_number(std::string_view& line) {
   return number;
 }
 
-/// Leaves `lines` in front of the first vertex.
+/// Reads the header, after which `lines` stands before the first vertex.
 OffHeader read_header(LineReader& lines) {
   const std::string path = lines.file().path().string();
   std::string_view line = lines.next().value_or("");
@@ -101,9 +101,9 @@ class OffReader final : public VertexLineReader {
 /// Returns whether a file begins with OFF, or with ST, C and N (texture coordinates, colours, normals) before OFF.
 bool starts_as_off(std::string_view head) { return take_keyword(head).has_value(); }
 
-/// Reads normals of NOFF, colours of COFF, and colours that a plain OFF has after its coordinates; leaves faces out
-/// with a warning. Throws Error for a binary file, one of four dimensions, and one that has fewer vertices than its
-/// header says.
+/// Opens an OFF file. Reads normals of NOFF, colours of COFF, and colours after the coordinates of a plain OFF; ignores
+/// faces with a warning. Throws Error for a binary file, one of four dimensions, and one with fewer vertices than its
+/// header states.
 std::unique_ptr<Reader> open_off(const std::filesystem::path& path) {
   auto file = std::make_unique<InputFile>(path);
   LineReader lines(*file);
@@ -121,7 +121,7 @@ bool has_keyword(std::string_view line, std::string_view word) {
 bool is_vertex(std::string_view line) { return has_keyword(line, "v"); }
 bool is_normal(std::string_view line) { return has_keyword(line, "vn"); }
 
-/// Normals, as a reader that gives them in place of coordinates.
+/// Reads normals, under the names of coordinates.
 class NormalLines final : public VertexLineReader {
  public:
   explicit NormalLines(const std::filesystem::path& path, std::unique_ptr<InputFile> file, const LineReader& lines)

@@ -71,7 +71,7 @@ std::size_t VertexLineReader::read(std::uint64_t row, std::span<std::byte> recor
   return rows;
 }
 
-/// A line holds x y z, then the normal, the colour and texture coordinates, each if there is one.
+/// A line has x y z, then the normal, the colour and texture coordinates, as far as the file has these.
 void VertexLineReader::fill(std::uint64_t row, std::size_t rows, std::byte* records, std::size_t stride) {
   const std::size_t lengths = 3 + (columns_.normal ? 3 : 0);
   for (std::size_t i = 0; i < rows; ++i, records += stride) {

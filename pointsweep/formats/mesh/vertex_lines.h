@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The vertices of mesh files in text: a line for each, x y z and perhaps more.
+/// The vertices of mesh files in text: one line each, with x y z and perhaps more numbers.
 #pragma once
 
 #include <cstddef>
@@ -31,14 +31,14 @@ class VertexLineReader : public Reader {
   void fill(std::uint64_t row, std::size_t rows, std::byte* to, std::size_t stride);
 
  protected:
-  /// Rows are the lines for which `is_row` holds, from where `lines` stands, at most `most`; `skipped` characters of
-  /// each stand in front of the numbers.
+  /// The rows are the lines for which `is_row` is true, from the position of `lines` on, at most `most`. `skipped`:
+  /// characters before the numbers of each line.
   VertexLineReader(std::unique_ptr<InputFile> file, const LineReader& lines, RowLines::IsRow is_row, std::uint64_t most,
                    bool has_keyword);
 
   const InputFile& file() const { return *file_; }
   std::string_view first_line() { return cursor_.at(0); }  ///< there must be one
-  /// Numbers in a line, after its keyword; valid until the next call.
+  /// Returns the numbers in a line, after its keyword; valid until the next call.
   const std::vector<double>& numbers(std::string_view line);
   /// Makes the fields. Reads all colours to find their range.
   void set_columns(const VertexColumns& columns);

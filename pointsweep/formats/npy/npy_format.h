@@ -16,9 +16,9 @@ namespace pointsweep {
 /// for each column: neighbor_0, ... for integers, distance_0, ... for floating numbers. Throws Error for other arrays.
 std::unique_ptr<Reader> open_npy(const std::filesystem::path& path);
 
-/// The schema of the plan has one plain field; the array has shape (n, count), or (n,) if the count is 1 and the
-/// attribute in OutputPlan::made is not a list, in C order and little-endian. numpy.load(path, mmap_mode="r") opens one
-/// of any size.
+/// Writes an array. The schema of the plan must have one plain field. The array has shape (n, count), or (n,) if the
+/// count is 1 and the attribute in OutputPlan::made is not a list, in C order and little-endian. numpy.load(path,
+/// mmap_mode="r") opens one of any size.
 class NpyWriter final : public RecordWriter {
  public:
   explicit NpyWriter(const OutputPlan& plan);

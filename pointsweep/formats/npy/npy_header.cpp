@@ -23,7 +23,7 @@ struct PyLiteral {
   std::uint64_t number = 0;      ///< value of a number; 0 or 1 for a boolean
   std::vector<PyLiteral> items;  ///< elements of a tuple or list; alternating keys and values of a dictionary
 
-  /// The value of a key of a dictionary; null if it has none.
+  /// Returns the value of a key of a dictionary; null if there is none.
   const PyLiteral* find(std::string_view key) const;
 };
 
@@ -101,7 +101,7 @@ class PyParser {
     }
     PyLiteral out{.kind = PyLiteral::Kind::number, .text = {}, .items = {}};
     const auto parsed = std::from_chars(text_.data(), text_.data() + text_.size(), out.number);
-    // A number that is too large for any file becomes the largest.
+    // A number too large for 64 bits becomes the largest one, which no file reaches.
     if (parsed.ec == std::errc::result_out_of_range) out.number = std::numeric_limits<std::uint64_t>::max();
     if (parsed.ec == std::errc::invalid_argument) return std::nullopt;
     text_.remove_prefix(static_cast<std::size_t>(parsed.ptr - text_.data()));
@@ -179,7 +179,7 @@ class NpyHeaderParser {
     for (const PyLiteral& field : type.items) {
       if (field.kind != Kind::list || field.items.size() < 2 || field.items.size() > 3)
         fail("{}: its header is damaged where it names fields.", what_);
-      // A field with a title has a pair of texts for its name.
+      // The name of a field with a title is a pair of texts.
       const PyLiteral& named = field.items[0];
       const std::string& name = named.items.size() == 2 ? named.items[1].text : named.text;
       if (field.items[1].kind != Kind::text)
@@ -188,7 +188,7 @@ class NpyHeaderParser {
     }
   }
 
-  /// The number of values in a field of this shape.
+  /// Returns the number of values in a field of this shape.
   std::uint32_t count_of(const PyLiteral& shape, const std::string& name) const {
     std::uint64_t count = shape.kind == Kind::number ? shape.number : 1;
     for (const PyLiteral& size : shape.items) {
@@ -199,7 +199,7 @@ class NpyHeaderParser {
     return static_cast<std::uint32_t>(count);
   }
 
-  /// A type such as "<f4", ">u2" or "|V8": byte order, kind, bytes.
+  /// Appends a field of a type such as "<f4", ">u2" or "|V8": byte order, kind, bytes.
   void append(const std::string& name, const std::string& type, std::uint32_t count) {
     std::uint32_t bytes = 0;
     const bool complete =

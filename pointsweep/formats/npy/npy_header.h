@@ -20,13 +20,13 @@ struct NpyHeader {
   std::vector<std::uint64_t> shape;
   std::uint64_t data = 0;  ///< byte of the first element
 
-  /// The product of the sizes of all axes but the last `without`.
+  /// Returns the product of the sizes of all axes except the last `without` ones.
   std::uint64_t elements(std::size_t without = 0) const;
 };
 
 /// Reads the header of the array that begins at byte `begin` and ends before `end`; `what` names it in errors. Throws
-/// Error for a damaged header, for a type that no attribute can have, and where the array has more or fewer bytes than
-/// its header says.
+/// Error for a damaged header, for a type that no attribute can have, and if the array has more or fewer bytes than its
+/// header states.
 NpyHeader read_npy_header(const InputFile& file, std::uint64_t begin, std::uint64_t end, const std::string& what);
 
 }  // namespace pointsweep

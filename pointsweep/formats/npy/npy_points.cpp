@@ -25,7 +25,7 @@ struct NpyArray {
   std::string name;  ///< name in an archive (.npz); empty for a .npy file
   NpyHeader header;
 
-  /// Axes of an array whose elements are numbers: rows, then values of a row.
+  /// Returns the number of values per row of an array of numbers, whose axes are rows, then values.
   std::uint64_t columns() const { return is_table() ? header.shape.back() : 1; }
   std::uint64_t rows() const { return header.elements(is_table() ? 1 : 0); }
   bool is_table() const { return !header.is_structured && header.shape.size() >= 2; }
@@ -105,7 +105,7 @@ class NpyPointsReader final : public ColumnsReader {
       big_endian_.insert(big_endian_.end(), fields.begin() + static_cast<std::ptrdiff_t>(first), fields.end());
   }
 
-  /// x, y, z and more in the columns of one array.
+  /// Adds x, y, z and further columns of one array.
   void add_table(const NpyArray& array) {
     has_default_names_ = true;
     std::vector<std::string> names{"x", "y", "z"};

@@ -13,10 +13,10 @@ constexpr std::string_view kLocalHeader("PK\3\4", 4), kDirectoryEntry("PK\1\2", 
     kDirectoryEnd64("PK\6\6", 4), kLocator64("PK\6\7", 4);
 constexpr std::uint64_t kLocalBytes = 30, kEntryBytes = 46, kEndBytes = 22, kEnd64Bytes = 56, kLocatorBytes = 20;
 constexpr std::uint64_t kLongestComment = 65535, kMostMembers = 4096;
-constexpr std::uint32_t kIn64 = 0xffffffff;  ///< the value stands in a zip64 record
+constexpr std::uint32_t kIn64 = 0xffffffff;  ///< means that the value is in a zip64 record
 constexpr std::string_view kArrayName = ".npy";
 
-/// A little-endian number of `bytes` bytes.
+/// Returns a little-endian number of `size` bytes.
 std::uint64_t number_at(std::string_view bytes, std::size_t at, std::size_t size) {
   std::uint64_t value = 0;
   for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
@@ -46,7 +46,7 @@ class NpzDirectory {
     return bytes;
   }
 
-  /// The record at the end of the file says where the directory is.
+  /// Finds the directory by the record at the end of the file.
   void find_directory() {
     const std::uint64_t window = std::min(file_.size(), kEndBytes + kLongestComment);
     const std::string tail = bytes_at(file_.size() - window, window);
@@ -90,7 +90,7 @@ class NpzDirectory {
     members.push_back(std::move(member));
   }
 
-  /// Replaces the values that stand in the zip64 field (tag 1) of the extra bytes: size, compressed size, offset.
+  /// Replaces the values that are in the zip64 field (tag 1) of the extra bytes: size, compressed size, offset.
   static void take_large(std::string_view extra, std::array<std::uint64_t, 3>& values) {
     while (extra.size() >= 4) {
       const std::size_t size = std::min<std::size_t>(number_at(extra, 2, 2), extra.size() - 4);

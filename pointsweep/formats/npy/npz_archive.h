@@ -19,7 +19,7 @@ struct NpzMember {
 /// Returns whether a file that begins with `head` is a zip archive whose first member is a NumPy array.
 bool starts_as_npz(std::string_view head);
 
-/// The arrays in an archive, of any size (zip64). Throws Error for a damaged archive and for compressed members.
+/// Returns the arrays in an archive of any size (zip64). Throws Error for a damaged archive and for compressed members.
 std::vector<NpzMember> npz_members(const InputFile& file);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// LZF (Marc Lehmann's format) decompressed in pieces, from any place.
+/// A decompressor of LZF (Marc Lehmann's format) that works in pieces and can resume at saved states.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ class LzfStream {
     std::uint64_t in = 0;                                                 ///< bytes of the block taken
     std::uint64_t out = 0;                                                ///< bytes given
     std::uint32_t match_distance = 0, match_left = 0, literals_left = 0;  ///< of the current run
-    std::array<std::byte, 8192> history{};  ///< the last bytes given, at their place modulo its size
+    std::array<std::byte, 8192> history{};  ///< the last bytes returned; a byte's index is its place modulo the size
   };
 
   /// Block of `bytes` compressed bytes from `offset` on.

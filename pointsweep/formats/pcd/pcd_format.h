@@ -28,7 +28,7 @@ std::unique_ptr<Reader> open_pcd(const std::filesystem::path& path);
 /// normal_z. VIEWPOINT is that of the inputs if they are PCD files and agree, and the identity otherwise.
 std::unique_ptr<Writer> create_pcd_writer(const OutputPlan& plan);
 
-/// The name under which a PCD file of ours holds a field: "normal_x" for nx.
+/// Returns the name of a field in our PCD files: "normal_x" for nx.
 std::string pcd_field_name(const std::string& name);
 
 }  // namespace pointsweep

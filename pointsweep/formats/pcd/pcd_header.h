@@ -14,7 +14,7 @@ namespace pointsweep {
 
 enum class PcdData : std::uint8_t { ascii, binary, binary_compressed };
 
-/// A field as the file has it: `count` values of `type`.
+/// A field in the file: `count` values of `type`.
 struct PcdField {
   std::string name;
   Type type;
@@ -45,7 +45,7 @@ struct PcdExtras final : FormatExtras {
     return viewpoint == static_cast<const PcdExtras&>(other).viewpoint;
   }
 
-  std::string viewpoint;  ///< PcdHeader::viewpoint if it is whole
+  std::string viewpoint;  ///< PcdHeader::viewpoint if it is complete
 };
 
 /// Throws Error with the line of the header that is wrong.

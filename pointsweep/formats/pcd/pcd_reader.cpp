@@ -72,7 +72,7 @@ FileInfo info_of(const InputFile& file, const PcdHeader& header) {
   return info;
 }
 
-/// The file may be longer than its points: PCL fills it up to a page.
+/// Reads uncompressed files. A file may be longer than its points: PCL pads it to a page.
 class BinaryPcdReader final : public ColumnsReader {
  public:
   BinaryPcdReader(std::shared_ptr<const InputFile> file, const PcdHeader& header) {
@@ -202,7 +202,7 @@ class CompressedPcdReader final : public Reader {
     }
 
    private:
-    /// Colours are fields inside a column.
+    /// Returns whether a field, which may be one of several colours in a column, is in the column.
     bool holds(const Column& column, std::size_t field) const {
       const std::uint32_t offset = reader_.info().schema.fields[field].offset;
       return offset >= column.offset && offset < column.offset + column.bytes;

@@ -22,7 +22,7 @@ bool is_byte(const Field& field) {
          (plain_byte || (field.bit_width > 0 && field.bit_width <= 8));
 }
 
-/// Scaled values are float64, parts of a word are the smallest integers that hold them.
+/// Returns the type in the file: float64 for scaled values, the smallest possible integer for bit fields.
 Type pcd_type(const Field& field) {
   if (field.scale != 1 || field.bias != 0) return Type::f64;
   return unpacked_type(field);
@@ -46,7 +46,7 @@ struct PcdLayout {
   }
 };
 
-/// Indices of red, green, blue and perhaps alpha, if the first three are bytes.
+/// Returns the indices of red, green, blue and perhaps alpha, if the first three are bytes.
 std::vector<std::size_t> byte_colors(const Schema& schema) {
   std::vector<std::size_t> found;
   for (const char* name : {"red", "green", "blue", "alpha"}) {

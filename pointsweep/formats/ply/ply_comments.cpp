@@ -57,7 +57,7 @@ std::vector<std::string> number_lines(std::string_view prefix, const Numbers& nu
   return lines;
 }
 
-/// `text` with every byte but visible ASCII as %XX, spaces included, since a line may begin or end with one.
+/// Returns `text` with all bytes but visible ASCII as %XX, including spaces, since readers trim lines.
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -139,7 +139,7 @@ std::vector<std::string_view> comment_words(std::string_view text) {
   return words;
 }
 
-/// Three numbers from words[first] on.
+/// Parses three numbers from words[first] on.
 bool parse_vector(const std::vector<std::string_view>& words, std::size_t first, Vec3& v) {
   return parse_number(words[first], v.x) && parse_number(words[first + 1], v.y) && parse_number(words[first + 2], v.z);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The header of a PLY file ("The PLY Polygon File Format", Greg Turk, 1994), and the comments that keep what PLY
-/// has no place for.
+/// The header of a PLY file ("The PLY Polygon File Format", Greg Turk, 1994), and comments with facts for which PLY has
+/// no other place.
 #pragma once
 
 #include <cstdint>
@@ -60,13 +60,13 @@ PlyHeader read_ply_header(const InputFile& file);
 
 std::string_view name_of(PlyEncoding encoding);
 
-/// Lines that begin with `comment` and have at most 1,000 bytes, which the readers of other programs accept.
+/// Returns lines that begin with `comment` and have at most 1,000 bytes, which the readers of other programs accept.
 std::vector<std::string> crs_comments(const Crs& crs);
 
 /// Returns the system stated by such lines, and removes them from `lines`. Invalid lines are not removed.
 std::optional<Crs> take_crs_comments(std::vector<std::string>& lines);
 
-/// A line, as above, that states the meaning of the coordinates and times of a LAS file.
+/// Returns such a line with the meaning of the coordinates and times of a LAS file.
 std::string las_comment(const LasOrigin& origin);
 std::optional<LasOrigin> take_las_comment(std::vector<std::string>& lines);
 

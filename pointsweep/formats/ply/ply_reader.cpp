@@ -32,7 +32,7 @@ class ForwardBytes {
 
   std::uint64_t offset() const { return offset_; }
   void skip(std::uint64_t bytes) { offset_ += bytes; }
-  /// `size` <= 8 bytes, or null where the file ends before.
+  /// Returns the next `size` <= 8 bytes, or null if the file ends before.
   const std::byte* take(std::size_t size) {
     if (offset_ < block_offset_ || offset_ + size > block_offset_ + filled_) {
       block_offset_ = offset_;
@@ -94,7 +94,7 @@ std::uint64_t end_of_binary_element(const InputFile& file, const PlyElement& ele
   return walker.offset();
 }
 
-/// A line that holds anything but spaces.
+/// Returns whether a line contains anything but spaces.
 bool is_ply_row(std::string_view line) { return line.find_first_not_of(" \t\r\v\f") != line.npos; }
 
 /// Moves `lines` past the lines of an ascii element. Throws Error if the file ends inside.
@@ -182,7 +182,7 @@ class PlyLineParser final : public LineParser {
   }
 
  private:
-  /// The next word of `line` from `at` on, empty at its end.
+  /// Returns the next word of `line` from `at` on, empty at its end.
   static std::string_view take_word(std::string_view line, std::size_t& at) {
     const auto is_space = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
     while (at < line.size() && is_space(line[at])) ++at;

@@ -52,7 +52,7 @@ Type stored_type(const Field& field, bool keeps_wide) {
 
 const PlyExtras* ply_extras(const OutputPlan& plan) { return extras_as<PlyExtras>(plan.extras); }
 
-/// Plain fields without gaps, under the names of the plan (the header gives them their names in the file).
+/// Returns plain fields without gaps, under the names of the plan. The header has the names of the file.
 Schema ply_schema(const OutputPlan& plan) {
   Schema stored;
   for (const Field& field : plan.schema.fields) {

@@ -62,7 +62,7 @@ class PtxFinder {
  private:
   std::string name() const { return file_.path().string(); }
 
-  /// The next line that is not blank.
+  /// Returns the next line that is not blank.
   std::optional<std::string_view> next_line() {
     for (;;) {
       const auto line = lines_.next();

@@ -12,8 +12,8 @@
 
 namespace pointsweep {
 
-/// A grid of cells, column by column. A cell is a line `x y z [intensity [red green blue]]`, 0 0 0 where the scanner
-/// saw nothing.
+/// A grid of cells, column by column. A cell is a line `x y z [intensity [red green blue]]`; 0 0 0 means that the
+/// scanner saw nothing.
 struct PtxScan {
   std::uint64_t columns = 0, rows = 0;
   std::array<double, 16>
@@ -23,7 +23,7 @@ struct PtxScan {
   std::uint64_t cells() const { return columns * rows; }
 };
 
-/// The place of the cursor before a point.
+/// The position of a cursor before a point.
 struct PtxPlace {
   std::uint64_t offset = 0, line = 1;  ///< position of the next line
   std::uint64_t scan = 0, cell = 0;    ///< scan and cell of the next line; the cell after the last: the next line is a
@@ -47,15 +47,16 @@ PtxLayout find_ptx_layout(const InputFile& file);
 /// Returns whether a file that begins with `head` is a PTX file, by the ten lines of the header of its first scan.
 bool starts_as_ptx(std::string_view head);
 
-/// Walks over the points.
+/// A cursor over the points.
 class PtxCursor {
  public:
-  /// Both must outlive it.
+  /// Both arguments must outlive the cursor.
   PtxCursor(const InputFile& file, const PtxLayout& layout);
 
-  /// The line of point `point` < layout.points, valid until the next call; quick for the point after the last one.
+  /// Returns the line of point `point` < layout.points, valid until the next call; quick for the point after the last
+  /// one.
   std::string_view at(std::uint64_t point);
-  /// The line number, the scan, and the cell in the scan of the point that at() gave last.
+  /// The line number, the scan, and the cell in the scan of the point that at() returned last.
   std::uint64_t line() const { return lines_.line(); }
   std::uint64_t scan() const { return scan_; }
   std::uint64_t cell() const { return cell_ - 1; }

@@ -35,7 +35,8 @@ class QsplatReader final : public Reader {
     count_leaves();
   }
 
-  /// The leaves between two places; the nodes that lead to them are all over the file.
+  /// Returns the leaves between two stored places. Their bytes have no range, since the nodes above them are all over
+  /// the file.
   Chunk chunk_of(std::uint64_t row) const override {
     const std::uint64_t first = row / kBetweenPlaces * kBetweenPlaces;
     return {.first_row = first, .rows = std::min(kBetweenPlaces, info_.count - first), .bounds = {}};

@@ -19,7 +19,7 @@ struct QsplatSphere {
   float x = 0, y = 0, z = 0, radius = 0;
 };
 
-/// Codes of spheres that the format knows; 13 bits hold 8192.
+/// Number of codes of spheres that the format defines; 13 bits hold 8192.
 constexpr unsigned kQsplatSphereCodes = 7621;
 
 /// Returns the sphere with the 13-bit `code` inside `parent`. Its radius is the parent's times s/13, centre is the
@@ -32,7 +32,7 @@ std::optional<QsplatSphere> qsplat_sphere(unsigned code, const QsplatSphere& par
 /// corners outside of the unit sphere, which no encoder writes; (0, 0, 1) for codes without a face, as in QSplat.
 std::array<float, 3> qsplat_normal(unsigned code);
 
-/// Red, green and blue, 0 to 255, from 5, 6 and 5 bits.
+/// Returns red, green and blue, 0 to 255, from 5, 6 and 5 bits.
 std::array<std::uint8_t, 3> qsplat_color(unsigned code);
 
 struct QsplatFragment {
@@ -45,7 +45,8 @@ struct QsplatFragment {
 };
 constexpr std::uint64_t kQsplatHeader = 40;
 
-/// The header at byte `begin`. Throws Error for one that is no QSplat 11 header, truncated, or longer than the file.
+/// Reads the header at byte `begin`. Throws Error if it is no QSplat 11 header, is truncated, or states more than the
+/// file has.
 QsplatFragment read_qsplat_fragment(const InputFile& file, std::uint64_t begin);
 
 struct QsplatLeaf {
@@ -53,7 +54,7 @@ struct QsplatLeaf {
   unsigned normal = 0;  ///< 14-bit code
   unsigned color = 0;   ///< 16-bit code, if has_color
   bool has_color = false;
-  bool has_normal = true;  ///< false for a tree that is nothing but its root
+  bool has_normal = true;  ///< false for a tree that consists only of its root
 };
 
 /// Walks through the leaves depth first. The file has the tree breadth first, siblings together. Each group of siblings
@@ -92,7 +93,7 @@ class QsplatWalk {
   bool enter_next_fragment(QsplatLeaf& leaf, bool& is_leaf);
   void enter_group(std::uint64_t begin, std::uint64_t siblings, bool has_pointer, const QsplatSphere& parent);
   void check_end_of_fragment() const;
-  /// `size` bytes at `offset`, from the block of a level.
+  /// Returns `size` bytes at `offset`, from the block of a level.
   const std::byte* bytes_at(std::size_t level, std::uint64_t offset, std::size_t size);
   [[noreturn]] void complain(std::uint64_t offset, std::string_view what) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A reader that another owner keeps.
+/// A reader that another object owns.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace pointsweep {
 
-/// Reads what `reader` reads, for a second cloud of the same file. `reader` must outlive it, and one thread at a time
-/// calls read() of either.
+/// Reads the rows of `reader`, for a second cloud of the same file. `reader` must outlive it. Only one thread at a time
+/// may call read() of either.
 class BorrowedReader final : public Reader {
  public:
   explicit BorrowedReader(Reader& reader) : reader_(reader) { info_ = reader.info(); }

@@ -32,11 +32,11 @@ class ColumnsReader : public Reader {
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const override;
 
  protected:
-  /// Once info_.schema and info_.count are known. The caller has checked that the file has the bytes of all rows.
-  /// `big_endian`: the fields whose values are.
+  /// Sets the columns, after info_.schema and info_.count. The caller has checked that the file has the bytes of all
+  /// rows. `big_endian`: the fields with big-endian values.
   void has_columns(std::shared_ptr<const InputFile> file, std::vector<StoredColumn> columns,
                    std::vector<Field> big_endian = {});
-  /// The file has the whole records one after another, row 0 at byte `first`.
+  /// For files with whole records one after another, row 0 at byte `first`.
   void has_records(std::shared_ptr<const InputFile> file, std::uint64_t first, std::vector<Field> big_endian = {}) {
     has_columns(std::move(file), {{first, info_.schema.stride, 0}}, std::move(big_endian));
   }

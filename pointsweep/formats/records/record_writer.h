@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Output files that are a header and then records of a fixed size.
+/// Writers of files that consist of a header and records of a fixed size.
 #pragma once
 
 #include <cstddef>

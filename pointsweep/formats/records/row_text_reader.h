@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Files whose points are lines of text.
+/// Readers of files whose points are lines of text.
 #pragma once
 
 #include <cstddef>
@@ -19,11 +19,11 @@ namespace pointsweep {
 class LineParser {
  public:
   virtual ~LineParser() = default;
-  /// Line number `number` of the file, from 1. Throws Error for a line that is no record.
+  /// Parses line number `number` of the file, from 1. Throws Error for a line that is no record.
   virtual void parse(std::string_view line, std::uint64_t number, std::byte* record) = 0;
 };
 
-/// The rows between two places of RowLines are a chunk.
+/// A reader whose chunks are the rows between two places of RowLines.
 class RowTextReader : public Reader {
  public:
   Chunk chunk_of(std::uint64_t row) const override;
@@ -31,7 +31,7 @@ class RowTextReader : public Reader {
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const override;
 
  protected:
-  /// A parser for one thread.
+  /// Returns a parser for one thread.
   virtual std::unique_ptr<LineParser> parser() const = 0;
 
   std::unique_ptr<const InputFile> file_;

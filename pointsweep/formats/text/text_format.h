@@ -13,8 +13,9 @@
 
 namespace pointsweep {
 
-/// A row for each line, a float64 field for each column (see TextLayout). Opening reads the file once to count the
-/// rows. A line with too few or too many cells, or a cell that is no number, is an Error with its line when it is read.
+/// Opens a text file with a row for each line and a float64 field for each column (see TextLayout). Opening reads the
+/// file once to count the rows. A line with too few or too many cells, or a cell that is no number, is an Error with
+/// its line when it is read.
 std::unique_ptr<Reader> open_text(const std::filesystem::path& path);
 
 /// Opens a text file with the given names of columns, "-" for skipped ones, whose content is ignored. A header is

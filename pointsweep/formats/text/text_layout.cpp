@@ -23,7 +23,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Offset of the first character from `at` on for which `ends` holds, outside quotes.
+/// Returns the offset of the first character from `at` on, outside of quotes, for which `ends` is true.
 template <class Predicate>
 std::size_t find_unquoted(std::string_view line, std::size_t at, Predicate ends) {
   char quote = 0;
@@ -130,7 +130,7 @@ class LayoutFinder {
     return true;
   }
 
-  /// The separator and, without a header, the names.
+  /// Finds the separator and, without a header, the names.
   void look_at_rows() {
     std::vector<std::vector<double>> rows;
     while (rows.size() < kRowsLookedAt) {

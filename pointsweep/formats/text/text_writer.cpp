@@ -48,7 +48,7 @@ class TextWriter final : public Writer {
       if (extension != ".csv") append("# ");
       append(fmt::format("{}\n", fmt::join(names, std::string_view(&separator_, 1))));
     }
-    // Programs that read .csv take the first line for names and all others for rows.
+    // Programs that read .csv take the first line as names and all others as rows.
     if (extension == ".csv") return;
     for (const std::string& line : plan.provenance) append("# " + line + "\n");
   }
@@ -113,7 +113,7 @@ class TextWriter final : public Writer {
     double written = 0;
     if (rounds_ || !std::isfinite(value)) return;
     std::from_chars(text_.data() + from, text_.data() + text_.size(), written);
-    // A value on a grid of decimal fractions differs from them in its last digits.
+    // A value on a grid of decimal fractions differs from its decimal fraction only in the last digits.
     rounds_ = std::abs(written - value) > 4 * std::numeric_limits<double>::epsilon() * std::abs(value);
   }
 

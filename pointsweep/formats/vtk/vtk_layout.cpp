@@ -21,7 +21,7 @@ std::string upper_case(std::string_view text) {
   return upper;
 }
 
-/// Names are written with %20 for a blank.
+/// Decodes a name, in which %20 means a blank.
 std::string decoded(std::string_view name) {
   std::string out;
   const auto digit = [](char c) {
@@ -78,7 +78,7 @@ class VtkParser {
 
   void take(const std::string& keyword) {
     std::string_view rest = keyword == "METADATA" ? std::string_view() : text_.line().value_or("");
-    line_ = rest;  // the window of the scanner moves
+    line_ = rest;  // the scanner replaces its window
     rest = line_;
     if (keyword == "DATASET") return take_dataset(rest);
     if (keyword == "DIMENSIONS" || keyword == "ORIGIN" || keyword == "SPACING" || keyword == "ASPECT_RATIO") return;
@@ -123,7 +123,7 @@ class VtkParser {
       complain(fmt::format("POINT_DATA are for {} points, and there are {}", rows_, layout_.count));
   }
 
-  /// Passes over `n size` and `size` ints; since version 5.1 `n + 1 size`, followed by two arrays.
+  /// Skips `n size` and `size` ints; since version 5.1 `n + 1 size`, followed by two arrays.
   void take_cells(const std::string& keyword, std::string_view rest) {
     const std::uint64_t first = number(rest), second = number(rest);
     const std::uint64_t before = text_.offset();
@@ -203,7 +203,7 @@ class VtkParser {
     add_array(std::move(array), type, rows_);
   }
 
-  /// The line that names the table of SCALARS.
+  /// Skips the line with the name of the table of SCALARS.
   void pass_lookup_table() {
     if (upper_case(text_.word().value_or("")) != "LOOKUP_TABLE") complain("LOOKUP_TABLE is missing after SCALARS");
     text_.line();
@@ -242,7 +242,7 @@ class VtkParser {
     }
   }
 
-  /// Passes over the values of an array.
+  /// Skips the values of an array.
   void skip(const std::string& what, const std::string& type, std::uint64_t rows, std::uint32_t components) {
     if (components == 0 || rows == 0) return;
     const std::optional<Type> known = vtk_type(type);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The contents of a legacy VTK file, their places, and its text by words and by lines.
+/// The contents of a legacy VTK file and their places, and a scanner of its text by words and lines.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ struct VtkArray {
   std::string name;
   Type type = Type::f32;
   std::uint32_t components = 1;
-  bool shares = false;                     ///< numbers of text that are shares of 255
+  bool shares = false;                     ///< numbers of text are fractions of 255
   std::uint64_t begin = 0;                 ///< byte of the first value in a binary file
   std::vector<std::uint64_t> places = {};  ///< in text: offsets of rows 0, VtkLayout::kRowsPerPlace, ...
 };
@@ -38,7 +38,7 @@ struct VtkLayout {
 /// Returns whether a file that begins with `head` is a legacy VTK file.
 bool starts_as_vtk(std::string_view head);
 
-/// Reads all of a text file, and of a binary one the lines between arrays. Throws Error with the place that is wrong.
+/// Reads all of a text file; of a binary file only the lines between arrays. Throws Error with the place of an error.
 VtkLayout read_vtk_layout(const InputFile& file);
 
 /// A window of 16 KB on a file that is text between blocks of bytes. Words and lines longer than that are an Error.

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint32_t kMostRecordBytes = 1 << 20;
 
-/// The fields of all arrays, which follow each other in the record.
+/// Returns the fields of all arrays, which are adjacent in the record.
 Schema schema_of(const VtkLayout& layout, const std::string& path) {
   Schema schema;
   for (const VtkArray& array : layout.arrays) {
@@ -164,9 +164,9 @@ class TextVtkReader final : public Reader {
 
 constexpr std::string_view kVtkExtensions[] = {".vtk"};
 
-/// Points with all their attributes: scalars, vectors, normals (nx ny nz), colours (red green blue alpha), texture
-/// coordinates, tensors and arrays of fields, in the types of the file. Cells and their attributes are left out; a
-/// warning counts them. Opening a text file reads it once. Throws Error for a damaged or truncated file.
+/// Opens a file. Points have all their attributes: scalars, vectors, normals (nx ny nz), colours (red green blue
+/// alpha), texture coordinates, tensors and arrays of fields, in the types of the file. Cells and their attributes are
+/// left out; a warning counts them. Opening a text file reads it once. Throws Error for a damaged or truncated file.
 std::unique_ptr<Reader> open_vtk(const std::filesystem::path& path) {
   auto file = std::make_shared<const InputFile>(path);
   VtkLayout layout = read_vtk_layout(*file);
