@@ -11,7 +11,7 @@ namespace {
 /// Multiples up to this number are exact, and no two edges are equal.
 constexpr double kMostMultiple = 0x1p50;
 
-/// The greatest whole number that is not above a / b; b > 0.
+/// Returns a / b rounded down; b > 0.
 Int128 floor_of_quotient(Int128 a, Int128 b) { return a / b - (a % b < 0 ? 1 : 0); }
 
 }  // namespace
@@ -41,7 +41,7 @@ void HistogramBins::set_width(int digit, int exponent) {
   for (int i = 0; i < std::min(exponent, 19); ++i) whole_width_ *= 10;
 }
 
-/// The float64 nearest to the decimal number for exponents of -22 to 22; infinite beyond all float64.
+/// Returns the float64 nearest to the decimal number for exponents of -22 to 22; infinite beyond the range of float64.
 double HistogramBins::edge(std::int64_t multiple) const {
   const double units = static_cast<double>(multiple) * digit_;
   return exponent_ < 0 ? units / power_ : units * power_;

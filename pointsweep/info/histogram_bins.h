@@ -20,14 +20,14 @@ class HistogramBins {
   HistogramBins(const ValueKeys& keys, std::uint64_t least, std::uint64_t most, std::uint64_t wanted);
 
   std::size_t size() const { return static_cast<std::size_t>(last_ - first_) + 1; }
-  /// size() + 1 edges, ascending; the greatest float64 in place of a multiple beyond it.
+  /// Returns size() + 1 edges, ascending. A multiple beyond float64 becomes its greatest number.
   std::vector<double> edges() const;
-  /// The bin, below size(), of a value.
+  /// Returns the bin, below size(), of a value.
   std::size_t bin_of(const ValueKeys& keys, std::uint64_t key) const;
 
  private:
   void set_width(int digit, int exponent);
-  /// The greatest multiple of the width that is not above the value.
+  /// Returns the greatest multiple of the width that is not above the value.
   std::int64_t multiple_below(const ValueKeys& keys, std::uint64_t key) const;
   double edge(std::int64_t multiple) const;
 

@@ -27,7 +27,7 @@ struct AlikeFiles {
 /// Some of the kinds of files, in the order of their first files.
 using SomeKinds = std::vector<const AlikeFiles*>;
 
-/// Values in the order in which they come first, each with the files that have it.
+/// Distinct values in the order of their first occurrence, each with the files that have it.
 using FilesOfValues = std::vector<std::pair<std::string, SomeKinds>>;
 
 void add_file(FilesOfValues& all, const std::string& value, const AlikeFiles& kind) {
@@ -36,7 +36,7 @@ void add_file(FilesOfValues& all, const std::string& value, const AlikeFiles& ki
   at->second.push_back(&kind);
 }
 
-/// "a.las" or "a.las and 3 more".
+/// Returns "a.las" or "a.las and 3 more".
 std::string names_of(const std::string& first, std::size_t files) {
   return files == 1 ? first : fmt::format("{} and {} more", first, files - 1);
 }
@@ -47,14 +47,14 @@ std::string names_of(const SomeKinds& kinds) {
   return names_of(kinds.front()->first.path.string(), files);
 }
 
-/// "a", "a and b", "a, b and c".
+/// Returns "a", "a and b" or "a, b and c".
 std::string list_of(const std::vector<std::string>& names) {
   if (names.size() == 1) return names.front();
   const std::vector<std::string> others(names.begin(), names.end() - 1);
   return fmt::format("{} and {}", fmt::join(others, ", "), names.back());
 }
 
-/// "float32 in a.ply and 3 more; uint16 in b.las".
+/// Returns "float32 in a.ply and 3 more; uint16 in b.las".
 std::string text_of(const FilesOfValues& all) {
   std::string text;
   for (const auto& [value, files] : all)
@@ -73,7 +73,7 @@ FilesOfValues formats_of(const SomeKinds& files) {
   return formats;
 }
 
-/// Systems that could be the same are one, that of the first file.
+/// Returns the distinct systems. Systems that may be equal count as one, that of the first file.
 FilesOfValues systems_of(const SomeKinds& files) {
   std::vector<const Crs*> systems;
   FilesOfValues all;
@@ -113,7 +113,7 @@ FilesOfValues clocks_of(const SomeKinds& files) {
   return clocks;
 }
 
-/// "uint16", "int32[3]", "int32 (scale 0.01)".
+/// Returns "uint16", "int32[3]" or "int32 (scale 0.01)".
 std::string storage_of(const Field& field) {
   std::string text(name_of(field.type));
   if (field.count > 1) text += fmt::format("[{}]", field.count);
@@ -121,7 +121,7 @@ std::string storage_of(const Field& field) {
   return text;
 }
 
-/// An attribute of some of the files, with all that store it in one way.
+/// An attribute of some of the files, with all files that store it in the same way.
 struct SharedAttribute {
   std::string name;  ///< name in the first file
   FilesOfValues storages;
@@ -151,7 +151,7 @@ SomeKinds files_without(const SharedAttribute& attribute, const SomeKinds& files
   return without;
 }
 
-/// A sentence for each set of files that lacks some attributes.
+/// Adds a sentence for each set of files that lacks some attributes.
 void note_missing(std::vector<std::string>& sentences, const std::vector<SharedAttribute>& attributes,
                   const SomeKinds& files) {
   std::vector<std::pair<SomeKinds, std::vector<std::string>>> missing;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The area of the plane that points cover, seen from above.
+/// The area that points cover, seen from above.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@ class PlanArea {
   /// fills its bounds holds 16 to 64 points on average, or more.
   explicit PlanArea(std::uint64_t points);
 
-  /// Finite coordinates.
+  /// Adds a point with finite coordinates.
   void add(double x, double y);
-  /// Chooses the side of the cells, when all points have been added.
+  /// Chooses the side of the cells. Must be called when all points have been added.
   void settle();
 
   double cell_side() const { return side_; }
-  /// Square of the coordinates' unit; 0 where points lie at fewer than 16 places, which cover no area.
+  /// Returns the area in squared units of the coordinates; 0 if points lie at fewer than 16 places.
   double area() const;
 
  private:

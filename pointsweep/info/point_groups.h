@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Points by the value that they have in one attribute.
+/// Groups of points by the value of one attribute.
 #pragma once
 
 #include <cstddef>
@@ -29,9 +29,9 @@ class PointGroups {
             std::vector<std::uint32_t>& groups);
 
   std::size_t size() const { return keys_.size(); }
-  /// The numbers of the groups, ascending by value.
+  /// Returns the numbers of the groups, ascending by value.
   std::vector<std::uint32_t> ascending() const;
-  /// A whole number.
+  /// Returns the value of a group, a whole number.
   AttributeValue value(std::uint32_t group) const;
   const std::string& name() const { return name_; }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Quantiles of values that are read again and again, exact and in bounded memory.
+/// Exact quantiles in bounded memory, of values that are read several times.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ class RankSearch {
   /// Begins a search among `count` keys from `least` to `most`. A search among no keys finds none.
   RankSearch(std::uint64_t count, std::uint64_t least, std::uint64_t most);
 
-  /// Intervals that the next reading divides.
+  /// Returns the number of intervals that the next reading divides.
   std::size_t open() const { return intervals_.size(); }
   /// Begins a reading, in which each interval may use `share` >= 2 numbers from `next` on; advances `next`. At most
   /// 2^63 numbers.
@@ -36,7 +36,7 @@ class RankSearch {
   const std::array<std::uint64_t, kRanks>& keys() const { return found_; }
 
  private:
-  /// The keys from `least` to `most`, `count` of them, and the ranks [first, last) in their order.
+  /// The keys from `least` to `most`, whose number is `count`, and the ranks [first, last) to be found among them.
   struct Interval {
     std::uint64_t least, most, count;
     std::uint8_t first, last;

@@ -148,7 +148,7 @@ void add_ranges(FileSummary& summary, const Schema& schema, const Piece& piece) 
   }
 }
 
-/// Points of each value of a small whole number; values outside of the counts are left out.
+/// Counts the points of each value of a small whole number; larger values are ignored.
 template <std::size_t N>
 void add_counts(std::array<std::uint64_t, N>& counts, const Field& field, const Schema& schema, const Piece& piece) {
   for (std::size_t i = 0; i < piece.count; ++i) {
@@ -157,7 +157,7 @@ void add_counts(std::array<std::uint64_t, N>& counts, const Field& field, const 
   }
 }
 
-/// Points whose value of `number` is above that of `most`.
+/// Returns the number of points whose value of `number` is above that of `most`.
 std::uint64_t points_above(const Field& number, const Field& most, const Schema& schema, const Piece& piece) {
   std::uint64_t points = 0;
   for (std::size_t i = 0; i < piece.count; ++i) {
@@ -167,7 +167,7 @@ std::uint64_t points_above(const Field& number, const Field& most, const Schema&
   return points;
 }
 
-/// Bounds and ranges of integers on a decimal grid become the decimal fractions that they mean.
+/// Converts bounds and ranges of integers on a decimal grid to decimal fractions.
 void use_decimals(FileSummary& summary, const Schema& schema) {
   for (std::size_t f = 0; f < schema.fields.size(); ++f) {
     const GridDecimals decimals(schema.fields[f]);

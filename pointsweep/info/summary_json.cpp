@@ -88,7 +88,7 @@ Json json_of(const ProvenanceRecord& record) {
           {"more_inputs", record.more_inputs}};
 }
 
-/// The runs that made the file, oldest first.
+/// Returns the runs that made the file, oldest first.
 Json provenance(const FileInfo& info) {
   Json records = Json::array();
   for (const ProvenanceRecord& record : records_of(info.provenance)) records.push_back(json_of(record));

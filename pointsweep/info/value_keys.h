@@ -30,9 +30,9 @@ class ValueKeys {
   void find(std::span<const std::byte> records, std::size_t stride, std::vector<std::uint64_t>& keys) const;
 
   bool is_finite(std::uint64_t key) const { return is_whole() || (key > kNegativeInfinity && key < kInfinity); }
-  /// The value, which a whole number of more than 53 bits may round to.
+  /// Returns the value; a whole number of more than 53 bits may be rounded.
   double real(std::uint64_t key) const;
-  /// The value of a field of whole numbers.
+  /// Returns the value of a field of whole numbers.
   Int128 whole(std::uint64_t key) const;
   AttributeValue value(std::uint64_t key) const;
 

@@ -30,14 +30,14 @@ class ValueMoments {
   /// fewer than two values, or if the sum of their squares is beyond float64.
   std::optional<double> deviation() const;
 
-  /// Bytes of memory.
+  /// Returns the bytes of memory.
   static std::uint64_t bytes(const ValueKeys& keys, bool sums);
 
  private:
   struct Sums {
     ExactSum values, squares;
   };
-  /// The sums of either kind.
+  /// Returns the sums of either kind.
   Sums sums() const;
 
   std::uint64_t count_ = 0, nonfinite_ = 0;

@@ -10,7 +10,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/math/batch.cpp"
 #include <hwy/foreach_target.h>
-// The lanes follow the inclusion of the targets.
+// These headers must be included for each target.
 #include "pointsweep/math/eigen3_lanes-inl.h"
 #include "pointsweep/math/exp.h"
 #include "pointsweep/math/exp_lanes-inl.h"
@@ -22,7 +22,7 @@ using Lanes = hn::ScalableTag<double>;
 
 constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
 
-/// Twelve numbers per matrix, one matrix per lane: six entries come, three values and three vectors go.
+/// Twelve numbers per matrix, one matrix per lane: first six entries, then three values and three vectors.
 struct MatrixGroup {
   HWY_ALIGN double lanes[12][kLanes];
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Distances from boxes, which are exact lower bounds of the distances from their points, and the box of a cloud
-/// without its outliers.
+/// Distances from boxes, which are lower bounds even after rounding, and the box of a cloud without its outliers.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +9,8 @@
 
 namespace pointsweep {
 
-/// Squared distance from a point to the box, 0 inside. Rounding never makes it exceed the distance2() to a point of
-/// the box: every operation is monotonic and in the same order.
+/// Returns the squared distance from a point to the box, 0 inside. Rounding never makes it exceed the distance2() to a
+/// point of the box: every operation is monotonic and in the same order.
 inline double distance2(const Box& b, Vec3 p) {
   const double dx = std::max({b.lo.x - p.x, 0.0, p.x - b.hi.x});
   const double dy = std::max({b.lo.y - p.y, 0.0, p.y - b.hi.y});
@@ -19,7 +18,8 @@ inline double distance2(const Box& b, Vec3 p) {
   return (dx * dx + dy * dy) + dz * dz;
 }
 
-/// Squared distance between two boxes, 0 where they touch or overlap; a lower bound of distance2() of their points.
+/// Returns the squared distance between two boxes, 0 if they touch or overlap; a lower bound of distance2() of their
+/// points.
 inline double distance2(const Box& a, const Box& b) {
   const double dx = std::max({a.lo.x - b.hi.x, 0.0, b.lo.x - a.hi.x});
   const double dy = std::max({a.lo.y - b.hi.y, 0.0, b.lo.y - a.hi.y});

@@ -13,7 +13,7 @@
 
 namespace pointsweep {
 
-/// A binary tree of boxes that do not change. Asking is thread-safe.
+/// A binary tree of boxes that do not change. Queries are thread-safe.
 class BoxTree {
  public:
   BoxTree() = default;

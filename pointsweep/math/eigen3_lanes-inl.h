@@ -121,7 +121,7 @@ struct RootLanes {
   }
 };
 
-/// The vector of that root, and a basis of the plane across it.
+/// The eigenvector of that root, and a basis of the plane perpendicular to it.
 template <class D, class V = hn::Vec<D>>
 struct BasisLanes {
   Vec3Lanes<V> v, p, q;

@@ -10,23 +10,24 @@
 
 namespace pointsweep {
 
-/// exp(x): infinite above 709.78, 0 below -745.2, NaN of NaN.
+/// Returns exp(x): infinite above 709.78, 0 below -745.2, NaN for NaN.
 inline double exponential(double x) {
   if (std::isnan(x)) return x;
   const double size = std::fabs(x), most = ExpConstants<double>::kLargest;
-  // Beyond `most`, exp(x) may be a finite number that exp_negative() does not reach: the square of exp(x / 2).
+  // Beyond `most`, exp(x) may be finite although exp_negative() has no result, so it is computed as the square of exp(x
+  // / 2).
   const double root = exp_negative(size > most ? size / 2 : size);
   const double power = x > 0 ? 1 / root : root;
   return size > most ? power * power : power;
 }
 
-/// ln(x): NaN below 0, -infinity of 0, NaN of NaN.
+/// Returns ln(x): NaN below 0, -infinity for 0, NaN for NaN.
 inline double logarithm(double x) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   if (std::isnan(x) || x < 0) return std::numeric_limits<double>::quiet_NaN();
   if (x == 0) return -kInfinite;
   if (x == kInfinite) return x;
-  // 2^54 makes a normal number of every other one.
+  // The factor 2^54 turns all other numbers into normal ones.
   const bool is_normal = x >= std::numeric_limits<double>::min();
   return is_normal ? natural_logarithm(x) : natural_logarithm(x * 0x1p54) - 54 * 0.69314718055994530942;
 }
@@ -43,8 +44,8 @@ inline double arctangent_of_unit(double t) {
   return kOfQuarters[quarter] + (u - u * u2 * sum);
 }
 
-/// The angle of (x, y) from the x axis, in radians, in [-pi, pi]; signs of zeros and infinities as in C. NaN where an
-/// argument is NaN.
+/// Returns the angle of (x, y) from the x axis, in radians, in [-pi, pi]; signs of zeros and infinities as in C. NaN if
+/// an argument is NaN.
 inline double arctangent2(double y, double x) {
   if (std::isnan(x) || std::isnan(y)) return std::numeric_limits<double>::quiet_NaN();
   constexpr double kPi = 0x1.921fb54442d18p+1;

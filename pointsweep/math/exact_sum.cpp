@@ -85,7 +85,7 @@ void ExactSum::carry() {
   std::int64_t above = 0;
   for (std::size_t i = 0; i + 1 < kDigits; ++i) {
     const std::int64_t value = digits_[i] + above;
-    above = value >> kDigitBits;  // rounds down, so that the rest is not negative
+    above = value >> kDigitBits;  // rounds down, so that the remainder is not negative
     digits_[i] = value - above * (std::int64_t{1} << kDigitBits);
   }
   digits_[kDigits - 1] += above;

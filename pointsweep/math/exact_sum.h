@@ -23,9 +23,9 @@ class ExactSum {
   /// Adds the terms of `other`.
   void add(const ExactSum& other);
 
-  /// The sum, rounded to nearest, ties to even.
+  /// Returns the sum, rounded to nearest, ties to even.
   double rounded() const;
-  /// -1, 0 or 1, also where the sum is too small for a double. The terms are finite.
+  /// Returns -1, 0 or 1, even if the sum is too small for a double. The terms must be finite.
   int sign() const;
   /// Returns the sum as s[0] + s[1] + s[2]: each is the rounded remainder after the previous ones, 159 bits together.
   /// The second and third are 0 if the first is not finite.

@@ -69,7 +69,7 @@ Real exp_negative(Real x) {
   return x > C::kLargest ? 0 : mantissa * power;
 }
 
-/// ln(x) for normal x > 0, off by less than 1e-13 relative: x = m 2^e with m in [1/sqrt(2), sqrt(2)), and
+/// Returns ln(x) for normal x > 0, with a relative error below 1e-13: x = m 2^e with m in [1/sqrt(2), sqrt(2)), and
 /// ln(m) = 2 artanh((m-1)/(m+1)).
 inline double natural_logarithm(double x) {
   auto bits = std::bit_cast<std::uint64_t>(x);
@@ -90,7 +90,7 @@ inline double natural_logarithm(double x) {
 inline double power_of_two_below(double x) {
   return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & std::uint64_t{0x7ff} << 52);
 }
-/// 1 / power, for a power of two under 2^1023, or 0 (then 2^1023).
+/// Returns 1 / power, for a power of two under 2^1023, or 0 (then 2^1023).
 inline double reciprocal_of_power(double power) {
   return std::bit_cast<double>((std::uint64_t{2046} << 52) - std::bit_cast<std::uint64_t>(power));
 }

@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// exp(-x) for x >= 0 in lanes of double or of float.
+/// Returns exp(-x) for x >= 0 in lanes of double or of float.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V ExpNegative(D d, V x) {
   using C = ExpConstants<hn::TFromD<D>>;
@@ -42,7 +42,7 @@ HWY_INLINE V ExpNegative(D d, V x) {
   return hn::IfThenZeroElse(hn::Gt(x, largest), hn::Mul(mantissa, power));
 }
 
-/// floor(log2(x)) for normal x > 0, in lanes of double.
+/// Returns floor(log2(x)) for normal x > 0, in lanes of double.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V BinaryExponent(D d, V x) {
   const hn::RebindToUnsigned<D> du;
@@ -51,7 +51,7 @@ HWY_INLINE V BinaryExponent(D d, V x) {
   return hn::Sub(hn::BitCast(d, biased), hn::Set(d, 0x1p52 + 1023));
 }
 
-/// ln(x) for normal x > 0 in lanes of double.
+/// Returns ln(x) for normal x > 0 in lanes of double.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V NaturalLogarithm(D d, V x) {
   const hn::RebindToUnsigned<D> du;

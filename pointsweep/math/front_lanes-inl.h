@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The chosen lanes of a vector brought to its front. Included once per instruction set.
+/// Movement of chosen lanes of a vector to its front. Included once per instruction set.
 #if defined(POINTSWEEP_MATH_FRONT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_MATH_FRONT_LANES_INL_H_
 #undef POINTSWEEP_MATH_FRONT_LANES_INL_H_

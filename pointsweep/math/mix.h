@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Numbers that look random and are the same in every run.
+/// Pseudo-random numbers that are the same in every run.
 #pragma once
 
 #include <bit>
@@ -9,7 +9,8 @@
 
 namespace pointsweep {
 
-/// A bijection of 64-bit numbers that leaves no pattern (the output function of SplitMix64, Steele et al. 2014).
+/// Returns a bijective hash of 64-bit numbers without visible patterns (the output function of SplitMix64, Steele et
+/// al. 2014).
 inline std::uint64_t mix(std::uint64_t i) {
   i = (i + 0x9e3779b97f4a7c15u);
   i = (i ^ i >> 30) * 0xbf58476d1ce4e5b9u;
@@ -17,8 +18,8 @@ inline std::uint64_t mix(std::uint64_t i) {
   return i ^ i >> 31;
 }
 
-/// m(m(m(seed ^ x) ^ y) ^ z) of the bits of the coordinates in float64, with 0 for -0; m is mix(). Equal places have
-/// equal hashes, in every file, tile and order of points.
+/// Returns m(m(m(seed ^ x) ^ y) ^ z) of the bits of the coordinates in float64, with 0 for -0; m is mix(). Equal places
+/// have equal hashes, in every file, tile and order of points.
 inline std::uint64_t coordinate_hash(Vec3 p, std::uint64_t seed) {
   std::uint64_t hash = seed;
   for (const double c : {p.x, p.y, p.z}) hash = mix(hash ^ std::bit_cast<std::uint64_t>(c + 0.0));

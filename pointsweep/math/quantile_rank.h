@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The definition of a quantile that everything which reports or draws values shares.
+/// The definition of a quantile, shared by all reports and pictures.
 #pragma once
 
 #include <cstdint>

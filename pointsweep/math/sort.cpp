@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::uint64_t kSign = std::uint64_t{1} << 63;
 
-/// Ordered as the numbers are. Highway's own order of doubles makes the largest finite number of an infinite one.
+/// Returns bits in the order of the numbers. Highway's own order of doubles turns infinite numbers into the largest
+/// finite one.
 std::uint64_t ordered(double v) {
   const auto bits = std::bit_cast<std::uint64_t>(v);
   return (bits & kSign) != 0 ? ~bits : bits | kSign;

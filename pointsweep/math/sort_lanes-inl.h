@@ -124,7 +124,7 @@ class BinSort {
   using V = Few::V;
 
  public:
-  /// Number of keys that are read and written in addition.
+  /// Number of keys beyond the end that may be read and written.
   static constexpr std::size_t kPadding = Few::kMost;
 
   /// `spare` has room for twice as many keys as are sorted at once.

@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// Thread-safe. Memory goes back to the system when the pool is emptied or ends, never block by block.
+/// A thread-safe pool. Memory returns to the system when the pool is emptied or destroyed, never block by block.
 class BlockPool {
  public:
   explicit BlockPool(std::size_t block_bytes);

@@ -25,7 +25,7 @@ class BlockReader {
   /// Throws Error if the source ends before.
   void read(std::uint64_t first_row, std::size_t rows);
 
-  // The rows of the last read().
+  // Returns the number of rows of the last read().
   std::size_t count() const { return count_; }
   Vec3 position(std::size_t i) const { return {numbers_[i], numbers_[count_ + i], numbers_[2 * count_ + i]}; }
   const std::byte* records() const { return records_.data(); }

@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kDigitBits = 9;               ///< a cache line for each value fits the first-level cache
 constexpr std::size_t kSmall = 128;         ///< a range of up to this size is sorted by comparisons, which is faster
-constexpr std::size_t kPrefetchAhead = 24;  ///< points whose next coordinate is on its way
+constexpr std::size_t kPrefetchAhead = 24;  ///< distance, in points, of the prefetched coordinates
 
-/// Bits of a finite double that ascend as the numbers do; -0 and 0 are one number.
+/// Returns bits of a finite double that ascend like the numbers; -0 and 0 are equal.
 std::uint64_t ascending_bits(double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value + 0.0);
   return bits >> 63 ? ~bits : bits | std::uint64_t{1} << 63;
@@ -53,7 +53,7 @@ class CanonicalSort {
       if (level < kLevels) sort(level + 1, begin, end);
       return;
     }
-    // Bits that are 0 in all keys (a float's value in a double has 29 of them) tell nothing.
+    // Bits that are 0 in all keys are skipped (a float's value in a double has 29 of them).
     const int zeros = std::countr_zero(ones);
     const int width = bits_of((greatest >> zeros) - (least >> zeros));
     const int shift = zeros + std::max(0, width - 32);
@@ -77,7 +77,7 @@ class CanonicalSort {
     std::uint32_t index;
   };
 
-  /// Fetches the keys once and sorts them where they lie together.
+  /// Copies the keys next to each other, and sorts them there.
   void sort_small(std::size_t level, std::size_t begin, std::size_t end) {
     std::array<Keyed, kSmall> keyed;  // only the first n entries are filled and used
     const std::size_t n = end - begin;
@@ -91,7 +91,7 @@ class CanonicalSort {
     }
   }
 
-  /// Stable, by bits [32, 32 + key_bits) of the items.
+  /// Stable radix sort by bits [32, 32 + key_bits) of the items.
   void radix_sort(std::size_t begin, std::size_t end, int key_bits) {
     const std::size_t n = end - begin;
     std::uint64_t* from = items_.get() + begin;

@@ -20,7 +20,7 @@ bool contains(const Box& box, const Vec3& p) {
   return box.lo.x <= p.x && p.x <= box.hi.x && box.lo.y <= p.y && p.y <= box.hi.y && box.lo.z <= p.z && p.z <= box.hi.z;
 }
 
-/// Cells that hold a point when the largest extent of `box` is cut in `cells`.
+/// Returns the number of cells with a point if the largest extent of `box` is divided into `cells`.
 std::size_t occupied_cells(std::span<const Vec3> points, const Box& box, std::uint64_t cells) {
   const Vec3 extent = box.extent();
   const double largest = std::max({extent.x, extent.y, extent.z});

@@ -24,7 +24,7 @@ struct alignas(64) GrowingBox : Box {
   Box box() const { return {lo + Vec3{}, hi + Vec3{}}; }
 };
 
-/// Some records on their way from the source to the store, with all buffers for working on them.
+/// Some records between the source and the store, with all buffers for processing them.
 struct Chunk {
   Chunk(const PartitionInput& input, std::size_t capacity, std::size_t lists)
       : records(std::make_unique_for_overwrite<std::byte[]>(capacity * input.schema.stride)),
@@ -37,7 +37,7 @@ struct Chunk {
 
   std::uint64_t first = 0;
   std::size_t count = 0;
-  std::uint64_t next = 0, end = 0;  ///< records that its thread has taken, but not read
+  std::uint64_t next = 0, end = 0;  ///< records assigned to the thread and not read yet
   std::unique_ptr<std::byte[]> records, sorted;
   std::unique_ptr<double[]> numbers;       ///< x, then y, then z, then rows if they are the key
   std::unique_ptr<std::uint16_t[]> list;   ///< list of each record

@@ -29,7 +29,7 @@ struct PartitionInput {
   const Schema& schema;  ///< schema of the records read
   std::uint64_t count;
   ReadRecords read;             ///< called by one thread at a time, in order
-  const WorkingRecord& record;  ///< makes the record that the store gets from a record read
+  const WorkingRecord& record;  ///< makes the stored record from a record read
   SortKey key;
   std::span<const Splitters> splitters;  ///< one, or a second one for sparse places, whose pieces are numbered after
                                          ///< the first
@@ -37,10 +37,10 @@ struct PartitionInput {
   std::optional<std::size_t> nonfinite_list;  ///< absent: all points are finite, or the key is the row
   std::size_t memory_bytes;               ///< aim for all buffers of the pass
   const LocalSpacing* spacing = nullptr;  ///< knows the sparse places, where there are two splitters
-  /// Makes a function that replaces `read` for one thread while other threads read with theirs; may return an empty
-  /// one.
+  /// Returns a function that replaces `read` for one thread while other threads read with theirs; may return an empty
+  /// function.
   std::function<ReadRecords()> for_thread = {};
-  std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};  ///< has the meaning of PointSource::chunk_end
+  std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};  ///< see PointSource::chunk_end
   std::function<void(std::uint64_t rows)> progress = {};  ///< called with the number of records read, by one thread at
                                                           ///< a time
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Copying pieces whose size is known only at run time, with the speed of a size known when compiling.
+/// Copies of pieces whose size is known only at run time, as fast as with a size known at compile time.
 #pragma once
 
 #include <cstddef>

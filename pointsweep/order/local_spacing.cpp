@@ -20,8 +20,8 @@ constexpr double kRootSide = 2.1;
 constexpr int kLevels = 21;          ///< three coordinates of this many bits fit in 64 bits
 constexpr int kTableLevels = 4;      ///< levels of the table that finds a run
 constexpr std::size_t kFew = 16;     ///< a leaf has fewer sample points
-constexpr double kInLeaf = 6;        ///< sample points in a leaf across which a surface lies, on average
-constexpr int kSparser = 4;          ///< levels that a sparse place is above the median: a factor of 16
+constexpr double kInLeaf = 6;        ///< average number of sample points in a leaf that a surface crosses
+constexpr int kSparser = 4;          ///< levels by which a sparse place is above the median: a factor of 16
 constexpr std::size_t kLeast = 8;    ///< sparse places need at least this many sample points to count
 constexpr double kFarAway = 0x1p60;  ///< distance in sides of the root cube
 
@@ -136,7 +136,7 @@ void LocalSpacing::find_sparse_places(const std::vector<int>& levels, const std:
 bool LocalSpacing::is_sparse(Vec3 p) const {
   if (!has_sparse_places()) return false;
   if (!inside(p)) return level_outside(p) <= sparse_level_;
-  // Most cubes of the table are all of one kind, and then the rest of the code does not matter.
+  // Most cubes of the table have leaves of only one kind, so that the rest of the code is not needed.
   static constexpr auto kSpread = [] {
     std::array<std::uint32_t, 1 << kTableLevels> spreads{};
     for (std::uint64_t v = 0; v < spreads.size(); ++v) spreads[v] = static_cast<std::uint32_t>(spread(v));

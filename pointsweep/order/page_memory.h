@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Large pieces of zeroed memory straight from the system.
+/// Large pieces of zeroed memory directly from the system.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Records by row between two passes, in memory or in a temporary file.
+/// Records by row, carried between two passes in memory or in a temporary file.
 #pragma once
 
 #include <cstddef>

@@ -26,10 +26,11 @@ using Consume = std::function<void(std::uint64_t first_row, std::span<const std:
 constexpr std::size_t kRunBytes = std::size_t{4} << 20;      ///< most bytes of one call of `consume`
 constexpr std::size_t kGoodBlockBytes = 65536;               ///< block of a bucket that suits the disk
 constexpr std::size_t kLeastBlockBytes = 4096;               ///< smaller writes would cost more time than they save
-constexpr std::size_t kCachedBytes = std::size_t{1} << 20;   ///< memory of this size takes random stores without delay
+constexpr std::size_t kCachedBytes = std::size_t{1} << 20;   ///< memory of this size is in the cache, where random
+                                                             ///< stores are fast
 constexpr std::size_t kOffsetBytes = sizeof(std::uint32_t);  ///< a spilled record follows its row in the bucket
 constexpr std::size_t kLineBytes = 64;                       ///< bytes of a cache line
-constexpr std::size_t kAhead = 16;                           ///< number of stores under way at once
+constexpr std::size_t kAhead = 16;                           ///< number of stores in progress at once
 
 std::uint64_t bytes_of(std::uint64_t rows, std::size_t record_bytes) {
   if (rows > std::numeric_limits<std::uint64_t>::max() / record_bytes)
@@ -46,7 +47,7 @@ void consume_in_runs(std::uint64_t first_row, std::span<const std::byte> records
   }
 }
 
-/// Repeats a record over whole records.
+/// Fills `records` with copies of a record.
 void repeat(std::span<const std::byte> record, std::span<std::byte> records) {
   if (std::ranges::count(record, record.front()) == std::ssize(record))
     return void(std::ranges::fill(records, record.front()));
@@ -185,8 +186,7 @@ class RowBuckets {
         store_->append(first + b, {grouped.data() + begin[b] * entry, (end[b] - begin[b]) * entry});
   }
 
-  /// Copies the records of the rows from `window_first` on to their places. A window never reaches into a second
-  /// bucket.
+  /// Copies the records of the rows from `window_first` on to their places. A window lies within one bucket.
   void fill_window(std::uint64_t window_first, std::span<std::byte> window) const {
     const std::uint64_t b = window_first >> shift_;
     const std::size_t entry = kOffsetBytes + record_bytes_;
@@ -200,7 +200,8 @@ class RowBuckets {
         for (const std::byte *from = chunk.data(), *end = from + n * entry; from != end; from += entry) {
           std::uint32_t offset = 0;
           std::memcpy(&offset, from, kOffsetBytes);
-          const std::uint64_t place = (b << shift_) + offset - window_first;  // wraps far away below the window
+          const std::uint64_t place = (b << shift_) + offset - window_first;  // wraps to a large number for rows below
+                                                                              // the window
           if (place < rows)
             copy_bytes<size()>(window.data() + place * record_bytes_, from + kOffsetBytes, record_bytes_);
         }

@@ -43,7 +43,7 @@ struct SlabStore::State {
         block_bytes(std::max<std::size_t>(1, wanted_block_bytes / record_size) * record_size),
         pool(block_bytes) {}
 
-  /// A full (or last) buffer of a slab that spills, on its way to the file.
+  /// A full (or last) buffer of a spilled slab on its way to the file.
   struct Outgoing {
     std::byte* buffer = nullptr;
     std::size_t bytes = 0;
@@ -153,7 +153,7 @@ void SlabStore::append(std::size_t slab, std::span<const std::byte> records) {
       continue;
     }
     const State::Outgoing out = s.close_block(list);
-    lock.unlock();  // other threads go on filling the slab while this thread waits for the disk
+    lock.unlock();  // other threads continue to fill the slab while this thread waits for the disk
     s.write(out);
     lock.lock();
   }

@@ -18,8 +18,8 @@ namespace pointsweep {
 /// go to the spill file in large sequential writes. Within a slab the stored order never changes after finish().
 class SlabStore {
  public:
-  /// Spilling, memory is slabs * block_bytes while filling, none after finish(). `block_bytes` is rounded down to whole
-  /// records, but never below one.
+  /// If it spills, memory is slabs * block_bytes while it is filled, and none after finish(). `block_bytes` is rounded
+  /// down to whole records, at least one.
   SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& spill);
   /// Decodes a store whose records are in the file `kept`.
   SlabStore(Decoder& in, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& kept);
@@ -47,7 +47,7 @@ class SlabStore {
   void read(std::size_t slab, std::uint64_t first, std::span<std::byte> out) const;
   /// Returns the number of bytes written to the spill file so far.
   std::uint64_t spilled_bytes() const;
-  /// Bytes of memory held now.
+  /// Returns the bytes of memory in use.
   std::uint64_t memory_bytes() const;
 
  private:

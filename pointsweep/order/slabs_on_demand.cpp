@@ -39,7 +39,7 @@ struct Partition {
   std::vector<std::byte> sorted;
 };
 
-/// Records of one block that follow each other: its rows ascend, but blocks come in any order.
+/// Consecutive records of one block: their rows ascend, but blocks come in any order.
 struct BlockRun {
   std::uint64_t first_row;
   std::size_t begin, end;  ///< range of bytes in the records
@@ -298,8 +298,8 @@ class SlabsOnDemand::State {
   std::exception_ptr failure_;                    ///< error of a thread that decoded a block for all
   std::vector<bool> begun_;                       ///< for each slab: it was begun in order
   std::size_t next_slab_ = 0;                     ///< the first slab that is not begun
-  std::size_t left_;                              ///< slabs that have not been handed over in order
-  std::optional<SlabStore> waiting_;              ///< lists of points by slab, until all have been handed over
+  std::size_t left_;                              ///< slabs that have not been returned in order
+  std::optional<SlabStore> waiting_;              ///< lists of points by slab, until all have been returned
   std::vector<std::unique_ptr<Partition>> free_;  ///< partitions that no thread uses now
   std::mutex again_mutex_;                        ///< guards again_
   std::shared_ptr<Again> again_;

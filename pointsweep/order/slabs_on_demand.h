@@ -23,7 +23,7 @@ struct SlabBlock {
   std::uint32_t first_slab = 0, last_slab = 0;
 };
 
-/// The slabs and their blocks, known once all points have been counted.
+/// The slabs and their blocks, after all points have been counted.
 struct CountedSlabs {
   std::vector<Splitters> splitters;  ///< one, or a second one for sparse places
   LocalSpacing spacing;              ///< knows the sparse places where there are two splitters
@@ -32,7 +32,7 @@ struct CountedSlabs {
   std::vector<SlabBlock> blocks;      ///< ascending by first row; blocks without points are left out
 };
 
-/// The most points that are decoded and not yet handed over at any time, if slabs are read in their order, up to
+/// Returns the largest number of points that are decoded and not returned yet, if slabs are read in order, up to
 /// `ahead` of them at once.
 std::uint64_t most_waiting(const CountedSlabs& slabs, std::size_t ahead);
 

@@ -20,8 +20,8 @@ struct PointSource {
   Schema schema;
   std::uint64_t count = 0;
   ReadRows read;  ///< reads rows; called by one thread at a time
-  /// Makes a function for one thread, while other threads read with theirs; it fills only the `wanted` fields, or all
-  /// if none is named. Returns an empty function where only one thread at a time can read.
+  /// Returns a function for one thread; other threads may read with theirs at the same time; it fills only the `wanted`
+  /// fields, or all if none is named. Returns an empty function where only one thread at a time can read.
   std::function<ReadRows(const std::vector<std::size_t>& wanted)> for_thread = {};
   /// Returns the end of the rows from `row` on that one thread should read, or `row` if the rows may be split anywhere.
   std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};

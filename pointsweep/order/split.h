@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Splitting slabs that turned out too big: many points share a coordinate, or the sample missed a dense place.
+/// Splitting of slabs that are too large, since many points share a coordinate or the sample missed a dense place.
 #pragma once
 
 #include <cstddef>

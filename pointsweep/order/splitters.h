@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Limits between slabs of the stream: values of the coordinate along the axis, taken from a sample's quantiles.
+/// Limits between slabs of the stream: coordinates along the axis, from the quantiles of a sample.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// Pieces of the real line. Piece p holds the finite values v with limits[p-1] <= v < limits[p].
+/// Divides the real line into pieces. Piece p holds the finite values v with limits[p-1] <= v < limits[p].
 class Splitters {
  public:
   /// Makes one piece of all values.
@@ -39,7 +39,7 @@ class Splitters {
   }
   std::uint32_t search(std::size_t cell, double value) const;
 
-  std::vector<double> limits_;        ///< the limits, then infinity, which no value reaches
+  std::vector<double> limits_;        ///< the limits, then infinity, which exceeds all values
   std::vector<std::uint16_t> first_;  ///< for each cell: number of limits in lower cells; one more entry at the end
   double lo_ = 0, scale_ = 0, last_cell_ = 0;
 };

@@ -25,7 +25,7 @@ constexpr std::size_t kFewPieces = 64;                              ///< block s
 constexpr std::size_t kSamplesPerSlab = 16;                         ///< fewer samples would make slabs uneven
 constexpr std::size_t kLeastBlock = 8192, kLargestBlock = 1 << 20;  ///< bytes
 
-/// Splitting does not stop at the axis, so a slab of one point is possible and one of none is not.
+/// Returns the most points of a slab. Large slabs are split along other axes too if needed, down to one point.
 std::uint64_t most_points(const StreamOptions& options) {
   const std::uint64_t aim = std::max<std::uint64_t>(1, options.slab_points);
   return options.max_slab_points != 0 ? options.max_slab_points : 2 * aim;
@@ -240,7 +240,7 @@ struct Stream::State {
     nonfinite_list = sort_list_by_row(nonfinite_list, record.schema(), by_row, *store);
   }
 
-  /// The slabs that the counted pieces make together, or, where that cannot be, why.
+  /// Returns the slabs made of the counted pieces, or the reason why they are not possible.
   std::optional<CountedSlabs> join_counted(const PieceCounts& counts, const std::vector<Splitters>& splitters,
                                            const StreamOptions& options, std::string& why_not) {
     if (counts.nonfinite > 0) {

@@ -40,7 +40,8 @@ struct StreamOptions {
   /// read them.
   bool canonical = true;
   bool whole_records = false;  ///< working records contain the whole input record instead of the position and `payload`
-  /// Records of the source are working records, which end with their row: it is not their place in the source.
+  /// True if records of the source are working records, which end with their row instead of being at the place of their
+  /// row.
   bool numbered = false;
   std::vector<std::size_t> payload = {};  ///< indices of source fields to carry when not whole_records
   SpillPlace spill = nullptr;
@@ -96,7 +97,7 @@ class Stream {
   /// Returns the number of slabs that a sweep reads, which are the first ones; in a part of a cloud, later slabs are
   /// for the recall alone.
   std::size_t swept_slabs() const { return swept_slabs_; }
-  /// The sparse places of a cloud whose slabs hold points inside and outside of them.
+  /// Returns the sparse places of the cloud. Slabs may have points inside and outside of them.
   const LocalSpacing& spacing_in_slabs() const { return spacing_; }
   std::uint64_t nonfinite_count() const { return nonfinite_count_; }
   std::uint64_t spilled_bytes() const;

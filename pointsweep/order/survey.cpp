@@ -31,7 +31,7 @@ class SampledRows {
         gap_(std::min(static_cast<std::uint64_t>(std::sqrt(static_cast<double>(rows / kSample))), kMostGap)) {}
 
   /// Returns the first row of a run: somewhere in the run's share of the rows, so that no period of the file (scan
-  /// lines, interleaved scanners) meets the period of the sample.
+  /// lines, interleaved scanners) coincides with a period of the sample.
   std::uint64_t run_begin(std::uint64_t run) const {
     const std::uint64_t begin = share(run), end = share(run + 1);
     return begin + mix(run) % (end - begin - run_rows() + 1);

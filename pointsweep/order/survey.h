@@ -29,8 +29,8 @@ struct Survey {
 /// `exact` reads the whole cloud, so that the axis does not depend on the order of its points.
 Survey survey(const PointSource& source, std::optional<int> axis, bool exact);
 
-/// Box-counting dimension of a sample, in [1, 3]; outliers beyond the middle 98 % of each coordinate do not count.
-/// Returns 2 if the sample is too small to tell.
+/// Returns the box-counting dimension of a sample, in [1, 3]; outliers beyond the middle 98 % of each coordinate do not
+/// count. Returns 2 if the sample is too small.
 double box_counting_dimension(std::span<const Vec3> sample);
 
 /// Returns a number of points per slab with which slabs are several point spacings thick: about 16 * n^((D-1)/D) for D

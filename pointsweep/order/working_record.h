@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Working records: the position of a point, the fields that stages need, and its input row, as the stream carries
-/// them.
+/// Working records of the stream: the position of a point, the fields that stages need, and its input row.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +14,13 @@ namespace pointsweep {
 /// Makes working records from source records: copies pieces bit for bit, then adds the row.
 class WorkingRecord {
  public:
-  /// Carries the position and the fields `payload`, or every byte of a record if `whole`; rows below `rows`.
+  /// Working records have the position and the fields `payload`, or every byte of a record if `whole`. `rows`: rows are
+  /// below this.
   WorkingRecord(const Schema& source, bool whole, std::span<const std::size_t> payload, std::uint64_t rows);
   /// Copies records that are working records already.
   explicit WorkingRecord(const Schema& working);
 
-  /// Source schema (with names, types, scales), then "row".
+  /// Returns the schema: fields of the source (with names, types, scales), then "row".
   const Schema& schema() const { return schema_; }
 
   /// Makes `count` working records. The record of row first_row + i becomes number place[i] in `to`.

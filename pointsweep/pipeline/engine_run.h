@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A run as the library's own code starts it: over an InputCloud, with settings that tests, scripts and reports need
-/// and users do not.
+/// Runs started by the library's own code: over an InputCloud, with options for tests, scripts and reports that users
+/// do not need.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct EngineOptions : RunOptions {
   Ordering ordering = Ordering::planned;
   std::uint64_t block_rows = 0;  ///< for slabs on demand: rows that are decoded together; 0: chosen
   bool spill = false;            ///< use the temporary folder even if memory suffices
-  /// Find neighbourhoods again for every step even where there is memory to keep them.
+  /// Search neighbourhoods again for every step, even if memory suffices to keep them.
   bool search_again = false;
   /// Bytes for the lists of neighbours that a thread uses at a time. A list of one point always fits. 0: chosen from
   /// the budget.

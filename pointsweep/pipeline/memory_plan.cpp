@@ -66,7 +66,7 @@ std::uint64_t slabs_of(std::uint64_t slab_points, const MemoryDemand& demand) {
   return demand.points / std::max<std::uint64_t>(slab_points, 1) + 1;
 }
 
-/// Points of a cell of `cell_points` at most, on average: a piece with one point more is halved.
+/// Returns the average number of points of a cell of at most `cell_points`: a piece with one point more is halved.
 std::uint64_t usual_cell_points(const MemoryDemand& demand) {
   return std::max<std::uint32_t>(demand.cell_points, 2) * 5 / 8;
 }
@@ -74,7 +74,7 @@ std::uint64_t usual_cell_points(const MemoryDemand& demand) {
 /// Ready cells for each thread that a turn should have, so that few threads wait for the last cell of a step.
 constexpr std::uint64_t kReadyCells = 8;
 
-/// Slabs of a turn where there is memory for them.
+/// Returns the number of slabs of a turn if memory suffices.
 std::uint32_t most_slabs_per_turn(std::uint64_t slab_points, const MemoryDemand& demand) {
   if (demand.slabs_per_turn != 0) return demand.slabs_per_turn;
   const std::uint64_t points = kReadyCells * demand.threads * usual_cell_points(demand);
@@ -97,7 +97,7 @@ std::uint64_t cells_bytes(const SweepPlan& plan, std::uint64_t slab_points, cons
          (window_point_bytes(plan) + (lists ? kept_list_bytes(plan) : 0));
 }
 
-/// Neighbours of one point, the most.
+/// Returns the largest number of neighbours of a point.
 std::uint64_t most_listed(const SweepPlan& plan, const MemoryDemand& demand) {
   return is_unlimited(plan) ? demand.most_neighbors : std::min<std::uint64_t>(plan.neighborhood.k, demand.points);
 }
@@ -108,12 +108,12 @@ std::uint64_t neighbor_bytes(const MemoryDemand& demand) { return sizeof(Neighbo
 /// lists of a whole cell at once.
 bool gathers(const SweepPlan& plan) { return plan.neighborhood.k > kMostInLanes; }
 
-/// Points around a leaf that a thread has gathered.
+/// Returns the bytes of the points around a leaf that a thread has gathered.
 std::uint64_t gathered_bytes(const SweepPlan& plan, const MemoryDemand& demand) {
   return gathers(plan) ? std::min<std::uint64_t>(demand.points, kMostGathered) * kGatheredPointBytes : 0;
 }
 
-/// Lists of a thread, with the edges that it makes of them.
+/// Returns the bytes of the lists of a thread, with the edges made from them.
 std::uint64_t lists_bytes(std::uint64_t budget, const MemoryDemand& demand) {
   return std::clamp(budget / 16 / std::max(1u, demand.threads), kLeastListBytes, kMostListBytes);
 }
@@ -134,14 +134,14 @@ std::uint64_t thread_bytes(const SweepPlan& plan, std::uint64_t slab_points, std
          gathered_bytes(plan, demand);
 }
 
-/// Bytes that grow with the number of slabs and cells.
+/// Returns the bytes that grow with the number of slabs and cells.
 std::uint64_t index_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand) {
   const std::uint64_t cells = demand.points / usual_cell_points(demand) + 1;
   return slabs_of(slab_points, demand) * (kSlabBytes + kSeriesBytes * (plan.step_count() + 2)) +
          cells * kDroppedCellBytes;
 }
 
-/// Bytes of the index of a spilled stream, which says where its blocks are in the file.
+/// Returns the bytes of the index of a spilled stream, which has the places of its blocks in the file.
 std::uint64_t stream_index_bytes(std::uint64_t slab_points, std::uint64_t buffer, const MemoryDemand& demand) {
   const std::uint64_t pieces = std::clamp<std::uint64_t>(
       std::min(slabs_of(slab_points, demand), buffer / 2 / kLeastStreamBlock), 64, kMostStreamPieces);
@@ -149,8 +149,8 @@ std::uint64_t stream_index_bytes(std::uint64_t slab_points, std::uint64_t buffer
   return (demand.points * demand.working_record_bytes / block + slabs_of(slab_points, demand)) * kBlockBytes;
 }
 
-/// Bytes for slabs made on demand: points that wait, partly filled blocks of memory, and the index of blocks of rows
-/// (order/slabs_on_demand.cpp).
+/// Returns the bytes for slabs made on demand: points that wait, partly filled blocks of memory, and the index of
+/// blocks of rows (order/slabs_on_demand.cpp).
 std::uint64_t waiting_bytes(std::uint64_t slab_points, const MemoryDemand& demand) {
   constexpr std::uint64_t kBlockRows = 4096, kBlockIndexBytes = 80;
   return *demand.waiting_points * demand.working_record_bytes +
@@ -198,7 +198,7 @@ class Division {
     out_.stream_buffer_bytes = std::clamp<std::uint64_t>(budget / 8, 8 * kMega, 64 * kMega);
   }
 
-  /// Prefers memory, then spilling, then thinner slabs.
+  /// Finds a plan. Prefers memory, then spilling, then thinner slabs.
   MemoryPlan find() {
     if (fits()) return out_;
     out_.spill_results = true;
@@ -214,7 +214,7 @@ class Division {
     return out_;
   }
 
-  /// Slabs on demand, with results in memory rather than spilled. Null if that does not fit.
+  /// Finds a plan for slabs on demand, with results in memory rather than spilled. Null if that does not fit.
   std::optional<MemoryPlan> find_on_demand() {
     out_.on_demand = true;
     out_.stream_buffer_bytes = on_demand_buffer_bytes(out_.slab_points, demand_);
@@ -252,7 +252,7 @@ class Division {
   MemoryPlan out_;
 };
 
-/// Lets turns have more slabs than one where memory is left for them. Slabs that were made thinner show that it is not.
+/// Allows more than one slab per turn if memory is left for them. If slabs were made thinner, none is left.
 void add_slabs_to_turns(MemoryPlan& out, const SweepPlan& plan, const MemoryDemand& demand, bool lists) {
   if (out.slab_points < demand.slab_points) return;
   const std::uint64_t planned = cells_bytes(plan, out.slab_points, demand, lists);
@@ -275,13 +275,13 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
   if (possible && (out.spill_stream || out.spill_results))
     if (const auto on_demand = Division(budget, plan, demand, lists).find_on_demand()) out = *on_demand;
   std::uint64_t others = out.expected_bytes - cells_bytes(plan, out.slab_points, demand, lists);
-  if (out.on_demand) {  // boxes tell how many points wait only by and large
+  if (out.on_demand) {  // boxes give only a rough estimate of the points that wait
     const std::uint64_t more = (budget - out.expected_bytes) / 2;
     out.most_waiting = *demand.waiting_points + more / demand.working_record_bytes;
     others += more;
   }
   out.cells_bytes = (budget - std::min(budget, others)) / kLostBetweenAllocations * (kLostBetweenAllocations - 1);
-  // The window is empty by then, and the distribution pass is over.
+  // In the recall, the memory of the window and of the distribution pass is free.
   out.recall_bytes = std::max(kMega, out.cells_bytes + (out.on_demand ? 0 : out.stream_buffer_bytes));
   out.in_order_bytes = demand.in_order_bytes + (budget - std::min(budget, out.expected_bytes));
   add_slabs_to_turns(out, plan, demand, lists);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The memory plan: decides which data are kept in memory and which are spilled, so that a run stays inside its budget.
+/// The memory plan: which data are kept in memory and which are spilled, so that a run stays within its budget.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct MemoryDemand {
   std::uint32_t slabs_per_turn = 0;  ///< 0: chosen
   unsigned threads = 1;
   std::uint32_t cell_points = 1024;
-  std::uint64_t in_order_bytes = 0;     ///< the least that an in-order operator holds
+  std::uint64_t in_order_bytes = 0;     ///< least memory of an in-order operator
   std::uint64_t connect_bytes = 0;      ///< estimate of a forest, which grows when the window is empty
   std::uint64_t listed_edge_bytes = 0;  ///< of the edges to one neighbour, in the lists that a thread uses at a time
   std::uint64_t codec_bytes = 0;        ///< for decoding the inputs and encoding the output
@@ -52,8 +52,8 @@ struct MemoryPlan {
 /// Memory of a run that does not grow with the cloud: code and the chunks that are being read and written.
 inline constexpr std::uint64_t kFixedBytes = 24u << 20;
 
-/// Prefers memory, then spilling, then thinner slabs. A larger budget never fails where a smaller one does. Throws
-/// Error with the least budget that does.
+/// Plans a run. Prefers memory, then spilling, then thinner slabs. A budget larger than a sufficient one also suffices.
+/// Throws Error with the least sufficient budget.
 MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand);
 
 /// Plans like plan_memory(), but states a budget that is too small in MemoryPlan::needed_bytes instead of throwing.
@@ -61,7 +61,7 @@ MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const Me
 /// Throws the Error that plan_memory() throws for a budget that is too small.
 [[noreturn]] void fail_budget(std::uint64_t budget, std::uint64_t needed_bytes);
 
-/// Memory that is free for the taking on this machine, in bytes: MemAvailable, or less inside a control group.
+/// Returns the memory available to this process, in bytes: MemAvailable, or less inside a control group.
 std::uint64_t available_memory();
 
 /// Returns `asked_for`, or half of available_memory() if that is 0.

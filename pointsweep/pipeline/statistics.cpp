@@ -27,14 +27,14 @@ nlohmann::ordered_json thinned(const std::vector<std::pair<std::uint64_t, std::u
   return rows;
 }
 
-/// [{"operator": "knn", "series": [[points read, points], ...]}, ...]
+/// Returns [{"operator": "knn", "series": [[points read, points], ...]}, ...].
 nlohmann::ordered_json buffers(const Statistics& s) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const auto& [name, series] : s.buffers) out.push_back({{"operator", name}, {"series", thinned(series)}});
   return out;
 }
 
-/// Gives the stages of a chain different names: "normals", "normals_2".
+/// Makes the names of the stages of a chain unique: "normals", "normals_2".
 class UniqueNames {
  public:
   std::string of(const std::string& name) {
@@ -47,7 +47,7 @@ class UniqueNames {
   std::set<std::string> used_;
 };
 
-/// [{"stage": "normals", "count": 2, "rows": [3, 17]}, ...] without the stages that have none
+/// Returns [{"stage": "normals", "count": 2, "rows": [3, 17]}, ...], without stages that have no degenerate points.
 nlohmann::ordered_json degenerate_rows(const Statistics& s) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   UniqueNames unique;

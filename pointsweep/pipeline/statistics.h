@@ -18,7 +18,7 @@ struct SweepPlan;
 /// Adds the statistics of a finished sweep.
 void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep);
 
-/// "Intel(R) Xeon(R) Processor, 2 cores"
+/// Returns a text like "Intel(R) Xeon(R) Processor, 2 cores".
 std::string machine_description();
 /// Returns the largest resident set of this process so far, in bytes.
 std::uint64_t peak_resident_bytes();

@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-/// The other cloud is put into cells before the first point comes.
+/// Stores the other cloud in cells before the first point comes.
 class DistanceToWork final : public InOrderWork {
  public:
   DistanceToWork(double most, const InOrderSetup& setup)

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kPointsAtOnce = 256;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// The points of one cloud in a cylinder, by where they lie along its axis.
+/// The places of one cloud's points along the axis of a cylinder that contains them.
 struct Section {
   double mean = kUnknown, spread = kUnknown;
   std::size_t count = 0;
@@ -40,13 +40,13 @@ Section section_of(std::vector<double>& along) {
   return section;
 }
 
-/// Around a point, along a normal.
+/// A cylinder around a point, along a normal.
 class Cylinder {
  public:
   Cylinder(Vec3 center, Vec3 normal, double diameter, double depth)
       : center_(center), axis_((1 / length(normal)) * normal), radius_(diameter / 2), depth_(depth) {}
 
-  /// A little wider than the cylinder.
+  /// Returns a box slightly larger than the cylinder.
   Box box() const {
     Vec3 half;
     for (int a = 0; a < 3; ++a) {
@@ -214,7 +214,7 @@ std::unique_ptr<InOrderWork> M3c2::start(const InOrderSetup& setup) const {
   return std::make_unique<M3c2Work>(options_, setup);
 }
 
-/// The ends of the rim of a cylinder are the farthest from its centre.
+/// The rim of a cylinder has the points farthest from its centre.
 std::optional<Reach> M3c2::reach() const {
   return Reach{.distance = std::hypot(options_.cylinder / 2, options_.depth) * (1 + 1e-6)};
 }

@@ -174,7 +174,7 @@ std::shared_ptr<const InOrderOperator> Take::bound(const Schema& input, std::spa
   return bound;
 }
 
-/// Several components of an attribute that is there have one target.
+/// Finds or makes the target of a taken value. Several components of an existing attribute share a target.
 void Take::find_target(TakenAttribute& taken, const Schema& input, std::span<const Attribute> made) {
   TakeTarget target;
   if (std::optional<AssignedTarget> known = target_of(taken.name, input, made, place_)) {
@@ -187,7 +187,7 @@ void Take::find_target(TakenAttribute& taken, const Schema& input, std::span<con
     if (is_channel(taken.name)) target.made.kind = Kind::color;
     if (is_real(target.made.type)) target.made.fill = std::byte{0xff};  // NaN
   }
-  // A scale of the points is to change lengths of another cloud, too.
+  // Lengths from another cloud must be scaled, too, if a later stage scales the points.
   if (target.made.unit == "1" && is_real(target.made.type)) target.made.unit = unit_of_made(taken.name);
   const auto same = std::ranges::find(targets_, target.made.name, [](const TakeTarget& t) { return t.made.name; });
   taken.target = static_cast<std::size_t>(same - targets_.begin());

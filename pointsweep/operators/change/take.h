@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Attributes of another cloud.
+/// Attributes taken from another cloud.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ OperatorDeclaration take_declaration();
 /// An attribute made by `take`, with the components that are taken.
 struct TakeTarget {
   Attribute made;
-  std::optional<Attribute> old;  ///< the version before, which the operator reads
+  std::optional<Attribute> old;  ///< the previous version, which the operator reads
 };
 
 /// Gives points the attributes of the nearest points of another cloud.

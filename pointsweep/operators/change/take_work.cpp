@@ -18,7 +18,7 @@ namespace {
 
 /// Nearest points that are found before their values are read, and the least number of places for which they are found.
 constexpr std::uint64_t kFoundAtOnce = 1 << 18, kLeastPlaces = 4096;
-/// Points that a thread gives values to at once.
+/// Number of points to which a thread gives values at a time.
 constexpr std::size_t kTakenAtOnce = 1024;
 
 std::uint64_t places_at_once(std::uint64_t k) { return std::max(kFoundAtOnce / k, kLeastPlaces); }
@@ -60,7 +60,7 @@ class TakeWork final : public InOrderWork {
   void end(unsigned, Findings&) override { refused_.throw_if_any(); }
 
  private:
-  /// The part of the memory for what takes `bytes` of a point.
+  /// Returns the share of the memory for data of `bytes` per point.
   std::uint64_t share(const InOrderSetup& setup, std::uint64_t bytes) const {
     const std::uint64_t found = found_bytes(k_, value_bytes_);
     const std::uint64_t left = setup.memory_bytes - std::min(setup.memory_bytes, found);

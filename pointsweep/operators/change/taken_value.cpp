@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-/// The brightness of a colour channel of 16 bits divided by that of one of 8 bits.
+/// The ratio of a colour channel of 16 bits to one of 8 bits.
 constexpr int kWideOfNarrow = 257;
 
 template <class Value>
@@ -23,7 +23,7 @@ VotedValue voted(Value value) {
     return {.real = value};
 }
 
-/// Values of type T are combined as Value: float64 or whole numbers of 64 bits.
+/// Combines values of type T in the type Value: float64 or whole numbers of 64 bits.
 template <class T, class Value>
 std::optional<VotedValue> vote_of(TakeVote vote, const std::byte* first, std::size_t count, std::size_t stride) {
   const auto value = [&](std::size_t i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Operators that count neighbours within a distance need lists that hold them.
+/// A check for operators that count neighbours within a distance: the neighbourhoods must contain all of them.
 #pragma once
 
 #include <cstddef>

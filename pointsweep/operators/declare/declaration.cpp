@@ -38,7 +38,7 @@ bool are_some_of(const std::vector<std::string>& words, const std::vector<std::s
   });
 }
 
-/// -0 as 0.
+/// Returns the shortest text of a number, with 0 for -0.
 std::string shortest_text(double number) { return fmt::format("{}", number == 0 ? 0.0 : number); }
 
 }  // namespace

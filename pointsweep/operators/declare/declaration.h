@@ -55,7 +55,8 @@ struct OptionDeclaration {
   bool required = false;    ///< it has to be given
   bool positional = false;  ///< its name may be omitted, as in where("z < 2"); only for the first option of an operator
   OptionValue sample = {};  ///< a value for examples, where there is no preset
-  /// A distance R within which points count, or an attribute that holds it: d² <= R·R in double, the same for all.
+  /// True for a distance R within which points count, or an attribute with such a distance: d² <= R·R in double, for
+  /// all operators.
   bool is_radius = false;
 
   /// Returns the allowed values: "1 or more", "0 to 90", "none, up or input", "[X,Y,Z]".
@@ -72,7 +73,7 @@ std::string text_of_value(const OptionValue& value);
 /// The values of an operator's options: the given ones, else the presets.
 class OptionValues {
  public:
-  /// Holds only presets. `where` begins every sentence about these options, e.g. "pipeline, column 12: normals".
+  /// Has only presets at first. `where` begins every message about these options, e.g. "pipeline, column 12: normals".
   OptionValues(const std::vector<OptionDeclaration>& declared, std::string where);
 
   /// Stores a value. Returns false if the option has been given before. `name` must be declared, and its declaration
@@ -85,8 +86,7 @@ class OptionValues {
   /// Returns the given value, else the preset; null if there is neither.
   const OptionValue* find(std::string_view name) const;
   bool any_given() const { return !given_.empty(); }
-  /// Returns the value of a declared option by its name. An option without preset is asked for only if it is given or
-  /// required.
+  /// Returns the value of a declared option by its name. An option without a preset must be given or required.
   std::uint64_t whole(std::string_view name) const { return std::get<std::uint64_t>(value(name)); }
   double number(std::string_view name) const { return std::get<double>(value(name)); }
   /// Returns the value of a choice, of names, of an attribute or of a condition.
@@ -112,19 +112,18 @@ struct Facts {
 struct AttributeNote {
   std::string name;
   std::string meaning;
-  std::string type = {};   ///< given where the attribute can have several types
-  std::string shape = {};  ///< given where the shape is not known in advance, e.g. "N×k"
+  std::string type = {};   ///< stated if the attribute can have several types
+  std::string shape = {};  ///< stated if the shape is not known in advance, e.g. "N×k"
 };
 
 struct OperatorDeclaration {
   std::string name;
   std::string meaning;  ///< one line that begins in lower case
   std::vector<OptionDeclaration> options = {};
-  /// Makes the stage, which then is `name`. Throws UsageError, beginning with OptionValues::where(), for values that do
-  /// not go together.
+  /// Makes the stage `name`. Throws UsageError, beginning with OptionValues::where(), for values in conflict.
   std::function<ChainStage(const OptionValues&, const Facts&)> make;
   std::string formula = {};    ///< lines of plain text
-  std::string source = {};     ///< the publication and where in it
+  std::string source = {};     ///< the publication and the place in it
   std::string undefined = {};  ///< the points without a result, and the value that they get
   /// A clause about the points that it marks as degenerate (Columns::mark_degenerate), e.g. "have no neighbours; their
   /// density is 0"; empty: it marks none.
@@ -133,14 +132,14 @@ struct OperatorDeclaration {
   double neighbor_ns = 10;   ///< CPU time for each neighbour, of about 1,000; measured with `script/bench radius`
   bool makes_named = false;  ///< its options name the attributes that it makes
   std::vector<AttributeNote> attributes = {};  ///< about the attributes it makes
-  std::string example = {};                    ///< a whole pipeline as one writes it
+  std::string example = {};                    ///< a complete pipeline
 };
 
-/// "a,b" as {"a", "b"}: the words of an option of the kind `names`.
+/// Splits "a,b" into {"a", "b"}: the words of an option of the kind `names`.
 std::vector<std::string> words_of(std::string_view list);
-/// "1,2.5" as {1, 2.5}: an option of the kind `numbers`. Empty where a word is no finite number.
+/// Parses "1,2.5" to {1, 2.5}: an option of the kind `numbers`. Empty if a word is no finite number.
 std::vector<double> numbers_of(std::string_view list);
-/// {1, 2.5} as "1,2.5": each number in its shortest form, so that equal lists are the same text.
+/// Returns {1, 2.5} as "1,2.5": each number in its shortest form, so that equal lists have equal texts.
 std::string text_of_numbers(const std::vector<double>& numbers);
 
 /// Returns example values: presets, and samples of required options and of options without names. For docs and checks

@@ -16,25 +16,25 @@ namespace {
 
 constexpr double kSmallest = std::numeric_limits<double>::min();
 
-/// -e ln e, 0 at 0. Rounding may make the eigenvalue of a plane or a line a little negative.
+/// Returns -e ln e, 0 at 0. Rounding may make the eigenvalue of a plane or a line slightly negative.
 double entropy_of(double e) { return e >= kSmallest ? -(e * natural_logarithm(e)) : 0; }
 
-/// Infinite where the points have no extent.
+/// Returns the eigenentropy; infinite if the points have no extent.
 double eigenentropy(const Eigen3& eigen) {
   const double sum = (eigen.value[0] + eigen.value[1]) + eigen.value[2];
   if (!(sum >= kSmallest)) return std::numeric_limits<double>::infinity();
   return (entropy_of(eigen.value[0] / sum) + entropy_of(eigen.value[1] / sum)) + entropy_of(eigen.value[2] / sum);
 }
 
-/// The power of two by which offsets are multiplied, so that no extent of a cloud under- or overflows: it brings the
-/// farthest neighbour to about 1. 0 where no scale does.
+/// Returns the power of two that scales the farthest neighbour to about 1, so that no extent of a cloud under- or
+/// overflows. 0 if no scale does.
 double scale_of(Vec3 farthest) {
   const double largest = std::max({std::abs(farthest.x), std::abs(farthest.y), std::abs(farthest.z)});
   if (!(largest >= kSmallest && largest < 0x1p1022)) return 0;
   return reciprocal_of_power(power_of_two_below(largest));
 }
 
-/// Covariances of p_i and its k nearest neighbours about their mean, for k from `least` to in.count(i).
+/// Computes the covariances of p_i and its k nearest neighbours about their mean, for k from `least` to in.count(i).
 void covariances(const Neighborhoods& in, std::size_t i, std::size_t least, double scale,
                  std::vector<Symmetric3>& out) {
   Symmetric3 squares;

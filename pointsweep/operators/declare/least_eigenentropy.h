@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Neighbourhoods of the size at which they look most like a line, a plane or a volume, and least like a mixture.
+/// Neighbourhoods of the size at which they resemble a line, a plane or a volume most, and a mixture least.
 #pragma once
 
 #include <cstddef>

@@ -12,7 +12,7 @@ namespace {
 
 Attribute named(const std::string& name) { return scalar(name, Type::f64, "", "size of the neighbourhood"); }
 
-/// The first `count` neighbours at most `value` in number.
+/// Returns the number of neighbours allowed by the limit `value` of k.
 std::size_t at_most(double value, std::size_t count) {
   if (!(value >= 1)) return 0;
   return value < static_cast<double>(count) ? static_cast<std::size_t>(value) : count;

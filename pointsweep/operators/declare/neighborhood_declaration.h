@@ -15,7 +15,7 @@ struct NeighborhoodDeclaration {
   std::string meaning;
   std::vector<OptionDeclaration> options;
   std::string formula, source, cost;
-  std::string example;  ///< a whole pipeline as one writes it
+  std::string example;  ///< a complete pipeline
 };
 
 const NeighborhoodDeclaration& neighborhood_declaration();

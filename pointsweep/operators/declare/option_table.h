@@ -75,7 +75,7 @@ inline constexpr std::optional<OptionKind> kKindOf<std::vector<double>> = Option
 template <class Member>
 inline constexpr std::optional<OptionKind> kKindOf<std::optional<Member>> = kKindOf<Member>;
 
-/// A row of the table of the struct T: an option, how to get it from an object, and how to set it.
+/// A row of the table of the struct T: an option with functions to get it from an object and to set it.
 template <class T>
 struct OptionRow {
   OptionDeclaration declaration;
@@ -100,7 +100,7 @@ OptionRow<T> option(const char* name, Member T::*member, const char* meaning, Op
           [member, words](T& options, const OptionValue& value) { set_member(options.*member, value, words); }};
 }
 
-/// An option with a single choice, for which the struct has no member.
+/// Adds an option with a single choice, for which the struct has no member.
 template <class T>
 OptionRow<T> only_choice(const char* name, const char* word, const char* meaning) {
   return {{.name = name, .kind = OptionKind::choice, .preset = word, .meaning = meaning, .choices = {word}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The attribute that gets new values under a name that a user writes, and the values that it can hold.
+/// The attribute to which a name in an assignment refers, and the values that it can hold.
 #pragma once
 
 #include <cmath>
@@ -20,7 +20,7 @@ struct TargetRange {
   double least = 0, most = 0;  ///< range of whole numbers
   bool is_whole = false;
 
-  /// "uint8, 0 to 255", "float32".
+  /// Returns "uint8, 0 to 255" or "float32".
   std::string text() const;
 };
 
@@ -31,7 +31,7 @@ TargetRange range_of(const Field& field);
 /// Returns a whole number as a T; nothing outside of the range. T: the integer type of the range.
 template <class T>
 std::optional<T> whole_in(const TargetRange& range, double whole) {
-  // The largest of 64 bits is no double: its next one is too large.
+  // The largest 64-bit integer is no double; the next double is too large.
   const bool below = range.most < 0x1p53 ? whole <= range.most : whole < range.most;
   if (!(whole >= range.least && below)) return std::nullopt;
   return static_cast<T>(whole);
@@ -43,12 +43,12 @@ std::optional<T> whole_in(const TargetRange& range, WholeNumber whole) {
   return fits ? std::optional(number) : std::nullopt;
 }
 
-/// An attribute that is there already.
+/// An existing attribute as the target of an assignment.
 struct AssignedTarget {
   Attribute made;             ///< a new version of an attribute made before, or of a field of the input
   std::size_t component = 0;  ///< component that the name means
   TargetRange range;
-  Attribute old;  ///< the version before, as it can be read: exact
+  Attribute old;  ///< the previous version in a type that can be read exactly
 };
 
 /// Returns the attribute made before, or the field of the input, that `name` means; nothing if it means none. `name` is

@@ -114,7 +114,7 @@ class ExpressionParser : private ExpressionText {
     return number(sum(), first);
   }
 
-  /// Numbers with commas between, up to the ")" that closes them.
+  /// Parses expressions with commas between, up to the ")" that closes them.
   void arguments(std::vector<Node>& to) {
     canonical_ += '(';
     do {
@@ -228,7 +228,7 @@ class ExpressionParser : private ExpressionText {
     return node;
   }
 
-  /// Bounds the recursion.
+  /// Limits the depth of recursion.
   struct Depth {
     explicit Depth(ExpressionParser& of) : parser(of) {
       if (++parser.depth_ > kMostDepth)

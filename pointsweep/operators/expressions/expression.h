@@ -47,8 +47,8 @@ class Expression {
   /// The attributes that it reads, each once, in the order of their first occurrence.
   const std::vector<Name>& names() const { return names_; }
   const std::string& text() const { return text_; }  ///< as given, without blanks at both ends
-  /// A text that is equal for conditions that differ only in blanks and in "and", "or", "not" for "&&", "||", "!":
-  /// "a < 2 && !(b == 3)".
+  /// Returns a text that is equal for conditions that differ only in blanks and in "and", "or", "not" for "&&", "||",
+  /// "!": "a < 2 && !(b == 3)".
   const std::string& canonical() const { return canonical_; }
 
   /// Sets kept[i] to 1 where the condition holds for point i, else to 0. `values`: by number in names().

@@ -11,7 +11,7 @@ namespace {
 
 using Arguments = std::span<const double>;
 
-/// The argument that `precedes` all others, the first of equal ones; NaN if one is NaN.
+/// Returns the argument that `precedes` all others, the first of equal ones; NaN if one is NaN.
 template <class Precedes>
 double first_by(Arguments arguments, Precedes precedes) {
   double first = arguments[0];

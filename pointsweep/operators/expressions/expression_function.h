@@ -18,7 +18,7 @@ struct ExpressionFunction {
 /// Returns the function; null if none has this name.
 const ExpressionFunction* expression_function(std::string_view name);
 
-/// The names of all functions, with blanks between.
+/// Returns the names of all functions, separated by blanks.
 std::string names_of_functions();
 
 }  // namespace pointsweep

@@ -29,7 +29,7 @@ enum class Operation : std::uint8_t {
   greater,
   greater_equal,
   among,    ///< the first part is equal to one of the others
-  between,  ///< the first part is not below the second and not above the third
+  between,  ///< the first part is between the second and the third, inclusive
   no,
   both,
   either

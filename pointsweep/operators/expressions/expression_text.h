@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The text of an expression while it is read: a place in it, the signs and words there, and messages about them.
+/// A reader of the text of an expression: the current position, the next signs and words, and error messages.
 #pragma once
 
 #include <cstddef>
@@ -18,9 +18,9 @@ class ExpressionText {
   static bool is_digit(char c) { return c >= '0' && c <= '9'; }
   static bool continues_name(char c) { return begins_name(c) || is_digit(c) || c == '.'; }
 
-  /// Skips blanks, then the sign, if the text goes on with it. Returns whether it does.
+  /// Skips blanks, then the sign if it comes next. Returns whether it does.
   bool take(std::string_view sign);
-  /// Like take(), for a word in small letters, which the text has in any case and which no letter follows.
+  /// Like take(), for a word in lower case, which may be in any case in the text, and which no letter follows.
   bool take_word(std::string_view word);
   /// Takes the word `not`, unless it is the name of an attribute.
   bool take_not();

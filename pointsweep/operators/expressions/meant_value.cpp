@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-/// The component of an attribute made before whose name `fits`.
+/// Returns the component of a made attribute whose name `fits`.
 template <class Fits>
 MeantValue made_value(std::span<const Attribute> made, Fits fits) {
   for (const Attribute& a : made) {

@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// A component of an attribute made before, or a field of the input; neither: nothing has such a name.
+/// A component of a made attribute, or a field of the input. Neither if no value has the name.
 struct MeantValue {
   const Attribute* made = nullptr;
   std::size_t component = 0;     ///< component of `made`

@@ -25,7 +25,7 @@ std::optional<std::size_t> axis_of(std::string_view name) {
 
 bool is_64_bits(Type type) { return type == Type::i64 || type == Type::u64; }
 
-/// The names that an expression may use, each once.
+/// Returns the names that an expression may use, each once.
 std::string names_of(const Schema& input, std::span<const Attribute> made) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {

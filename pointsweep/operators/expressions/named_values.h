@@ -23,7 +23,7 @@ class NamedValues {
   NamedValues(const Expression& expression, const std::string& place, const Schema& input,
               std::span<const Attribute> made);
 
-  /// The attributes that have to be read, each once.
+  /// Returns the attributes that must be read, each once.
   const std::vector<Attribute>& reads() const { return reads_; }
 
   /// The values of one batch, by number of the name.

@@ -19,9 +19,9 @@ OperatorDeclaration components_declaration();
 
 /// Returns whether component numbers and sizes have 32 bits in a cloud of `points` points; 0: unknown.
 bool has_short_numbers(std::uint64_t points);
-/// N i32 or i64: the number of the component `name` of a point; -1 for points without one.
+/// Returns an attribute N i32 or i64: the number of the component `name` of a point; -1 for points without one.
 Attribute component_number(std::string name, std::string meaning, std::uint64_t points);
-/// N u32 or u64: the number of points in the component of a point.
+/// Returns an attribute N u32 or u64: the number of points in the component of a point.
 Attribute component_size(std::string name, std::string meaning, std::uint64_t points);
 /// Appends both, in these types, to `values`.
 void put_component(const ComponentLabel& label, bool is_short, std::byte* values);

@@ -116,8 +116,8 @@ const VoteRule* ClustersOfCores::votes() const {
   return &rule;
 }
 
-/// A core point of the lower row emits the edge of two core points, and any other point one edge at most: it joins no
-/// clusters.
+/// The core point with the lower row emits the edge between two core points. Any other point emits at most one edge, so
+/// that it joins no clusters.
 void ClustersOfCores::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const {
   const double eps2 = eps_ * eps_;
   for (std::uint32_t i = 0; i < in.size(); ++i) {

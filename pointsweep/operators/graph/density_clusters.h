@@ -19,7 +19,7 @@ struct OperatorDeclaration;
 
 OperatorDeclaration dbscan_declaration();
 
-/// N u8: 1 for core points.
+/// Returns core, N u8: 1 for core points.
 Attribute core_attribute();
 
 /// Makes core: 1 where at least `min_points` points, the point itself included, lie within `eps` of it.
@@ -50,8 +50,8 @@ class ClustersOfCores final : public ConnectOperator {
   std::uint64_t points_;
 };
 
-/// `dbscan`: these two. N_i must hold all points within eps. Pipelines that do not give them are refused; C++ code has
-/// to see to it.
+/// `dbscan`: the two operators above, in order. N_i must contain all points within eps. Pipelines without such
+/// neighbourhoods are refused; C++ code must ensure it.
 class DensityClusters final : public CompositeOperator {
  public:
   /// Throws UsageError for options out of their ranges. `points` of the cloud, if known, decide about the types.

@@ -20,7 +20,7 @@ struct OperatorDeclaration;
 
 OperatorDeclaration orient_declaration();
 
-/// N u8: 1 where orient() has turned the normal.
+/// Returns normal_turned, N u8: 1 if orient() has negated the normal.
 Attribute normal_turned_attribute();
 
 /// Makes normal_turned: the signs along the minimum spanning forest of the graph of neighbours. An edge has the weight
@@ -51,7 +51,7 @@ class TurnedNormals final : public LocalOperator {
   void apply(const Neighborhoods& in, Columns& out) const override;
 };
 
-/// `orient`: these two, or FacingNormals.
+/// `orient`: the two operators above, in order, or FacingNormals.
 class OrientedNormals final : public CompositeOperator {
  public:
   /// Reads the trajectory, if the method needs one. `place`: for messages. Throws UsageError for options out of range

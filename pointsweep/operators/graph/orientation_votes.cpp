@@ -47,7 +47,8 @@ std::array<Whole, 3> whole_place(Vec3 p) {
   return place;
 }
 
-/// The mean distance, along the normals, from the centroid, as a share of the extent; times the points.
+/// Returns the mean distance of the points from the centroid along the normals, relative to the extent, times the
+/// number of points.
 long double outwards(const Votes& v) {
   const Vec3 extent = v.box.extent();
   const long double mean = (static_cast<long double>(extent.x) + extent.y + extent.z) / 3;

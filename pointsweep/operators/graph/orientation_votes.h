@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The choice of the right one of the two consistent orientations of a component of a surface.
+/// The choice between the two consistent orientations of a component of a surface.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Segments: parts of a surface across which normals turn little from neighbour to neighbour. Region growing without
-/// its dependence on seeds and their order (T. Rabbani, F. van den Heuvel, G. Vosselman, "Segmentation of point clouds
+/// Segments: parts of a surface across which normals turn little from neighbour to neighbour. Like region growing, but
+/// independent of seeds and their order (T. Rabbani, F. van den Heuvel, G. Vosselman, "Segmentation of point clouds
 /// using smoothness constraint", 2006).
 #pragma once
 

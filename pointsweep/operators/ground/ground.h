@@ -20,7 +20,7 @@ struct OperatorDeclaration;
 
 OperatorDeclaration ground_declaration();
 
-/// N u8, classes of LAS: 2 ground, 1 unclassified.
+/// Returns classification, N u8, classes of LAS: 2 ground, 1 unclassified.
 Attribute classification_attribute();
 
 /// Makes classification: 2 for ground. Other points keep the class of the input or of an earlier stage, but 1 replaces

@@ -7,7 +7,7 @@ namespace pointsweep {
 namespace {
 
 constexpr double kGround = 2, kUnclassified = 1, kLowNoise = 7, kHighNoise = 18;
-/// A point needs the slopes of the cells around it, and these the cells next to them.
+/// A point needs the slopes of the cells around it, which need the adjacent cells.
 constexpr std::size_t kRowsAround = 2;
 
 /// Returns the slope along one axis, from the cell and the cells on both sides of it.

@@ -26,7 +26,7 @@ double height_above(double z, const std::vector<CellNeighbor>& ground) {
   return z - sum / weights;
 }
 
-/// Puts the points of the ground into cells first; then all points look for the nearest of them.
+/// Stores the ground points in cells; then all points search the nearest of them.
 class HeightWork final : public InOrderWork {
  public:
   HeightWork(std::size_t k, const InOrderSetup& setup)

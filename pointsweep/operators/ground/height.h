@@ -17,7 +17,7 @@ struct OperatorDeclaration;
 
 OperatorDeclaration height_declaration();
 
-/// N f64, in length units: z above the ground; NaN where the cloud has no ground.
+/// Returns height, N f64, in length units: z above the ground; NaN if the cloud has no ground.
 Attribute height_attribute();
 
 /// Makes height: z - Σ w_j z_j / Σ w_j over the k points of class 2 that are nearest in x and y, w_j = 1 / d_j², summed

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The box of the points of a cloud that are finite.
+/// The box around the finite points of a cloud.
 #pragma once
 
 #include "pointsweep/math/box.h"

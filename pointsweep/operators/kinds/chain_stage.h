@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Name, contract and options of an entry of a chain, be it an operator or an instruction.
+/// Name, contract and options of an entry of a chain: an operator, Drop, Reneighbor or Resort.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The size of a cloud, in which widths of operators are given.
+/// The diagonal of a cloud, to which widths of operators are relative.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// {diagonal} of the box around all finite points of the input that are left; 0 without any.
+/// Computes {diagonal} of the box around all finite points of the input that are left; 0 if there are none.
 class InputDiagonal final : public Reduction {
  public:
   std::string text() const override { return "diagonal of the input"; }

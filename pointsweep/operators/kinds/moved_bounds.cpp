@@ -8,7 +8,7 @@ namespace {
 
 class SixNumbers final : public BoxAccumulator {
  public:
-  /// Adding 0 turns -0, which is as small as 0, into the same bits for any number of threads.
+  /// Adding 0 turns -0, which equals 0, into 0, so that the bits do not depend on the number of threads.
   std::vector<double> finish() const override {
     const Vec3 &lo = box_.lo, &hi = box_.hi;
     return {lo.x + 0.0, lo.y + 0.0, lo.z + 0.0, hi.x + 0.0, hi.y + 0.0, hi.z + 0.0};

@@ -20,7 +20,7 @@ class MovedBounds final : public Reduction {
   std::unique_ptr<Accumulator> start() const override;
 };
 
-/// The box in the value of a MovedBounds; empty if no point is finite.
+/// Returns the box in the value of a MovedBounds; empty if no point is finite.
 Box box_of(std::span<const double> moved_bounds);
 
 }  // namespace pointsweep

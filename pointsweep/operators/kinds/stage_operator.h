@@ -12,8 +12,8 @@
 
 namespace pointsweep {
 
-/// The note that the last Resort of a chain leaves: it keeps the position that the point has there, which decides the
-/// order of the output, as stream_position_attribute().
+/// Marks the last Resort of a chain: stores the current position of each point as stream_position_attribute(), which
+/// decides the order of the output.
 struct NotePosition {};
 
 using StageOperator =

@@ -44,7 +44,7 @@ struct Tile {
   const Neighborhoods& in;
   std::size_t first, size, vectors;
   std::size_t stride;  // distance between successive neighbours of a point
-  std::size_t chunk;   // neighbours of a point there is room for
+  std::size_t chunk;   // number of neighbours of a point that fit
   std::size_t most = 0;
   std::size_t count[kTilePoints];  // |N_i|; 0 after the last point
 
@@ -59,7 +59,7 @@ struct Tile {
     vectors = (size + kLanes - 1) / kLanes;
     chunk = kRoom / stride;
   }
-  /// Neighbours of a point that are there at a time, from the `from`-th on.
+  /// Returns the number of neighbours of a point in the tile at a time, from the `from`-th on.
   std::size_t Held(std::size_t from) const { return std::min(chunk, most - from); }
   /// Returns the index, in an array of neighbours, of the c-th held neighbours of a vector of points.
   std::size_t At(std::size_t vector, std::size_t c) const { return c * stride + vector * kLanes; }
@@ -83,7 +83,7 @@ HWY_INLINE auto WithOwn(const Tile& tile, std::size_t a, std::size_t vector, con
   return use(some);
 }
 
-/// Attribute `a` of a vector of points, one number each.
+/// Returns attribute `a` of a vector of points, one number each.
 HWY_INLINE V OwnNumbers(const Tile& tile, std::size_t a, std::size_t vector) {
   return WithOwn<float>(tile, a, vector,
                         [](const float* own) HWY_ATTR { return hn::PromoteTo(Lanes(), hn::LoadU(FloatLanes(), own)); });

@@ -26,13 +26,13 @@ namespace pointsweep::HWY_NAMESPACE {
 /// Measures of the neighbourhoods of a tile that are needed before their sums begin.
 struct Extents {
   TileArray count;       // |N_i|
-  TileArray largest;     // a largest magnitude of a component, from which Scaling takes its power of two
+  TileArray largest;     // largest magnitude of a component, from which Scaling derives its power of two
   TileArray far2;        // scaled squared length of the farthest offset
   TileArray near2;       // scaled squared length of the nearest offset that is not 0
   TileArray coincident;  // 1 if a neighbour lies on p_i, else 0
   TileArray place;       // largest magnitude among the coordinates of p_i
 
-  /// Points whose neighbours all lie on p_i, or one of them too far away or not finite, have none from here on.
+  /// Measures a tile. Points get no neighbours if all these coincide with p_i, or if one is too far away or not finite.
   HWY_INLINE Extents(Tile& tile, Offsets& offsets) {
     const bool sorted = tile.in.sorted_by_distance();
     for (std::size_t v = 0; v < tile.vectors; ++v) {
@@ -67,7 +67,8 @@ struct Extents {
     hn::Store(hn::Zero(d), d, coincident.of + begin);
     return true;
   }
-  /// Measures point l, whose neighbours come nearest first: the last is the farthest, the first off p_i the nearest.
+  /// Measures point l, whose neighbours come nearest first: the last is the farthest, and the first that does not
+  /// coincide with p_i is the nearest.
   HWY_INLINE void MeasureEnds(Tile& tile, Offsets& offsets, std::size_t l) {
     const std::size_t k = tile.count[l];
     if (k == 0) return HaveNone(l);
@@ -152,7 +153,7 @@ struct Extents {
   };
 
   // Power-of-two scaling needs a normal number with a normal reciprocal; squares of ordinary lengths are normal numbers
-  // as well, so that an order by them is one by length.
+  // as well, so that they have the order of the lengths.
   static constexpr double kLeastExtent = std::numeric_limits<double>::min(), kTooFar = 0x1p1022;
   static constexpr double kLeastOrdinary = 0x1p-500, kMostOrdinary = 0x1p500;
   static HWY_INLINE hn::Mask<Lanes> IsOrdinary(V extent) {

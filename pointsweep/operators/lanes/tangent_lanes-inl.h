@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Directions in and across tangent planes, in vector lanes. Included once per instruction set.
+/// Directions in tangent planes and perpendicular to them, in vector lanes. Included once per instruction set.
 #if defined(POINTSWEEP_OPERATORS_TANGENT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_OPERATORS_TANGENT_LANES_INL_H_
 #undef POINTSWEEP_OPERATORS_TANGENT_LANES_INL_H_

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A point of a set that is searched, and how far it is from a place that is asked about.
+/// A point of a searched set, and its distance from the place of a search.
 #pragma once
 
 #include <algorithm>
@@ -18,13 +18,13 @@ struct CellPoint {
   std::uint64_t row;
 };
 
-/// A point of the set, with its squared distance from the place that is asked about.
+/// A point of the set, with its squared distance from the place of the search.
 struct CellNeighbor {
   double distance2;  ///< in float64: (dx² + dy²) + dz²; without dz² in the plane
   Vec3 position;
   std::uint64_t row;
 
-  /// Nearest first; equal distances by x, y, z, row.
+  /// Orders by distance, equal distances by x, y, z, row.
   bool operator<(const CellNeighbor& other) const {
     const auto key = [](const CellNeighbor& n) {
       return std::tuple(n.distance2, n.position.x, n.position.y, n.position.z, n.row);
@@ -52,7 +52,7 @@ class NearestSoFar {
     found_.clear();
   }
   bool full() const { return found_.size() == wanted_.k; }
-  /// A point that is farther than this is not wanted.
+  /// Returns the squared distance beyond which points are not needed.
   double worst() const { return full() && seen_ >= wanted_.most_seen ? -1 : worst_; }
   void see(double distance2, const CellPoint& point) {
     ++seen_;

@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// Boxes of points that are halved again and again: part j of level l is one of 2^l parts of nearly the same size.
+/// Boxes of points that are halved recursively: part j of level l is one of 2^l parts of nearly the same size.
 class HalvedBoxes {
  public:
   /// Returns the number of levels below the whole at which no part of the last level has more than `most` points.
@@ -25,14 +25,14 @@ class HalvedBoxes {
   /// Returns the first point of part j of a level; for the part after the last one, the number of points.
   std::size_t begin(unsigned level, std::size_t j) const { return points_ * j >> level; }
   std::size_t begin(std::size_t j) const { return begin(levels_, j); }
-  /// Calls `use(j)` for parts of the last level that are not farther than worst() when their turn comes, the nearer
-  /// half first. Ends and returns false when `use` does.
+  /// Calls `use(j)` for parts of the last level that are not farther than worst() at that moment, the nearer half
+  /// first. Ends and returns false when `use` returns false.
   template <class Worst, class Use>
   bool nearest_first(Vec3 place, Worst worst, Use use) const {
     return descend(0, 0, distance2(box(0, 0), place), place, worst, use);
   }
-  /// Calls `use(j)` for all parts of the last level whose boxes, and the boxes that hold them, are `wanted(box)`. Ends
-  /// and returns false when `use` does.
+  /// Calls `use(j)` for all parts of the last level whose boxes, and the boxes that contain them, are `wanted(box)`.
+  /// Ends and returns false when `use` returns false.
   template <class Wanted, class Use>
   bool all_of(Wanted wanted, Use use, unsigned level = 0, std::size_t j = 0) const {
     if (!wanted(box(level, j))) return true;

@@ -15,7 +15,7 @@ namespace pointsweep {
 /// also excludes most points if the box is far away from them, where all points are almost equally far.
 class NearestBound {
  public:
-  /// `near`: holds k points; `most2`: a point whose squared distance from all places is more is out, too.
+  /// `near`: contains k points. `most2`: points whose squared distance from all places exceeds this are excluded, too.
   NearestBound(const Box& places, const Box& near, double most2) : places_(places), most2_(most2 * (1 + kMargin)) {
     double sum = 0;
     for (int a = 0; a < 3; ++a) {

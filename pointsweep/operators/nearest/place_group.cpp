@@ -13,16 +13,16 @@
 namespace pointsweep {
 namespace {
 
-/// Places that are not halved any more, and so few points that they are compared with all places of a part.
+/// Groups of at most this many places are not halved; this many points are compared directly with all places of a part.
 constexpr std::size_t kFewPlaces = 8, kFewPoints = 12;
 /// Largest number of points collected for a group; with more, the group is halved first. Most points collected in vain
 /// belong to cells that are read anyway.
 constexpr std::size_t kMostCollected = 32768;
-/// Searches that see few points, before the average of all counts.
+/// Number of searches that may visit few points before their average counts.
 constexpr std::size_t kFirstSearches = 16;
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 
-/// Points that a search may see: more than it does in the midst of points.
+/// Returns the number of points that a search may visit: more than for a place in the middle of points.
 std::size_t most_seen(std::size_t k) { return 64 + 8 * k; }
 
 }  // namespace

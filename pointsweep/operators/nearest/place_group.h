@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Places near to each other, whose nearest points are found together.
+/// Groups of places near each other, whose nearest points are found together.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ class PlaceGroup {
  public:
   using Use = std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>;
 
-  /// `places`: their rows are the numbers by which they are known; puts them in another order.
+  /// `places`: a row is the number by which `use` identifies a place. Reorders them.
   PlaceGroup(std::span<CellPoint> places, const NearestWanted& wanted, bool in_plane)
       : places_(places), wanted_(wanted), in_plane_(in_plane), done_(places.size()) {}
 
@@ -45,7 +45,7 @@ class PlaceGroup {
   Outcome one_by_one(std::size_t begin, std::size_t end, std::size_t most, PointCells::View& view, const Use& use);
   PointCells::View::Collected collect(const Box& places, PointCells::View& view);
   void narrow(Part part, std::size_t count, const Use& use);
-  /// Leaves the nearest of `points` in nearest_.
+  /// Finds the nearest of `points`, stored in nearest_.
   void nearest_of(std::span<const CellPoint> points, Vec3 place, const NearestWanted& wanted);
   Vec3 flat(Vec3 p) const { return in_plane_ ? Vec3{p.x, p.y, 0} : p; }
 

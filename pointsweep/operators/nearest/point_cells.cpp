@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kCellPoints = 512, kSlabCells = 64, kLeafPoints = 8;
 constexpr std::size_t kLeastCells = 2 * kSlabCells;
-/// Places that are asked about together.
+/// Least and largest number of places that are searched together.
 constexpr std::size_t kLeastGroup = 512, kMostGroup = 8192;
 /// Number of places that are searched together for all points within a distance.
 constexpr std::size_t kPlacesWithin = 64;
@@ -32,7 +32,7 @@ bool holds(const Box& b, Vec3 p) {
 }
 
 /// Returns a box that holds all points whose distance from a place, as distance2() rounds it, is at most the radius.
-/// Rounding moves an end by less than the margin; below 10^-150 squares of differences may vanish.
+/// Rounding moves an end by less than the margin; below 10^-150 squares of differences may underflow.
 Box reach_of(Vec3 place, double radius) {
   const double reach = std::max(radius * (1 + 0x1p-40), 1e-150);
   constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -95,8 +95,7 @@ PointCells::PointCells(Space space, int axis, std::uint64_t memory_bytes, std::u
 PointCells::PointCells(PointCells&&) noexcept = default;
 PointCells::~PointCells() = default;
 
-/// Counts the bytes of the least number of cells, with their boxes and the nodes of the map that holds them, and of the
-/// slab that grows.
+/// Counts the bytes of the least number of cells, with their boxes and nodes of the map, and of the slab being filled.
 std::uint64_t PointCells::least_bytes() {
   constexpr std::size_t kBoxes = 2 * 2 * kCellPoints / kLeafPoints;
   return (kLeastCells + kSlabCells) * (kCellPoints * sizeof(CellPoint) + kBoxes * sizeof(Box) + 128);

@@ -21,20 +21,20 @@ namespace pointsweep {
 
 class PointCells {
  public:
-  /// The coordinates that count in distances: `plane` without the third one.
+  /// The coordinates used in distances; `plane` ignores the third one.
   enum class Space : std::uint8_t { plane, all };
 
   /// `axis`: axis along which points come. `memory_bytes`: limit for the cells in memory; a few always are.
   PointCells(Space space, int axis, std::uint64_t memory_bytes, std::unique_ptr<Scratch> scratch);
   PointCells(PointCells&&) noexcept;
   ~PointCells();
-  /// Points come in ascending order along the axis, all of them before the first question.
+  /// Adds a point. Points come in ascending order along the axis, all of them before the first search.
   void add(Vec3 position, std::uint64_t row);
   void finish();
 
   /// The object that answers searches with the cells in memory.
   class View;
-  /// Answers question i; false if a search lacked cells. Then it is asked again, when more cells are in memory.
+  /// Answers search i. Returns false if cells are missing: then it is called again when more cells are in memory.
   using Answer = std::function<bool(std::size_t i, View& view)>;
   /// Answers n questions on all threads; each thread takes `at_once` of them at a time. `place(i)`: place of question
   /// i. Successive places should be near each other.
@@ -54,7 +54,7 @@ class PointCells {
   /// all threads. Memory holds the points of only a few places per thread.
   void nearest_within(std::span<const Vec3> places, double radius, const std::function<void(WithinPlaces)>& use);
 
-  /// The least memory that answers questions without reading most cells again and again.
+  /// Returns the least memory with which cells are not read again and again.
   static std::uint64_t least_bytes();
 
  private:
@@ -89,11 +89,12 @@ class PointCells {
 
 class PointCells::View {
  public:
-  /// The nearest of the set, until the next search. Null if a cell is needed that is not in memory.
+  /// Returns the nearest points of the set, valid until the next search. Null if a needed cell is not in memory.
   const std::vector<CellNeighbor>* nearest(Vec3 place, const NearestWanted& wanted);
   /// Returns the number of points that the last search visited.
   std::size_t seen() const { return nearest_.seen(); }
-  /// Calls `use` for all points of the set in a box, in no particular order. False as above: then some may be missing.
+  /// Calls `use` for all points of the set in a box, unordered. Returns false if a needed cell is not in memory: then
+  /// some points may be missing.
   bool within(const Box& box, const std::function<void(const CellPoint&)>& use);
   enum class Collected : std::uint8_t { all, too_many, lacks_cells };
   /// Adds the points that are not out to `to`, until it has more than `most`.
@@ -103,7 +104,7 @@ class PointCells::View {
   friend class PointCells;
   explicit View(const PointCells& of) : of_(of) {}
   const Tree* tree(std::size_t cell);
-  /// Slabs that meet a range along the axis.
+  /// Returns the slabs that overlap a range along the axis.
   std::span<const Slab> slabs_between(double lo, double hi) const;
 
   const PointCells& of_;

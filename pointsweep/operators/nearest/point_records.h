@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Attributes of a set of points that does not fit in memory: they lie in scratch, and blocks of them in memory.
+/// Attributes of a set of points that does not fit in memory: stored in scratch, with some blocks in memory.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@
 
 namespace pointsweep {
 
-/// Records of one length, numbered from 0 in the order in which they come. Questions that follow one another should be
-/// about records near to each other.
+/// Records of one length, numbered from 0 in the order of arrival. Successive requests should be for records near each
+/// other.
 class PointRecords {
  public:
   /// A number that means no record.

@@ -25,9 +25,9 @@ struct AffineMap {
   AffineMap inverse(const std::string& place) const;
 };
 
-/// Returns the map of 12 or 16 numbers, row by row, with commas, semicolons or blanks between, or of the file of that
-/// name that holds them; lines of the file that begin with # are comments. Throws Error for a file, and UsageError that
-/// begins with `place` for a text, that is no such matrix.
+/// Returns the map of 12 or 16 numbers, row by row, separated by commas, semicolons or blanks, or of the file of that
+/// name with such numbers; lines of the file that begin with # are comments. Throws Error for a file, and UsageError
+/// that begins with `place` for a text, that is no such matrix.
 AffineMap affine_map_of(const std::string& text_or_file, const std::string& place);
 
 }  // namespace pointsweep

@@ -33,7 +33,7 @@ const OptionTable<ColorOptions>& color_options() {
   return table;
 }
 
-/// Least and greatest finite value of a component of an attribute.
+/// The least and the greatest finite value of a component of an attribute.
 class LeastAndMost final : public Reduction {
  public:
   LeastAndMost(Attribute of, std::size_t component, bool of_input)
@@ -148,7 +148,7 @@ std::shared_ptr<const LocalOperator> Color::bound(const Schema& input, std::span
 
 std::shared_ptr<const LocalOperator> Color::with_values(std::span<const std::vector<double>> values) const {
   ColorOptions options = options_;
-  const bool any = values[0][0] <= values[0][1];  // a cloud without a finite value has neither end
+  const bool any = values[0][0] <= values[0][1];  // false for a cloud without finite values
   options.range = any ? values[0] : std::vector<double>{0, 0};
   auto known = std::make_shared<Color>(std::move(options), place_);
   known->names_ = names_, known->of_input_ = of_input_, known->type_ = type_;

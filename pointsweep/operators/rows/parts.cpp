@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-/// Added to the seed, so that the points of a sample or of decimate with the same seed are in all parts.
+/// Added to the seed. Without it, a sample or decimate with the same seed would take all its points from few parts.
 constexpr std::uint64_t kPartsSeed = 0x7061727473;  // "parts" in ASCII
 
 const OptionTable<PartsOptions>& parts_options() {

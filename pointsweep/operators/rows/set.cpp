@@ -191,7 +191,7 @@ std::shared_ptr<const LocalOperator> SetAttribute::bound(const Schema& input, st
   return bound;
 }
 
-/// An attribute made before, a coordinate, a field of the input, or a new one.
+/// Finds the target: a made attribute, a coordinate, a field of the input, or a new attribute.
 void SetAttribute::find_target(const Schema& input, std::span<const Attribute> made) {
   const std::string& name = assignment_.name;
   const std::string word = library_name_of(name);
@@ -214,7 +214,7 @@ void SetAttribute::find_target(const Schema& input, std::span<const Attribute> m
     }
     return;
   }
-  // A new "b" is a number of the user's, not the blue of a colour that is not there.
+  // A new "b" is an attribute of the user and not the blue of a colour that the cloud does not have.
   const auto las = std::ranges::find(kTypesOfLas, name.size() == 1 ? name : word, &LasType::first);
   range_ = range_of(type_ ? *type_ : las != std::end(kTypesOfLas) ? las->second : Type::f64);
   target_ = scalar(name, range_.type, "1", "assigned");
@@ -231,7 +231,7 @@ RowSentence SetAttribute::refusal(const std::string& value) const {
                       moves ? "a finite coordinate" : range_.text(), remedy)};
 }
 
-/// `is_placed`: the point has a finite place, which it must not lose.
+/// `is_placed`: the point has a finite place, which the assignment must not make infinite.
 template <class T>
 std::optional<T> SetAttribute::stored(double value, bool is_placed) const {
   if constexpr (std::is_floating_point_v<T>) {

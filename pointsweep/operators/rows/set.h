@@ -31,7 +31,7 @@ struct Assignment {
   std::string canonical() const;
 };
 
-/// Assignments with commas between. Throws UsageError that begins with `place`.
+/// Parses assignments separated by commas. Throws UsageError that begins with `place`.
 std::vector<Assignment> assignments_of(std::string_view text, const std::string& place);
 
 /// Makes a new version of one attribute. Values of whole-number types are rounded to the nearest, halves to even.
@@ -50,7 +50,8 @@ class SetAttribute final : public LocalOperator {
  private:
   void find_target(const Schema& input, std::span<const Attribute> made);
   void read_old(Attribute attribute);
-  /// Returns the number, in contract().reads, of the first attribute that the condition reads; the value's come before.
+  /// Returns the number, in contract().reads, of the first attribute that the condition reads; those of the value come
+  /// before.
   std::size_t first_of_condition() const { return value_names_.reads().size(); }
   RowSentence refusal(const std::string& value) const;
   template <class T>

@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-/// Matrices are written with six digits or more: differences below these are of their rounding.
+/// Matrices are written with six digits or more: smaller differences may come from their rounding.
 constexpr double kSameScale = 1e-6, kSameShape = 1e-5;
 
 const OptionTable<TransformOptions>& transform_options() {

@@ -46,7 +46,7 @@ class Transform final : public LocalOperator {
   std::string place_;
   AffineMap map_, back_;
   std::optional<double> scale_;     ///< scale of lengths; absent: it depends on the direction
-  std::vector<Attribute> changed_;  ///< after bound(): read and made again
+  std::vector<Attribute> changed_;  ///< attributes that are read and made again; set by bound()
 };
 
 }  // namespace pointsweep

@@ -19,7 +19,8 @@ struct OperatorDeclaration;
 OperatorDeclaration where_declaration();
 
 /// Keeps the rows for which `condition` holds, e.g. classification == 2 && z < 100. Points without a finite place are
-/// asked like all others: x, y and z are then NaN or infinite, made attributes have the documented value of none.
+/// tested like all others: x, y or z is then NaN or infinite, and made attributes have the documented value for
+/// undefined results.
 class Where final : public SelectOperator {
  public:
   /// `place`: for messages, e.g. "pipeline, column 12: where". Throws UsageError for a text that is no condition.

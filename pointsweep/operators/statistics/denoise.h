@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// `denoise`: statistical outliers are left out.
+/// `denoise`: drops statistical outliers.
 #pragma once
 
 #include <string>

@@ -28,7 +28,7 @@ ChainStage make_density(const OptionValues& values, const Facts& facts) {
   return std::make_shared<Density>(options);
 }
 
-/// A quotient beyond float32 is the largest one.
+/// Converts to float32. A quotient beyond its range becomes its largest number.
 float single(double v) { return static_cast<float>(std::min(v, double(std::numeric_limits<float>::max()))); }
 
 struct Ball {

@@ -32,7 +32,7 @@ void fill_column(const Neighborhoods& in, Columns& out, const Value& value) {
   }
 }
 
-/// The larger; NaN if one of them is.
+/// Returns the larger number; NaN if one of them is NaN.
 double larger(double a, double b) { return std::isnan(a) || std::isnan(b) ? kNone : a > b ? a : b; }
 
 double quotient(double r, double by) { return std::isinf(r) && std::isinf(by) ? 1 : r / by; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The local outlier factor: how much sparser a point lies than its neighbours do (M. M. Breunig, H.-P. Kriegel, R. T.
-/// Ng, J. Sander, "LOF: identifying density-based local outliers", 2000).
+/// The local outlier factor: how much sparser the surroundings of a point are than those of its neighbours (M. M.
+/// Breunig, H.-P. Kriegel, R. T. Ng, J. Sander, "LOF: identifying density-based local outliers", 2000).
 #pragma once
 
 #include <memory>
@@ -16,7 +16,8 @@ struct OperatorDeclaration;
 
 OperatorDeclaration lof_declaration();
 
-/// N f64 each; NaN for points without neighbours, and where a neighbour has no finite place.
+/// Return the attributes of the operators below, N f64 each; NaN for points without neighbours, and if a neighbour has
+/// no finite place.
 Attribute k_distance_attribute();
 Attribute reachability_density_attribute();
 Attribute lof_attribute();

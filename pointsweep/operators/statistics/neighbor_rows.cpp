@@ -19,7 +19,7 @@ namespace {
 class NearestPlaces {
  public:
   NearestPlaces(const Neighborhoods& in, std::size_t k) : in_(in), k_(k) {}
-  /// Goes to point i; returns how many there are.
+  /// Finds the places for point i; returns their number.
   std::size_t find(std::size_t i) {
     const std::size_t count = in_.count(i), kept = std::min(count, k_);
     if (in_.sorted_by_distance()) return kept;

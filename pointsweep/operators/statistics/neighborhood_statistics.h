@@ -55,7 +55,7 @@ class NeighborhoodStatistics final : public LocalOperator {
 
   void add_result(const std::string& name);
   Attribute attribute_of(const Result& result) const;
-  /// Leaves in `lists` the neighbours for which the condition holds.
+  /// Removes the neighbours for which the condition does not hold from `lists`.
   void keep_those_that_satisfy(const Neighborhoods& in, Lists& lists) const;
   void fill(std::size_t source, const Neighborhoods& in, const Lists& lists, Columns& out) const;
   void fill_counts(std::size_t source, std::span<const std::size_t> begin, std::size_t first_point, Columns& out) const;

@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-/// Σ d, Σ d² and n of finite values, and how many are not 0.
+/// Sums d, d² and n of finite values, and counts those that are not 0.
 class DistanceMoments final : public Accumulator {
  public:
   explicit DistanceMoments(OutlierRule rule) : rule_(rule) {}

@@ -19,7 +19,7 @@ namespace pointsweep {
 struct OutlierRule {
   bool counts_point = false;          ///< the mean includes the point itself, at distance 0
   bool population = false;            ///< the deviation is divided by n, not n - 1
-  bool zero_is_outlier = false;       ///< a mean distance of 0 marks an outlier, and is no term of the deviation
+  bool zero_is_outlier = false;       ///< a mean distance of 0 marks an outlier, and is left out of the deviation
   bool threshold_is_outlier = false;  ///< a distance equal to the threshold is an outlier
 };
 OutlierRule rule_of(OutlierDefinition definition);
@@ -28,7 +28,7 @@ struct OperatorDeclaration;
 template <class T>
 class OptionTable;
 
-/// The options of sor and denoise.
+/// Returns the options of sor and denoise.
 const OptionTable<SorOptions>& sor_options();
 
 OperatorDeclaration sor_declaration();

@@ -21,7 +21,7 @@ namespace pointsweep::HWY_NAMESPACE {
 using Vector = Vec3Lanes<V>;
 using Matrix = Symmetric3Lanes<V>;
 
-/// Normals of neighbours, as unit vectors or 0, and whether there is one: 1 or 0.
+/// Unit normals of neighbours, or 0, with a flag: 1 if there is a normal, else 0.
 class NeighborNormals {
  public:
   explicit NeighborNormals(const Tile& tile) : tile_(tile), vectors_(tile, {tile.in}) { MakeUnit(0); }
@@ -63,7 +63,7 @@ struct WeightedSums {
   Matrix normals = ZeroMatrix();  // |N_i| C_i
 };
 
-/// Sums over the neighbours that have a normal, all weighing alike.
+/// Sums over the neighbours that have a normal, with equal weights.
 struct Sums {
   Scaling scaling;
   Matrix normals = ZeroMatrix(), positions = ZeroMatrix();
@@ -76,7 +76,7 @@ template <bool kWeighted>
 struct AllSums : Sums {
   WeightedSums weighted = {};
 
-  /// Includes the held neighbours in two loops, for not all sums together fit into registers.
+  /// Includes the neighbours in the tile in two loops, since all sums together do not fit in registers.
   HWY_INLINE void IncludeHeld(const Tile& tile, std::size_t from, std::size_t v, const Offsets& offsets,
                               const Weights* weights, const NeighborNormals& neighbors) {
     for (std::size_t c = 0; c < tile.Held(from); ++c) {
@@ -123,7 +123,7 @@ HWY_INLINE Principal PrincipalCurvatures(const Vector& n, const Sums& sums, cons
   const Covariances covariances(sums, along, across);
   const V p1 = covariances.along, p2 = covariances.across, p12 = covariances.both, rounding = sums.scaling.rounding;
   const V spread = hn::Add(p1, p2), noise = hn::Mul(sums.count, hn::Mul(rounding, rounding));
-  // The determinant over the trace is the smaller eigenvalue, to a factor of two: 0 for points on a line.
+  // The determinant over the trace is the smaller eigenvalue, to a factor of two; it is 0 for points on a line.
   const V determinant = hn::Sub(hn::Mul(p1, p2), hn::Mul(p12, p12));
   const V least = hn::Mul(hn::Add(hn::Mul(hn::Set(d, 1e-12), spread), noise), spread);
   const auto found =
@@ -140,8 +140,8 @@ HWY_INLINE V SmallestEigenvalue(const Matrix& m, V trace, const Vector& n) {
   const V quotient = Dot(n, mn);
   const Vector rest{hn::Sub(mn.x, hn::Mul(quotient, n.x)), hn::Sub(mn.y, hn::Mul(quotient, n.y)),
                     hn::Sub(mn.z, hn::Mul(quotient, n.z))};
-  // The quotient is wrong by at most |rest|² over the gap to the next eigenvalue, which is at least the product of the
-  // two others over their sum, less the quotient.
+  // The error of the quotient is at most |rest|² over the gap to the next eigenvalue, which is at least the product of
+  // the two others over their sum, less the quotient.
   const V minors = hn::Add(
       hn::Add(hn::Sub(hn::Mul(m.xx, m.yy), hn::Mul(m.xy, m.xy)), hn::Sub(hn::Mul(m.xx, m.zz), hn::Mul(m.xz, m.xz))),
       hn::Sub(hn::Mul(m.yy, m.zz), hn::Mul(m.yz, m.yz)));
@@ -186,7 +186,7 @@ HWY_INLINE void StoreWeighted(Mask found, const WeightedSums& sums, const Eigen3
                points, out.normal_eigenvalues);
 }
 
-/// The points of a tile, and all that curvatures need of them.
+/// The points of a tile, and all values needed for their curvatures.
 template <bool kWeighted>
 class CurvatureTile {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Normals that face a sensor on its way.
+/// Normals that face a moving sensor.
 #pragma once
 
 #include <memory>

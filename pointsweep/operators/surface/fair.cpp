@@ -22,7 +22,8 @@
 namespace pointsweep {
 namespace {
 
-/// 1 / width; a width must be positive, finite and large enough to have a reciprocal.
+/// Returns 1 / width. Throws UsageError unless the width is positive, finite and large enough to have a finite
+/// reciprocal.
 double inverse_width(std::string_view option, double width) {
   const double inverse = 1 / width;
   if (!(width > 0 && std::isfinite(width) && std::isfinite(inverse)))
@@ -82,7 +83,7 @@ OperatorDeclaration fair_declaration() {
 ChainStage operators::fair(const FairOptions& options) { return std::make_shared<Fair>(options); }
 ChainStage operators::fair_in_percent(const FairPercent& percent) { return std::make_shared<FairInPercent>(percent); }
 
-/// The options are lengths, which no option of a pipeline is: a chain made by hand is not one with widths in %.
+/// The options are in length units. Pipelines have only widths in %, so that no stage of a pipeline has the same text.
 Fair::Fair(const FairOptions& options)
     : inverse_f_(inverse_width("f", options.f)), inverse_g_(inverse_width("g", options.g)) {
   declare_options({{"f_length", options.f}, {"g_length", options.g}});
@@ -137,7 +138,7 @@ void Fair::collect(const Neighborhoods& in, std::size_t i, std::vector<Pull>& pu
   }
 }
 
-/// p_i' - p_i, or nothing where no neighbour counts; `own` is the area of p_i itself, at f = g = 1.
+/// Returns p_i' - p_i, or nothing if no neighbour counts. `own`: the area of p_i itself, which has f = g = 1.
 std::optional<Vec3> Fair::shift(double own, const std::vector<Pull>& pulls, const std::vector<double>& falloffs) {
   double weights = own;
   Vec3 sum;

@@ -46,8 +46,8 @@ class Fair : public LocalOperator {
 
 OperatorDeclaration fair_declaration();
 
-/// Fair with both widths in % of the diagonal of the box around the finite points of the INPUT that are left, for
-/// every `fair` of a chain: a second one, and one after `reneighbor`, do not measure the moved cloud.
+/// Fair with both widths in % of the diagonal of the box around the finite points of the INPUT that are left, for every
+/// `fair` of a chain: a second one, and one after `reneighbor`, do not use the moved cloud.
 class FairInPercent final : public LocalOperator {
  public:
   /// `place`: for messages, e.g. "pipeline, column 20: fair".
@@ -56,7 +56,7 @@ class FairInPercent final : public LocalOperator {
   Contract contract() const override;
   void apply(const Neighborhoods&, Columns&) const override {}
   std::array<bool, 3> changes_system() const override { return {}; }
-  /// Fair. Throws UsageError if all points lie in one place.
+  /// Returns Fair with widths in length units. Throws UsageError if all points lie in one place.
   std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
 
  private:

@@ -37,7 +37,7 @@ HWY_INLINE Vector OrZero(M mask, const Vector& a) {
 struct PointSums {
   Scaling scaling;
   V points;       // n
-  Vector origin;  // the offset from p_i of the point that the others are from
+  Vector origin;  // the offset from p_i of the point to which the sums are relative
   Vector offset;
   Matrix products = ZeroMatrix();
   V low, high;  // least and greatest z of the offsets
@@ -55,7 +55,7 @@ struct PointSums {
     offset = Plus(offset, o);
     low = hn::Min(low, o.z), high = hn::Max(high, o.z);
   }
-  /// n times the covariance about the mean.
+  /// Returns n times the covariance about the mean.
   HWY_INLINE Matrix Centered() const {
     Matrix m = products;
     const V one = hn::Set(Lanes(), 1.0);
@@ -64,7 +64,7 @@ struct PointSums {
   }
 };
 
-/// A neighbourhood's points, of a vector of points.
+/// The points of the neighbourhoods of a vector of points.
 template <bool kWithPoint>
 HWY_INLINE PointSums SumPoints(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v) {
   const Lanes d;
@@ -86,10 +86,10 @@ HWY_INLINE PointSums SumPoints(const Tile& tile, const Extents& extents, Offsets
   return sums;
 }
 
-/// The values λ1 >= λ2 >= λ3 of the formulas, as the user wants them: over unit^power.
+/// The values λ1 >= λ2 >= λ3 of the formulas in the scale of the user's choice, divided by unit^power.
 struct Values {
   V v1, v2, v3, sum;
-  V unit;     // the length that is 1 in scaled offsets
+  V unit;     // length that corresponds to 1 in scaled offsets
   int power;  // power of the unit of length
 
   HWY_INLINE Values(const PointSums& sums, const Eigen3Lanes<V>& e, EigenvalueScale scale) {

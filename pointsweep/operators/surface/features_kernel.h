@@ -39,7 +39,7 @@ struct FeatureColumns {
   EigenvalueScale eigenvalues = EigenvalueScale::raw;
   bool with_point = true;            ///< p_i itself is one of the points
   bool marks_without_extent = true;  ///< a point whose neighbourhood lies at one place is degenerate
-  bool marks_lines = true;           ///< and one whose neighbourhood lies on a line
+  bool marks_lines = true;           ///< so is a point whose neighbourhood lies on a line
 
   std::span<float> operator[](Feature f) const { return numbers[static_cast<std::size_t>(f)]; }
 };

@@ -21,7 +21,7 @@ Normal flipped(Normal n) { return {0.0f - n[0], 0.0f - n[1], 0.0f - n[2]}; }
 
 double dot(Normal n, Vec3 v) { return pointsweep::dot({n[0], n[1], n[2]}, v); }
 
-/// Negative: the normal has to be flipped.
+/// Returns a number that is negative if the normal must be flipped.
 double along_wanted(const NormalsOptions& options, const Neighborhoods& in, std::size_t i, Normal n) {
   switch (options.orient) {
     case Orient::none:

@@ -35,7 +35,7 @@ class Splats : public LocalOperator {
   std::string name() const override { return "splats"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  /// Decides between the axes where the options leave it to the stages before.
+  /// Returns the operator with the axes chosen, if the options leave the choice to earlier stages.
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
  private:

@@ -57,7 +57,7 @@ HWY_INLINE Ellipse EllipseOfCurvature(const Tile& tile, const Extents& extents, 
 /// those greater than 0 count.
 struct Reaches {
   V scale;
-  Vector major, across;  // across: the minor axis over the ratio
+  Vector major, across;  // across: the minor axis divided by the ratio
   V seen = hn::Zero(Lanes());
 
   Reaches(const Ellipse& ellipse, const Vector& normal, V power)
@@ -78,7 +78,7 @@ struct Reaches {
   V Held() const { return hn::Min(seen, hn::Set(Lanes(), double(kHeld))); }
 };
 
-/// The greatest of all, where no point has more than are to be held.
+/// Keeps the greatest of all reaches, for points with few enough of them.
 struct Greatest : Reaches {
   V greatest;
 
@@ -123,7 +123,7 @@ HWY_INLINE void StoreSplats(const Ellipse& ellipse, V length, const Points& poin
   points.MarkWithout(found, degenerate);
 }
 
-/// The ellipses of a vector of points, as large as the neighbours they hold ask for.
+/// Computes the ellipses of a vector of points, sized to contain the required neighbours.
 template <class Kept>
 HWY_INLINE void StoreFitted(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v,
                             const Ellipse& ellipse, const Vector& normal, const SplatColumns& out,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Normals and directions as operators that come after `normals` take them.
+/// Normals and directions in the form in which operators after `normals` use them.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace pointsweep {
 /// A vector attribute of a point, N×3 f32.
 using Float3 = std::array<float, 3>;
 
-/// v / |v|, or (0, 0, 0) where v has no direction: it is 0 or not finite.
+/// Returns v / |v|, or (0, 0, 0) if v is 0 or not finite.
 inline Vec3 unit_or_zero(Vec3 v) {
   const double size = length(v);
   return size > 0 && std::isfinite(size) ? (1 / size) * v : Vec3{};

@@ -21,7 +21,8 @@ namespace {
 constexpr double kSteps = 1 << 30;
 constexpr std::uint64_t kDepthBits = 5;
 
-/// Points of one place are in the order of their rows: the first byte of a row counts most.
+/// A point with its row, ordered like its bytes: points of one place are in the order of their rows, most significant
+/// byte first.
 struct Record {
   GridPoint point;
   std::array<std::byte, 8> row;
@@ -41,7 +42,7 @@ class LevelWork final : public InOrderWork {
         records_(sizeof(Record), setup.memory_bytes / 8 * 7, make_scratch_),
         memory_(setup.memory_bytes / 8) {}
 
-  /// The bounds, the levels of all points, and the levels in the order in which the points come.
+  /// Rounds: the bounds, the levels of all points, and the levels in the order of arrival.
   unsigned rounds() const override { return 3; }
 
   void add(unsigned round, const OrderedPoints& points, Findings& findings) override {

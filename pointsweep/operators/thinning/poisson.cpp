@@ -18,7 +18,7 @@ namespace {
 /// Returns the radius of a point: the value of its attribute, at most the limit; NaN and negative values count as 0.
 double own_radius(double value, double limit) { return value > 0 ? std::min(value, limit) : 0; }
 
-/// Points that come between two decisions.
+/// Number of points that come between two decisions.
 constexpr std::uint64_t kHeldAtMost = 4096;
 
 class PoissonFront final : public InOrderWork {
@@ -102,7 +102,7 @@ InOrderContract Poisson::in_order_contract() const {
   return {.reads = reads_, .drops_rows = true, .arrival = "each held until all points within the radius have come"};
 }
 
-/// Chains of points that decide about each other are seldom longer.
+/// Chains of points that depend on each other are seldom longer than this.
 std::optional<Reach> Poisson::reach() const { return Reach{.distance = 8 * options_.radius, .is_guess = true}; }
 
 std::uint64_t Poisson::least_bytes(const CloudEstimate& cloud) const {

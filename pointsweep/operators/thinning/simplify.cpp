@@ -13,8 +13,7 @@
 namespace pointsweep {
 namespace {
 
-/// The largest radius, in errors, unless it is given: the radius for a surface with a radius of curvature of 512
-/// errors.
+/// The default of the largest radius, in errors: the radius for a surface with a radius of curvature of 512 errors.
 constexpr double kMostOfErrors = 32;
 
 const OptionTable<SimplifyOptions>& simplify_options() {

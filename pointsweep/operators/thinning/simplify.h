@@ -32,7 +32,7 @@ class SimplifyRadius final : public LocalOperator {
   SimplifyOptions options_;
 };
 
-/// `simplify`: SimplifyRadius, and poisson with these radii.
+/// `simplify`: SimplifyRadius, then poisson with these radii.
 class Simplify final : public CompositeOperator {
  public:
   /// `place`: for messages. Throws UsageError for options out of their ranges, and if least is more than most.

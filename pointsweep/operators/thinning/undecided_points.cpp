@@ -25,7 +25,7 @@ std::size_t UndecidedPoints::CellHash::operator()(const CellKey& key) const {
   return hash;
 }
 
-/// A cell is a little longer than the radius, so that the coordinates within it lie in three cells in a row.
+/// A cell is slightly longer than the radius, so that the coordinates within it lie in three adjacent cells.
 UndecidedPoints::UndecidedPoints(int axis, double largest_radius, std::uint64_t most)
     : axis_(axis),
       radius_(largest_radius),
@@ -33,7 +33,7 @@ UndecidedPoints::UndecidedPoints(int axis, double largest_radius, std::uint64_t 
       most_(std::min<std::uint64_t>(most, kNone)),
       front_(-std::numeric_limits<double>::infinity()) {}
 
-/// Ascends with c.
+/// Returns the number of the cell of coordinate c; monotonic in c.
 std::int64_t UndecidedPoints::cell_along(double c) const {
   return static_cast<std::int64_t>(std::clamp(std::floor(c / cell_), -0x1p62, 0x1p62));
 }
@@ -77,7 +77,7 @@ void UndecidedPoints::sort(Cell& cell) const {
   cell.sorted = cell.members.size();
 }
 
-/// Gives a point a slot and a place in its cell.
+/// Assigns a slot and a place in its cell to a point.
 UndecidedPoints::Slot UndecidedPoints::place(const DiskPoint& point) {
   if (held() >= most_)
     fail(

@@ -39,7 +39,7 @@ struct DiskPoint {
 /// points are short, about the logarithm of the number of points.
 class UndecidedPoints {
  public:
-  /// `axis`: along which points ascend. `most`: points that may be held at once.
+  /// `axis`: axis along which points ascend. `most`: number of points that may be held at once.
   UndecidedPoints(int axis, double largest_radius, std::uint64_t most);
 
   /// A point that does not come before the last one along the axis; its radius is at most the largest one.
@@ -63,7 +63,7 @@ class UndecidedPoints {
     Slot first_waiter = kNone;  ///< first of the points that wait for this one
     Slot next_waiter = kNone;   ///< next point in the list of points that wait for the same one
     bool is_decided = false;
-    bool lacks_some = false;  ///< a lesser point within the radius may be missing, or is open
+    bool lacks_some = false;  ///< a lesser point within the radius may be missing, or is undecided
     std::uint8_t uses = 0;    ///< lists that hold the slot
   };
   struct Member {
@@ -99,10 +99,10 @@ class UndecidedPoints {
   void release(Slot slot);
 
   int axis_;
-  double radius_, cell_;  ///< the largest radius; the edge of a cell, no shorter
+  double radius_, cell_;  ///< the largest radius; the edge of a cell, at least as long
   std::uint64_t most_;
   double front_;
-  std::uint64_t come_ = 0;  ///< points since decide() has decided
+  std::uint64_t come_ = 0;  ///< points since the last decisions of decide()
   std::deque<Held> slots_;
   std::vector<Slot> free_;
   std::unordered_map<CellKey, Cell, CellHash> cells_;

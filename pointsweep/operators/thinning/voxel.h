@@ -31,7 +31,7 @@ class Voxel final : public InOrderOperator {
   InOrderContract in_order_contract() const override;
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   std::unique_ptr<InOrderWork> start(const InOrderSetup&) const override;
-  /// The numbers of the voxel along the axes.
+  /// Returns the numbers of the voxel along the axes.
   Vec3 place_of(Vec3 position) const override;
   std::optional<Reach> reach() const override { return Reach{}; }
   std::uint64_t least_bytes(const CloudEstimate&) const override;
@@ -41,7 +41,7 @@ class Voxel final : public InOrderOperator {
   std::vector<AveragedAttribute> averaged_;
 };
 
-/// The numbers of the voxel of a position along the axes.
+/// Returns the numbers of the voxel of a position along the axes.
 Vec3 voxel_of_position(Vec3 position, double size);
 
 /// Seed of the hashes that VoxelKeep::hash compares.

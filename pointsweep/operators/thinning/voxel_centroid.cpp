@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-/// Whole numbers that are measured; all others are labels or counts.
+/// Attributes of whole numbers that are measurements; all others are labels or counts.
 constexpr std::string_view kMeasured[] = {"intensity", "red", "green", "blue", "nir", "alpha"};
 
 bool is_floating(Type type) { return type == Type::f32 || type == Type::f64; }
@@ -33,7 +33,7 @@ T nearest_of_type(double mean) {
   }
 }
 
-/// Unit vectors; 0 where the mean is 0, or not a number.
+/// Normalises the vector; 0 if it is 0 or not finite.
 void make_directions(double* v) {
   const double most = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
   const bool none = !(most > 0) || !std::isfinite(v[0] + v[1] + v[2]);
@@ -48,7 +48,7 @@ void append(T value, std::vector<std::byte>& bytes) {
   bytes.insert(bytes.end(), own.begin(), own.end());
 }
 
-/// Sums of the voxel whose points come now.
+/// Sums over the current voxel.
 class MeansOfVoxels final : public InOrderWork {
  public:
   MeansOfVoxels(double size, std::vector<AveragedAttribute> averaged) : size_(size), averaged_(std::move(averaged)) {
@@ -80,7 +80,7 @@ class MeansOfVoxels final : public InOrderWork {
       ++count;
       least = std::min(least, v), most = std::max(most, v);
     }
-    /// The quotient of two rounded numbers may be off the values by a bit.
+    /// The quotient of two rounded numbers may leave the range of the values by a rounding error.
     double mean() const {
       if (count == 0) return std::numeric_limits<double>::quiet_NaN();
       return std::clamp(sum.rounded() / static_cast<double>(count), least, most);
