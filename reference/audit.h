@@ -37,8 +37,8 @@ struct Suspect {
   std::uint64_t written;   ///< number of points that had been written when the point came
 };
 
-/// Suspects that wait for a comparison with points written before they came. These points are read again from the
-/// stream, for many suspects at a time.
+/// Suspects whose exact result is not complete: it lacks the points that had been written before the suspect came.
+/// These points are read again from the stream, for many suspects at a time.
 class Suspects {
  public:
   explicit Suspects(const Stream& stream) : stream_(stream) {}

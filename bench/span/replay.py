@@ -95,7 +95,7 @@ class Names:
             ours, name = self.of(address - 1 if i else address)
             if ours:
                 if name in LOOPS:
-                    own = []  # the caller of the loop counts, not the loop
+                    own = []  # the functions inside of a loop are left out; its caller is the innermost function
                     continue
                 if name.startswith(tuple(loop + '::' for loop in LOOPS)):
                     continue

@@ -49,9 +49,9 @@ LasQuantization las_grid_in_the_middle(const LasQuantization& grid, const Box& b
 /// those of las_quantization().
 Vec3 las_scale_from(Vec3 offset, const Box& bounds);
 
-/// The meaning of the coordinates and times of a LAS file, kept where its points become another format.
 class Reader;
 
+/// The meaning of the coordinates and times of a LAS file, kept where its points become another format.
 struct LasOrigin {
   LasQuantization grid;        ///< scale and offset of the integer coordinates
   bool has_time = false;       ///< the points have a GPS time

@@ -8,7 +8,7 @@
 namespace pointsweep {
 namespace {
 
-/// There is one kind of other engine.
+/// The registered engine. Engine has one value besides `exact`, so one pointer is enough.
 std::atomic<const SweepEngine*> registered = nullptr;
 
 }  // namespace

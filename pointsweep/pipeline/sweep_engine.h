@@ -37,7 +37,7 @@ class SweepEngine {
   virtual SweepStatistics sweep(const EnginePass& pass, Statistics& statistics) const = 0;
 };
 
-/// `made` outlives all runs.
+/// Registers `made`, which must outlive all runs.
 void register_engine(Engine engine, const SweepEngine& made);
 
 /// Returns the engine; null for Engine::exact. Throws UsageError if the program has not registered it.

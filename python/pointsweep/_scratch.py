@@ -25,7 +25,7 @@ class Scratch:
     """A scratch in which only this process distributes work, until it is closed."""
 
     def __init__(self, place: str, identity: dict[str, Any], take_over: bool) -> None:
-        """Raises `Error` where another process works in the place, or another run has begun there."""
+        """Raises `Error` if another process works in the place, or another run has begun there."""
         self.path = place
         self._place = place_of(place)
         self._made = self._place.make()
@@ -164,7 +164,7 @@ class Scratch:
                     self.lost = True
                     return
                 self._place.touch(_LEASE)
-            except (Error, OSError):  # gone for a while
+            except (Error, OSError):  # the place cannot be reached for a while
                 pass
 
     def _holder(self) -> dict[str, Any]:

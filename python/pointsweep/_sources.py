@@ -44,8 +44,7 @@ def source_of(
     points: Any, attributes: Mapping[str, Any] | None, crs: Any, options: Mapping[str, Any]
 ) -> Source:
     """Makes a source of `points` in any form that `pointsweep.run` accepts. `attributes`: more arrays, by name. `crs`:
-    the system of the points. `options`:
-    options of the run. An iterator is spilled to a file."""
+    the system of the points. `options`: options of the run. An iterator is spilled to a file."""
     if isinstance(points, (str, os.PathLike)) or _is_list_of_paths(points):
         points, crs = opened(Files, points, ignore_crs=options["ignore_crs"], crs=crs), None
     if isinstance(points, Files):

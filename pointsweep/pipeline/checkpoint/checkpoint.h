@@ -22,7 +22,7 @@ struct Checkpoint {
   std::uint64_t slab_points = 0;            ///< the aim of the slabs of `stream`
   std::vector<std::byte> stream;            ///< encoded Stream; empty before the points are in order, and after the
                                             ///< sweep
-  std::vector<Vec3> bucket_places;          ///< between buckets of edges of the pass
+  std::vector<Vec3> bucket_places;          ///< places between the buckets of edges of the pass
   std::vector<std::byte> results;           ///< encoded RowStore; empty before the first slab
   std::vector<std::byte> progress;          ///< encoded SweepProgress; empty before the first slab
   std::uint64_t mask = 0;                   ///< the pass whose select decided the remaining rows; 0: all rows remain

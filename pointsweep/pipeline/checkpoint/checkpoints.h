@@ -33,10 +33,12 @@ class Checkpoints {
 
   /// `memory_bytes`: the budget that the plan is made for.
   void surveyed(const Survey& survey, std::uint64_t memory_bytes);
-  /// `bucket_places`: between buckets of edges, if the pass connects points.
+  /// Called when the points are in order. `bucket_places`: places between the buckets of edges, if the pass connects
+  /// points.
   void in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places);
   void swept(RowStore& results, const Statistics& counts);
-  /// The rows for the next pass are complete, and the mask of its number if `selects`.
+  /// Called when the rows for the next pass are complete. `selects`: the pass has left out rows, and its mask is
+  /// complete too.
   void updated(bool selects, const CloudValues& values, const Statistics& counts);
   /// Must be called before the first tile is renamed to its destination. Stores a checkpoint; tiles are listed from
   /// then on.

@@ -15,8 +15,8 @@
 
 namespace pointsweep {
 
-/// Holds a file `checkpoint`, replaced as a whole, and the spilled data it speaks of. Locked while a process works in
-/// it. Removed by remove(), and by the destructor if nothing was ever saved in it.
+/// Holds a file `checkpoint`, which is always replaced as a whole, and the spilled data that it names. The folder is
+/// locked while a process works in it. remove() deletes it, and so does the destructor if nothing was ever saved in it.
 class ResumeFolder {
  public:
   /// Makes the folder if it is missing. Throws Error if it contains other files, another process uses it, or saved data
@@ -51,7 +51,7 @@ class ResumeFolder {
 
   LocalFolder folder_;
   bool holds_work_ = false;
-  std::mutex removal_;     ///< between a checkpoint that gets its name and remove()
+  std::mutex removal_;     ///< held while a checkpoint gets its name, and by remove()
   bool removing_ = false;  ///< no checkpoint is renamed any more
   std::vector<std::byte> saved_;
   std::future<void> saving_;

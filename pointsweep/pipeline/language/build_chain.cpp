@@ -57,7 +57,7 @@ std::string stage_text(const std::string& name, const Options& options, const st
 Chain build_chain(const std::vector<StageText>& stages, Facts facts) {
   const NeighborhoodDeclaration& knn = neighborhood_declaration();
   for (const StageText& stage : stages)
-    if (stage.name != knn.name) find_operator(stage);  // an unknown one is worse than a wrong option
+    if (stage.name != knn.name) find_operator(stage);  // an unknown stage is reported before a wrong option
   Chain chain;
   const bool has_knn = !stages.empty() && stages.front().name == knn.name;
   if (has_knn) chain.neighborhood = make_neighborhood(read_options(knn.options, stages.front()));

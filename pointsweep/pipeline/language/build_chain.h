@@ -21,7 +21,7 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts);
 /// Appends stages without knn to a chain; `facts` is about its cloud.
 void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts);
 
-/// The first, with the attributes to keep, which may be named as below.
+/// Builds a chain as above, and states the attributes to keep. The overload below describes their names.
 Chain build_chain(const std::vector<StageText>& stages, Facts facts, const std::vector<std::string>& keep,
                   const std::string& prefix);
 

@@ -33,7 +33,7 @@ struct StageText {
 /// is the name of the text in it.
 std::vector<StageText> parse_pipeline(std::string_view text, std::string_view source = "pipeline");
 
-/// JSON only; also that of PDAL, of stages that we have.
+/// Parses JSON only. Accepts pipelines of PDAL whose stages exist here too.
 std::vector<StageText> parse_json_pipeline(std::string_view text, std::string_view source);
 
 /// Parses the content of a file if the name ends with .json, otherwise the text itself.

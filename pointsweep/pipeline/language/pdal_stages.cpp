@@ -95,7 +95,7 @@ std::string lower_case_where(const std::string& assignment) {
   return std::regex_replace(assignment, where, "where");
 }
 
-/// The chain that grows stage by stage.
+/// The chain of this library, which grows with each stage of PDAL.
 class OurStages {
  public:
   void add(const StageText& text) {
@@ -174,7 +174,8 @@ class OurStages {
     stages_.push_back(std::move(stage));
   }
 
-  /// Stages of PDAL have a neighbourhood each; ours have one until it is changed.
+  /// States the neighbourhood of a stage. Each stage of PDAL has its own; stages of this library use the last one
+  /// stated.
   void near(const PdalStage& of, const std::string& option, const std::string& value) {
     const OptionText wanted{option, value, of.place()};
     if (!first_)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Pipelines of PDAL, stage by stage in ours.
+/// Translates pipelines of PDAL, stage by stage, into stages of this library.
 #pragma once
 
 #include <string>

@@ -145,7 +145,7 @@ class GraphBuilder {
     std::erase_if(latest_, [&](const auto& known) { return !is_visible(graph_.versions[known.second]); });
   }
 
-  /// An attribute goes as a whole.
+  /// Refuses to drop only some of the fields of a made attribute.
   static void drop_made(const Attribute& a, const NamedFields& named) {
     const auto is_named = [&](const std::string& field) { return named.made.contains(field); };
     if (std::ranges::all_of(a.fields, is_named) || std::ranges::none_of(a.fields, is_named)) return;
@@ -236,7 +236,8 @@ class GraphBuilder {
     graph_.versions[version].readers.push_back({node, as});
   }
 
-  /// The last Resort decides the order of the output, if points may have moved before it.
+  /// The last Resort decides the order of the output. If points may have moved before it, it makes an attribute with
+  /// their positions in the stream.
   void note_stream_position() {
     for (std::size_t n = graph_.nodes.size(); n-- > 0;) {
       if (!graph_.nodes[n].is_order()) continue;

@@ -90,9 +90,9 @@ struct OutputNeeds {
   bool bounds = false;        ///< its format needs the box of moved points before the first record
 };
 
-/// Throws UsageError in a sentence naming the stage when k is 0, a radius is negative, or an operator reads an
-/// attribute that neither the input nor an earlier stage has, or a rule of neighbourhoods one that the cloud has not.
-/// `input` names the cloud's fields.
+/// Throws UsageError in a sentence that names the stage when k is 0, a radius is negative, an operator reads an
+/// attribute that neither the input nor an earlier stage has, or a rule of neighbourhoods reads an attribute that the
+/// cloud does not have. `input` names the cloud's fields.
 ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs);
 
 /// Returns `before` with the newer versions and the new attributes of `made`.
@@ -102,7 +102,8 @@ std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<
 /// names.
 Schema with_carried(const Schema& input, const std::vector<Attribute>& carried);
 
-/// The attribute of `carried` that holds `field` in this schema; empty: the input's own record does, or nothing.
+/// Returns the attribute of `carried` that holds `field`. Empty if the input's own record holds the field, or nothing
+/// does.
 std::string carried_with(std::string_view field, const Schema& input, const std::vector<Attribute>& carried);
 
 }  // namespace pointsweep

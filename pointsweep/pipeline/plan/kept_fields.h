@@ -15,7 +15,7 @@ namespace pointsweep {
 
 struct KeptFields {
   std::vector<std::string> attributes;            ///< names of the made attributes with a written field
-  std::set<std::string> left_out;                 ///< fields of these that are not written
+  std::set<std::string> left_out;                 ///< fields of these attributes that are not written
   std::optional<std::vector<std::size_t>> input;  ///< indices of the input's fields, ascending; absent: all fields
   std::vector<std::string> order = {};            ///< names of the fields that Chain::keep names, in its order, each once
 };

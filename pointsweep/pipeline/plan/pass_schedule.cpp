@@ -52,7 +52,7 @@ void PassSchedule::add(std::size_t node) {
                           neighborhood_ = node;
                           begin_segment();
                         },
-                        [](const std::shared_ptr<const Reduction>&) {}},  // comes with the first stage that needs it
+                        [](const std::shared_ptr<const Reduction>&) {}},  // known_after_values() places it
              graph_.nodes[node].what);
 }
 
@@ -112,7 +112,7 @@ std::size_t PassSchedule::earliest(const Contract& contract) const {
   return pass;
 }
 
-/// The pass whose end tells the value.
+/// Returns the pass at whose end the value is known.
 std::size_t PassSchedule::known_after(const Reduction& reduction) const {
   std::size_t pass = segment_;
   for (const Attribute& a : reduction.reads())
@@ -120,7 +120,8 @@ std::size_t PassSchedule::known_after(const Reduction& reduction) const {
   return pass;
 }
 
-/// The end of the pass before the segment tells it, or the reading of rows at the beginning of the chain.
+/// Returns the pass at whose end a value of the rows that begin the segment is known: the pass before the segment. At
+/// the beginning of the chain it is the pass that reads the rows.
 std::size_t PassSchedule::find_input_value() { return segment_ == 0 ? 0 : segment_ - 1; }
 
 std::size_t PassSchedule::find_value(const Reduction& reduction) {

@@ -14,7 +14,7 @@ namespace {
 std::vector<Box> first_extents(const ChainPlan& plan) {
   std::vector<Box> extents;
   for (const GraphNode& node : plan.graph.nodes) {
-    if (node.op() == nullptr) continue;  // an instruction, which moves no point
+    if (node.op() == nullptr) continue;  // not an operator, so it moves no point
     const auto* const select = std::get_if<std::shared_ptr<const SelectOperator>>(node.op());
     if (select == nullptr) break;
     if (const std::optional<Box> extent = (*select)->extent()) extents.push_back(*extent);

@@ -128,7 +128,7 @@ class OrderedBatch {
   }
 
  private:
-  /// A number of the type that the contract of the stage names.
+  /// A number read from a record as the type that the contract of the stage names.
   class Value {
    public:
     Value(const Field& stored, Type type) : promised_(stored, type), made_{.name = "", .type = type} {}
