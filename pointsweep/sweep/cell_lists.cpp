@@ -65,7 +65,8 @@ void CellLists::truncate(const WindowCell& cell, const CellSubset& points, Worke
   lists.refs.resize(end);
 }
 
-/// Most neighbours are in one of two cells, so sixteen at a time are compared with these first.
+/// Most neighbours are in one of the two cells that were noted last, so sixteen neighbours at a time are compared with
+/// these two before they are noted one by one.
 void CellLists::note_references(const WindowCell& cell, std::uint32_t first, const CellNeighbors& lists,
                                 Worker& worker) {
   constexpr std::ptrdiff_t kTogether = 16;

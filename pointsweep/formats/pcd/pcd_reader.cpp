@@ -221,7 +221,7 @@ class CompressedPcdReader final : public Reader {
   };
 
   void find_places(LzfStream stream, const PcdHeader& header) {
-    constexpr std::uint64_t kBetweenPlaces = 16 << 20;  // bytes of the widest field
+    constexpr std::uint64_t kBetweenPlaces = 16 << 20;  // a stored place every 16 MiB of the widest field
     std::uint32_t widest = 1;
     for (const PcdField& field : header.fields) widest = std::max(widest, field.bytes());
     chunk_rows_ = std::max<std::uint64_t>(kBetweenPlaces / widest, 1);

@@ -54,7 +54,7 @@ class PlaceGroup {
   bool in_plane_;
   std::vector<bool> done_;           ///< indexed by place
   std::optional<HalvedBoxes> tree_;  ///< tree of the places, if searching one by one takes long
-  std::vector<Part> open_;           ///< parts that lacked cells
+  std::vector<Part> open_;           ///< parts whose searches need cells that are not there yet
   std::vector<CellPoint> points_;    ///< collected for a part
   NearestSoFar nearest_;
 };
