@@ -3,20 +3,16 @@
 
 #include <algorithm>
 #include <cstring>
-#include <map>
 #include <tuple>
 #include <vector>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/connect/row_table.h"
+#include "pointsweep/connect/bucketed_graph.h"
 #include "pointsweep/connect/spanning_forest.h"
 #include "pointsweep/points/sorted_records.h"
 
 namespace pointsweep {
 namespace {
-
-/// Each time edges are joined, all candidates are looked at.
-constexpr std::size_t kEdgesAtOnce = 1 << 16;
 
 /// A component that is to be numbered, in the order of the first points.
 struct FirstOfComponent {
@@ -71,54 +67,11 @@ Numbers numbers_of(const ScratchRecords& components, const ComponentsSetup& setu
 
 Components::Components(const EdgeBuckets& buckets, const ComponentsSetup& setup)
     : setup_(setup), log_(setup.make_scratch, setup.votes != nullptr ? setup.votes->result_bytes() : 0) {
-  grow(buckets);
+  SpanningForest forest(buckets.weighted(), setup_.votes, log_);
+  grow(forest, buckets, {.progress = setup_.progress});
+  peak_supernodes_ = forest.slots();
   log_.finish();
   count_ = log_.components().count();
-}
-
-/// Bucket by bucket: its points, then its edges, then the points close that have no edges in later buckets.
-void Components::grow(const EdgeBuckets& buckets) {
-  SpanningForest forest(buckets.weighted(), setup_.votes, log_);
-  EdgeBuckets::Chunk chunk;
-  std::vector<ForestEdge> edges;
-  const auto join = [&] {
-    forest.join(edges);
-    edges.clear();
-  };
-  std::map<std::uint64_t, std::vector<std::uint64_t>> closing;  // by bucket: rows of the points that close after it
-  for (std::size_t b = 0; b < buckets.buckets(); ++b) {
-    RowTable<std::uint64_t> last;
-    std::vector<std::uint64_t> rows;
-    const auto for_each_chunk = [&](auto use) {
-      for (std::size_t c = 0; c < buckets.chunks(b); ++c) {
-        stop_if_cancelled();
-        buckets.read(b, c, chunk);
-        use();
-      }
-    };
-    for_each_chunk([&] {
-      forest.open(chunk.points, chunk.ballots, rows);
-      for (const OpenUntil& mark : chunk.marks) {
-        std::uint64_t& until = *last.add(mark.row).first;
-        until = std::max(until, mark.last);
-      }
-    });
-    for_each_chunk([&] {
-      edges.insert(edges.end(), chunk.edges.begin(), chunk.edges.end());
-      if (edges.size() >= kEdgesAtOnce) join();
-    });
-    join();
-    points_ += rows.size();
-    if (setup_.progress) setup_.progress(points_);
-    std::erase_if(rows, [&](std::uint64_t row) {
-      const std::uint64_t* until = last.find(row);
-      if (until != nullptr) closing[*until].push_back(row);
-      return until != nullptr;
-    });
-    if (const auto now = closing.extract(b)) rows.insert(rows.end(), now.mapped().begin(), now.mapped().end());
-    forest.close(rows);
-  }
-  peak_supernodes_ = forest.slots();
 }
 
 bool Components::turns(const std::byte* component) const {

@@ -38,12 +38,11 @@ class Components {
   std::size_t peak_supernodes() const { return peak_supernodes_; }
 
  private:
-  void grow(const EdgeBuckets& buckets);
   bool turns(const std::byte* component) const;
 
   const ComponentsSetup& setup_;
   ForestLog log_;
-  std::uint64_t points_ = 0, count_ = 0;
+  std::uint64_t count_ = 0;
   std::size_t peak_supernodes_ = 0;
 };
 

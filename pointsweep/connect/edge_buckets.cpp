@@ -73,6 +73,7 @@ void EdgeBuckets::put(std::size_t bucket, const Chunk& chunk) {
   std::vector<std::byte> bytes;
   append_bytes(bytes, chunk.points);
   append_bytes(bytes, chunk.ballots);
+  append_bytes(bytes, chunk.marks);
   if (weighted_) {
     append_bytes(bytes, chunk.edges);
   } else {
@@ -80,30 +81,31 @@ void EdgeBuckets::put(std::size_t bucket, const Chunk& chunk) {
     for (const ForestEdge& edge : chunk.edges) rows.push_back({edge.a.row, edge.b.row});
     append_bytes(bytes, rows);
   }
-  append_bytes(bytes, chunk.marks);
   const auto count = [](const auto& all) { return static_cast<std::uint32_t>(all.size()); };
   const std::lock_guard lock(mutex_);
   scratch_->append(bytes);
-  places_[bucket].push_back({bytes_, count(chunk.points), count(chunk.edges), count(chunk.marks)});
+  places_[bucket].push_back({bytes_, count(chunk.points), count(chunk.marks), count(chunk.edges)});
   bytes_ += bytes.size();
 }
 
-void EdgeBuckets::read(std::size_t bucket, std::size_t chunk, Chunk& out) const {
+void EdgeBuckets::read_points(std::size_t bucket, std::size_t chunk, Points& out) const {
   const Place& place = places_[bucket][chunk];
-  std::vector<std::byte> bytes(place.points * (sizeof(PointKey) + ballot_bytes_) + place.edges * edge_bytes() +
-                               place.marks * sizeof(OpenUntil));
+  std::vector<std::byte> bytes(bytes_before_edges(place));
   if (!bytes.empty()) scratch_->read(place.offset, bytes);
   const std::byte* at = take_bytes(bytes.data(), place.points, out.points);
   at = take_bytes(at, place.points * ballot_bytes_, out.ballots);
-  if (weighted_) {
-    at = take_bytes(at, place.edges, out.edges);
-  } else {
-    std::vector<EndRows> rows;
-    at = take_bytes(at, place.edges, rows);
-    out.edges.clear();
-    for (const auto& [a, b] : rows) out.edges.push_back({0, {{}, a}, {{}, b}, false});
-  }
   take_bytes(at, place.marks, out.marks);
+}
+
+void EdgeBuckets::read_edges(std::size_t bucket, std::size_t chunk, std::vector<ForestEdge>& out) const {
+  const Place& place = places_[bucket][chunk];
+  std::vector<std::byte> bytes(place.edges * edge_bytes());
+  if (!bytes.empty()) scratch_->read(place.offset + bytes_before_edges(place), bytes);
+  if (weighted_) return void(take_bytes(bytes.data(), place.edges, out));
+  std::vector<EndRows> rows;
+  take_bytes(bytes.data(), place.edges, rows);
+  out.clear();
+  for (const auto& [a, b] : rows) out.push_back({0, {{}, a}, {{}, b}, false});
 }
 
 }  // namespace pointsweep

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Points and edges on their way to a forest, in the temporary folder: in buckets along an axis.
-///
-/// A point belongs to the bucket of its key. An edge lies in the bucket of its later end; if the other end is in an
-/// earlier bucket, a mark there says until which bucket that point has edges. So when buckets are read in their order,
-/// a point closes with its own bucket or the last that its marks name. It does not matter when an edge was found: the
-/// edges of points that were deferred for long come into the same buckets as if found earlier.
+/// Points and edges on their way to a forest, in the temporary folder: in buckets along an axis. It does not matter
+/// when an edge was found: the edges of points that were deferred for long come into the same buckets as if found
+/// earlier.
 #pragma once
 
 #include <cstddef>
@@ -15,19 +12,14 @@
 #include <span>
 #include <vector>
 
+#include "pointsweep/connect/bucketed_graph.h"
 #include "pointsweep/connect/edge_batch.h"
 #include "pointsweep/connect/forest_edge.h"
 #include "pointsweep/points/scratch.h"
 
 namespace pointsweep {
 
-/// `row`, of this bucket or an earlier one, has edges until the bucket `last`.
-struct OpenUntil {
-  std::uint64_t row;
-  std::uint64_t last;
-};
-
-class EdgeBuckets final : public EdgeSink {
+class EdgeBuckets final : public EdgeSink, public BucketedGraph {
  public:
   /// `begins`: the keys at which all buckets except the first begin, in any order. If not `weighted`, only the rows of
   /// an edge are kept.
@@ -36,29 +28,28 @@ class EdgeBuckets final : public EdgeSink {
 
   void put(const EdgeBatch& batch, std::size_t own, std::span<const std::byte> ballots) override;
 
-  /// Some points, edges and marks of one bucket.
-  struct Chunk {
-    std::vector<PointKey> points;
-    std::vector<std::byte> ballots;
-    std::vector<ForestEdge> edges;
-    std::vector<OpenUntil> marks;
-  };
-  std::size_t buckets() const { return places_.size(); }
-  /// Returns the number of chunks of a bucket.
-  std::size_t chunks(std::size_t bucket) const { return places_[bucket].size(); }
-  void read(std::size_t bucket, std::size_t chunk, Chunk& out) const;
+  std::size_t buckets() const override { return places_.size(); }
+  std::size_t chunks(std::size_t bucket) const override { return places_[bucket].size(); }
+  void read_points(std::size_t bucket, std::size_t chunk, Points& out) const override;
+  void read_edges(std::size_t bucket, std::size_t chunk, std::vector<ForestEdge>& out) const override;
 
   bool weighted() const override { return weighted_; }
   std::uint64_t bytes() const { return bytes_; }
 
  private:
-  /// The place of a chunk in the scratch, where its points, ballots, edges and marks lie one after another.
+  struct Chunk : Points {
+    std::vector<ForestEdge> edges;
+  };
+  /// The place of a chunk in the scratch, where its points, ballots, marks and edges lie one after another.
   struct Place {
     std::uint64_t offset;
-    std::uint32_t points, edges, marks;
+    std::uint32_t points, marks, edges;
   };
   std::size_t bucket_of(const PointKey& point) const;
   void put(std::size_t bucket, const Chunk& chunk);
+  std::size_t bytes_before_edges(const Place& place) const {
+    return place.points * (sizeof(PointKey) + ballot_bytes_) + place.marks * sizeof(OpenUntil);
+  }
   std::size_t edge_bytes() const { return weighted_ ? sizeof(ForestEdge) : 2 * sizeof(std::uint64_t); }
 
   int axis_;

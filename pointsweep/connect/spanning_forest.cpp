@@ -83,7 +83,12 @@ void SpanningForest::join(std::span<const ForestEdge> edges) {
       candidates_.push_back({edge, a->slot, b->slot, edge.flips != (a->flips != b->flips)});
     }
   }
-  if (!weighted_ || candidates_.size() == before) return;
+  take_candidates(before);
+}
+
+/// Drops candidates that are the largest of a cycle. The first `before` are in order and without cycles.
+void SpanningForest::take_candidates(std::size_t before) {
+  if (candidates_.size() == before) return;
   const auto less = [](const Candidate& a, const Candidate& b) { return a.edge < b.edge; };
   const auto middle = candidates_.begin() + static_cast<std::ptrdiff_t>(before);
   std::sort(middle, candidates_.end(), less);
@@ -106,6 +111,44 @@ void SpanningForest::close(std::span<const std::uint64_t> rows) {
   }
   contract();
   let_go();
+}
+
+OpenForest SpanningForest::leave() {
+  close({});
+  OpenForest left;
+  std::vector<std::uint32_t> number(supernodes_.size());
+  std::ranges::fill(result_, std::byte{0});
+  for (const std::uint32_t slot : live_) {
+    const Supernode& s = supernodes_[slot];
+    number[slot] = static_cast<std::uint32_t>(left.supernodes.size());
+    left.supernodes.push_back(s.sums);
+    const std::span<const std::byte> votes = std::as_const(*this).votes_of(slot);
+    left.votes.insert(left.votes.end(), votes.begin(), votes.end());
+    log_.finished(s.row, slot, s.sums, result_.data());
+  }
+  open_.for_each([&](std::uint64_t row, const OpenPoint& point) {
+    left.points.push_back({row, number[point.slot], point.flips});
+  });
+  for (const Candidate& c : candidates_) left.candidates.push_back({c.edge, number[c.a], number[c.b], c.flips});
+  return left;
+}
+
+void SpanningForest::adopt(const OpenForest& left, std::uint64_t first) {
+  std::vector<std::uint32_t> slots;
+  for (std::size_t i = 0; i < left.supernodes.size(); ++i) {
+    const std::uint32_t slot = new_slot();
+    supernodes_[slot] = {first + i, left.supernodes[i], 0, slot, false};
+    std::copy_n(left.votes.data() + i * vote_bytes_, vote_bytes_, votes_of(slot));
+    live_.push_back(slot);
+    slots.push_back(slot);
+  }
+  for (const OpenForest::Point& point : left.points) {
+    *open_.add(point.row).first = {slots[point.supernode], point.flips};
+    ++supernodes_[slots[point.supernode]].open;
+  }
+  const std::size_t before = candidates_.size();
+  for (const Candidate& c : left.candidates) candidates_.push_back({c.edge, slots[c.a], slots[c.b], c.flips});
+  take_candidates(before);
 }
 
 /// Takes the candidates from the least to the largest, and merges the ends of each candidate unless both have open

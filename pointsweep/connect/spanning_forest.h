@@ -23,6 +23,25 @@
 
 namespace pointsweep {
 
+/// What is left of a forest while points are open: its supernodes, and the candidates between them. Another forest goes
+/// on with it.
+struct OpenForest {
+  struct Point {
+    std::uint64_t row;
+    std::uint32_t supernode;
+    bool flips;  ///< the sign of the point differs from the sign of its supernode
+  };
+  struct Candidate {
+    ForestEdge edge;
+    std::uint32_t a, b;  ///< supernodes
+    bool flips;          ///< the edge asks for opposite signs of the supernodes
+  };
+  std::vector<FinishedComponent> supernodes;  ///< so far
+  std::vector<std::byte> votes;               ///< of the supernodes, one after another
+  std::vector<Point> points;                  ///< those that are open
+  std::vector<Candidate> candidates;          ///< ascending
+};
+
 class SpanningForest {
  public:
   /// Not `weighted`: all weights are equal and no edge flips, so that any forest tells the components; edges need not
@@ -36,6 +55,12 @@ class SpanningForest {
   void join(std::span<const ForestEdge> edges);
   /// Closes open points: no edge that names one of these points comes later.
   void close(std::span<const std::uint64_t> rows);
+  /// Ends this forest. The log ends with its open supernodes, in their order, as if they were components; the results
+  /// of their votes tell nothing.
+  OpenForest leave();
+  /// Goes on with what another forest has left, whose points are not open here. The log knows its supernodes as points
+  /// of the rows `first`, `first` + 1 and so on.
+  void adopt(const OpenForest& left, std::uint64_t first);
 
   std::size_t open_points() const { return open_.size(); }
   std::size_t supernodes() const { return live_.size(); }
@@ -55,11 +80,7 @@ class SpanningForest {
     std::uint32_t parent = 0;  ///< its own slot; after a merge, the slot of another supernode
     bool flips = false;        ///< the sign of the supernode differs from the sign of its parent
   };
-  struct Candidate {
-    ForestEdge edge;
-    std::uint32_t a, b;  ///< slots
-    bool flips;          ///< the edge asks for opposite signs of the supernodes
-  };
+  using Candidate = OpenForest::Candidate;  ///< between slots
   struct Root {
     std::uint32_t slot;
     bool flips;
@@ -72,6 +93,7 @@ class SpanningForest {
   std::span<const std::byte> votes_of(std::uint32_t slot) const {
     return {votes_[slot / kPageSlots].data() + slot % kPageSlots * vote_bytes_, vote_bytes_};
   }
+  void take_candidates(std::size_t before);
   void contract();
   void let_go();
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -124,6 +125,72 @@ struct LoggedForest {
   SpanningForest forest;
 };
 
+/// What logs tell of all points.
+class LabelsOfPoints {
+ public:
+  explicit LabelsOfPoints(std::size_t points) : labels_(points) {}
+
+  void take(const ForestLog& log) {
+    take(log, [](std::uint64_t row, auto put) { put(row, false); });
+  }
+  /// `points_of(row, put)` calls put(row, flips) for each point of what the log knows as one.
+  template <class PointsOf>
+  void take(const ForestLog& log, PointsOf points_of) {
+    const std::size_t first = add(log);
+    log.for_each_point(label_of(first), [&](std::uint64_t known, const ComponentLabel& label) {
+      EXPECT_EQ(SumOfRows::of(label.result), votes_[label.number]);
+      points_of(known, [&](std::uint64_t row, bool flips) { set(row, label.number, label.flips != flips); });
+    });
+  }
+  /// Components from number `whole` on are supernodes, whose points `use(row, supernode, flips)` gets.
+  template <class Use>
+  void take(const ForestLog& log, std::size_t whole, Use use) {
+    const std::size_t first = add(log);
+    log.for_each_point(label_of(first), [&](std::uint64_t row, const ComponentLabel& label) {
+      if (label.number - first >= whole) return use(row, label.number - first - whole, label.flips);
+      set(row, label.number, label.flips);
+    });
+  }
+  std::vector<PointResult> results() const {
+    std::vector<PointResult> results;
+    for (const Label& label : labels_) {
+      EXPECT_TRUE(label.is_set);
+      const FinishedComponent& c = components_[label.component];
+      const bool first_flips = labels_[c.first.row].flips;
+      const std::int64_t votes = votes_[label.component];
+      results.push_back({c.first.row, c.points, label.flips != first_flips, first_flips ? -votes : votes});
+    }
+    return results;
+  }
+
+ private:
+  struct Label {
+    std::size_t component = 0;
+    bool flips = false, is_set = false;
+  };
+  std::size_t add(const ForestLog& log) {
+    const std::size_t first = components_.size();
+    components_.resize(first + log.components().count());
+    votes_.resize(components_.size());
+    return first;
+  }
+  std::function<ComponentLabel(std::uint64_t, const std::byte*)> label_of(std::size_t first) {
+    return [this, first](std::uint64_t c, const std::byte* record) {
+      std::memcpy(&components_[first + c], record, sizeof(FinishedComponent));
+      votes_[first + c] = SumOfRows::of(record + sizeof(FinishedComponent));
+      return ComponentLabel{.number = first + c};
+    };
+  }
+  void set(std::uint64_t row, std::size_t component, bool flips) {
+    EXPECT_FALSE(labels_[row].is_set);
+    labels_[row] = {component, flips, true};
+  }
+
+  std::vector<Label> labels_;
+  std::vector<FinishedComponent> components_;
+  std::vector<std::int64_t> votes_;
+};
+
 /// Edge e comes in batch `batch_of[e]`. A point is open from the batch of its first edge to that of its last; points
 /// without edges, for one batch.
 Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, bool weighted) {
@@ -170,30 +237,79 @@ Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, 
   log.finish();
   out.peak_supernodes = made->forest.slots();
   out.results.resize(n);
-  std::vector<FinishedComponent> components(log.components().count());
-  std::vector<std::int64_t> votes(components.size());
-  std::vector<bool> flips(n), seen(n);
-  std::vector<std::size_t> component(n);
-  const auto label_of = [&](std::uint64_t c, const std::byte* record) {
-    std::memcpy(&components[c], record, sizeof(FinishedComponent));
-    votes[c] = SumOfRows::of(record + sizeof(FinishedComponent));
-    return ComponentLabel{.number = c, .points = components[c].points};
-  };
-  log.for_each_point(label_of, [&](std::uint64_t row, const ComponentLabel& label) {
-    EXPECT_FALSE(seen[row]);
-    seen[row] = true;
-    flips[row] = label.flips;
-    component[row] = label.number;
-    EXPECT_EQ(SumOfRows::of(label.result), votes[label.number]);
-  });
-  EXPECT_EQ(std::ranges::count(seen, true), static_cast<std::ptrdiff_t>(n));
-  for (std::size_t i = 0; i < n; ++i) {
-    const FinishedComponent& c = components[component[i]];
-    const bool first_flips = flips[c.first.row];
-    out.results[i] = {c.first.row, c.points, flips[i] != first_flips,
-                      first_flips ? -votes[component[i]] : votes[component[i]]};
-  }
+  LabelsOfPoints labels(n);
+  labels.take(log);
+  out.results = labels.results();
   return out;
+}
+
+/// A graph whose points are in tiles, each with a forest of its own edges that leaves open what `stays_open` says, and
+/// the ends of all edges between tiles. Edges come in batches, as in streamed().
+std::vector<PointResult> joined(const Graph& graph, const std::vector<std::size_t>& tile_of, std::size_t tiles,
+                                const std::vector<std::size_t>& batch_of, const std::vector<bool>& stays_open,
+                                bool weighted) {
+  const std::size_t n = graph.points.size();
+  const SumOfRows rule;
+  std::vector<std::size_t> last_tile(n), last_batch(n);
+  for (std::size_t i = 0; i < n; ++i) last_tile[i] = tile_of[i];
+  std::vector<std::vector<std::vector<ForestEdge>>> own(tiles);
+  std::vector<std::vector<ForestEdge>> across(tiles);
+  std::vector<bool> is_open = stays_open;
+  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+    const ForestEdge& edge = graph.edges[e];
+    const std::size_t a = edge.a.row, b = edge.b.row, later = std::max(tile_of[a], tile_of[b]);
+    if (tile_of[a] != tile_of[b]) {
+      across[later].push_back(edge);
+      for (const std::size_t i : {a, b}) last_tile[i] = std::max(last_tile[i], later), is_open[i] = true;
+    } else {
+      own[later].resize(std::max(own[later].size(), batch_of[e] + 1));
+      own[later][batch_of[e]].push_back(edge);
+      for (const std::size_t i : {a, b}) last_batch[i] = std::max(last_batch[i], batch_of[e]);
+    }
+  }
+  LabelsOfPoints labels(n);
+  const auto join = std::make_unique<LoggedForest>(weighted, rule);
+  std::vector<std::vector<std::size_t>> members;  // by supernode
+  std::vector<bool> turned(n);                    // in its supernode
+  for (std::size_t t = 0; t < tiles; ++t) {
+    const auto tile = std::make_unique<LoggedForest>(weighted, rule);
+    std::vector<std::uint64_t> rows;
+    own[t].resize(std::max<std::size_t>(own[t].size(), 1));
+    for (std::size_t i = 0; i < n; ++i)
+      if (tile_of[i] == t) tile->forest.open({&graph.points[i], 1}, std::vector{std::byte(i)}, rows);
+    for (std::size_t b = 0; b < own[t].size(); ++b) {
+      tile->forest.join(own[t][b]);
+      std::vector<std::uint64_t> close;
+      for (const std::uint64_t row : rows)
+        if (!is_open[row] && last_batch[row] == b) close.push_back(row);
+      tile->forest.close(close);
+    }
+    const std::size_t whole = tile->log.components().count(), before = members.size();
+    const OpenForest left = tile->forest.leave();
+    EXPECT_EQ(static_cast<std::ptrdiff_t>(left.points.size()),
+              std::ranges::count_if(rows, [&](std::uint64_t row) { return is_open[row]; }));
+    EXPECT_LE(left.supernodes.size(), left.points.size());
+    EXPECT_LE(left.candidates.size(), left.supernodes.size());
+    members.resize(before + left.supernodes.size());
+    tile->log.finish();
+    labels.take(tile->log, whole, [&](std::uint64_t row, std::uint64_t supernode, bool flips) {
+      members[before + supernode].push_back(row);
+      turned[row] = flips;
+    });
+    join->forest.adopt(left, before);
+    join->forest.join(across[t]);
+    std::vector<std::uint64_t> close;
+    for (std::size_t i = 0; i < n; ++i)
+      if (is_open[i] && last_tile[i] == t) close.push_back(i);
+    join->forest.close(close);
+  }
+  EXPECT_EQ(join->forest.open_points(), 0u);
+  EXPECT_EQ(join->forest.supernodes(), 0u);
+  join->log.finish();
+  labels.take(join->log, [&](std::uint64_t supernode, auto put) {
+    for (const std::size_t i : members[supernode]) put(i, turned[i]);
+  });
+  return labels.results();
 }
 
 /// Weights: all equal, of few values, or all different; signs at random, so that another forest has other signs.
@@ -225,7 +341,7 @@ std::map<std::string, Graph> hostile_graphs(std::size_t n, std::size_t kind, std
     for (std::size_t j = 1; j < 6; ++j)
       if (i + j < n && random() % 3 != 0) join(band, i, i + j);
   Graph& twice = fresh("every edge twice, places used twice");
-  for (std::size_t i = 0; i < n; i += 2) twice.points[i].position = twice.points[i + 1].position;
+  for (std::size_t i = 0; i + 1 < n; i += 2) twice.points[i].position = twice.points[i + 1].position;
   for (std::size_t e = 0; e < 2 * n; ++e) join(twice, random() % n, random() % n);
   const std::vector<ForestEdge> edges = twice.edges;
   twice.edges.insert(twice.edges.end(), edges.begin(), edges.end());
@@ -263,14 +379,22 @@ TEST(SpanningForest, IsThatOfKruskalInMemory) {
   }
 }
 
-TEST(SpanningForest, GoesOnInAnotherProcess) {
+/// Tiles at random, in which every point is at a border or few are, and some tiles are empty.
+TEST(SpanningForest, IsJoinedFromThoseOfTiles) {
   std::mt19937_64 random(6);
-  for (const bool weighted : {false, true}) {
-    for (auto& [name, graph] : hostile_graphs(60, weighted ? 1 : 0, random)) {
+  for (std::size_t trial = 0; trial < 30; ++trial) {
+    const bool weighted = trial % 5 != 0;
+    for (auto& [name, graph] : hostile_graphs(2 + random() % 90, weighted ? trial % 3 : 0, random)) {
       if (!weighted)
         for (ForestEdge& edge : graph.edges) edge.flips = false;
-      for (const auto& batch_of : divisions(graph, random))
-        ASSERT_EQ(streamed(graph, batch_of, weighted).results, in_memory(graph, weighted)) << name;
+      const std::size_t n = graph.points.size(), tiles = 1 + random() % 9, in_row = 1 + random() % 30;
+      std::vector<std::size_t> tile_of(n), batch_of(graph.edges.size());
+      std::vector<bool> stays_open(n);
+      for (std::size_t i = 0; i < n; ++i)
+        tile_of[i] = i / in_row * 7 % tiles, stays_open[i] = trial % 4 == 1 && random() % 3 == 0;
+      for (std::size_t& batch : batch_of) batch = random() % 5;
+      ASSERT_EQ(joined(graph, tile_of, tiles, batch_of, stays_open, weighted), in_memory(graph, weighted))
+          << name << ", trial " << trial;
     }
   }
 }

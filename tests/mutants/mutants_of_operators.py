@@ -425,7 +425,7 @@ MUTANTS = [
            "    free_.push_back(slot);\n", "", ("connect",)),
     Mutant("an edge to a later bucket leaves no mark", "connect", "pointsweep/connect/edge_buckets.cpp",
            "if (first != last)\n      chunk(first)", "if (first > last)\n      chunk(first)", ("pipeline:Components.*",)),
-    Mutant("a point closes with the first bucket that its marks name", "connect", "pointsweep/connect/components.cpp",
+    Mutant("a point closes with the first bucket that its marks name", "connect", "pointsweep/connect/bucketed_graph.cpp",
            "until = std::max(until, mark.last);", "until = until == 0 ? mark.last : std::min(until, mark.last);",
            ("pipeline:Components.*",)),
     Mutant("components are numbered in the order in which they end", "connect", "pointsweep/connect/components.cpp",
