@@ -18,16 +18,6 @@
 namespace pointsweep {
 namespace {
 
-/// Which tile has a row.
-std::size_t tile_of(const TileCatalogue& tiles, std::uint64_t row) {
-  const auto after = std::ranges::upper_bound(tiles.tiles, row, {}, &TileSummary::first_row);
-  std::size_t tile = static_cast<std::size_t>(after - tiles.tiles.begin());
-  do {
-    if (tile-- == 0) fail("a tile names row {}, which no tile has.", row);
-  } while (row - tiles.tiles[tile].first_row >= tiles.tiles[tile].rows);
-  return tile;
-}
-
 /// A component of a tile.
 struct Node {
   std::uint64_t tile, number;
@@ -200,7 +190,7 @@ void join_crossings(const Storage& scratch, const TileCatalogue& tiles, const st
   std::size_t tile = names.size();
   std::optional<RecordList> labels;
   for (std::optional<From> next = all.next(); next; next = all.next()) {
-    if (const std::size_t of_row = tile_of(tiles, next->to); of_row != tile) {
+    if (const std::size_t of_row = tiles.tile_of(next->to); of_row != tile) {
       tile = of_row;
       labels.emplace(scratch, names[tile] + ".labels", sizeof(std::uint64_t));
     }

@@ -58,27 +58,25 @@ std::vector<Segment> segments_of(const Storage& scratch, const std::string& key)
 
 }  // namespace
 
-TileEdges::TileEdges(EdgeBuckets& own, RowsOfTile rows, const MakeScratch& make_scratch, std::uint64_t memory_bytes)
-    : own_(own), rows_(rows), crossings_(make_scratch, memory_bytes, rows.count) {}
-
 void TileEdges::put(const EdgeBatch& batch, std::size_t own, std::span<const std::byte> ballots) {
-  const auto row = [&](std::uint32_t point) { return batch.points()[point].row; };
+  const auto is_own = [&](const PointKey& point) { return rows_.has(point.row); };
+  if (std::ranges::all_of(batch.points(), is_own)) return own_.put(batch, own, ballots);
   EdgeBatch among;
-  std::vector<Crossing> crossings;
+  std::vector<ForestEdge> crossings;
   for (std::uint32_t i = 0; i < own; ++i) among.number_of(batch.points()[i]);
   for (const EdgeBatch::Edge& edge : batch.edges()) {
-    const bool has_a = rows_.has(row(edge.a)), has_b = rows_.has(row(edge.b));
-    if (has_a && has_b)
-      among.add(among.number_of(batch.points()[edge.a]), among.number_of(batch.points()[edge.b]), 0, false);
+    const PointKey &a = batch.points()[edge.a], &b = batch.points()[edge.b];
+    if (is_own(a) && is_own(b))
+      among.add(among.number_of(a), among.number_of(b), edge.weight, edge.flips);
     else
-      crossings.push_back(has_a ? Crossing{row(edge.a), row(edge.b)} : Crossing{row(edge.b), row(edge.a)});
+      crossings.push_back(batch.forest_edge(edge));
   }
   own_.put(among, own, ballots);
   const std::scoped_lock lock(mutex_);
-  for (const Crossing& crossing : crossings) crossings_.add(crossing);
+  take_crossings_(crossings);
 }
 
-void leave_graph(const EdgeBuckets& own, TileEdges& edges, RowsOfTile rows, const TileGraphSetup& setup,
+void leave_graph(const EdgeBuckets& own, SortedCrossings& crossings, RowsOfTile rows, const TileGraphSetup& setup,
                  Storage& scratch, const std::string& name) {
   const OpenVotes votes(setup.votes);
   const ComponentsSetup of_tile{&votes, setup.make_scratch, setup.memory_bytes / 4, setup.progress};
@@ -98,9 +96,9 @@ void leave_graph(const EdgeBuckets& own, TileEdges& edges, RowsOfTile rows, cons
     if (some.size() == kLabelsAtOnce) put();
   });
   put();
-  edges.crossings().finish();
-  SortedCrossings by_target(setup.make_scratch, setup.memory_bytes / 4, edges.crossings().count());
-  write_labels(labels, edges.crossings(), by_target, scratch, name, rows.first);
+  crossings.finish();
+  SortedCrossings by_target(setup.make_scratch, setup.memory_bytes / 4, crossings.count());
+  write_labels(labels, crossings, by_target, scratch, name, rows.first);
   by_target.finish();
   write_crossings(by_target, scratch, name);
   RecordListWriter list(scratch, name + ".components", kComponentBytes + votes.bytes());

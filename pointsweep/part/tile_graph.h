@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
-/// Components of a graph whose edges join the points of a tile with each other and with points of other tiles: each
-/// tile finds its own components, which are then joined by the edges that cross from tile to tile (docs/adr/0021).
+/// Components of a graph without weights whose edges join the points of a tile with each other and with points of other
+/// tiles: each tile finds its own components, which are then joined by the edges that cross from tile to tile
+/// (docs/adr/0021).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/connect/edge_batch.h"
@@ -37,22 +40,20 @@ struct Crossing {
 };
 using SortedCrossings = SortedRecords<Crossing, std::less<>>;
 
-/// Takes the edges that points of a tile emit: those among them go to buckets, the others are crossings. Not for graphs
-/// with weights, whose minimum spanning forest needs to know both together.
+/// Takes the edges that points of a tile emit: those among them go to buckets, the others cross.
 class TileEdges final : public EdgeSink {
  public:
-  /// `memory_bytes`: for sorting crossings.
-  TileEdges(EdgeBuckets& own, RowsOfTile rows, const MakeScratch& make_scratch, std::uint64_t memory_bytes);
-  bool weighted() const override { return false; }
+  /// `take_crossings`: gets the edges of a batch that cross; its calls follow each other.
+  TileEdges(EdgeBuckets& own, RowsOfTile rows, std::function<void(std::span<const ForestEdge>)> take_crossings)
+      : own_(own), rows_(rows), take_crossings_(std::move(take_crossings)) {}
+  bool weighted() const override { return own_.weighted(); }
   void put(const EdgeBatch& batch, std::size_t own, std::span<const std::byte> ballots) override;
-  /// The crossings, when all edges have come.
-  SortedCrossings& crossings() { return crossings_; }
 
  private:
   EdgeBuckets& own_;
   RowsOfTile rows_;
   std::mutex mutex_;
-  SortedCrossings crossings_;
+  std::function<void(std::span<const ForestEdge>)> take_crossings_;
 };
 
 struct TileGraphSetup {
@@ -66,7 +67,7 @@ struct TileGraphSetup {
 /// Finds the components of a tile and leaves three lists under `name`: NAME.labels, by row the number of its component,
 /// none for points without a place; NAME.components, in the order of their numbers, which is that of their first
 /// points; NAME.crossings.
-void leave_graph(const EdgeBuckets& own, TileEdges& edges, RowsOfTile rows, const TileGraphSetup& setup,
+void leave_graph(const EdgeBuckets& own, SortedCrossings& crossings, RowsOfTile rows, const TileGraphSetup& setup,
                  Storage& scratch, const std::string& name);
 
 /// Leaves the lists of a tile without rows. `votes`: TileGraphSetup::votes.

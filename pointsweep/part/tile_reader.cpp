@@ -44,6 +44,15 @@ std::vector<TileRegion> regions_of(const TileIndex& tile) {
 
 }  // namespace
 
+std::size_t TileCatalogue::tile_of(std::uint64_t row) const {
+  const auto after = std::ranges::upper_bound(tiles, row, {}, &TileSummary::first_row);
+  std::size_t tile = static_cast<std::size_t>(after - tiles.begin());
+  do {
+    if (tile-- == 0) fail("a tile names row {}, which no tile has.", row);
+  } while (row - tiles[tile].first_row >= tiles[tile].rows);
+  return tile;
+}
+
 void TileCatalogue::encode(Encoder& out) const {
   out.begin(kCatalogueEncoding);
   out.put_list(tiles, [&](const TileSummary& tile) {

@@ -37,6 +37,8 @@ struct TileSummary {
 struct TileCatalogue {
   std::vector<TileSummary> tiles;  ///< by number
 
+  /// Returns which tile has a row.
+  std::size_t tile_of(std::uint64_t row) const;
   void encode(Encoder& out) const;
   static TileCatalogue decode(Decoder& in);
 };

@@ -27,8 +27,8 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-const std::array<std::string, 7> kRoundNames{"look", "other", "order", "sweep", "label", "rows", "write"};
-const std::array<std::string, 4> kJoinNames{"", "tiles", "components", "values"};
+const std::array<std::string, 8> kRoundNames{"look", "other", "order", "sweep", "forest", "label", "rows", "write"};
+const std::array<std::string, 5> kJoinNames{"", "tiles", "borders", "components", "values"};
 
 /// The arguments that all tasks of a run share, in the form of run_pipeline(); `to` has a file for each input. The
 /// facts are those of the whole cloud: (points, metres per unit).
@@ -81,8 +81,7 @@ nb::tuple planned_parts(const nb::list& source, const nb::list& pipeline, const 
   PartRequest request(source, pipeline, keep, given, std::move(to));
   const PartPlan planned = plan_parts(request.cloud.inputs(), request.chain, request.outputs, request.options);
   nb::list rounds;
-  for (const PartRound& round : planned.rounds)
-    rounds.append(tuple_of(round));
+  for (const PartRound& round : planned.rounds) rounds.append(tuple_of(round));
   nb::dict others;
   for (const OtherFiles& files : planned.others)
     others[nb::int_(files.pass)] = nb::make_tuple(files.paths, files.counts);
@@ -107,6 +106,7 @@ nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, 
                         .before = text("before"),
                         .catalogue = text("catalogue"),
                         .values = text("values"),
+                        .borders = text("borders"),
                         .components = text("components"),
                         .other_catalogue = text("other_catalogue"),
                         .other_file = text("other_file"),
@@ -148,15 +148,15 @@ void join_the_values(const std::filesystem::path& scratch, const nb::list& sourc
               left, key);
 }
 
-void join_the_components(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
-                         const std::vector<std::string>& keep, const nb::dict& given,
-                         std::vector<std::filesystem::path> to, const nb::object& facts, const nb::tuple& round,
-                         const std::string& catalogue, const std::vector<std::string>& left, const std::string& key) {
+void join_the_graph(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
+                    const std::vector<std::string>& keep, const nb::dict& given, std::vector<std::filesystem::path> to,
+                    const nb::object& facts, const nb::tuple& round, const std::string& catalogue,
+                    const std::string& borders, const std::vector<std::string>& left, const std::string& key) {
   PartRequest request(source, pipeline, keep, given, std::move(to), facts);
   const std::unique_ptr<Storage> place = shared_storage(scratch);
   Storage& folder = *place;
-  join_components(request.cloud.inputs(), request.chain, request.outputs, request.options, round_of(round), folder,
-                  catalogue, left, key);
+  join_graph(request.cloud.inputs(), request.chain, request.outputs, request.options, round_of(round), folder,
+             {catalogue, borders}, left, key);
 }
 
 void forget_task(const std::filesystem::path& scratch, const std::string& left) {
@@ -174,8 +174,8 @@ void bind_parts(nb::module_& module) {
   module.def("join_tiles", &join_the_tiles, "scratch"_a, "left"_a, "paths"_a, "key"_a);
   module.def("join_values", &join_the_values, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a,
              "facts"_a, "round"_a, "before"_a, "left"_a, "key"_a);
-  module.def("join_components", &join_the_components, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a,
-             "to"_a, "facts"_a, "round"_a, "catalogue"_a, "left"_a, "key"_a);
+  module.def("join_graph", &join_the_graph, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a,
+             "facts"_a, "round"_a, "catalogue"_a, "borders"_a, "left"_a, "key"_a);
   module.def("with_absolute_files", &with_absolute_files, "pipeline"_a);
   module.def("forget_part", &forget_task, "scratch"_a, "left"_a);
 }

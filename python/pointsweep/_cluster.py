@@ -25,7 +25,7 @@ from ._scratch import Scratch
 from ._urls import absolute, state_of
 
 _MOST_TRIES = 4  # of a task whose workers end, or whose objects are damaged
-_PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep": "sweeping", "label": "updating", "rows": "updating", "write": "writing"}
+_PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep": "sweeping", "forest": "connecting", "label": "updating", "rows": "updating", "write": "writing"}
 _WAIT_SECONDS = 30.0
 _LOOK_SECONDS = 5.0  # between two looks at tasks that may hang
 _RESULT_SECONDS = 20.0  # for a reply, a few hundred bytes, to come from its worker
@@ -166,7 +166,7 @@ class _Run:
         damaged = self._hand_out(number, todo) or self._join(number, is_new=bool(todo))
         if damaged is not None:
             return self._go_back(*damaged)
-        if kinds & {"sweep", "label", "rows"} and self._rounds[number].join != "components":
+        if kinds & {"sweep", "label", "rows"} and self._rounds[number].join not in ("borders", "components"):
             self._forget_before(number)
         return None
 
@@ -187,8 +187,8 @@ class _Run:
             shared = (objects, r.inputs[:1], r.stages, r.keep, r.options, r.outputs[:1], r.facts, this)
             if this.join == "tiles":
                 _core.join_tiles(objects, names, r.others[this.number] if this.kind == "other" else r.inputs, key)
-            if this.join == "components":
-                _core.join_components(*shared, self._joined_before(number, _stores_tiles), names, key)
+            if this.join in ("borders", "components"):
+                _core.join_graph(*shared, self._joined_before(number, _stores_tiles), self._joined_before(number, _has_borders), names, key)
             if this.join == "values":
                 _core.join_values(*shared, self._joined_before(number, _has_values), names, key)
         except Error as error:
@@ -304,6 +304,7 @@ class _Run:
             "before": before,
             "catalogue": self._joined_before(number, _stores_tiles),
             "values": self._joined_before(number, _has_values),
+            "borders": self._joined_before(number, _has_borders),
             "components": self._joined_before(number, lambda round: round.join == "components"),
             "other_catalogue": self._joined_before(number, lambda round: (round.kind, round.number) == ("other", this.number)),
         }
@@ -384,6 +385,10 @@ class _Run:
 
 def _stores_tiles(round: Round) -> bool:
     return round.join == "tiles" and round.kind != "other"
+
+
+def _has_borders(round: Round) -> bool:
+    return round.join == "borders"
 
 
 def _has_values(round: Round) -> bool:

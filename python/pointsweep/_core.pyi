@@ -157,7 +157,7 @@ def join_values(
     left: list[str],
     key: str,
 ) -> None: ...
-def join_components(
+def join_graph(
     scratch: str,
     source: list[Any],
     pipeline: list[Any],
@@ -167,6 +167,7 @@ def join_components(
     facts: tuple[int, float],
     round: PartRound,
     catalogue: str,
+    borders: str,
     left: list[str],
     key: str,
 ) -> None: ...

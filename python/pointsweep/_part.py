@@ -158,7 +158,7 @@ def _require_unchanged(path: str, then: tuple[int, int | str], worker: str) -> N
 
 def _bytes_left(objects: str, left: str) -> int:
     """The bytes of what a task has left in the scratch."""
-    suffixes = (".points", ".index", ".state", ".rows", ".results", ".labels", ".components", ".crossings")
+    suffixes = (".points", ".index", ".state", ".rows", ".results", ".labels", ".components", ".crossings", ".nodes", ".edges", ".marks", ".buckets", ".forest")
     return sum(bytes_at(os.path.join(objects, left + suffix)) for suffix in suffixes)
 
 

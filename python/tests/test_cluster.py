@@ -142,12 +142,13 @@ def before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-SUFFIXES = [".points", ".index", ".state", ".rows", ".results", ".labels", ".components", ".crossings"]
+SUFFIXES = [".points", ".index", ".state", ".rows", ".results", ".labels", ".components", ".crossings", ".nodes", ".edges", ".marks", ".buckets", ".forest"]
 IN_ORDER = [
     "unique | ground(cell=0.5, window=2) | height",
     "voxel(0.4, keep=centroid) | normals | where(row > 100) | poisson(0.7)",
     "knn(k=6) | components | where(component_size > 5) | reneighbor | normals | segments(angle=20)",
     "knn(radius=0.3) | dbscan(eps=0.3, min_points=5) | where(cluster >= 0)",
+    "normals | orient | reneighbor(k=5) | normals | orient(viewpoint=[5,5,9])",
     "normals | m3c2(before, cylinder=1, depth=2) | take('before/?.ply', attributes=classification, k=3)",
 ]
 
@@ -224,7 +225,7 @@ def test_goes_on_where_a_client_was_stopped(tiles: Path, tmp_path: Path, immedia
 
 
 def test_damaged_objects_are_made_again(tiles: Path, tmp_path: Path, immediate: None) -> None:
-    pipeline = CHAINS[1] + " | segments(angle=20) | where(segment_size > 2)"
+    pipeline = CHAINS[1] + " | segments(angle=20) | orient | where(segment_size > 2)"
     one_process(tiles, pipeline, tmp_path / "one")
     damaged: set[str] = set()
 
@@ -235,8 +236,9 @@ def test_damaged_objects_are_made_again(tiles: Path, tmp_path: Path, immediate: 
 
     def before(task: Any) -> None:
         if task["tile"] == 7:
-            for name in ("joined-00", "joined-01.numbers", "joined-01-3"):
-                damage(name, f"{task['round_number']} {name}")
+            for path in sorted((tmp_path / "scratch" / "objects").glob("joined-*")):
+                if path.name.split("-")[2:] in ([], ["3"]):
+                    damage(path.name, f"{task['round_number']} {path.name}")
 
     def damage(name: str, key: str) -> None:
         path = tmp_path / "scratch" / "objects" / name
@@ -259,7 +261,7 @@ def test_says_what_is_wrong(tiles: Path, tmp_path: Path, immediate: None, monkey
     with pytest.raises(ps.UsageError, match="name a folder"):
         ps.open(tiles).run("normals", to=to / "all.ply", client=client, scratch=tmp_path / "scratch")
     with pytest.raises(ps.UsageError, match="one process"):
-        many(tiles, "normals | orient", to, client)
+        many(tiles, "normals | sample(100)", to, client)
     with pytest.raises(ps.UsageError, match="is for the workers of a client"):
         ps.open(tiles).run("normals", to=f"{to}/", scratch=tmp_path / "scratch")
     assert not (tmp_path / "scratch").exists()

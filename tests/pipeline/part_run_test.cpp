@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -63,9 +64,13 @@ class RunInParts {
       if (looks) task.dropped = dropped;
       if (task.round.join == PartJoin::tiles) join_tiles(scratch_, left, paths, task.catalogue = "tiles");
       InputCloud first({inputs_.front()});
-      if (task.round.join == PartJoin::components)
-        join_components(first, chain(), {.tiles = outputs({inputs_.front()})}, options_, task.round, scratch_,
-                        task.catalogue, left, task.components = "components-" + std::to_string(r));
+      const bool borders = task.round.join == PartJoin::borders;
+      if (borders || task.round.join == PartJoin::components) {
+        std::string& key = borders ? task.borders : task.components;
+        key = "joined-" + std::to_string(r);
+        join_graph(first, chain(), {.tiles = outputs({inputs_.front()})}, options_, task.round, scratch_,
+                   {task.catalogue, task.borders}, left, key);
+      }
       if (task.round.join != PartJoin::values) continue;
       const std::string before = std::exchange(task.values, "values-" + std::to_string(r));
       join_values(first, chain(), {.tiles = outputs({inputs_.front()})}, options_, task.round, scratch_, before, left,
@@ -188,7 +193,7 @@ std::vector<std::vector<Vec3>> squares_of(const std::vector<Vec3>& cloud) {
 class PartRunOf : public PartRun, public testing::WithParamInterface<std::string> {};
 
 /// Operators whose points have to know more of the whole cloud than what is near them. docs/cluster.md lists them.
-const std::set<std::string> kUndivided = {"level", "orient", "sample"};
+const std::set<std::string> kUndivided = {"level", "sample"};
 
 TEST_P(PartRunOf, HasTheBytesOfOneRunOrIsRefused) {
   const std::string other = (folder_ / "other.ply").string();
@@ -247,6 +252,10 @@ const std::vector<std::string> kChains = {
     "knn(k=4) | components | where(component_size > 3) | reneighbor | components",
     "knn(radius=0.2) | dbscan(eps=0.2, min_points=4) | density",
     "knn(k=8) | normals | segments(angle=20) | where(segment_residual < 0.1)",
+    "knn(k=8) | normals | orient",
+    "knn(k=3) | normals | orient(viewpoint=[0.3,0.4,5])",
+    "knn(radius=0.2) | normals | orient | where(normal_turned == 1) | reneighbor(k=5) | orient | components",
+    "knn(k=6) | where(row >= 250 and classification != 2) | normals | orient | curvature",
     "ground(cell=0.02, window=0.04, threshold=0.01) | height(k=3) | where(height < 1)",
     "distance_to(OTHER) | take(OTHER, attributes=[classification, tree_id], k=5, most=0.3, missing=9)",
     "knn(k=6) | normals | m3c2(OTHER, cylinder=0.3, depth=0.2) | take(OTHER, attributes=tree_id)",
@@ -274,6 +283,48 @@ TEST_P(PartRunThrough, HostileTilesHasTheBytesOfOneRun) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Chains, PartRunThrough, testing::ValuesIn(kChains));
+
+/// Tiles of any shape and order: at a tile's border may be few of its points, or all.
+std::vector<std::vector<std::vector<Vec3>>> divisions_of(const std::vector<Vec3>& cloud, std::mt19937_64& random) {
+  std::vector<std::vector<std::vector<Vec3>>> divisions(4);
+  for (auto& tiles : divisions) tiles.resize(6);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Vec3& p = cloud[i];
+    const auto slice = static_cast<std::size_t>(std::abs(std::fmod(7 * p.x + 3, 6)));
+    divisions[0][std::isfinite(p.x) ? slice * 5 % 6 : 0].push_back(p);
+    divisions[1][random() % 6].push_back(p);
+    divisions[2][i < 5 ? i : 5].push_back(p);
+    divisions[3][i / 40 % 6].push_back(p);
+  }
+  for (auto& tiles : divisions) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    tiles.insert(tiles.begin() + static_cast<std::ptrdiff_t>(random() % 6), {{nan, 0, 0}, {nan, nan, 1}});
+    tiles.push_back({cloud[3], cloud[4], cloud[3], {3e3, -2e4, 1}});  // places that other tiles have, too
+    tiles.push_back({});
+  }
+  return divisions;
+}
+
+TEST_F(PartRun, OrientsNormalsHoweverTilesAreCut) {
+  std::mt19937_64 random(8);
+  const std::filesystem::path flight = folder_ / "flight.csv";
+  std::ofstream(flight) << "-9,0,0,3\n9999,5,5,2\n";
+  const std::string by_trajectory = "orient(method=trajectory, trajectory=" + flight.string() + ")";
+  for (const auto& [name, shape] : hostile_shapes()) {
+    std::vector<Vec3> cloud(300);
+    for (Vec3& p : cloud) p = shape(random);
+    std::size_t number = 0;
+    for (const auto& tiles : divisions_of(cloud, random)) {
+      SCOPED_TRACE(name + ", division " + std::to_string(number));
+      write_tiles(tiles);
+      EngineOptions given = options();
+      given.slab_points = 40;
+      given.spill = number == 1;
+      expect_same("knn(k=4) | normals | orient", given);
+      if (number++ == 2) expect_same("knn(k=5) | set(gps_time = row, as=float64) | normals | " + by_trajectory, given);
+    }
+  }
+}
 
 /// Points of a hilly square of 200 metres with walls.
 std::vector<Vec3> landscape(std::size_t count, unsigned seed) {
@@ -313,7 +364,7 @@ TEST_P(PartRunOfTiles, TakesLittleMoreThanTheirPoints) {
 
 INSTANTIATE_TEST_SUITE_P(InOrder, PartRunOfTiles,
                          testing::Values("unique", "voxel(3)", "voxel(1, keep=centroid)", "ground(cell=1, window=2)",
-                                         "poisson(1.5)", "knn(k=6) | components",
+                                         "poisson(1.5)", "knn(k=6) | components", "knn(k=8) | normals | orient",
                                          "knn(radius=1.5) | dbscan(eps=1.5, min_points=6)",
                                          "knn(k=10) | normals | curvature | simplify(0.05, most=2)", "height(k=3)",
                                          "knn(k=8) | normals | m3c2(OTHER, cylinder=12, depth=4)", "distance_to(OTHER)",

@@ -27,7 +27,8 @@ struct NeighborEdge {
 /// component, and from its sign in the minimum spanning forest (docs/adr/0014). It is the only such stage in its pass.
 class ConnectOperator : public Operator {
  public:
-  /// Returns whether edges have weights and parities; otherwise all edges are equal.
+  /// Returns whether edges have weights and parities; otherwise all edges are equal. With weights, put_values() may read
+  /// only the `flips` of a label.
   virtual bool weighted() const { return false; }
   /// Returns the rule of votes of components; null: every component counts, and no signs are flipped.
   virtual const VoteRule* votes() const { return nullptr; }

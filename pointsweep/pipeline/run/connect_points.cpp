@@ -11,6 +11,8 @@
 #include "pointsweep/free_memory.h"
 #include "pointsweep/order/row_file.h"
 #include "pointsweep/part/record_list.h"
+#include "pointsweep/part/stored_graph.h"
+#include "pointsweep/part/tile_forest.h"
 #include "pointsweep/part/tile_graph.h"
 #include "pointsweep/pipeline/output/result_sinks.h"
 #include "pointsweep/pipeline/run/phases.h"
@@ -181,16 +183,31 @@ SweepStatistics sweep_and_leave_graph(const Context& context, const PlannedPass&
   EdgeBuckets among(bucket_begins(points.stream, points.bucket_places), points.stream.axis(), op.weighted(),
                     op.votes() != nullptr ? op.votes()->ballot_bytes() : 0, places.scratch());
   const RowsOfTile rows{points.first_row, context.cloud.count()};
-  const std::uint64_t memory = points.memory.recall_bytes / 2;
-  TileEdges edges(among, rows, places.scratch(), memory / 4);
+  const TileGraphSetup setup{op.votes(), places.scratch(), &places.folder(), points.memory.recall_bytes / 2,
+                             context.progress_of("connecting")};
+  std::optional<SortedCrossings> by_row;        // of a graph without weights
+  std::optional<RecordListWriter> with_weight;  // of one with weights
+  if (op.weighted())
+    with_weight.emplace(*graph.scratch, graph.name + ".crossings", sizeof(ForestEdge));
+  else
+    by_row.emplace(places.scratch(), setup.memory_bytes / 4, rows.count);
+  TileEdges edges(among, rows, [&](std::span<const ForestEdge> crossings) {
+    if (with_weight) return with_weight->append(std::as_bytes(crossings));
+    for (const ForestEdge& edge : crossings)
+      by_row->add(rows.has(edge.a.row) ? Crossing{edge.a.row, edge.b.row} : Crossing{edge.b.row, edge.a.row});
+  });
   options.edges = &edges;
   SweepPlan plan = pass.plan;
   leave_out_connected(plan, stage);
   InputOrderSink sink(results, plan.result_bytes, points.first_row);
   const SweepStatistics done = sweep(points.stream, plan, sink, options);
   return_free_memory();
-  const TileGraphSetup setup{op.votes(), places.scratch(), &places.folder(), memory, context.progress_of("connecting")};
-  leave_graph(among, edges, rows, setup, *graph.scratch, graph.name);
+  if (op.weighted()) {
+    with_weight->seal();
+    store_graph(among, op.votes() != nullptr ? op.votes()->ballot_bytes() : 0, *graph.scratch, graph.name);
+  } else {
+    leave_graph(among, *by_row, rows, setup, *graph.scratch, graph.name);
+  }
   return done;
 }
 
@@ -199,18 +216,22 @@ void label_points(const Context& context, const PlannedPass& pass, const MemoryP
   const Stage& stage = *pass.connecting_stage();
   const ConnectOperator& op = *stage.connects();
   const ResultPart part = connected_part(pass.plan, stage);
-  const std::size_t bytes = pass.plan.result_bytes, told_bytes = 1 + part.bytes;  // the first byte is 1 where the point is in a component
+  const std::size_t bytes = pass.plan.result_bytes;
+  const std::size_t told_bytes = 1 + part.bytes;  // the first byte is 1 where the point is in a component
   RunPlaces& places = context.places;
   const TileGraphSetup setup{op.votes(), places.scratch(), &places.folder(), memory.recall_bytes / 2, {}};
   RowStore told(context.cloud.count(), std::vector<std::byte>(told_bytes), setup.spill,
                 std::max<std::size_t>(memory.result_buffer_bytes / 2, 1 << 20));
   BatchedRows put(told, told_bytes);
-  for_each_label(*tile.graph.scratch, tile.graph.name, tile.joined, context.part->tile, setup,
-                 [&](std::uint64_t row, const ComponentLabel& label) {
-                   std::byte* const record = put.add(row);
-                   *record = std::byte{1};
-                   op.put_values(label, record + 1);
-                 });
+  const auto use = [&](std::uint64_t row, const ComponentLabel& label) {
+    std::byte* const record = put.add(row);
+    *record = std::byte{1};
+    op.put_values(label, record + 1);
+  };
+  if (op.weighted())
+    for_each_sign(*tile.graph.scratch, tile.graph.name, tile.joined, context.part->tile, use);
+  else
+    for_each_label(*tile.graph.scratch, tile.graph.name, tile.joined, context.part->tile, setup, use);
   put.flush();
   std::vector<std::byte> records;
   BatchedRows rows(results, bytes);

@@ -16,6 +16,8 @@
 namespace pointsweep {
 namespace {
 
+constexpr std::uint64_t kGraphBytes = 160;  ///< of a point in a graph with weights: with its ballot and 1.4 edges
+
 /// Throws UsageError for a run whose parts would have to know more of each other than their neighbourhoods.
 void require_divisible(const ChainPlan& plan, const Outputs& outputs, const EngineOptions& options) {
   const auto refuse = [](const std::string& what) {
@@ -29,9 +31,6 @@ void require_divisible(const ChainPlan& plan, const Outputs& outputs, const Engi
     const InOrderOperator* const op = pass.in_order();
     if (op != nullptr && (!op->reach() || (!op->other_cloud().empty() && !op->other_reach())))
       refuse(fmt::format("'{}' cannot be divided among tiles yet", pass.in_order()->name()));
-    const Stage* const connecting = pass.connecting_stage();
-    if (connecting != nullptr && connecting->connects()->weighted())
-      refuse(fmt::format("'{}' cannot be divided among tiles yet", connecting->connects()->name()));
   }
 }
 
@@ -69,9 +68,12 @@ void add_phase(const ChainPlan& plan, const Phase& phase, PartPlan& made) {
     add_step(made, {PartRoundKind::order, p}, PartJoin::tiles);
   }
   if (phase.kind == PhaseKind::sweep) {
-    const bool connects = plan.passes[p].connecting_stage() != nullptr;
-    add_step(made, {PartRoundKind::sweep, p}, connects ? PartJoin::components : join);
-    if (connects) add_step(made, {PartRoundKind::label, p}, join);
+    const Stage* const connecting = plan.passes[p].connecting_stage();
+    const bool weighted = connecting != nullptr && connecting->connects()->weighted();
+    const PartJoin of_graph = weighted ? PartJoin::borders : PartJoin::components;
+    add_step(made, {PartRoundKind::sweep, p}, connecting != nullptr ? of_graph : join);
+    if (weighted) add_step(made, {PartRoundKind::forest, p}, PartJoin::components);
+    if (connecting != nullptr) add_step(made, {PartRoundKind::label, p}, join);
   }
   const bool ends = phase.kind == PhaseKind::update || phase.kind == PhaseKind::write;
   if (ends && is_pass && plan.passes[p].kind == PassKind::rows) add_step(made, {PartRoundKind::rows, p}, join);
@@ -116,7 +118,9 @@ PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& output
   for (std::size_t p = 0; p < plan.passes.size(); ++p) {
     const std::uint64_t before = p == 0 ? 0 : plan.passes[p - 1].carried_bytes();
     const bool sweeps = plan.passes[p].kind == PassKind::sweep;
-    const std::uint64_t stored = sweeps ? plan.passes[p].travelling_bytes() + sizeof(Vec3) + sizeof(std::uint64_t) : 0;
+    std::uint64_t stored = sweeps ? plan.passes[p].travelling_bytes() + sizeof(Vec3) + sizeof(std::uint64_t) : 0;
+    const Stage* const connecting = plan.passes[p].connecting_stage();
+    if (connecting != nullptr && connecting->connects()->weighted()) stored += kGraphBytes;
     made.scratch_bytes = std::max(made.scratch_bytes, stored + before + plan.passes[p].carried_bytes());
   }
   made.notes = statistics.warnings;

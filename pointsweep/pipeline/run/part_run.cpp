@@ -17,6 +17,7 @@
 #include "pointsweep/part/needed_points.h"
 #include "pointsweep/part/part_stream.h"
 #include "pointsweep/part/record_list.h"
+#include "pointsweep/part/tile_forest.h"
 #include "pointsweep/part/tile_graph.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/rows/cloud_source.h"
@@ -31,12 +32,13 @@
 #include "pointsweep/pipeline/run/request.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/row_error.h"
+#include "pointsweep/storage/sealed_value.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
 
-constexpr Encoding kStateEncoding{"state of a tile", 1};
+constexpr Encoding kStateEncoding{"state of a tile", 2};
 constexpr Encoding kValuesEncoding{"values of the cloud", 1};
 constexpr std::size_t kBytesAtOnce = 4 << 20;
 
@@ -47,6 +49,7 @@ struct TileState {
   std::vector<std::vector<std::byte>> mask;  ///< blocks of the selection; none: all rows are left
   std::string carried;                       ///< name of the records; empty: there are none
   std::vector<std::vector<std::byte>> saved_values;
+  std::string swept;  ///< name of the results of a sweep that has left a graph
 
   void encode(Encoder& out) const {
     out.begin(kStateEncoding);
@@ -54,6 +57,7 @@ struct TileState {
     out.put_list(mask, [&](const std::vector<std::byte>& block) { out.put_bytes(block); });
     out.put_text(carried);
     out.put_list(saved_values, [&](const std::vector<std::byte>& value) { out.put_bytes(value); });
+    out.put_text(swept);
   }
   static TileState decode(Decoder& in) {
     in.begin(kStateEncoding);
@@ -63,18 +67,12 @@ struct TileState {
     state.mask = in.get_list<std::vector<std::byte>>(get);
     state.carried = in.get_text();
     state.saved_values = in.get_list<std::vector<std::byte>>(get);
+    state.swept = in.get_text();
     for (const std::vector<std::byte>& block : state.mask)
       if (block.size() != RowSelection::kBlockBytes) fail("a block of a selection has {} bytes.", block.size());
     return state;
   }
 };
-
-template <class T>
-T sealed_value(const Storage& scratch, const std::string& key) {
-  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(scratch, key);
-  if (!bytes) fail("{}: is damaged.", key);
-  return decoded<T>(*bytes);
-}
 
 TileState state_left(const Storage& scratch, const std::string& name) {
   return sealed_value<TileState>(scratch, name + ".state");
@@ -148,8 +146,10 @@ class TaskOfTile {
       if (step.kind == PartRoundKind::order) return order(step.pass, state, surveyed, work);
       std::unique_ptr<RowStore> results;
       if (step.kind == PartRoundKind::sweep && !context_.is_empty()) results = sweep(step.pass, surveyed.survey, work);
-      if (task_.round.join == PartJoin::components) return keep_swept(step.pass, state, results.get());
-      if (step.kind == PartRoundKind::label && !context_.is_empty()) results = label(step.pass, work);
+      if (step.kind == PartRoundKind::forest) return grow_forest(step.pass, state, work);
+      if (task_.round.join == PartJoin::components || task_.round.join == PartJoin::borders)
+        return keep_swept(step.pass, state, results.get());
+      if (step.kind == PartRoundKind::label && !context_.is_empty()) results = label(step.pass, state, work);
       if (step.kind == PartRoundKind::write || !context_.plan.leaves_rows(step.pass))
         return write(step.pass, surveyed.survey, work, results.get());
       end_pass(step.pass, state, work, std::move(results));
@@ -181,22 +181,40 @@ class TaskOfTile {
   void seal_state(const TileState& state) const { seal_bytes(scratch_, task_.after + ".state", encoded(state)); }
 
   /// Leaves the results of a sweep that has left a graph, and the state as it was before.
-  void keep_swept(std::size_t p, const TileState& state, RowStore* results) {
+  void keep_swept(std::size_t p, TileState& state, RowStore* results) {
     const PlannedPass& pass = context_.plan.passes[p];
+    const ConnectOperator& op = *pass.connecting_stage()->connects();
     if (results != nullptr) {
       RecordListWriter list(scratch_, task_.after + ".results", pass.plan.result_bytes);
       results->drain([&](std::uint64_t, std::span<const std::byte> records) { list.append(records); });
       list.seal();
+    } else if (op.weighted()) {
+      RecordListWriter(scratch_, task_.after + ".crossings", sizeof(ForestEdge)).seal();
     } else {
-      leave_no_graph(pass.connecting_stage()->connects()->votes(), scratch_, task_.after);
+      leave_no_graph(op.votes(), scratch_, task_.after);
+    }
+    state.swept = task_.after;
+    seal_state(state);
+  }
+
+  void grow_forest(std::size_t p, const TileState& state, const WorkPlan& work) {
+    if (!context_.is_empty()) {
+      const auto tiles = sealed_value<TileCatalogue>(scratch_, task_.catalogue);
+      const RowsOfTile rows{tiles.tiles.at(task_.tile).first_row, context_.cloud.count()};
+      const TileGraphSetup setup{context_.plan.passes[p].connecting_stage()->connects()->votes(),
+                                 context_.places.scratch(), &context_.places.folder(),
+                                 work.memory.passes[p].recall_bytes / 2, context_.progress_of("connecting")};
+      leave_forest(scratch_, state.swept, task_.borders + "-" + std::to_string(task_.tile), rows, setup, task_.after);
+    } else {
+      leave_no_forest(scratch_, task_.after);
     }
     seal_state(state);
   }
 
-  std::unique_ptr<RowStore> label(std::size_t p, const WorkPlan& work) {
+  std::unique_ptr<RowStore> label(std::size_t p, const TileState& state, const WorkPlan& work) {
     const PlannedPass& pass = context_.plan.passes[p];
     std::unique_ptr<RowStore> results = results_of_pass(context_, work, work.memory.passes[p], p);
-    RecordList swept(scratch_, task_.before + ".results", pass.plan.result_bytes);
+    RecordList swept(scratch_, state.swept + ".results", pass.plan.result_bytes);
     label_points(context_, pass, work.memory.passes[p], {{&scratch_, task_.before}, task_.components, swept}, *results);
     return results;
   }
@@ -408,22 +426,26 @@ void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, c
   seal_bytes(scratch, key, out.bytes());
 }
 
-void join_components(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
-                     const PartRound& round, Storage& scratch, const std::string& catalogue,
-                     const std::vector<std::string>& left, const std::string& key) {
+void join_graph(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
+                const PartRound& round, Storage& scratch, const JoinedBefore& before,
+                const std::vector<std::string>& left, const std::string& key) {
   const ChainPlan plan = plan_of_parts(tile, chain, outputs, options);
+  const ConnectOperator& op = *plan.passes.at(round.steps.back().pass).connecting_stage()->connects();
   RunPlaces places(options, {});
-  const TileGraphSetup setup{plan.passes.at(round.steps.back().pass).connecting_stage()->connects()->votes(),
-                             places.scratch(),
-                             &places.folder(),
-                             memory_budget(options.resources.memory_bytes) / 2,
-                             {}};
-  join_graphs(scratch, sealed_value<TileCatalogue>(scratch, catalogue), left, setup, key);
+  const TileGraphSetup setup{
+      op.votes(), places.scratch(), &places.folder(), memory_budget(options.resources.memory_bytes) / 2, {}};
+  const auto tiles = sealed_value<TileCatalogue>(scratch, before.catalogue);
+  if (round.join == PartJoin::borders)
+    find_borders(scratch, tiles, left, setup, key);
+  else if (op.weighted())
+    join_forests(scratch, left, before.borders, setup, key);
+  else
+    join_graphs(scratch, tiles, left, setup, key);
 }
 
 void forget(Storage& scratch, const std::string& left) {
-  for (const char* const object :
-       {".points", ".index", ".state", ".rows", ".results", ".labels", ".components", ".crossings", ".numbers"})
+  for (const char* const object : {".points", ".index", ".state", ".rows", ".results", ".labels", ".components",
+                                   ".crossings", ".numbers", ".nodes", ".edges", ".marks", ".buckets", ".forest"})
     scratch.remove(left + object);
 }
 

@@ -16,17 +16,18 @@ namespace pointsweep {
 
 /// A kind of step. A round is of the kind of its first step.
 enum class PartRoundKind : std::uint8_t {
-  look,   ///< counts the points without a place, where they are dropped
-  other,  ///< stores the points of a file of the other cloud that a pass reads
-  order,  ///< puts the points of a tile in order and stores them for the other tiles
-  sweep,  ///< takes the points of a tile, with those around it, through the stages of a pass, and ends the pass
-  label,  ///< ends a pass whose sweep has left a graph, when the components of all tiles are joined
-  rows,   ///< takes the rows of a tile through the stages of a pass that looks at no neighbour, and ends the pass
-  write,  ///< writes the rows that the last pass has left
+  look,    ///< counts the points without a place, where they are dropped
+  other,   ///< stores the points of a file of the other cloud that a pass reads
+  order,   ///< puts the points of a tile in order and stores them for the other tiles
+  sweep,   ///< takes the points of a tile, with those around it, through the stages of a pass, and ends the pass
+  forest,  ///< grows the forest of a tile whose sweep has left a graph with weights, when the borders are found
+  label,   ///< ends a pass whose sweep has left a graph, when the components of all tiles are joined
+  rows,    ///< takes the rows of a tile through the stages of a pass that looks at no neighbour, and ends the pass
+  write,   ///< writes the rows that the last pass has left
 };
 
 /// The value that is made once all tasks of a round are done.
-enum class PartJoin : std::uint8_t { nothing, tiles, components, values };
+enum class PartJoin : std::uint8_t { nothing, tiles, borders, components, values };
 
 struct PartStep {
   PartRoundKind kind;
@@ -74,6 +75,7 @@ struct PartTask {
   std::uint64_t dropped = 0;             ///< points of all tiles that the look round has found
   std::string before;                    ///< name of what the task before has left of this tile; empty before the first
   std::string catalogue, values;         ///< of the rounds before; empty: there is none
+  std::string borders;                   ///< of the rounds before; empty: there are none
   std::string components;                ///< of the round before; empty: there are none
   std::string other_catalogue;           ///< of the other cloud that the pass reads; empty: it reads none
   std::string other_file;                ///< of that cloud: the one to store, or else any of them
@@ -97,11 +99,17 @@ PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, 
 void join_tiles(Storage& scratch, const std::vector<std::string>& left, const std::vector<std::string>& paths,
                 const std::string& key);
 
-/// PartJoin::components: joins the components of the tiles and seals them under `key`. `catalogue`: of the pass.
-/// `tile`: any input of the run.
-void join_components(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
-                     const PartRound& round, Storage& scratch, const std::string& catalogue,
-                     const std::vector<std::string>& left, const std::string& key);
+/// What the rounds before have left of all tiles, under these keys.
+struct JoinedBefore {
+  std::string catalogue;     ///< of the pass
+  std::string borders = "";  ///< empty: there are none
+};
+
+/// PartJoin::borders: finds the borders of the tiles and seals them under `key`. PartJoin::components: joins the
+/// components of the tiles. `tile`: any input of the run.
+void join_graph(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
+                const PartRound& round, Storage& scratch, const JoinedBefore& before,
+                const std::vector<std::string>& left, const std::string& key);
 
 /// PartJoin::values: seals under `key` the values of the cloud of `before`, if that is not empty, and of
 /// the round, which the tasks have left, by tile. `tile`: any input of the run.

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: MIT
+#include "pointsweep/part/tile_forest.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+#include <optional>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/connect/bucketed_graph.h"
+#include "pointsweep/connect/row_table.h"
+#include "pointsweep/connect/spanning_forest.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/order/row_store.h"
+#include "pointsweep/part/component_records.h"
+#include "pointsweep/part/open_forest.h"
+#include "pointsweep/part/record_list.h"
+#include "pointsweep/part/stored_graph.h"
+#include "pointsweep/points/sorted_records.h"
+#include "pointsweep/storage/sealed_value.h"
+
+namespace pointsweep {
+namespace {
+
+constexpr Encoding kSignsEncoding{"signs of supernodes", 1};
+
+std::string of_tile(const std::string& key, std::size_t tile) { return key + "-" + std::to_string(tile); }
+
+/// What an edge between tiles tells of one of its ends.
+struct BorderEnd {
+  std::uint64_t row, last;
+
+  friend auto operator<=>(const BorderEnd&, const BorderEnd&) = default;
+};
+
+/// An edge between tiles, with the later of the two.
+struct BorderEdge {
+  std::uint64_t later;
+  ForestEdge edge;
+
+  bool operator<(const BorderEdge& other) const {
+    return later != other.later ? later < other.later : edge < other.edge;
+  }
+};
+
+/// Brings records to a store, many at a time.
+class RowWriter {
+ public:
+  RowWriter(RowStore& store, std::size_t bytes) : store_(store), bytes_(bytes) {}
+  void put(std::uint64_t row, const void* record) {
+    const auto* const from = static_cast<const std::byte*>(record);
+    rows_.push_back(row);
+    records_.insert(records_.end(), from, from + bytes_);
+    if (rows_.size() == kLabelsAtOnce) flush();
+  }
+  void flush() {
+    store_.put(rows_, records_);
+    rows_.clear();
+    records_.clear();
+  }
+
+ private:
+  RowStore& store_;
+  std::size_t bytes_;
+  std::vector<std::uint64_t> rows_;
+  std::vector<std::byte> records_;
+};
+
+/// A record of NAME.labels: the sign of a point in its component, if no other tile has points of it, or else in its
+/// supernode.
+struct SignOfPoint {
+  static constexpr std::uint64_t kWhole = ComponentLabel::kNone;  ///< `supernode` of a component of the tile alone
+  std::uint64_t supernode;
+  bool flips;
+
+  std::uint64_t record() const { return 2 * (supernode + 1) + (flips ? 1 : 0); }
+  static SignOfPoint of(std::uint64_t record) { return {record / 2 - 1, record % 2 == 1}; }
+};
+
+OpenForest forest_left(const Storage& scratch, const std::string& name, const VoteRule* votes) {
+  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(scratch, name + ".forest");
+  if (!bytes) fail("{}.forest: is damaged.", name);
+  Decoder in(*bytes);
+  OpenForest forest = decode_open_forest(in, votes != nullptr ? votes->bytes() : 0);
+  in.finish();
+  return forest;
+}
+
+void seal_forest(Storage& scratch, const std::string& name, const OpenForest& forest) {
+  Encoder out;
+  encode(out, forest);
+  seal_bytes(scratch, name + ".forest", out.bytes());
+}
+
+bool turns(const VoteRule* votes, const std::byte* component) {
+  return votes != nullptr && votes->turns(component + sizeof(FinishedComponent));
+}
+
+std::size_t result_bytes_of(const VoteRule* votes) { return votes != nullptr ? votes->result_bytes() : 0; }
+
+/// Leaves the signs of the supernodes of all tiles, which have the numbers of those of the tiles before.
+void seal_signs(Storage& scratch, RowStore& signs, const std::vector<std::uint64_t>& ends, const std::string& key) {
+  std::vector<std::byte> of_one;
+  std::size_t tile = 0;
+  const auto seal = [&] {
+    Encoder out;
+    out.begin(kSignsEncoding);
+    out.put_bytes(of_one);
+    seal_bytes(scratch, of_tile(key, tile++), out.bytes());
+    of_one.clear();
+  };
+  signs.drain([&](std::uint64_t first, std::span<const std::byte> some) {
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      while (first + i == ends[tile]) seal();
+      of_one.push_back(some[i]);
+    }
+  });
+  while (tile < ends.size()) seal();
+}
+
+}  // namespace
+
+void find_borders(Storage& scratch, const TileCatalogue& tiles, const std::vector<std::string>& names,
+                  const TileGraphSetup& setup, const std::string& key) {
+  const auto crossings_of = [&](std::size_t t) {
+    return RecordList(scratch, names[t] + ".crossings", sizeof(ForestEdge));
+  };
+  std::uint64_t count = 0;
+  for (std::size_t t = 0; t < names.size(); ++t) count += crossings_of(t).count();
+  SortedRecords<BorderEnd, std::less<>> ends(setup.make_scratch, setup.memory_bytes / 4, 2 * count);
+  SortedRecords<BorderEdge, std::less<>> edges(setup.make_scratch, setup.memory_bytes / 2, count);
+  for (std::size_t t = 0; t < names.size(); ++t) {
+    const RecordList list = crossings_of(t);
+    std::vector<ForestEdge> some;
+    for (std::uint64_t first = 0; first < list.count(); first += some.size()) {
+      stop_if_cancelled();
+      some.resize(std::min<std::uint64_t>(kLabelsAtOnce, list.count() - first));
+      list.read(first, std::as_writable_bytes(std::span(some)));
+      for (const ForestEdge& edge : some) {
+        const std::uint64_t later = std::max(tiles.tile_of(edge.a.row), tiles.tile_of(edge.b.row));
+        edges.add({later, edge});
+        for (const std::uint64_t row : {edge.a.row, edge.b.row}) ends.add({row, later});
+      }
+    }
+  }
+  ends.finish();
+  edges.finish();
+  std::optional<BorderEnd> end = ends.next();
+  std::optional<BorderEdge> edge = edges.next();
+  for (std::size_t t = 0; t < names.size(); ++t) {
+    stop_if_cancelled();
+    TileBorder border;
+    const RowsOfTile rows{tiles.tiles[t].first_row, tiles.tiles[t].rows};
+    for (; end && rows.has(end->row); end = ends.next()) {
+      if (border.points.empty() || border.points.back().row != end->row) border.points.push_back({end->row, 0});
+      border.points.back().last = end->last;
+    }
+    for (std::optional<BorderEdge> last; edge && edge->later == t; last = edge, edge = edges.next())
+      if (!last || *last < *edge) border.edges.push_back(edge->edge);
+    seal_bytes(scratch, of_tile(key, t), encoded(border));
+  }
+  seal_bytes(scratch, key, {});
+}
+
+void leave_forest(Storage& scratch, const std::string& graph, const std::string& border, RowsOfTile rows,
+                  const TileGraphSetup& setup, const std::string& name) {
+  const VoteRule* const votes = setup.votes;
+  const StoredGraph edges(scratch, graph, votes != nullptr ? votes->ballot_bytes() : 0);
+  RowTable<bool> open;
+  for (const TileBorder::Point& point : sealed_value<TileBorder>(scratch, border).points) open.add(point.row);
+  ForestLog log(setup.make_scratch, result_bytes_of(votes));
+  SpanningForest forest(true, votes, log);
+  const auto stays_open = [&](std::uint64_t row) { return open.find(row) != nullptr; };
+  grow(forest, edges, {stays_open, setup.progress});
+  const std::uint64_t whole = log.components().count();
+  seal_forest(scratch, name, forest.leave());
+  log.finish();
+  std::vector<std::byte> none(sizeof kNoLabel);
+  std::memcpy(none.data(), &kNoLabel, sizeof kNoLabel);
+  RowStore labels(rows.count, none, setup.spill, std::max<std::uint64_t>(setup.memory_bytes / 4, 1 << 20));
+  RowWriter put(labels, sizeof kNoLabel);
+  const auto label_of = [&](std::uint64_t component, const std::byte* record) {
+    if (component < whole) return ComponentLabel{.number = SignOfPoint::kWhole, .flips = turns(votes, record)};
+    return ComponentLabel{.number = component - whole};
+  };
+  log.for_each_point(label_of, [&](std::uint64_t row, const ComponentLabel& label) {
+    const std::uint64_t record = SignOfPoint{label.number, label.flips}.record();
+    put.put(row - rows.first, &record);
+  });
+  put.flush();
+  RecordListWriter list(scratch, name + ".labels", sizeof kNoLabel);
+  labels.drain([&](std::uint64_t, std::span<const std::byte> records) { list.append(records); });
+  list.seal();
+}
+
+void leave_no_forest(Storage& scratch, const std::string& name) { seal_forest(scratch, name, {}); }
+
+/// Tile by tile: what is left of its forest, the edges to earlier tiles, then the points close that have none to later
+/// ones.
+void join_forests(Storage& scratch, const std::vector<std::string>& names, const std::string& borders,
+                  const TileGraphSetup& setup, const std::string& key) {
+  ForestLog log(setup.make_scratch, result_bytes_of(setup.votes));
+  SpanningForest forest(true, setup.votes, log);
+  std::map<std::uint64_t, std::vector<std::uint64_t>> closing;  // by tile: rows of the points that close after it
+  std::vector<std::uint64_t> ends;                              // by tile: supernodes up to it
+  std::uint64_t supernodes = 0;
+  for (std::size_t t = 0; t < names.size(); ++t) {
+    stop_if_cancelled();
+    const OpenForest left = forest_left(scratch, names[t], setup.votes);
+    const auto border = sealed_value<TileBorder>(scratch, of_tile(borders, t));
+    forest.adopt(left, supernodes);
+    ends.push_back(supernodes += left.supernodes.size());
+    forest.join(border.edges);
+    for (const TileBorder::Point& point : border.points) closing[point.last].push_back(point.row);
+    if (const auto now = closing.extract(t)) forest.close(now.mapped());
+  }
+  log.finish();
+  RowStore signs(supernodes, {std::byte{0}}, setup.spill, std::max<std::uint64_t>(setup.memory_bytes / 4, 1 << 20));
+  RowWriter put(signs, 1);
+  const auto label_of = [&](std::uint64_t, const std::byte* record) {
+    return ComponentLabel{.flips = turns(setup.votes, record)};
+  };
+  log.for_each_point(label_of, [&](std::uint64_t supernode, const ComponentLabel& label) {
+    const std::byte sign{label.flips};
+    put.put(supernode, &sign);
+  });
+  put.flush();
+  seal_signs(scratch, signs, ends, key);
+  seal_bytes(scratch, key, {});
+}
+
+void for_each_sign(const Storage& scratch, const std::string& name, const std::string& key, std::size_t tile,
+                   const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) {
+  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(scratch, of_tile(key, tile));
+  if (!bytes) fail("{}: is damaged.", of_tile(key, tile));
+  Decoder in(*bytes);
+  in.begin(kSignsEncoding);
+  const std::vector<std::byte> signs = in.get_bytes();
+  in.finish();
+  const RecordList labels(scratch, name + ".labels", sizeof kNoLabel);
+  std::array<std::uint64_t, kLabelsAtOnce> some;
+  for (std::uint64_t first = 0; first < labels.count(); first += some.size()) {
+    stop_if_cancelled();
+    const std::size_t n = std::min<std::uint64_t>(some.size(), labels.count() - first);
+    labels.read(first, std::as_writable_bytes(std::span(some).first(n)));
+    for (std::size_t i = 0; i < n; ++i) {
+      if (some[i] == kNoLabel) continue;
+      SignOfPoint point = SignOfPoint::of(some[i]);
+      if (point.supernode != SignOfPoint::kWhole) {
+        if (point.supernode >= signs.size()) fail("{}.labels: is damaged.", name);
+        point.flips ^= signs[point.supernode] != std::byte{0};
+      }
+      use(first + i, {.flips = point.flips});
+    }
+  }
+}
+
+}  // namespace pointsweep

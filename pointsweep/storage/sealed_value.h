@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+/// Encoded values as objects.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pointsweep/fail.h"
+#include "pointsweep/storage/encoding.h"
+#include "pointsweep/storage/storage.h"
+
+namespace pointsweep {
+
+/// Returns the value that seal_bytes() has left. Throws Error, which calls the object damaged, where it is not whole.
+template <class T>
+T sealed_value(const Storage& storage, const std::string& key) {
+  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(storage, key);
+  if (!bytes) fail("{}: is damaged.", key);
+  return decoded<T>(*bytes);
+}
+
+}  // namespace pointsweep
