@@ -210,7 +210,8 @@ class Division {
     if (fits()) return out_;
     out_.spill_results = true;
     const std::uint64_t least = least_slab_points(plan_);
-    while (!fits() && out_.slab_points > least) out_.slab_points = std::max(least, out_.slab_points / 2);
+    while (!fits() && out_.slab_points > least)
+      out_.slab_points = std::max(least, out_.slab_points - out_.slab_points / 8);
     return out_;
   }
 

@@ -7,6 +7,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/order/working_record.h"
 #include "pointsweep/prefetch.h"
+#include "pointsweep/search/ball_raster.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -35,17 +36,16 @@ PointCollector::PointCollector(const Stream& stream, const Frontier& frontier, W
 bool PointCollector::run(std::size_t slabs_at_once) {
   const std::vector<std::uint32_t> slabs = touched_slabs();
   const std::size_t stride = stream_.record_schema().stride;
-  Prefetch<std::vector<std::byte>> read(
+  Prefetch<CollectedPoints> searched(
       [&](std::size_t i) {
         std::vector<std::byte> records(stream_.slabs()[slabs[i]].count * stride);
         stream_.read(slabs[i], records);
-        return records;
+        return search(slabs[i], records);
       },
       0, slabs.size(), slabs_at_once);
   for (const std::uint32_t slab : slabs) {
-    const std::vector<std::byte> records = read.next();
-    slabs_read_.add({1, records.size()});
-    CollectedPoints found = search(slab, records);
+    CollectedPoints found = searched.next();
+    slabs_read_.add({1, stream_.slabs()[slab].count * stride});
     points_ += found.index_in_slab.size();
     if (!found.index_in_slab.empty()) found_.push_back(std::move(found));
     if (points_ > wanted_.most_points) drop_points_outside();
@@ -133,9 +133,11 @@ std::vector<std::uint32_t> PointCollector::numbers_inside(std::uint32_t slab, st
     balls.push_back(ball_now(n));
   }
   const BallLookup index(balls);
+  const BallRaster raster(stream_.slabs()[slab].box, balls);
   return numbers_of(records, [&](Vec3 p, const std::byte* record) {
     bool is_inside = cover_.covers(p);
     if (is_inside && is_superfluous(p, record)) return false;
+    if (!raster.may_hold(p)) return is_inside;
     index.for_each_near(p, [&](std::uint32_t near) {
       const double d2 = distance2(balls[near].center, p);
       if (d2 > reach2_of(numbers[near])) return;

@@ -69,7 +69,7 @@ class PointCollector {
   /// `frontier` comes from a sweep that has ended: it holds the boxes of all cells except superfluous cells.
   PointCollector(const Stream& stream, const Frontier& frontier, WantedPoints wanted);
 
-  /// Reads slabs in the order of the stream, `slabs_at_once` of them ahead. Returns false if too many points are found.
+  /// Reads and searches slabs, `slabs_at_once` of them at once. Returns false if too many points are found.
   bool run(std::size_t slabs_at_once);
   /// Returns the collected points by slab, ascending.
   std::vector<CollectedPoints> take() { return std::move(found_); }

@@ -66,7 +66,7 @@ struct WindowCell {
 
 /// The reciprocal of the largest share of a cell's points that may be deferred for unread slabs. With more such points,
 /// the cell waits and is searched again, since a deferred point costs several times as much as searching a point twice.
-inline constexpr std::size_t kStragglers = 8;
+inline constexpr std::size_t kStragglers = 16;
 
 /// Bytes of a point in the window without columns and lists: coordinates, row and place in the slab.
 inline constexpr std::uint64_t kOwnPointBytes =

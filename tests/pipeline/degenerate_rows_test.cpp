@@ -176,7 +176,7 @@ TEST(DegenerateResults, OfPointsOnALineAreEachCountedOnceAlsoWhereTheyAreRecalle
     for (const DegenerateResults& stage : s.degenerate_results)
       EXPECT_EQ(stage, (DegenerateResults{stage.stage, points.size(), lowest}));
   }
-  EXPECT_GT(recalled, 100u);
+  EXPECT_GT(recalled, 25u);
 }
 
 }  // namespace
