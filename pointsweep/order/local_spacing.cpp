@@ -6,6 +6,7 @@
 #include <cmath>
 #include <ranges>
 
+#include "pointsweep/fail.h"
 #include "pointsweep/math/box.h"
 #include "pointsweep/math/sort.h"
 #include "pointsweep/threads.h"
@@ -77,6 +78,10 @@ LocalSpacing LocalSpacing::decode(Decoder& in) {
   spacing.sparse_level_ = in.get<std::int32_t>();
   spacing.begin_ = in.get_numbers<std::uint64_t>();
   spacing.first_ = in.get_numbers<std::uint32_t>();
+  const std::size_t runs = spacing.begin_.size(), cubes = codes_of_cube(0) / codes_of_cube(kTableLevels) + 1;
+  const bool has_table =
+      spacing.first_.size() == cubes && std::ranges::is_sorted(spacing.first_) && spacing.first_.back() < runs;
+  if (runs == 0 ? !spacing.first_.empty() : !has_table) fail("The table of the local spacing of a cloud is damaged.");
   return spacing;
 }
 

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/order/block_pool.h"
 
 namespace pointsweep {
@@ -123,6 +124,10 @@ SlabStore::SlabStore(Decoder& in, std::size_t record_bytes, std::size_t block_by
   for (SlabList& list : state_->lists) {
     list.count = in.get<std::uint64_t>();
     list.blocks = in.get_list<Block>([&] { return Block{in.get<std::uint64_t>(), nullptr, in.get<std::uint64_t>()}; });
+    const bool is_whole =
+        list.blocks.empty() ? list.count == 0 : list.blocks.front().first == 0 && list.blocks.back().first < list.count;
+    if (!is_whole || !std::ranges::is_sorted(list.blocks, {}, &Block::first))
+      fail("The blocks of a spilled list of records are damaged.");
   }
 }
 
@@ -225,6 +230,8 @@ void SlabStore::read(std::size_t slab, std::uint64_t first, std::span<std::byte>
     out = out.subspan(bytes);
   });
 }
+
+std::size_t SlabStore::slabs() const { return state_->lists.size(); }
 
 std::uint64_t SlabStore::spilled_bytes() const { return state_->file ? state_->file->written_bytes() : 0; }
 

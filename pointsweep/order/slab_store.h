@@ -42,6 +42,7 @@ class SlabStore {
   /// Frees all records of a slab. No thread may be reading it.
   void release(std::size_t slab);
 
+  std::size_t slabs() const;
   std::uint64_t count(std::size_t slab) const;
   /// Copies records [first, first + out.size()/record_bytes) of a finished slab. Thread-safe.
   void read(std::size_t slab, std::uint64_t first, std::span<std::byte> out) const;

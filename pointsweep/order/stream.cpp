@@ -358,6 +358,13 @@ Stream::Stream(Decoder& in, const PointSource& source, const StreamOptions& opti
   swept_slabs_ = slabs_.size();
   s.nonfinite_list = in.get<std::uint64_t>();
   s.store.emplace(in, record_schema_.stride, kLeastBlock, options.spill);
+  const auto is_stored = [&](std::uint64_t list, std::uint64_t count) {
+    return list < s.store->slabs() && count <= s.store->count(list);
+  };
+  const bool are_stored = std::ranges::all_of(s.slabs, [&](const PiecedSlab& slab) {
+    return std::ranges::all_of(slab.pieces, [&](const StreamPiece& p) { return is_stored(p.list, p.count); });
+  });
+  if (axis_ > 2 || !are_stored || !is_stored(s.nonfinite_list, 0)) fail("The slabs of a stored stream are damaged.");
   nonfinite_count_ = s.store->count(s.nonfinite_list);
 }
 

@@ -276,7 +276,8 @@ TileIndex TileIndex::decode(Decoder& in) {
     if (block.count == 0 || block.count > kBlockPoints) fail("a block of a tile has {} points.", block.count);
   const std::uint32_t own = index.own_blocks();
   const bool are_all = index.for_others ? own <= index.blocks.size() : own == index.blocks.size();
-  if (!are_all || !std::ranges::is_sorted(index.slab_ends) || points_of(index, own) + index.nonfinite != index.rows)
+  if (!are_all || !std::ranges::is_sorted(index.slab_ends) || index.nonfinite > index.rows ||
+      points_of(index, own) != index.rows - index.nonfinite)
     fail("the blocks of a tile do not hold its {} rows.", index.rows);
   return index;
 }

@@ -12,7 +12,7 @@ namespace pointsweep {
 /// added, nor on how they are divided among objects that are added to each other later. Every row may be added once.
 class DegenerateRows {
  public:
-  static constexpr std::size_t kMostListed = 1000;
+  static constexpr std::uint64_t kMostListed = 1000;
 
   DegenerateRows() = default;
   /// `lowest`: the lowest rows, at most kMostListed.

@@ -176,7 +176,10 @@ SweepProgress SweepProgress::decode(Decoder& in) {
   for (std::uint64_t* count : {&p.certified, &p.recalled, &p.recalled_slabs, &p.peak_points}) *count = u64();
   p.degenerate = in.get_list<DegenerateRows>([&] {
     const std::uint64_t count = u64();
-    return DegenerateRows(count, in.get_numbers<std::uint64_t>());
+    std::vector<std::uint64_t> lowest = in.get_numbers<std::uint64_t>();
+    if (lowest.size() > std::min<std::uint64_t>(count, DegenerateRows::kMostListed))
+      fail("A stored list of degenerate rows is damaged.");
+    return DegenerateRows(count, std::move(lowest));
   });
   return p;
 }

@@ -4,9 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
+#include <random>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,9 +44,46 @@ inline std::string hex(std::span<const std::byte> bytes) {
   return text;
 }
 
+/// Damages bytes 2,000 times, by bytes and whole numbers in random places and by parts that are lost or come twice, and
+/// expects that `again` refuses each as an Error, or takes it for a value that has an encoding.
+inline void expect_survives_damage(const std::vector<std::byte>& bytes,
+                                   const std::function<std::vector<std::byte>(std::span<const std::byte>)>& again) {
+  constexpr std::array<std::uint64_t, 7> kNumbers = {0, 1, 255, 1u << 31, 1ull << 40, 1ull << 63, ~0ull};
+  std::mt19937_64 random(bytes.size());
+  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % std::max<std::size_t>(1, n)); };
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<std::byte> damaged = bytes;
+    for (std::size_t times = 1 + below(3); times > 0; --times) {
+      const std::size_t at = below(damaged.size()), length = below(std::min<std::size_t>(damaged.size() - at, 64));
+      const auto place = damaged.begin() + static_cast<std::ptrdiff_t>(at);
+      const std::vector<std::byte> part(place, place + static_cast<std::ptrdiff_t>(length));
+      switch (below(4)) {
+        case 0:
+          *place = static_cast<std::byte>(random());
+          break;
+        case 1:
+          std::memcpy(&*place, &kNumbers[below(kNumbers.size())], std::min<std::size_t>(8, damaged.size() - at));
+          break;
+        case 2:
+          damaged.erase(place, place + static_cast<std::ptrdiff_t>(length));
+          break;
+        default:
+          damaged.insert(place, part.begin(), part.end());
+      }
+    }
+    try {
+      again(damaged);
+    } catch (const Error&) {
+    } catch (const std::exception& error) {
+      ADD_FAILURE() << error.what() << " of " << hex(damaged);
+      return;
+    }
+  }
+}
+
 /// Expects that `bytes`, which encode a value, are those of written(by_hand), and that `again`, which decodes a value
 /// and returns its bytes, gives the same value back; and refuses all bytes that are cut short, all that go on after
-/// their end, another kind and another version.
+/// their end, another kind and another version, and survives damaged ones.
 inline void expect_encoding(const std::vector<std::byte>& bytes, const std::string& by_hand,
                             const std::function<std::vector<std::byte>(std::span<const std::byte>)>& again) {
   ASSERT_EQ(hex(bytes), hex(written(by_hand)));
@@ -58,6 +99,7 @@ inline void expect_encoding(const std::vector<std::byte>& bytes, const std::stri
     other[changed] ^= std::byte{64};
     EXPECT_THROW(again(other), Error);
   }
+  expect_survives_damage(bytes, again);
 }
 
 template <class T>
