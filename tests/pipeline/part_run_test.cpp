@@ -422,6 +422,31 @@ TEST_F(PartRun, IsRefusedWhereOneProcessIsNeeded) {
   EXPECT_THROW(plan_parts(cloud, normals, {.points = folder_ / "one.ply"}, options()), UsageError);
 }
 
+TEST_F(PartRun, IsRefusedWhereTilesCoverEachOther) {
+  EngineOptions overwriting = options();
+  overwriting.overwrite = true;
+  const auto plan = [&](std::size_t copies) {
+    write_tiles(std::vector(copies, cloud_for_examples(400, 1)));
+    Outputs tiles;
+    for (auto& input : inputs_) {  // LAS states in its header where the points lie
+      InputCloud tile({input});
+      input.replace_extension(".las");
+      run(tile, build_chain(parse_pipeline("where(row >= 0)"), tile), {.points = input}, overwriting);
+      tiles.tiles.push_back(folder_ / "parts" / input.filename());
+    }
+    InputCloud cloud(inputs_);
+    plan_parts(cloud, build_chain(parse_pipeline("normals"), cloud), tiles, options());
+  };
+  EXPECT_NO_THROW(plan(3));
+  std::filesystem::remove_all(folder_ / "parts");
+  try {
+    plan(4);
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("in the boxes of 4.0 of them"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(PartRun, NamesTheRowOfTheTileThatAnOperatorRefuses) {
   write_tiles(squares_of(cloud_for_examples(400, 1)));
   try {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/part/tile_overlap.h"
 #include "pointsweep/pipeline/rows/cropped_input.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
@@ -45,6 +46,22 @@ void require_common_grid(const InputCloud& cloud, const ChainPlan& plan, const E
     fail_usage(
         "The tiles lie on several grids, and their points are moved: give the grid of the outputs with --scale and "
         "--offset.");
+}
+
+/// A task reads the points of all tiles that cover its own. With more of them, dividing the work gains little.
+constexpr double kMostTilesOfAPoint = 3;
+
+/// Throws UsageError for tiles that cover each other, as far as their headers tell.
+void require_apart(const InputCloud& cloud) {
+  std::vector<TileExtent> extents;
+  for (const auto& reader : cloud.readers())
+    extents.push_back({reader->info().bounds.value_or(Box{}), reader->info().count});
+  const double covered = mean_tiles_of_a_point(extents);
+  if (covered > kMostTilesOfAPoint)
+    fail_usage(
+        "The inputs cover each other: each point lies in the boxes of {:.1f} of them on average, and each task would "
+        "read the points of as many. Cut them into tiles first: pointsweep tile INPUTS FOLDER --size LENGTH.",
+        covered);
 }
 
 /// Adds a step. It is taken by the tasks of the last round where that is not joined and over the same tiles.
@@ -99,6 +116,7 @@ PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& output
   const CroppedInput cropped(cloud, plan);
   require_divisible(plan, outputs, options);
   require_common_grid(cloud, plan, options);
+  require_apart(cloud);
   const Request request{cloud, outputs, options, plan};
   require_own_files(request);
   Statistics statistics = first_counts(request, {});
