@@ -85,6 +85,7 @@ struct CloudEstimate {
   std::uint64_t points = 0;
   std::span<const Vec3> sample;  ///< finite positions
   int axis = 0;                  ///< along which places will ascend
+  unsigned threads = 1;          ///< that the run will use
   /// Estimates the largest number of points between two planes across the axis, `thickness` apart.
   std::function<std::uint64_t(double thickness)> slice_points;
 };

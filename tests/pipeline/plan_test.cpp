@@ -10,6 +10,7 @@
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/threads.h"
 #include "tests/pipeline/in_memory.h"
 
 namespace pointsweep {
@@ -251,7 +252,7 @@ TEST(RunMemory, FewerThreadsWorkWhereTheBudgetHasNoRoomForAll) {
     }
     return 0ULL;
   };
-  for (const char* chain : {"normals", "sor | where(outlier == 0) | normals", "normals | splats | fair"}) {
+  for (const char* chain : {"normals", "sor | where(outlier == 0) | normals", "normals | splats | fair", "level"}) {
     const std::uint64_t least_of_one = least(chain, 1);
     EXPECT_GT(least_of_one, 32u);
     EXPECT_EQ(least(chain, 64), least_of_one) << "one thread is enough for any number that is asked for";
@@ -276,6 +277,21 @@ TEST(RunMemory, FewerThreadsWorkWhereTheBudgetHasNoRoomForAll) {
       EXPECT_LT(memory(chain, enough - 1, 64).threads, 64u);
     }
     EXPECT_EQ(before, 64u);
+  }
+}
+
+TEST(RunMemory, IsThatOfTheThreadsThatWillWorkHoweverManyPlan) {
+  for (const char* chain : {"level", "ground | height", "poisson(0.1)"}) {
+    std::vector<std::uint64_t> expected;
+    for (const unsigned planning : {1u, 7u}) {
+      with_threads(planning, [&] {
+        EngineOptions options;
+        options.resources.threads = 3;
+        const RunMemory planned = plan_run_memory(512 * kMega, plan_of(chain), 20'000'000, survey_of(), options, 40);
+        expected.push_back(planned.expected_bytes);
+      });
+    }
+    EXPECT_EQ(expected[0], expected[1]) << chain;
   }
 }
 

@@ -13,7 +13,6 @@
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declaration.h"
 #include "pointsweep/points/sorted_records.h"
-#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -146,7 +145,7 @@ std::unique_ptr<InOrderWork> Level::start(const InOrderSetup& setup) const {
 
 std::uint64_t Level::least_bytes(const CloudEstimate& cloud) const {
   constexpr std::uint64_t kPointBytes = 200;  // per point of a cloud so small that no list is full
-  return std::min(least_level_bytes(thread_count()), (std::uint64_t{1} << 20) + cloud.points * kPointBytes);
+  return std::min(least_level_bytes(cloud.threads), (std::uint64_t{1} << 20) + cloud.points * kPointBytes);
 }
 
 }  // namespace pointsweep

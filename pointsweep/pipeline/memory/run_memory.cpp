@@ -70,6 +70,7 @@ void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& s
   const CloudEstimate cloud{.points = demand.points,
                             .sample = survey.sample,
                             .axis = axis_of_places(survey, options),
+                            .threads = demand.threads,
                             .slice_points = slice_points};
   const InOrderEffort alone = op->effort(cloud);
   effort = {alone.seconds / demand.threads, alone.cause, alone.text, alone.remedy};
