@@ -111,8 +111,10 @@ class RowBuckets {
       : RowBuckets(rows, std::move(fill), buffer_bytes) {
     in.begin(kRowStoreEncoding);
     shift_ = in.get<std::int32_t>();
+    if (shift_ < 0 || shift_ > 62) fail("The buckets of stored results are damaged.");
     window_rows_ = std::min(window_rows_, std::uint64_t{1} << shift_);
     store_ = std::make_unique<SlabStore>(in, kOffsetBytes + record_bytes_, block_bytes(buffer_bytes), kept);
+    if (store_->slabs() != buckets()) fail("The buckets of stored results are damaged.");
   }
 
   void put(std::span<const std::uint64_t> rows, const std::byte* records) {

@@ -85,6 +85,11 @@ struct PartCase {
   std::size_t steps;  ///< that the halo is cut for; the chain has four
 };
 
+/// Names the tests in lists.
+void PrintTo(const PartCase& part, std::ostream* out) {
+  *out << "slabs of " << part.slab_points << " and " << part.steps << " steps";
+}
+
 class PartOfACloud : public testing::TestWithParam<PartCase> {};
 
 TEST_P(PartOfACloud, HasTheBytesOfTheWholeCloud) {

@@ -99,12 +99,17 @@ double median_of(std::span<const Value> values, std::vector<Value>& sorted) {
 /// Returns the most frequent value; of equally frequent ones, the first in the list. `sorted` is overwritten.
 template <class Value>
 Value majority_of(std::span<const Value> values, std::vector<Value>& sorted) {
-  if (values.size() <= kSortedByRank) {
-    sort_by_rank(values, sorted);
-  } else {
-    sorted.assign(values.begin(), values.end());
-    std::ranges::sort(sorted);
+  if (values.size() <= kSortedByRank) {  // n² comparisons again
+    std::size_t first = 0, most = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      std::size_t equal = 0;
+      for (const Value v : values) equal += v == values[i];
+      if (equal > most) first = i, most = equal;
+    }
+    return values[first];
   }
+  sorted.assign(values.begin(), values.end());
+  std::ranges::sort(sorted);
   std::size_t most = 0, frequent = 0;  // the longest run of equal values; values that have one, moved to the front
   for (std::size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
     while (end < sorted.size() && sorted[end] == sorted[begin]) ++end;
