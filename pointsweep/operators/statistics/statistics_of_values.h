@@ -99,11 +99,11 @@ double median_of(std::span<const Value> values, std::vector<Value>& sorted) {
 /// Returns the most frequent value; of equally frequent ones, the first in the list. `sorted` is overwritten.
 template <class Value>
 Value majority_of(std::span<const Value> values, std::vector<Value>& sorted) {
-  if (values.size() <= kSortedByRank) {  // n² comparisons again
+  if (values.size() <= kSortedByRank) {  // no sort: the first of equal values counts those after it
     std::size_t first = 0, most = 0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      std::size_t equal = 0;
-      for (const Value v : values) equal += v == values[i];
+    for (std::size_t i = 0; i + most < values.size(); ++i) {
+      std::size_t equal = 1;
+      for (std::size_t j = i + 1; j < values.size(); ++j) equal += values[j] == values[i];
       if (equal > most) first = i, most = equal;
     }
     return values[first];
