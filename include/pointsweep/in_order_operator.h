@@ -28,8 +28,7 @@ struct OrderedPoints {
   std::span<const Vec3> positions;      ///< finite
   std::span<const std::uint64_t> rows;  ///< input rows, ascending for equal places
   std::span<const double> values;       ///< the components of InOrderContract::reads, of one point after another
-  /// The same components as values of their types, each in the first of 8 bytes. Whole numbers of 64 bits are exact
-  /// here.
+  /// `values` in the types of their fields, each in the first of 8 bytes. Whole numbers of 64 bits are exact here.
   std::span<const std::array<std::byte, 8>> words;
 };
 

@@ -23,8 +23,7 @@
 
 namespace pointsweep {
 
-/// What is left of a forest while points are open: its supernodes, and the candidates between them. Another forest goes
-/// on with it.
+/// A forest with open points as a value: its supernodes and the candidates between them. Another forest can adopt it.
 struct OpenForest {
   struct Point {
     std::uint64_t row;

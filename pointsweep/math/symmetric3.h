@@ -106,8 +106,8 @@ inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   const Vec3 less{lp * p.x + lq * q.x, lp * p.y + lq * q.y, lp * p.z + lq * q.z};
   const double apart = radius - deflation::kFloor;
   const double value_greater = (middle + apart) * size, value_less = (middle - apart) * size;
-  // As a root of the polynomial the largest value is accurate to rounding; as a quotient, a smallest value of 0 is
-  // exact, too.
+  // A root of the polynomial gives the largest value, accurate to rounding. A quotient gives the smallest value, which
+  // is exact where it is 0.
   if (root >= 0) {
     const double value = (mean + spread * root) * size;
     return {{value_less, value_greater, value < value_greater ? value_greater : value}, {less, greater, v}};

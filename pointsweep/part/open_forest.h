@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What tiles tell of their forests and borders, as objects.
+/// The encodings of the border of a tile and of a forest with open points.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace pointsweep {
 struct TileBorder {
   struct Point {
     std::uint64_t row;
-    std::uint64_t last;  ///< of its own tile and those to which its edges lead, the last one
+    std::uint64_t last;  ///< number of the last tile among its own and those to which its edges lead
   };
   std::vector<Point> points;      ///< ascending by row
   std::vector<ForestEdge> edges;  ///< to points of earlier tiles

@@ -26,7 +26,7 @@ class StoredGraph final : public BucketedGraph {
   void read_points(std::size_t bucket, std::size_t chunk, Points& out) const override;
   void read_edges(std::size_t bucket, std::size_t chunk, std::vector<ForestEdge>& out) const override;
 
-  /// How many points, edges and marks there are.
+  /// The numbers of points, edges and marks in a part of the graph.
   struct Counts {
     std::uint64_t points = 0, edges = 0, marks = 0;
   };

@@ -12,7 +12,7 @@
 #include "pointsweep/connect/row_table.h"
 #include "pointsweep/connect/spanning_forest.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/order/row_store.h"
+#include "pointsweep/order/batched_rows.h"
 #include "pointsweep/part/component_records.h"
 #include "pointsweep/part/open_forest.h"
 #include "pointsweep/part/record_list.h"
@@ -27,7 +27,7 @@ constexpr Encoding kSignsEncoding{"signs of supernodes", 1};
 
 std::string of_tile(const std::string& key, std::size_t tile) { return key + "-" + std::to_string(tile); }
 
-/// What an edge between tiles tells of one of its ends.
+/// A point that an edge between tiles names, and the later of the two tiles of the edge.
 struct BorderEnd {
   std::uint64_t row, last;
 
@@ -42,29 +42,6 @@ struct BorderEdge {
   bool operator<(const BorderEdge& other) const {
     return later != other.later ? later < other.later : edge < other.edge;
   }
-};
-
-/// Brings records to a store, many at a time.
-class RowWriter {
- public:
-  RowWriter(RowStore& store, std::size_t bytes) : store_(store), bytes_(bytes) {}
-  void put(std::uint64_t row, const void* record) {
-    const auto* const from = static_cast<const std::byte*>(record);
-    rows_.push_back(row);
-    records_.insert(records_.end(), from, from + bytes_);
-    if (rows_.size() == kLabelsAtOnce) flush();
-  }
-  void flush() {
-    store_.put(rows_, records_);
-    rows_.clear();
-    records_.clear();
-  }
-
- private:
-  RowStore& store_;
-  std::size_t bytes_;
-  std::vector<std::uint64_t> rows_;
-  std::vector<std::byte> records_;
 };
 
 /// A record of NAME.labels: the sign of a point in its component, if no other tile has points of it, or else in its
@@ -179,14 +156,14 @@ void leave_forest(Storage& scratch, const std::string& graph, const std::string&
   std::vector<std::byte> none(sizeof kNoLabel);
   std::memcpy(none.data(), &kNoLabel, sizeof kNoLabel);
   RowStore labels(rows.count, none, setup.spill, std::max<std::uint64_t>(setup.memory_bytes / 4, 1 << 20));
-  RowWriter put(labels, sizeof kNoLabel);
+  BatchedRows put(labels, sizeof kNoLabel);
   const auto label_of = [&](std::uint64_t component, const std::byte* record) {
     if (component < whole) return ComponentLabel{.number = SignOfPoint::kWhole, .flips = turns(votes, record)};
     return ComponentLabel{.number = component - whole};
   };
   log.for_each_point(label_of, [&](std::uint64_t row, const ComponentLabel& label) {
     const std::uint64_t record = SignOfPoint{label.number, label.flips}.record();
-    put.put(row - rows.first, &record);
+    std::memcpy(put.add(row - rows.first), &record, sizeof record);
   });
   put.flush();
   RecordListWriter list(scratch, name + ".labels", sizeof kNoLabel);
@@ -217,13 +194,12 @@ void join_forests(Storage& scratch, const std::vector<std::string>& names, const
   }
   log.finish();
   RowStore signs(supernodes, {std::byte{0}}, setup.spill, std::max<std::uint64_t>(setup.memory_bytes / 4, 1 << 20));
-  RowWriter put(signs, 1);
+  BatchedRows put(signs, 1);
   const auto label_of = [&](std::uint64_t, const std::byte* record) {
     return ComponentLabel{.flips = turns(setup.votes, record)};
   };
   log.for_each_point(label_of, [&](std::uint64_t supernode, const ComponentLabel& label) {
-    const std::byte sign{label.flips};
-    put.put(supernode, &sign);
+    *put.add(supernode) = std::byte{label.flips};
   });
   put.flush();
   seal_signs(scratch, signs, ends, key);

@@ -9,7 +9,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/connect/components.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/order/row_store.h"
+#include "pointsweep/order/batched_rows.h"
 #include "pointsweep/part/component_records.h"
 #include "pointsweep/part/record_list.h"
 
@@ -84,18 +84,11 @@ void leave_graph(const EdgeBuckets& own, SortedCrossings& crossings, RowsOfTile 
   std::vector<std::byte> none(sizeof kNoLabel);
   std::memcpy(none.data(), &kNoLabel, sizeof kNoLabel);
   RowStore labels(rows.count, none, setup.spill, std::max<std::uint64_t>(setup.memory_bytes / 4, 1 << 20));
-  std::vector<std::uint64_t> some, numbers;
-  const auto put = [&] {
-    labels.put(some, std::as_bytes(std::span(numbers)));
-    some.clear();
-    numbers.clear();
-  };
+  BatchedRows put(labels, sizeof kNoLabel);
   components.for_each_point([&](std::uint64_t row, const ComponentLabel& label) {
-    some.push_back(row - rows.first);
-    numbers.push_back(label.number);
-    if (some.size() == kLabelsAtOnce) put();
+    std::memcpy(put.add(row - rows.first), &label.number, sizeof label.number);
   });
-  put();
+  put.flush();
   crossings.finish();
   SortedCrossings by_target(setup.make_scratch, setup.memory_bytes / 4, crossings.count());
   write_labels(labels, crossings, by_target, scratch, name, rows.first);

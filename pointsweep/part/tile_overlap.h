@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How much the tiles of a cloud cover each other.
+/// The mean number of tiles whose boxes hold a point.
 #pragma once
 
 #include <cstdint>

@@ -70,7 +70,7 @@ class PlacesOfPoints {
       }
     }
     if (!buffer_) return;
-    // Only now are all tiles with own points known: other tiles have no file and no buffer.
+    // A tile without own points has no file and no buffer, and the tiles with own points are known at this place.
     for (const auto& [part, sum] : wanted_)
       if (file_of_.contains(part) && sum.sum() != found_[part].sum())
         differ("{}: its buffer does not hold the points around its tile", file_of_.at(part));

@@ -9,6 +9,7 @@
 #include "pointsweep/connect/components.h"
 #include "pointsweep/connect/edge_buckets.h"
 #include "pointsweep/free_memory.h"
+#include "pointsweep/order/batched_rows.h"
 #include "pointsweep/order/row_file.h"
 #include "pointsweep/part/record_list.h"
 #include "pointsweep/part/stored_graph.h"
@@ -70,31 +71,6 @@ ResultPart take_swept_part(SweepPlan& plan, const Stage& stage) {
 class NoSink final : public Sink {
  public:
   void finished(const Finished&) override {}
-};
-
-/// Brings records to a store, many at a time.
-class BatchedRows {
- public:
-  BatchedRows(RowStore& store, std::size_t bytes) : store_(store), bytes_(bytes) {}
-  /// A place for the record of a row, filled with zeros.
-  std::byte* add(std::uint64_t row) {
-    if (rows_.size() == kMost) flush();
-    rows_.push_back(row);
-    records_.resize(records_.size() + bytes_);
-    return records_.data() + records_.size() - bytes_;
-  }
-  void flush() {
-    store_.put(rows_, records_);
-    rows_.clear();
-    records_.clear();
-  }
-
- private:
-  static constexpr std::size_t kMost = 4096;
-  RowStore& store_;
-  std::size_t bytes_;
-  std::vector<std::uint64_t> rows_;
-  std::vector<std::byte> records_;
 };
 
 /// Puts the values of each point into a record of `bytes`, at the places of `part`.

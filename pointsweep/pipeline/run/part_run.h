@@ -99,7 +99,7 @@ PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, 
 void join_tiles(Storage& scratch, const std::vector<std::string>& left, const std::vector<std::string>& paths,
                 const std::string& key);
 
-/// What the rounds before have left of all tiles, under these keys.
+/// The keys of objects that earlier rounds have left of all tiles together.
 struct JoinedBefore {
   std::string catalogue;     ///< of the pass
   std::string borders = "";  ///< empty: there are none
