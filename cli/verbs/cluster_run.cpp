@@ -64,6 +64,7 @@ nlohmann::json request_of(const std::vector<std::string>& stages, const Pipeline
                             {"options", nlohmann::json::object()}};
   for (const auto& path : files.inputs) request["inputs"].push_back(path.string());
   for (const auto& path : files.tiles) request["outputs"].push_back(path.string());
+  if (files.tiles.empty()) request["outputs"] = {files.output.string()};
   for (const auto& [name, text] : texts_of(common)) request["options"][name] = text;
   return request;
 }
@@ -97,7 +98,7 @@ void run_on_cluster(const std::vector<std::string>& stages, const PipelineRun& r
   InputsAndOutput named = run.paths;
   named.divides = common.division.divides();
   const ResolvedFiles files = resolve(named, common.format);
-  if (files.tiles.empty())
+  if (files.tiles.empty() && !named.divides)
     throw UsageError("--dask: many processes write a file for each input; name a folder as the output, e.g. out/.");
   const std::string request = std::to_string(descriptor_of(request_of(stages, run, files).dump()));
   const char* const given = std::getenv("POINTSWEEP_PYTHON");

@@ -27,11 +27,13 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-const std::array<std::string, 8> kRoundNames{"look", "other", "order", "sweep", "forest", "label", "rows", "write"};
-const std::array<std::string, 5> kJoinNames{"", "tiles", "borders", "components", "values"};
+const std::array<std::string, 10> kRoundNames{"look",  "other", "order", "sweep", "forest",
+                                              "label", "rows",  "write", "cut",   "gather"};
+const std::array<std::string, 6> kJoinNames{"", "tiles", "borders", "components", "values", "pieces"};
 
-/// The arguments that all tasks of a run share, in the form of run_pipeline(); `to` has a file for each input. The
-/// facts are those of the whole cloud: (points, metres per unit).
+/// The arguments that all tasks of a run share, in the form of run_pipeline(); `to` has a file for each input, or the
+/// path of the files among which the output is divided. The facts are those of the whole cloud: (points, metres per
+/// unit).
 struct PartRequest {
   PartRequest(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
               const nb::dict& given, std::vector<std::filesystem::path> to, const nb::object& known = nb::none())
@@ -42,7 +44,10 @@ struct PartRequest {
     }
     chain = chain_to_run(pipeline, facts);
     chain.keep = keep;
-    outputs.tiles = std::move(to);
+    if (options.division.divides())
+      outputs.points = to.front();
+    else
+      outputs.tiles = std::move(to);
   }
 
   EngineOptions options;
@@ -102,12 +107,14 @@ nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, 
                         .tile = number("tile"),
                         .tiles = number("tiles"),
                         .first_row = number("first_row"),
+                        .rows = number("rows"),
                         .dropped = number("dropped"),
                         .before = text("before"),
                         .catalogue = text("catalogue"),
                         .values = text("values"),
                         .borders = text("borders"),
                         .components = text("components"),
+                        .pieces = text("pieces"),
                         .other_catalogue = text("other_catalogue"),
                         .other_file = text("other_file"),
                         .record = nb::cast<std::vector<std::string>>(task["record"]),
@@ -159,6 +166,14 @@ void join_the_graph(const std::filesystem::path& scratch, const nb::list& source
              {catalogue, borders}, left, key);
 }
 
+void join_the_pieces(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
+                     const std::vector<std::string>& keep, const nb::dict& given, std::vector<std::filesystem::path> to,
+                     const nb::object& facts, const std::vector<std::string>& left, const std::string& key) {
+  PartRequest request(source, pipeline, keep, given, std::move(to), facts);
+  const std::unique_ptr<Storage> place = shared_storage(scratch);
+  join_cuts(request.cloud.inputs(), request.chain, request.outputs, request.options, *place, left, key);
+}
+
 void forget_task(const std::filesystem::path& scratch, const std::string& left) {
   const std::unique_ptr<Storage> place = shared_storage(scratch);
   Storage& folder = *place;
@@ -176,7 +191,12 @@ void bind_parts(nb::module_& module) {
              "facts"_a, "round"_a, "before"_a, "left"_a, "key"_a);
   module.def("join_graph", &join_the_graph, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a,
              "facts"_a, "round"_a, "catalogue"_a, "borders"_a, "left"_a, "key"_a);
+  module.def("join_pieces", &join_the_pieces, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a,
+             "facts"_a, "left"_a, "key"_a);
   module.def("with_absolute_files", &with_absolute_files, "pipeline"_a);
+  nb::list left;
+  for (const char* const end : kLeftByTasks) left.append(end);
+  module.attr("left_by_tasks") = nb::tuple(left);
   module.def("forget_part", &forget_task, "scratch"_a, "left"_a);
 }
 

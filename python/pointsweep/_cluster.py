@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """A run over a folder of tiles on the workers of Dask, with the bytes of a run of one process.
 
-The run goes on in rounds (`_core.plan_parts`). A round has a task for each tile, or for each file of another cloud that a
-stage reads, and a task needs nothing but what the
+The run goes on in rounds (`_core.plan_parts`). A round has a task for each tile, for each file of another cloud that a
+stage reads, or for each range of the rows where the output is divided among files. A task needs nothing but what the
 rounds before have left in the scratch, so no task waits for another one. The client hands out tasks, and notes replies in
 the scratch: a client that is killed, or that has lost its scheduler, goes on where it was when it is given the same command.
 """
@@ -20,12 +20,12 @@ from typing import Any
 
 from . import _core
 from ._errors import Error, UsageError, warn
-from ._part import Done, Request, Round, Step, build, perform
+from ._part import DIVIDING, Done, Request, Round, Step, build, perform
 from ._scratch import Scratch
 from ._urls import absolute, state_of
 
 _MOST_TRIES = 4  # of a task whose workers end, or whose objects are damaged
-_PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep": "sweeping", "forest": "connecting", "label": "updating", "rows": "updating", "write": "writing"}
+_PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep": "sweeping", "forest": "connecting", "label": "updating", "rows": "updating", "write": "writing", "cut": "dividing", "gather": "writing"}
 _WAIT_SECONDS = 30.0
 _LOOK_SECONDS = 5.0  # between two looks at tasks that may hang
 _RESULT_SECONDS = 20.0  # for a reply, a few hundred bytes, to come from its worker
@@ -71,7 +71,8 @@ def run_on_cluster(
     outputs: list[str],
     progress: Progress,
 ) -> str:
-    """Runs `stages` over files that all workers see, each of which gets an output. Returns the statistics as JSON."""
+    """Runs `stages` over files that all workers see, each of which gets an output; or divides their points among files, whose
+    path has a *. Returns the statistics as JSON."""
     start = time.perf_counter()
     inputs = [absolute(path) for path in source]
     outputs = [absolute(path) for path in outputs]
@@ -189,6 +190,9 @@ class _Run:
                 _core.join_tiles(objects, names, r.others[this.number] if this.kind == "other" else r.inputs, key)
             if this.join in ("borders", "components"):
                 _core.join_graph(*shared, self._joined_before(number, _stores_tiles), self._joined_before(number, _has_borders), names, key)
+            if this.join == "pieces":
+                options = {**r.options, "overwrite": "yes"} if self._done[number + 1] else r.options  # files of ours may be there
+                _core.join_pieces(objects, r.inputs, r.stages, r.keep, options, r.outputs, r.facts, names, key)
             if this.join == "values":
                 _core.join_values(*shared, self._joined_before(number, _has_values), names, key)
         except Error as error:
@@ -300,12 +304,14 @@ class _Run:
             "tile": tile,
             "tiles": self._tiles,
             "first_row": 0 if this.kind == "other" else self._first_row[tile],
+            "rows": self._rows_of(number)[tile],
             "dropped": look,
             "before": before,
             "catalogue": self._joined_before(number, _stores_tiles),
             "values": self._joined_before(number, _has_values),
             "borders": self._joined_before(number, _has_borders),
             "components": self._joined_before(number, lambda round: round.join == "components"),
+            "pieces": self._joined_before(number, lambda round: round.join == "pieces"),
             "other_catalogue": self._joined_before(number, lambda round: (round.kind, round.number) == ("other", this.number)),
         }
         key = f"{_PHASES[this.kind]}-{number}-{tile}-{time.monotonic_ns()}"
@@ -319,6 +325,8 @@ class _Run:
 
     def _path_of(self, number: int, task: int) -> str:
         this = self._rounds[number]
+        if this.kind in DIVIDING:
+            return f"{this.kind} {task + 1} of {self._tiles}"
         return self._request.others[this.number][task] if this.kind == "other" else self._request.inputs[task]
 
     def _joined_before(self, number: int, is_wanted: Callable[[Round], bool]) -> str:
@@ -350,6 +358,9 @@ class _Run:
                 _core.forget_part(self._place.objects, done.left)
         self._forgotten = number
 
+    def _divides(self) -> bool:
+        return self._rounds[-1].kind in DIVIDING
+
     def _tell(self, kind: str, points: int, of: int) -> None:
         if self._progress is not None:
             self._progress(_PHASES[kind], points, of)
@@ -365,7 +376,7 @@ class _Run:
             worker["tasks"] += 1
             worker["seconds"] += done.seconds
             worker["peak_rss_bytes"] = max(worker["peak_rss_bytes"], done.peak_bytes)
-        warnings = list(dict.fromkeys(sentence for done in last for sentence in done.warnings))
+        warnings = list(dict.fromkeys(sentence for done in (tasks if self._divides() else last) for sentence in done.warnings))
         for sentence in warnings:
             warn(sentence)
         return json.dumps(
@@ -375,7 +386,7 @@ class _Run:
                 "warnings": warnings,
                 "seconds": {"total": seconds, "tasks": sum(done.seconds for done in tasks)},
                 "bytes": {"read": sum(d.bytes_read for d in tasks), "written": sum(d.bytes_written for d in tasks), "scratch": sum(d.bytes_in_scratch for d in tasks)},
-                "files": self._tiles,
+                "files": sum(done.files for done in last) if self._divides() else self._tiles,
                 "points_swept_over_own": sum(d.swept for d in sweeps) / max(1, sum(d.own for d in sweeps)),
                 "tasks": len(tasks),
                 "workers": workers,

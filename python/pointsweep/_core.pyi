@@ -171,5 +171,18 @@ def join_graph(
     left: list[str],
     key: str,
 ) -> None: ...
+def join_pieces(
+    scratch: str,
+    source: list[Any],
+    pipeline: list[Any],
+    keep: list[str],
+    options: dict[str, Any],
+    to: list[str],
+    facts: tuple[int, float],
+    left: list[str],
+    key: str,
+) -> None: ...
 def with_absolute_files(pipeline: str) -> str: ...
+left_by_tasks: tuple[str, ...]
+
 def forget_part(scratch: str, left: str) -> None: ...

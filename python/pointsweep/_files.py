@@ -126,11 +126,16 @@ class Cloud(Files):
         to: Path | Sequence[Path],
         *,
         keep: Sequence[str] | str | None = None,
+        client: Any = None,
+        scratch: Path | None = None,
+        take_over: bool = False,
         progress: ProgressCallback | bool | None = None,
         **options: Unpack[RunOptions],
     ) -> Report:
-        """Writes the points, unchanged, to a file, or to a folder with a file for each input: `pointsweep convert`."""
-        result = performed(self, COPY, to, keep, None, None, None, progress, options)
+        """Writes the points, unchanged, to a file, or to a folder with a file for each input: `pointsweep convert`. With
+        ``tile=`` or ``split=`` it divides them among files of a folder: `pointsweep tile`, `pointsweep split`."""
+        workers = Workers(client, scratch, take_over)
+        result = performed(self, COPY, to, keep, None, None, None, progress, options, workers)
         assert isinstance(result, Report)
         return result
 

@@ -19,6 +19,7 @@ from ._options import bytes_of
 from ._urls import bytes_at, is_url, state_of
 
 _REMOTE_BYTES = 32 << 20  # what reading and writing objects of a bucket takes
+DIVIDING = ("cut", "gather")  #: rounds over all inputs, whose points are divided among files
 _one_at_a_time = threading.Lock()  # a task has the memory and the threads of its process
 
 
@@ -30,7 +31,8 @@ class Step(NamedTuple):
 
 
 class Round(NamedTuple):
-    """A task of each tile, or of each file of another cloud, and what is made of what all of them leave."""
+    """A task of each tile, of each file of another cloud, or of each range of rows where the output is divided; and what is
+    made of what all of them leave."""
 
     steps: list[Step]
     join: str
@@ -51,7 +53,7 @@ class Request(NamedTuple):
     build: str
     inputs: list[str]
     states: list[tuple[int, int | str]]  #: (bytes, time of change or ETag) of each input
-    outputs: list[str]
+    outputs: list[str]  #: for each input; or one path with a *, where the output is divided
     others: dict[int, list[str]]  #: by pass: the files of the other cloud that it reads
     other_states: dict[str, tuple[int, int | str]]  #: of these files
     stages: list[Any]
@@ -77,6 +79,7 @@ class Done(NamedTuple):
     seconds: float
     peak_bytes: int
     worker: str
+    files: int  #: that it has written
     warnings: list[str]
 
 
@@ -109,23 +112,27 @@ def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
         raise Error(f"{worker}: has pointsweep {build()}, the client {request.build}; install one version on all machines.")
     kind, tile = task["round"].kind, task["tile"]
     others = request.others.get(task["round"].number, [])
+    paths, other_file, output = request.inputs[tile : tile + 1], others[0] if others else "", tile
     if kind == "other":
-        path, other_file = request.inputs[0], others[tile]
+        paths, other_file, output = request.inputs[:1], others[tile], 0
         _require_unchanged(other_file, request.other_states[other_file], worker)
+    elif kind in DIVIDING:
+        paths, output = request.inputs, 0
+        for path, state in zip(paths, request.states):
+            _require_unchanged(path, state, worker)
     else:
-        path, other_file = request.inputs[tile], others[0] if others else ""
-        _require_unchanged(path, request.states[tile], worker)
+        _require_unchanged(paths[0], request.states[tile], worker)
     left = f"{task['round_number']:02d}-{tile:06d}-{uuid.uuid4().hex[:12]}"
     options = dict(request.options)
     options["threads"] = options["threads"] or str(threads)
     memory = bytes_of(options["memory"] or None) or _share_of_memory(request.processes)
-    if is_url(objects) and not is_url(path):  # of which the plan of a run knows
+    if is_url(objects) and not is_url(paths[0]):  # of which the plan of a run knows
         memory = max(memory - _REMOTE_BYTES, memory // 2)
     options["memory"] = f"{memory}B"
     with _one_at_a_time:
         start = time.perf_counter()
         rows, own, swept, text = _core.perform_part(
-            objects, [path], request.stages, request.keep, options, [request.outputs[0 if kind == "other" else tile]], request.facts,
+            objects, paths, request.stages, request.keep, options, [request.outputs[output]], request.facts,
             {**task, "other_file": other_file, "record": request.record, "after": left}, None,
         )
         seconds = time.perf_counter() - start
@@ -143,6 +150,7 @@ def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
         seconds,
         int(counts.get("peak_rss_bytes", 0)),
         worker,
+        int(counts.get("files_written", 0)),
         list(counts.get("warnings", [])),
     )
 
@@ -158,8 +166,7 @@ def _require_unchanged(path: str, then: tuple[int, int | str], worker: str) -> N
 
 def _bytes_left(objects: str, left: str) -> int:
     """The bytes of what a task has left in the scratch."""
-    suffixes = (".points", ".index", ".state", ".rows", ".results", ".labels", ".components", ".crossings", ".nodes", ".edges", ".marks", ".buckets", ".forest")
-    return sum(bytes_at(os.path.join(objects, left + suffix)) for suffix in suffixes)
+    return sum(bytes_at(os.path.join(objects, left + end)) for end in _core.left_by_tasks)
 
 
 def _worker() -> tuple[str, int]:

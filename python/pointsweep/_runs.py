@@ -161,9 +161,11 @@ def _spread(
     if not source.is_files:
         raise UsageError("client: is for files that all workers see; write the arrays to files first.")
     given = {**checked, **source.options}
-    files = outputs_of(to, source, divides=bool(given["tile"] or given["split"]))
-    if isinstance(files, str):
+    divides = bool(given["tile"] or given["split"])
+    named = outputs_of(to, source, divides)
+    if isinstance(named, str) and not divides:
         raise UsageError("client: many processes write a file for each input; name a folder with to=.")
+    files = [named] if isinstance(named, str) else named
     stages = identified(stages, resumed=True)
     cluster = importlib.import_module("pointsweep._cluster")  # it loads much that other runs do not need
     with called(progress) as shown:

@@ -326,6 +326,41 @@ def test_operators_of_python_run_on_workers(tiles: Path, tmp_path: Path, client:
     assert_same(tmp_path / "one", tmp_path / "many")
 
 
+@pytest.mark.parametrize("divided", [{"tile": 7, "tile_buffer": 2}, {"split": "part"}])
+def test_points_are_divided_among_files(tiles: Path, tmp_path: Path, immediate: None, divided: dict[str, Any]) -> None:
+    numbered, one, other, scratch = (tmp_path / name for name in ("numbered", "one", "many", "scratch"))
+    ps.open(tiles).run("set(part = floor(z), as=int32)", to=f"{numbered}/")
+    ps.open(numbered).write(one / "*.ply", **divided)
+    damaged: set[str] = set()
+
+    def before(task: Any) -> None:
+        """Damages what the round before has left, and ends a run."""
+        objects = [] if task["round"].kind != "gather" else [*scratch.glob("objects/00-000004-*"), *scratch.glob("objects/joined-*")]
+        for path in objects:
+            if path.suffix not in damaged:
+                damaged.add(path.suffix)
+                content = bytearray(path.read_bytes())
+                content[len(content) // 2] ^= 1
+                path.write_bytes(content)
+        if len(damaged) == 3 and task["tile"] == 6 and "stopped" not in damaged:
+            damaged.add("stopped")
+            raise KeyboardInterrupt
+
+    def write(**options: Any) -> ps.Report:
+        return ps.open(numbered).write(other / "*.ply", client=Immediate(before), scratch=scratch, **options)
+
+    with pytest.raises(KeyboardInterrupt):
+        write(**divided)
+    report = write(**divided)
+    assert damaged == {"", ".pieces", ".cut", "stopped"}
+    assert_same(one, other)
+    assert report.points_written == len(ps.open(tiles)) and report.statistics["files"] == len(list(one.iterdir()))
+    with pytest.raises(ps.Error, match="holds point files already"):
+        write(**divided)
+    with pytest.raises(ps.UsageError, match="no stage changes"):
+        many(tiles, "normals", tmp_path / "refused", Immediate(), tile=7)
+
+
 @pytest.mark.skipif("POINTSWEEP_TOOL" not in os.environ, reason="POINTSWEEP_TOOL does not name the tool")
 def test_the_tool_starts_it(tiles: Path, tmp_path: Path) -> None:
     one_process(tiles, "normals", tmp_path / "one")

@@ -13,10 +13,16 @@
 
 #include "pointsweep/arrays.h"
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/pipeline/language/parse.h"
 #include "pointsweep/pipeline/output/divided_writer.h"
+#include "pointsweep/pipeline/output/pieces.h"
 #include "pointsweep/pipeline/output/tile_grid.h"
+#include "pointsweep/pipeline/run/division_tasks.h"
+#include "pointsweep/storage/local/shared_folder.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/in_memory.h"
+#include "tests/storage/written_bytes.h"
 #include "tests/support/scratch_in_memory.h"
 #include "tests/support/watching.h"
 
@@ -246,6 +252,128 @@ TEST_F(Division, WaitsInTheTemporaryFolderForTheSameFiles) {
     if (first.empty()) first = files;
     EXPECT_TRUE(files == first) << bytes;
     fs::remove_all(folder_ / "out");
+  }
+}
+
+/// Divides the points as processes do that know of each other by a folder.
+void divide_in_tasks(std::vector<fs::path> inputs, const fs::path& out, EngineOptions options, const fs::path& scratch,
+                     std::size_t tasks) {
+  InputCloud cloud(inputs);
+  const Chain chain;
+  const Outputs outputs{.points = out};
+  const DivisionRequest request{cloud, chain, outputs, options};
+  EXPECT_GE(piece_bytes(request), cloud.schema().stride);
+  EXPECT_EQ(plan_ranges(request).size(), inputs.size());
+  SharedFolder place(scratch);
+  std::vector<std::string> names;
+  const std::uint64_t rows = cloud.count() / tasks;
+  EngineOptions allowed = options;
+  allowed.overwrite = true;
+  const DivisionRequest of_task{cloud, chain, outputs, allowed};
+  for (std::size_t task = 0; task <= tasks; ++task) {
+    names.push_back(fmt::format("00-{}-a", task));
+    const std::uint64_t last = task == tasks ? cloud.count() : (task + 1) * rows;
+    cut_range(of_task, {task * rows, last - task * rows}, place, names.back());
+  }
+  join_pieces(request, place, names, "joined");
+  std::uint64_t written = 0;
+  for (std::size_t task = 0; task <= tasks; ++task)
+    written += write_pieces(of_task, task, tasks + 1, place, "joined").points_written;
+  EXPECT_EQ(written, cloud.count());
+}
+
+TEST_F(Division, OfManyProcessesHasTheBytesOfOne) {
+  const fs::path ply = input(true), las = folder_ / "in/few.las";
+  InputCloud whole({ply});
+  run(whole, build_chain(parse_pipeline("where(abs(x) < 100 and abs(y) < 600)"), whole), {.points = las}, {});
+  struct Case {
+    std::vector<fs::path> inputs;
+    const char* out;
+    OutputDivision division;
+  };
+  for (const Case& c : {Case{{ply}, "out/*.ply", {.tile = kSize}},
+                        {{ply, las}, "out/*.ply", {.tile = kSize, .tile_buffer = 33}},
+                        {{las, ply, las}, "out/a_*.csv", {.tile = 70, .tile_origin = {1, 2}}},
+                        {{las}, "out/*.laz", {.tile = kSize, .tile_buffer = 20}},
+                        {{las, las}, "out/*.las", {.split = "id"}}}) {
+    SCOPED_TRACE(fmt::format("{} of {}", c.out, c.inputs.size()));
+    EngineOptions options;
+    options.division = c.division;
+    options.resources.threads = 2;
+    InputCloud cloud(c.inputs);
+    run(cloud, {}, {.points = folder_ / c.out}, options);
+    const auto of_one = bytes_in(folder_ / "out");
+    EXPECT_GE(of_one.size(), 8u);
+    for (const std::size_t tasks : {1, 5}) {
+      fs::remove_all(folder_ / "out");
+      fs::create_directory(folder_ / "scratch");
+      divide_in_tasks(c.inputs, folder_ / c.out, options, folder_ / "scratch", tasks);
+      EXPECT_TRUE(bytes_in(folder_ / "out") == of_one) << tasks;
+      fs::remove_all(folder_ / "scratch");
+    }
+    fs::remove_all(folder_ / "out");
+  }
+}
+
+TEST_F(Division, OfManyProcessesRefusesWhatNeedsAllPointsBeforeTheWork) {
+  const fs::path ply = input(false), las = folder_ / "in/all.las";
+  InputCloud whole({ply});
+  run(whole, {}, {.points = las}, {});
+  const auto plan = [&](const fs::path& input, const std::string& pipeline, const std::string& out,
+                        EngineOptions options) {
+    InputCloud cloud({input});
+    const Chain chain = pipeline.empty() ? Chain() : build_chain(parse_pipeline(pipeline), cloud);
+    const Outputs outputs{.points = folder_ / out};
+    return plan_ranges({cloud, chain, outputs, options});
+  };
+  const auto refusal = [&](const auto&... asked) { return sentence_of<UsageError>([&] { plan(asked...); }); };
+  EXPECT_NE(refusal(ply, "", "out/*.las", tiles(kSize)).find("Which points have no place"), std::string::npos);
+  EXPECT_NE(refusal(ply, "where(x > 0)", "out/*.ply", tiles(kSize)).find("no stage changes"), std::string::npos);
+  EngineOptions stated = tiles(kSize);
+  stated.layout.scale = Vec3{0.01, 0.01, 0.01};
+  EXPECT_NE(refusal(las, "", "out/*.las", stated).find("depends on all points"), std::string::npos);
+  EngineOptions dropping = tiles(kSize);
+  dropping.nonfinite = Nonfinite::drop;
+  EXPECT_EQ(plan(las, "", "out/*.laz", dropping).size(), 1u);
+}
+
+TEST_F(Division, OfManyProcessesNeverReplacesAFileUnasked) {
+  const fs::path file = input(false);
+  EngineOptions options = tiles(kSize);
+  divide(file, "out/*.ply", options);
+  const auto before = bytes_in(folder_ / "out");
+  fs::create_directory(folder_ / "scratch");
+  const auto again = [&] { divide_in_tasks({file}, folder_ / "out/*.ply", options, folder_ / "scratch", 2); };
+  EXPECT_NE(sentence_of<Error>(again).find("holds point files already"), std::string::npos);
+  EXPECT_TRUE(bytes_in(folder_ / "out") == before);
+}
+
+TEST(Pieces, SurviveDamage) {
+  const auto expect_survives = [](const auto& value) {
+    using Value = std::remove_cvref_t<decltype(value)>;
+    const std::vector<std::byte> bytes = encoded(value);
+    const auto again = [](std::span<const std::byte> damaged) { return encoded<const Value>(decoded<Value>(damaged)); };
+    EXPECT_EQ(hex(again(bytes)), hex(bytes));
+    expect_survives_damage(bytes, again);
+  };
+  const PiecesOfRange first{{{{-3, 7}, 5, 9}, {{0, 0}, 0, 2}}}, second{{{{0, 0}, 1, 1}}};
+  expect_survives(first);
+  expect_survives(files_of({"00-0-a", "00-1-b"}, std::vector{first, second}));
+}
+
+TEST(Pieces, AreSharedOutByTheirPoints) {
+  PiecesOfRange range;
+  for (std::int64_t i = 0; i < 100; ++i) range.pieces.push_back({{i, 0}, 10, 10 + static_cast<std::uint64_t>(i % 7)});
+  const FilesOfRanges all = files_of({"a"}, std::vector{range});
+  for (const std::size_t tasks : {1, 3, 99, 1000}) {
+    std::vector<std::size_t> shared;
+    for (std::size_t task = 0; task < tasks; ++task) {
+      const std::vector<std::size_t> own = all.of_task(task, tasks);
+      EXPECT_LE(own.size(), 2 + 130 / tasks);
+      shared.insert(shared.end(), own.begin(), own.end());
+    }
+    EXPECT_EQ(shared.size(), 100u);
+    EXPECT_TRUE(std::ranges::is_sorted(shared));
   }
 }
 

@@ -46,6 +46,28 @@ std::optional<Type> type_of_positions(const std::vector<Attribute>& made, const 
   return moves_points(made) ? std::optional(Type::f64) : std::nullopt;
 }
 
+OutputPlan plan_of_output(const InputCloud& cloud, const Schema& records, const std::vector<Attribute>& made,
+                          const KeptFields& kept, const Outputs& outputs, const EngineOptions& options,
+                          OutputPlace place, std::vector<std::string> provenance) {
+  return {.path = outputs.points,
+          .schema = listed_schema(records, outputs.points, kept, made),
+          .count = cloud.count(),
+          .extras = cloud.extras(),
+          .overwrite = options.overwrite,
+          .bounds = place.bounds,
+          .crs = cloud.crs(),
+          .replaces_crs = cloud.replaces_crs(),
+          .las = cloud.las(),
+          .values = of_kept_fields(std::move(place.values), kept),
+          .other_extras = cloud.other_extras(),
+          .made = made,
+          .provenance = std::move(provenance),
+          .layout = options.layout,
+          .encoder_bytes = place.encoder_bytes,
+          .scratch = place.scratch,
+          .temp_folder = options.resources.temp_folder};
+}
+
 OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept,
                      const Outputs& outputs, const EngineOptions& options, OutputPlace place,
                      std::vector<std::string> provenance)
@@ -53,26 +75,11 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
       input_stride_(cloud.schema().stride),
       rounding_(cloud.schema(), made, layout_.schema()),
       name_(options.division.divides() ? folder_of(outputs.points) : outputs.points) {
-  const OutputPlan plan{.path = outputs.points,
-                        .schema = listed_schema(layout_.schema(), outputs.points, kept, made),
-                        .count = cloud.count(),
-                        .extras = cloud.extras(),
-                        .overwrite = options.overwrite,
-                        .bounds = place.bounds,
-                        .crs = cloud.crs(),
-                        .replaces_crs = cloud.replaces_crs(),
-                        .las = cloud.las(),
-                        .values = of_kept_fields(std::move(place.values), kept),
-                        .other_extras = cloud.other_extras(),
-                        .made = made,
-                        .provenance = std::move(provenance),
-                        .layout = options.layout,
-                        .encoder_bytes = place.encoder_bytes,
-                        .scratch = place.scratch,
-                        .temp_folder = options.resources.temp_folder};
+  const OutputPlan plan =
+      plan_of_output(cloud, layout_.schema(), made, kept, outputs, options, place, std::move(provenance));
   if (options.division.divides()) {
-    auto divided = std::make_unique<DividedWriter>(
-        plan, options.division, DivisionRoom{place.division_bytes, place.scratch, place.completing});
+    auto divided = std::make_unique<DividedWriter>(plan, options.division,
+                                                   DivisionRoom{place.division_bytes, place.scratch, place.completing});
     divided_ = divided.get();
     points_.add(std::move(divided));
   } else if (!outputs.points.empty()) {

@@ -20,13 +20,19 @@ namespace pointsweep {
 
 /// The values that formats need before the first record.
 struct OutputPlace {
-  std::optional<Box> bounds;                  ///< OutputPlan::bounds
-  std::shared_ptr<const KnownValues> values;  ///< OutputPlan::values
-  std::uint64_t encoder_bytes = 0;            ///< OutputPlan::encoder_bytes
-  std::uint64_t division_bytes = 0;           ///< DivisionRoom::bytes
-  MakeScratch scratch = {};                   ///< OutputPlan::scratch
+  std::optional<Box> bounds;                           ///< OutputPlan::bounds
+  std::shared_ptr<const KnownValues> values;           ///< OutputPlan::values
+  std::uint64_t encoder_bytes = 0;                     ///< OutputPlan::encoder_bytes
+  std::uint64_t division_bytes = 0;                    ///< DivisionRoom::bytes
+  MakeScratch scratch = {};                            ///< OutputPlan::scratch
   std::function<void(std::uint64_t)> completing = {};  ///< DivisionRoom::progress
 };
+
+/// Returns the plan of an output whose records have the schema `records`. `made`, `kept` and `provenance`: see
+/// OutputSet().
+OutputPlan plan_of_output(const InputCloud& cloud, const Schema& records, const std::vector<Attribute>& made,
+                          const KeptFields& kept, const Outputs& outputs, const EngineOptions& options,
+                          OutputPlace place, std::vector<std::string> provenance);
 
 class OutputSet {
  public:

@@ -218,6 +218,16 @@ struct EncoderMemory {
   std::uint64_t spare;       ///< bytes that the plan does not use
 };
 
+OutputPlace place_of_output(const Context& context, const EncoderMemory& memory, const Survey& survey,
+                            const CloudValues& values) {
+  return {bounds_if_known(context, survey, values),
+          values_if_needed(context, format_of_output(context.outputs.points)),
+          memory.encoding(context.options),
+          memory.division(context.options),
+          context.places.scratch(),
+          context.progress_of("completing")};
+}
+
 std::string text_of(const Box& box) {
   return fmt::format("x {:.9g} .. {:.9g}, y {:.9g} .. {:.9g}", box.lo.x, box.hi.x, box.lo.y, box.hi.y);
 }
@@ -244,6 +254,14 @@ std::vector<std::string> recorded_stages(const ChainPlan& plan) {
   std::vector<std::string> stages = canonical_stages(plan, Presets::left_out);
   if (searches_nothing(plan.chain)) stages.erase(stages.begin());
   return stages;
+}
+
+CopyPlan plan_copy(const Context& context, const WorkPlan& work) {
+  const EncoderMemory memory(context, work);
+  return {plan_of_output(context.cloud, work.layout->schema(), context.names.made, context.names.kept, context.outputs,
+                         context.options, place_of_output(context, memory, {}, {}),
+                         provenance_of(context.cloud, said_of(context, 0))),
+          memory.division(context.options)};
 }
 
 bool needs_bounds(const Context& context) {
@@ -297,14 +315,9 @@ void OutputFiles::open_files(const Context& context, const WorkPlan& work, const
     tiles_.emplace(request, FinishedTiles(context.options.resume_folder));
     return;
   }
-  OutputPlace place{bounds_if_known(context, survey, rows.values),
-                    values_if_needed(context, format_of_output(context.outputs.points)),
-                    memory.encoding(context.options),
-                    memory.division(context.options),
-                    context.places.scratch(),
-                    context.progress_of("completing")};
   files_.emplace(context.cloud, context.names.made, context.names.kept, context.outputs, context.options,
-                 std::move(place), provenance_of(context.cloud, said_of(context, survey.axis)));
+                 place_of_output(context, memory, survey, rows.values),
+                 provenance_of(context.cloud, said_of(context, survey.axis)));
 }
 
 void OutputFiles::write_results(InputCloud& cloud, std::uint64_t first, std::span<const std::byte> results) {

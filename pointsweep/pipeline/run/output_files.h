@@ -12,6 +12,7 @@
 #include "pointsweep/pipeline/output/output_set.h"
 #include "pointsweep/pipeline/output/tile_set.h"
 #include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/writer.h"
 
 namespace pointsweep {
 
@@ -21,6 +22,13 @@ bool needs_bounds(const Context& context);
 
 /// Returns the stages for the record of a run. A chain that searches no neighbours states no neighbourhood.
 std::vector<std::string> recorded_stages(const ChainPlan& plan);
+
+/// The output of a run that only copies rows (copies_rows()), and memory for dividing it.
+struct CopyPlan {
+  OutputPlan output;             ///< of one file with all rows
+  std::uint64_t division_bytes;  ///< DivisionRoom::bytes
+};
+CopyPlan plan_copy(const Context& context, const WorkPlan& work);
 
 /// The outputs: one set of files, or one tile for each input.
 class OutputFiles {

@@ -9,6 +9,7 @@
 #include "pointsweep/pipeline/rows/cropped_input.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
+#include "pointsweep/pipeline/run/division_tasks.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/part_run.h"
 #include "pointsweep/pipeline/run/phases.h"
@@ -109,10 +110,27 @@ std::vector<OtherFiles> other_files(const Request& request, const RunReport& rep
   return files;
 }
 
+/// Plans a run whose output is divided: no tile of its inputs is a task.
+PartPlan plan_division(const DivisionRequest& request, const ChainPlan& plan) {
+  const Request own{request.cloud, request.outputs, request.options, plan};
+  require_own_files(own);
+  PartPlan made;
+  made.rows = plan_ranges(request);
+  Statistics statistics = first_counts(own, {});
+  require_work(own);
+  check_request(own, {statistics, nullptr});
+  made.rounds = {{{{PartRoundKind::cut}}, PartJoin::pieces}, {{{PartRoundKind::gather}}}};
+  made.nonfinite = Nonfinite::keep;
+  made.scratch_bytes = piece_bytes(request);
+  made.notes = statistics.warnings;
+  return made;
+}
+
 }  // namespace
 
 PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
   const ChainPlan plan = plan_of_parts(cloud, chain, outputs, options);
+  if (options.division.divides()) return plan_division({cloud, chain, outputs, options}, plan);
   const CroppedInput cropped(cloud, plan);
   require_divisible(plan, outputs, options);
   require_common_grid(cloud, plan, options);

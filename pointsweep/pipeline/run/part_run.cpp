@@ -27,9 +27,11 @@
 #include "pointsweep/pipeline/rows/numbered_input.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
+#include "pointsweep/pipeline/run/division_tasks.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/request.h"
+#include "pointsweep/pipeline/run/tile_state.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/storage/sealed_value.h"
@@ -38,60 +40,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr Encoding kStateEncoding{"state of a tile", 2};
-constexpr Encoding kValuesEncoding{"values of the cloud", 1};
 constexpr std::size_t kBytesAtOnce = 4 << 20;
-
-/// What a task leaves of its tile, beside the points of an order round: NAME.state is this value, NAME.rows the records
-/// that its pass carries to the next one.
-struct TileState {
-  Survey survey;                             ///< of the input
-  std::vector<std::vector<std::byte>> mask;  ///< blocks of the selection; none: all rows are left
-  std::string carried;                       ///< name of the records; empty: there are none
-  std::vector<std::vector<std::byte>> saved_values;
-  std::string swept;  ///< name of the results of a sweep that has left a graph
-
-  void encode(Encoder& out) const {
-    out.begin(kStateEncoding);
-    survey.encode(out);
-    out.put_list(mask, [&](const std::vector<std::byte>& block) { out.put_bytes(block); });
-    out.put_text(carried);
-    out.put_list(saved_values, [&](const std::vector<std::byte>& value) { out.put_bytes(value); });
-    out.put_text(swept);
-  }
-  static TileState decode(Decoder& in) {
-    in.begin(kStateEncoding);
-    TileState state;
-    state.survey = Survey::decode(in);
-    const auto get = [&] { return in.get_bytes(); };
-    state.mask = in.get_list<std::vector<std::byte>>(get);
-    state.carried = in.get_text();
-    state.saved_values = in.get_list<std::vector<std::byte>>(get);
-    state.swept = in.get_text();
-    for (const std::vector<std::byte>& block : state.mask)
-      if (block.size() != RowSelection::kBlockBytes) fail("a block of a selection has {} bytes.", block.size());
-    return state;
-  }
-};
-
-TileState state_left(const Storage& scratch, const std::string& name) {
-  return sealed_value<TileState>(scratch, name + ".state");
-}
-
-CloudValues values_in(const Storage& scratch, const std::string& key) {
-  CloudValues values;
-  if (key.empty()) return values;
-  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(scratch, key);
-  if (!bytes) fail("{}: is damaged.", key);
-  Decoder in(*bytes);
-  in.begin(kValuesEncoding);
-  for (std::uint64_t i = 0, count = in.get_count(); i < count; ++i) {
-    const auto number = in.get<std::uint64_t>();
-    values[number] = in.get_numbers<double>();
-  }
-  in.finish();
-  return values;
-}
 
 /// The working records of a file of another cloud.
 Schema working_of_other(const InputCloud& file, const std::vector<Attribute>& reads) {
@@ -155,7 +104,7 @@ class TaskOfTile {
       end_pass(step.pass, state, work, std::move(results));
       if (is_last || (&step)[1].kind == PartRoundKind::order) keep_rows(state);
     }
-    seal_state(state);
+    state.seal(scratch_, task_.after);
   }
 
   void write(std::size_t p, const Survey& of_input, WorkPlan& work, RowStore* results) {
@@ -178,8 +127,6 @@ class TaskOfTile {
     state.saved_values = std::move(rows_.saved_values);
   }
 
-  void seal_state(const TileState& state) const { seal_bytes(scratch_, task_.after + ".state", encoded(state)); }
-
   /// Leaves the results of a sweep that has left a graph, and the state as it was before.
   void keep_swept(std::size_t p, TileState& state, RowStore* results) {
     const PlannedPass& pass = context_.plan.passes[p];
@@ -194,7 +141,7 @@ class TaskOfTile {
       leave_no_graph(op.votes(), scratch_, task_.after);
     }
     state.swept = task_.after;
-    seal_state(state);
+    state.seal(scratch_, task_.after);
   }
 
   void grow_forest(std::size_t p, const TileState& state, const WorkPlan& work) {
@@ -208,7 +155,7 @@ class TaskOfTile {
     } else {
       leave_no_forest(scratch_, task_.after);
     }
-    seal_state(state);
+    state.seal(scratch_, task_.after);
   }
 
   std::unique_ptr<RowStore> label(std::size_t p, const TileState& state, const WorkPlan& work) {
@@ -222,9 +169,9 @@ class TaskOfTile {
   /// Goes back to where the task before has ended.
   TileState restore() {
     TileState state;
-    if (!task_.values.empty()) rows_.values = values_in(scratch_, task_.values);
+    if (!task_.values.empty()) rows_.values = sealed_values(scratch_, task_.values);
     if (task_.before.empty()) return state;
-    state = state_left(scratch_, task_.before);
+    state = TileState::left(scratch_, task_.before);
     InputCloud& cloud = context_.cloud;
     if (!state.mask.empty()) {
       if (state.mask.size() != (cloud.count() + RowSelection::kBlockRows - 1) / RowSelection::kBlockRows)
@@ -287,7 +234,7 @@ class TaskOfTile {
       store_no_points(scratch_, task_.after);
     }
     state.saved_values.clear();
-    seal_state(state);
+    state.seal(scratch_, task_.after);
   }
 
   /// Chooses what other tiles have to know of a tile; empty: all.
@@ -371,6 +318,11 @@ PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, 
   EngineOptions options = given;
   options.ordering = Ordering::distribution;
   options.overwrite = true;
+  const DivisionRequest division{tile, chain, outputs, options};
+  if (task.round.kind() == PartRoundKind::cut)
+    return {.statistics = cut_range(division, {task.first_row, task.rows}, scratch, task.after)};
+  if (task.round.kind() == PartRoundKind::gather)
+    return {.statistics = write_pieces(division, task.tile, task.tiles, scratch, task.pieces)};
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
   const ChainPlan plan = plan_of_parts(tile, chain, outputs, options);
   if (task.round.kind() == PartRoundKind::other) return store_other(plan, options, task, scratch);
@@ -413,17 +365,11 @@ void join_tiles(Storage& scratch, const std::vector<std::string>& left, const st
 void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
                  const PartRound& round, Storage& scratch, const std::string& before,
                  const std::vector<std::string>& left, const std::string& key) {
-  CloudValues values = values_in(scratch, before);
+  CloudValues values = before.empty() ? CloudValues() : sealed_values(scratch, before);
   std::vector<std::vector<std::vector<std::byte>>> saved;
-  for (const std::string& name : left) saved.push_back(state_left(scratch, name).saved_values);
+  for (const std::string& name : left) saved.push_back(TileState::left(scratch, name).saved_values);
   finish_values(plan_of_parts(tile, chain, outputs, options).passes.at(round.steps.back().pass), saved, values);
-  Encoder out;
-  out.begin(kValuesEncoding);
-  out.put_list(values, [&](const auto& value) {
-    out.put<std::uint64_t>(value.first);
-    out.put_numbers(std::span<const double>(value.second));
-  });
-  seal_bytes(scratch, key, out.bytes());
+  seal_values(scratch, key, values);
 }
 
 void join_graph(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
@@ -443,10 +389,13 @@ void join_graph(InputCloud& tile, const Chain& chain, const Outputs& outputs, co
     join_graphs(scratch, tiles, left, setup, key);
 }
 
+void join_cuts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
+               Storage& scratch, const std::vector<std::string>& left, const std::string& key) {
+  join_pieces({cloud, chain, outputs, options}, scratch, left, key);
+}
+
 void forget(Storage& scratch, const std::string& left) {
-  for (const char* const object : {".points", ".index", ".state", ".rows", ".results", ".labels", ".components",
-                                   ".crossings", ".numbers", ".nodes", ".edges", ".marks", ".buckets", ".forest"})
-    scratch.remove(left + object);
+  for (const char* const end : kLeftByTasks) scratch.remove(left + end);
 }
 
 }  // namespace pointsweep

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// The records of an output that is divided among many files, collected file by file.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "pointsweep/pipeline/output/divider.h"
+#include "pointsweep/pipeline/output/grouped_records.h"
+#include "pointsweep/points/scratch.h"
+
+namespace pointsweep {
+
+class DividedRecords {
+ public:
+  /// Borrows the divider. `expected`: number of records. `memory_bytes` and `make_scratch`: for the records
+  /// (GroupedRecords).
+  DividedRecords(const Divider& divider, std::uint64_t expected, std::uint64_t memory_bytes, MakeScratch make_scratch);
+
+  /// Adds records to their files, and to the buffers of others. Throws the error of Divider::require_few().
+  void write(std::span<const std::byte> records);
+  /// Calls `use` with whole records of Divider::plan(): the records of one file after those of another, each in the
+  /// order in which they came. `file` is an index of files(). Must be called once, after the last record.
+  void for_each(const std::function<void(std::uint32_t file, std::span<const std::byte> records)>& use) {
+    records_.for_each(use);
+  }
+
+  /// Returns the files in the order of their first records. Some may have a buffer and no point of their own.
+  const std::vector<DividedFile>& files() const { return files_; }
+  std::uint64_t came() const { return came_; }  ///< number of records
+
+ private:
+  void put(FileKey key, const std::byte* record, bool is_own);
+
+  const Divider& divider_;
+  GroupedRecords records_;
+  std::vector<FileKey> keys_;  ///< of the latest records
+  std::vector<DividedFile> files_;
+  std::unordered_map<FileKey, std::uint32_t, FileKeyHash> file_of_;
+  std::uint64_t came_ = 0;
+  std::size_t with_points_ = 0;  ///< files with points outside of their buffer
+};
+
+}  // namespace pointsweep

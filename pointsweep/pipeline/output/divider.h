@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+/// Which file a point comes into when an output is divided among many: tiles, or a file for each value of an attribute.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "pointsweep/formats/format.h"
+#include "pointsweep/pipeline/output/tile_grid.h"
+#include "pointsweep/points/schema.h"
+#include "pointsweep/run.h"
+#include "pointsweep/writer.h"
+
+namespace pointsweep {
+
+/// Largest number of files of a run that may not overwrite files.
+inline constexpr std::size_t kMostFiles = 10'000;
+
+/// The identity of a file: the two numbers of a tile, or the value of the attribute and 0.
+struct FileKey {
+  std::int64_t first = 0, second = 0;
+  friend auto operator<=>(const FileKey&, const FileKey&) = default;
+};
+struct FileKeyHash {
+  std::size_t operator()(const FileKey& key) const;
+};
+
+/// One of the files, and how many points it gets.
+struct DividedFile {
+  FileKey key;
+  std::uint64_t own = 0, all = 0;  ///< points, without and with the points in its buffer
+};
+
+/// The tile of a point is decided by the coordinates that a reader of the output gets, after any rounding of its
+/// format. Points without a finite x and y have a file of their own, `unplaced`.
+class Divider {
+ public:
+  /// `plan.path` is the path of the files, with a * for the name of each. Throws UsageError for an attribute whose
+  /// values cannot divide points.
+  Divider(OutputPlan plan, const OutputDivision& division);
+  /// Throws the errors of create_writer().
+  void require_writable() const;
+
+  /// Returns the plan of all files together. With a buffer, its records have one attribute more than those that are
+  /// divided.
+  const OutputPlan& plan() const { return plan_; }
+  bool has_buffers() const { return division_.tile_buffer > 0; }
+  /// Returns the bytes of a record that is divided.
+  std::size_t record_bytes() const { return record_bytes_; }
+
+  /// Returns the file that owns the point.
+  FileKey key_of(const std::byte* record) const;
+  /// Calls `use` for each other tile that has the point in its buffer. `own` is key_of(record).
+  void for_each_buffer(const std::byte* record, const FileKey& own, const std::function<void(FileKey)>& use) const;
+  /// Fills a record of a file: the record that is divided, and the mark of points in a buffer if there are buffers.
+  void copy(const std::byte* record, bool is_own, std::byte* to) const;
+
+  std::filesystem::path path_of(const FileKey& key) const;
+  /// Returns the plan of one file.
+  OutputPlan plan_of(const DividedFile& file) const;
+  /// Returns whether the file has the points that are in no tile.
+  bool is_unplaced(const FileKey& key) const;
+  /// Throws UsageError if a run that may not overwrite files would write more than kMostFiles.
+  void require_few(std::size_t files) const;
+
+ private:
+  void choose_attribute(const std::string& word);
+  std::string name_of(const FileKey& key) const;
+  double coordinate_of(std::size_t axis, const std::byte* record) const;
+
+  OutputPlan plan_;
+  OutputDivision division_;
+  std::size_t record_bytes_;
+  std::optional<TileGrid> grid_;  ///< absent: an attribute divides the points
+  std::array<Field, 2> xy_;       ///< x and y in the records, for tiles
+  StoredCoordinate stored_;       ///< coordinate after the rounding of the output's format
+  Field attribute_;               ///< field of the records whose values divide them
+  std::string attribute_name_;    ///< as part of file names
+};
+
+}  // namespace pointsweep

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+/// What processes that divide the points of a cloud among files leave for each other.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pointsweep/pipeline/output/divider.h"
+#include "pointsweep/storage/encoding.h"
+
+namespace pointsweep {
+
+/// What a range of the rows has of each file, in the order of its records.
+struct PiecesOfRange {
+  std::vector<DividedFile> pieces;
+
+  void encode(Encoder& out) const;
+  static PiecesOfRange decode(Decoder& in);
+};
+
+/// Records of a range that belong to one file.
+struct PieceOfFile {
+  std::uint64_t range, first, count;
+};
+
+/// The files of all ranges together, in the order of their keys.
+struct FilesOfRanges {
+  std::vector<std::string> ranges;  ///< names of what the tasks of the ranges have left
+  std::vector<DividedFile> files;
+  std::vector<std::vector<PieceOfFile>> pieces;  ///< of each file, in the order of rows
+
+  void encode(Encoder& out) const;
+  static FilesOfRanges decode(Decoder& in);
+  /// Returns the number of files with points outside of their buffer.
+  std::size_t with_points() const;
+  /// Returns the indices of the files that task `task` of `tasks` writes. Each task has about as many points.
+  std::vector<std::size_t> of_task(std::size_t task, std::size_t tasks) const;
+};
+
+/// `names` and `pieces`: of each range, in the order of rows.
+FilesOfRanges files_of(const std::vector<std::string>& names, std::span<const PiecesOfRange> pieces);
+
+}  // namespace pointsweep

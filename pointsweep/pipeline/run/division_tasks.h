@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// The tasks of many processes that divide the points of a cloud among files (`tile`, `split`). Each task of the first
+/// round cuts a range of the rows into pieces, one for each file; each task of the second round writes some of the
+/// files from the pieces of all ranges. All tasks open all inputs, so that they plan the same layout for the output.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/statistics.h"
+#include "pointsweep/storage/storage.h"
+
+namespace pointsweep {
+
+/// A run that divides the points of a cloud, and does nothing else.
+struct DivisionRequest {
+  InputCloud& cloud;
+  const Chain& chain;      ///< what is kept
+  const Outputs& outputs;  ///< `points` is the path of the files, with a * for the name of each
+  const EngineOptions& options;
+};
+
+/// Returns the number of rows of each range. Throws UsageError for a chain with stages, and if the layout of the output
+/// depends on all points.
+std::vector<std::uint64_t> plan_ranges(const DivisionRequest& request);
+/// Returns the bytes of a point in the scratch. Throws for outputs that cannot be written, as far as this is known
+/// before the work.
+std::uint64_t piece_bytes(const DivisionRequest& request);
+
+struct RowRange {
+  std::uint64_t first = 0, rows = 0;
+};
+/// Cuts the range. As in write_pieces(), `options` allow files to be replaced: join_pieces() has asked. Leaves the
+/// records of the pieces, and what they are, under names that begin with `name`.
+Statistics cut_range(const DivisionRequest& request, RowRange range, Storage& scratch, const std::string& name);
+
+/// Seals under `key` which files there are, and the pieces of each. `names`: of the ranges, in order. Throws if one of
+/// the files cannot be written.
+void join_pieces(const DivisionRequest& request, Storage& scratch, const std::vector<std::string>& names,
+                 const std::string& key);
+
+/// Writes the files that are the work of task `task` of `tasks`.
+Statistics write_pieces(const DivisionRequest& request, std::size_t task, std::size_t tasks, const Storage& scratch,
+                        const std::string& key);
+
+}  // namespace pointsweep
