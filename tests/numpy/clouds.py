@@ -34,15 +34,18 @@ def clouds(n=900):
     yield "one point", u[:1]
 
 
+def nearest_first(distances2, points):
+    """For each row of squared distances to these points their numbers, the nearest first; equal distances by x, y, z, row."""
+    by_place = np.lexsort(points.T[::-1])
+    return by_place[np.argsort(distances2[:, by_place], axis=1, kind="stable")]
+
+
 def neighbors(points, k=None, radius=np.inf):
     """For each row the rows of its k nearest within the radius, the row itself left out; ties go by x, y, z, row."""
     dx, dy, dz = (points[:, None, a] - points[None, :, a] for a in range(3))
     d2 = (dx * dx + dy * dy) + dz * dz
-    rows = np.arange(len(points))
-    x, y, z = points.T
     lists = []
-    for i in rows:
-        order = np.lexsort((rows, z, y, x, d2[i]))
+    for i, order in enumerate(nearest_first(d2, points)):
         order = order[(order != i) & (d2[i][order] <= radius * radius)]
         lists.append(order[:k])
     return lists

@@ -33,13 +33,13 @@ class Components(clouds.Clouds):
         np.testing.assert_array_equal(got["component_size"], size)
 
     def test_nearest(self):
-        for name, points in clouds.clouds():
+        for name, points in clouds.clouds(500):
             for k in (1, 2, 6):
                 with self.subTest(name, k=k):
                     self.check(points, clouds.neighbors(points, k), f"knn(k={k}) | components")
 
     def test_distance(self):
-        for name, points in clouds.clouds():
+        for name, points in clouds.clouds(500):
             for radius in (0.02, 0.1):
                 with self.subTest(name, radius=radius):
                     self.check(points, clouds.neighbors(points, radius=radius), f"knn(radius={radius}) | components(distance={radius})")

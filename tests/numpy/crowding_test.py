@@ -12,14 +12,13 @@ class RadiusOutliersAreThosePdalFinds(clouds.Clouds):
     """filters.outlier, method radius, keeps a point if more than min_k points lie within the radius, itself included."""
 
     def test(self):
-        for name, points in clouds.clouds(500):
-            for radius, least in ((0.07, 4), (1.0, 2), (2.5, 12)):
-                with self.subTest(cloud=name, radius=radius, least=least):
-                    lists = clouds.neighbors(points, None, radius)
-                    inlier = np.array([len(rows) + 1 > least for rows in lists])
-                    for knn in (f"k={least}", f"k={least + 3}, radius={2 * radius}", f"radius={radius}"):
-                        got = self.run_pipeline(points, f"knn({knn}) | ror(radius={radius}, min_neighbors={least})")
-                        np.testing.assert_array_equal(got["outlier"] == 0, inlier)
+        for c, (name, points) in enumerate(clouds.clouds(500)):
+            for r, (radius, least) in enumerate(((0.07, 4), (1.0, 2), (2.5, 12))):
+                knn = (f"k={least}", f"k={least + 3}, radius={2 * radius}", f"radius={radius}")[(c + r) % 3]  # each with each radius of some clouds
+                with self.subTest(cloud=name, radius=radius, least=least, knn=knn):
+                    inlier = np.array([len(rows) + 1 > least for rows in clouds.neighbors(points, None, radius)])
+                    got = self.run_pipeline(points, f"knn({knn}) | ror(radius={radius}, min_neighbors={least})")
+                    np.testing.assert_array_equal(got["outlier"] == 0, inlier)
 
 
 class DensitiesAreCountsOverSizes(clouds.Clouds):

@@ -48,8 +48,10 @@ def expected(points, i, rows, scale, with_point):
 
 
 class FeaturesAreThoseOfTheirFormulas(clouds.Clouds):
+    """Of every third row."""
+
     def test(self):
-        for name, points in clouds.clouds():
+        for name, points in clouds.clouds(600):
             for k, radius, scale, with_point in ((10, np.inf, "raw", "yes"), (7, np.inf, "sqrt", "no"),
                                                  (None, 0.12, "normalized", "yes"), (80, np.inf, "raw", "no")):
                 if k is None and name in ("one place", "duplicates"):
@@ -62,7 +64,8 @@ class FeaturesAreThoseOfTheirFormulas(clouds.Clouds):
         got = self.run_pipeline(points, f"knn({knn}) | features(eigenvalues={scale}, with_point={with_point})")
         lists = clouds.neighbors(points, k, radius)
         decided = 0
-        for i, rows in enumerate(lists):
+        for i in range(0, len(points), 3):
+            rows = lists[i]
             want, doubt = expected(points, i, rows, scale, with_point == "yes")
             for name, value in want.items():
                 allowed = doubt.get(name, 0) + 3e-7 * abs(value)
