@@ -10,7 +10,7 @@ from copc_file import read_copc
 from las_file import columns, read_las
 from las_made import las_of_point_format
 
-LARGEST = 20_000_000  # bytes of a real file
+LARGEST = 4_000_000  # bytes of a real file
 
 
 def records_of(points):
@@ -118,7 +118,7 @@ class OtherProgramsFindThePointsOfEachLevel(tool.Files):
     def made(self):
         """Clouds with many levels, and with made attributes."""
         paths = [self.folder / "scan.laz", self.folder / "normals.laz"]
-        subprocess.run([tool.TOOL, "generate", "tls", paths[0], "-n", "400000", "--quiet"], check=True)
+        subprocess.run([tool.TOOL, "generate", "tls", paths[0], "-n", "200000", "--quiet"], check=True)
         tool.run("run", [paths[0]], paths[1], "--pipeline", "knn(k=8) | normals | sor")
         return paths
 

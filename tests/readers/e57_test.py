@@ -78,7 +78,7 @@ class E57FilesThatAreWrittenAreReadByPye57(tool.Files):
     plyfile. Other tests compare these PLY files with the real files as others read them."""
 
     def test(self):
-        files = tool.real_files(".las", ".laz", ".ply", ".pcd", largest=3_000_000)
+        files = tool.real_files(".las", ".laz", ".ply", ".pcd", largest=500_000)
         self.each(files, 60, self.check)
 
     def check(self, path):

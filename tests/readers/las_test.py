@@ -13,6 +13,8 @@ from ply_file import read_ply
 BROKEN = {"1.2-with-color-clipped.las", "las12_header_size.las", "las12_point_data_format.las", "bad_vlr_count.las", "no-points.las",
           "no-points-1.3.las", "bad-ellipsoid.copc.laz"}
 
+LARGE = 1_500_000  # bytes
+
 
 class LasFiles(tool.Files):
     def check_reading(self, path):
@@ -38,6 +40,14 @@ class LasFiles(tool.Files):
         self.assertEqual(records_of(got.evlrs), records_of(without_nodes(want.evlrs)), "EVLRs")
 
 
+def first_points(path, target, count):
+    with laspy.open(str(path), **({"laz_backend": laspy.LazBackend.Laszip} if path.suffix == ".laz" else {})) as file:
+        las = laspy.LasData(file.header, file.read_points(count))
+        las.evlrs = file.evlrs
+    las.write(str(target))
+    return target
+
+
 def without_nodes(evlrs):
     """LAS and LAZ have no nodes as COPC files have."""
     return [record for record in evlrs or [] if (record.user_id, record.record_id) != ("copc", 1000)]
@@ -56,7 +66,15 @@ class LasAndLazFilesAreReadAsLaspyReadsThem(LasFiles):
 
 class LaspyReadsTheLasAndLazFilesThatWeWrite(LasFiles):
     def test(self):
-        self.each(tool.real_files(".las", ".laz"), 40, self.check_writing)
+        self.each(tool.real_files(".las", ".laz"), 40, self.check)
+
+    def check(self, path):
+        """Of a large file its first points, which fill more than a chunk of LAZ."""
+        if path.stat().st_size > LARGE:
+            if path.name.endswith(".copc.laz"):  # its nodes name all points, and smaller ones have all else that it has
+                return
+            path = first_points(path, self.folder / f"first{path.suffix}", 60_000)
+        self.check_writing(path)
 
 
 class OddLasAndLazFilesAreReadAndWritten(LasFiles):

@@ -21,7 +21,7 @@ class Pypcd4ReadsThePcdFilesThatWeWrite(tool.Files):
     """Of LAS, LAZ and PCD files."""
 
     def test(self):
-        self.each(tool.real_files(".las", ".laz", ".pcd", largest=400_000), 80, self.check)
+        self.each(tool.real_files(".las", ".laz", ".pcd", largest=200_000), 80, self.check)
 
     def check(self, path):
         want = read_pcd(path) if path.suffix == ".pcd" else las_columns(read_las(path))

@@ -34,7 +34,7 @@ class NumpyReadsTheTextFilesThatWeWrite(tool.Files):
     is as near to the value as raw * scale + offset in double can be."""
 
     def test(self):
-        self.each(tool.real_files(".las", ".laz", ".ply", largest=150_000), 40, self.check)
+        self.each(tool.real_files(".las", ".laz", ".ply", largest=150_000)[::2], 35, self.check)
 
     def check(self, path):
         want = read_ply(path) if path.suffix == ".ply" else las_columns(read_las(path))
