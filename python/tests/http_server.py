@@ -126,7 +126,7 @@ class Server:
             self.url = f"https://{self.host}"
 
     def __enter__(self) -> Server:
-        threading.Thread(target=self._server.serve_forever, daemon=True).start()
+        threading.Thread(target=self._server.serve_forever, args=[0.01], daemon=True).start()  # seconds until it notices its end
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -202,7 +202,7 @@ class TestFaults:
         def openssl(*arguments: str) -> None:
             subprocess.run(["openssl", *arguments], cwd=here.folder, check=True, capture_output=True)
 
-        new_key = ("-newkey", "rsa:2048", "-nodes")
+        new_key = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes")
         openssl("req", "-x509", *new_key, "-keyout", "ca.key", "-out", "ca.pem", "-days", "2", "-subj", "/CN=tests")
         openssl("req", *new_key, "-keyout", "own.key", "-out", "own.csr", "-subj", "/CN=tests")
         (here.folder / "extensions").write_text("subjectAltName=IP:127.0.0.1\nbasicConstraints=CA:FALSE\n")
@@ -312,7 +312,6 @@ class TestBuckets:
             here("convert", "scan.laz", f"local.{name}")
             here("convert", "scan.laz", f"{bucket}/dir/a b.{name}")
             assert content(f"{bucket}/dir/a b.{name}") == (here.folder / f"local.{name}").read_bytes(), name
-            here("convert", f"{bucket}/dir/a b.{name}", "back.ply", "--force")
             here("convert", f"local.{name}", "own.ply", "--force", "--no-provenance")
             here("convert", f"{bucket}/dir/a b.{name}", "back.ply", "--force", "--no-provenance")
             assert (here.folder / "back.ply").read_bytes() == (here.folder / "own.ply").read_bytes(), name
@@ -426,7 +425,7 @@ class FailingProxy:
         self._server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
         self._server.daemon_threads = True
         self.url = f"http://127.0.0.1:{self._server.server_address[1]}"
-        threading.Thread(target=self._server.serve_forever, daemon=True).start()
+        threading.Thread(target=self._server.serve_forever, args=[0.01], daemon=True).start()
 
     def __enter__(self) -> FailingProxy:
         return self

@@ -19,7 +19,7 @@ PAGES_WITH_COMMANDS = ["README.md", "docs/index.md", "docs/cookbook.md", "docs/l
 # Lines of blocks that set a machine up: script/ and pip are tested by themselves.
 SETS_UP = re.compile(r"(script/|pip )")
 # README.md generates a cloud that takes seconds; a smaller one shows the same.
-SMALLER = ("-n 500k", "-n 50k")
+SMALLER = ("-n 500k", "-n 20k")
 BLOCK = re.compile(r"^```sh\n(?P<commands>.*?)^```\n(?P<shown>\n?```text\n(?P<text>.*?)^```\n)?", re.MULTILINE | re.DOTALL)
 VARYING = re.compile(r"\d[\d.,]*(?:(?= s\b)|[KMG]?(?=/s\b| of memory)|(?= [KMG]B\b))|(?<=commit )\w+")
 # Rows of README.md's table of tasks, whose code is a command, options, or a pipeline.
@@ -47,9 +47,11 @@ class Workshop:
         return done.stdout + done.stderr
 
     def make_inputs(self):
-        self.run("pointsweep generate terrain scan.laz -n 20000 --noise 0.05; mkdir tiles; pointsweep sort scan.laz before.laz\n"
+        """A terrain of 400 by 400 m, whose rasters are smaller than those of the whole terrain."""
+        self.run("pointsweep generate terrain whole.laz -n 80000 --noise 0.05; pointsweep run whole.laz scan.laz --pipeline 'crop([300,300,700,700])'\n"
+                 "pointsweep generate terrain whole.laz -n 80000 --noise 0.05 --seed 2 -f; pointsweep run whole.laz after.laz --pipeline 'crop([300,300,700,700])'\n"
+                 "rm whole.laz; mkdir tiles; pointsweep sort scan.laz before.laz\n"
                  "pointsweep run scan.laz tiles/west.laz --pipeline 'where(x < 500)'; pointsweep run scan.laz tiles/east.laz --pipeline 'where(x >= 500)'\n"
-                 "pointsweep generate terrain after.laz -n 20000 --noise 0.05 --seed 2\n"
                  "pointsweep run scan.laz labelled.laz --pipeline 'voxel(20) | set(tree_id = floor(x), as=uint32)'\n"
                  "pointsweep run after.laz photo.laz --pipeline 'color(z, bits=16) | set(red = floor(red / 257), green = floor(green / 257), blue = floor(blue / 257))'\n"
                  "pointsweep run before.laz station.e57 --pipeline 'drop(intensity) | set(intensity = x / 1000 - floor(x / 1000), as=float32)'\n"
