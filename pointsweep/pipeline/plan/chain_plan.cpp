@@ -222,6 +222,12 @@ ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs)
   return plan;
 }
 
+bool ChainPlan::only_copies() const {
+  if (passes.size() != 1 || reorders || opens_late()) return false;
+  const PlannedPass& pass = passes.front();
+  return pass.kind == PassKind::rows && pass.plan.stages.empty() && pass.values.empty();
+}
+
 bool ChainPlan::leaves_rows(std::size_t p) const {
   return reorders || passes[p].selects || passes[p].made.empty() || graph.moved_bounds || p + 1 < passes.size();
 }

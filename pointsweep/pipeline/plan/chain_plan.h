@@ -89,6 +89,8 @@ struct ChainPlan {
   bool by_moved_positions = false;
 
   bool selects() const { return graph.drops_rows(); }
+  /// Returns whether the rows stay what they are, in their order: the chain has no stages, or only drops attributes.
+  bool only_copies() const;
   /// Returns whether the output can be opened only after all passes.
   bool opens_late() const { return selects() || graph.moved_bounds.has_value(); }
   /// Returns whether the results of pass `p` become the rows of another pass or of the reordering, not the output.

@@ -60,13 +60,6 @@ void note_neighborhoods(const Request& request, const RunReport& report) {
   }
 }
 
-/// Returns whether the chain has no stages and keeps the order of the rows.
-bool has_no_work(const ChainPlan& plan) {
-  if (plan.passes.size() != 1 || plan.reorders || plan.opens_late()) return false;
-  const PlannedPass& pass = plan.passes.front();
-  return pass.kind == PassKind::rows && pass.plan.stages.empty() && pass.values.empty();
-}
-
 /// Returns whether the format of the output needs bounds or values of the points before the first record.
 bool needs_points_before(const InputCloud& cloud, const Outputs& outputs, const FileLayout& layout) {
   const Format* const format = format_of_output(outputs.points);
@@ -97,7 +90,7 @@ bool copies_rows(const Request& request) {
   const auto& [cloud, outputs, options, plan] = request;
   const bool plain = outputs.tiles.empty() && options.resume_folder.empty() && options.order == Order::input &&
                      engine_of(options.engine) == nullptr;
-  if (!plain || !has_no_work(plan) || needs_points_before(cloud, outputs, options.layout)) return false;
+  if (!plain || !plan.only_copies() || needs_points_before(cloud, outputs, options.layout)) return false;
   return once_decoder_bytes(cloud, threads_asked_for(options)) <= memory_budget(options.resources.memory_bytes) / 2;
 }
 

@@ -256,7 +256,7 @@ ChainPlan plan_sort(const Schema& input, const std::vector<std::string>& keep) {
 std::vector<Phase> phases_of(const ChainPlan& plan) {
   std::vector<Phase> phases = {{PhaseKind::survey}};
   const std::size_t passes = plan.passes.size();
-  for (std::size_t p = 0; p < passes; ++p) {
+  for (std::size_t p = plan.only_copies() ? passes : 0; p < passes; ++p) {
     if (plan.passes[p].kind != PassKind::rows) {
       phases.push_back({PhaseKind::order, p});
       phases.push_back({PhaseKind::sweep, p});
