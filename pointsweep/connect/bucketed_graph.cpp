@@ -10,12 +10,12 @@
 namespace pointsweep {
 namespace {
 
-/// Each time edges are joined, all candidates are looked at.
+/// Edges that the forest takes at once. Many, because each SpanningForest::join() goes through all candidate edges.
 constexpr std::size_t kEdgesAtOnce = 1 << 16;
 
 }  // namespace
 
-/// Bucket by bucket: its points, then its edges, then the points close that have no edges in later buckets.
+/// For each bucket in order: opens its points, joins its edges, then closes the points without edges in later buckets.
 std::uint64_t grow(SpanningForest& forest, const BucketedGraph& graph, const GrowthOptions& options) {
   BucketedGraph::Points chunk;
   std::vector<ForestEdge> edges, some;
@@ -24,7 +24,8 @@ std::uint64_t grow(SpanningForest& forest, const BucketedGraph& graph, const Gro
     edges.clear();
   };
   std::uint64_t points = 0;
-  std::map<std::uint64_t, std::vector<std::uint64_t>> closing;  // by bucket: rows of the points that close after it
+  std::map<std::uint64_t, std::vector<std::uint64_t>>
+      closing;  // for each bucket, rows of the points that close after it
   for (std::size_t b = 0; b < graph.buckets(); ++b) {
     RowTable<std::uint64_t> last;
     std::vector<std::uint64_t> rows;

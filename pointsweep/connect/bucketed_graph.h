@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// Points and edges in buckets along an axis, and the forest that grows from them.
 ///
-/// A point belongs to the bucket of its key. An edge lies in the bucket of its later end; if the other end is in an
-/// earlier bucket, a mark there says until which bucket that point has edges. So when buckets are read in their order,
-/// a point closes with its own bucket or the last that its marks name.
+/// A point belongs to the bucket of its key. An edge lies in the bucket of its later end. If the other end lies in an
+/// earlier bucket, that bucket holds a mark: the point has edges until the bucket of this edge. So when buckets are
+/// read in order, no edge of a point comes after its own bucket and the last bucket that its marks name.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace pointsweep {
 
-/// `row`, of this bucket or an earlier one, has edges until the bucket `last`.
+/// A mark: the point with this row has edges in buckets up to number `last`.
 struct OpenUntil {
   std::uint64_t row;
   std::uint64_t last;
@@ -26,7 +26,7 @@ class BucketedGraph {
  public:
   virtual ~BucketedGraph() = default;
 
-  /// Some points of one bucket, their ballots, and some marks.
+  /// Some points of a bucket, the ballots of the points one after another (values for VoteRule), and some marks.
   struct Points {
     std::vector<PointKey> points;
     std::vector<std::byte> ballots;
@@ -40,9 +40,9 @@ class BucketedGraph {
 };
 
 struct GrowthOptions {
-  /// Says whether edges of a point come that are not in the graph, so that it does not close; empty: of no point.
+  /// Returns whether a point has edges outside of the graph, so that it must stay open. Empty: no point has.
   std::function<bool(std::uint64_t row)> stays_open = {};
-  /// Called with the points that are known; may throw to end the work.
+  /// Called with the number of points that the forest has taken; may throw to end the work.
   std::function<void(std::uint64_t points)> progress = {};
 };
 

@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-/// A component that is to be numbered, in the order of the first points.
+/// A component, by its index in the log, and its first point, by which components are numbered.
 struct FirstOfComponent {
   PointKey first;
   std::uint64_t component;
@@ -23,7 +23,7 @@ struct ByFirst {
   bool operator()(const FirstOfComponent& a, const FirstOfComponent& b) const { return a.first < b.first; }
 };
 
-/// The number of a component, in the order in which the log is read.
+/// A component, by its index in the log, and the number that it gets.
 struct ComponentNumber {
   std::uint64_t component, number;
 };
@@ -40,7 +40,7 @@ FinishedComponent component_in(const std::byte* record) {
 
 using ByFirstPoint = SortedRecords<FirstOfComponent, ByFirst>;
 
-/// Returns the components that count in the order of their first points.
+/// Returns the components that get a number (VoteRule::counts()), in the order of their first points.
 ByFirstPoint by_first_point(const ScratchRecords& components, const ComponentsSetup& setup) {
   ByFirstPoint sorted(setup.make_scratch, setup.memory_bytes / 2, components.count());
   std::uint64_t component = components.count();
@@ -53,7 +53,7 @@ ByFirstPoint by_first_point(const ScratchRecords& components, const ComponentsSe
   return sorted;
 }
 
-/// Returns the numbers of the components that count.
+/// Returns the numbers of the components, from the last component of the log to the first.
 Numbers numbers_of(const ScratchRecords& components, const ComponentsSetup& setup) {
   ByFirstPoint sorted = by_first_point(components, setup);
   Numbers numbers(setup.make_scratch, setup.memory_bytes / 2, sorted.count());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Components of the points and edges in buckets: their numbers, sizes and signs.
+/// Connected components of a graph of points and edges in buckets: their numbers, sizes and signs.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,11 @@
 namespace pointsweep {
 
 struct ComponentsSetup {
-  const VoteRule* votes = nullptr;  ///< may be null; must outlive the components
+  const VoteRule* votes = nullptr;  ///< null if components need no votes; must outlive the components
   MakeScratch make_scratch;
   std::uint64_t memory_bytes = 0;  ///< memory for sorting components
-  /// Called with the points that are known, of all of them twice; may throw to end the work.
+  /// Called with the number of points that are done, which goes from 0 to all points twice: for the components and for
+  /// the labels. May throw to end the work.
   std::function<void(std::uint64_t points)> progress;
 };
 
@@ -28,7 +29,8 @@ class Components {
 
   /// Calls use(row, label) once for each point. Components are numbered from 0 by their first point.
   void for_each_point(const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
-  /// Calls use(component, result of its votes) once for each component, in the order of their first points.
+  /// Calls use(component, result of its votes) once for each component that gets a number, in the order of first
+  /// points.
   void for_each_component(
       const std::function<void(const FinishedComponent& component, const std::byte* result)>& use) const;
   std::uint64_t count() const { return count_; }

@@ -24,7 +24,7 @@ std::uint32_t EdgeBatch::number_of(const PointKey& point) {
   return *number;
 }
 
-/// Sorts the edges by weight, with a vectorised sort; edges of equal weight by their points.
+/// Sorts the edges by weight with a vectorised sort, and edges of equal weight by the keys of their points.
 void EdgeBatch::sort_edges() {
   order_.clear();
   for (std::size_t e = 0; e < edges_.size(); ++e) order_.emplace_back(edges_[e].weight, static_cast<double>(e));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Edges that some points emit together, without those that cannot be in a spanning forest.
+/// A batch of edges that some points emit together, reduced to the edges that may belong to a spanning forest.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,9 @@
 
 namespace pointsweep {
 
-/// Points are numbered as they come. An edge that is the largest of a cycle among the edges of a batch is the largest
-/// of one among all edges: a batch of m points passes on fewer than m edges, however long the lists of neighbours are.
+/// A batch of edges, whose points are numbered in the order in which they are added. An edge that is the largest of a
+/// cycle in the batch is the largest of that cycle in the whole graph, and so in no minimum spanning forest: a batch of
+/// m points passes on fewer than m edges, however long the lists of neighbours are.
 class EdgeBatch {
  public:
   struct Edge {
@@ -24,16 +25,17 @@ class EdgeBatch {
   };
 
   void clear();
-  /// Returns the number of a point. A new point gets the next number.
+  /// Returns the number of a point in the batch. A new point gets the next number.
   std::uint32_t number_of(const PointKey& point);
   void add(std::uint32_t a, std::uint32_t b, double weight, bool flips) { edges_.push_back({a, b, weight, flips}); }
   void reserve(std::size_t edges) { edges_.reserve(edges); }
-  /// Drops all edges except a minimum spanning forest of the batch; if not `weighted`, except any spanning forest.
+  /// Keeps the edges of a minimum spanning forest of the batch, or of any spanning forest if not `weighted`. Drops the
+  /// other edges.
   void reduce(bool weighted);
 
   const std::vector<PointKey>& points() const { return points_; }
   const std::vector<Edge>& edges() const { return edges_; }
-  /// Returns the bytes for an edge, if every second edge brings a new point.
+  /// Returns the estimated memory for an edge in bytes, with one new point for every two edges.
   static constexpr std::uint64_t bytes_per_edge(bool weighted) {
     constexpr std::uint64_t kNumberBytes = 4 * 16;  // bytes of a point in a table that is a quarter full
     const std::uint64_t sorted = weighted ? sizeof(Edge) + sizeof(std::pair<double, double>) : 0;
@@ -57,8 +59,8 @@ class EdgeSink {
   virtual ~EdgeSink() = default;
   /// Returns whether weights and signs of edges matter.
   virtual bool weighted() const = 0;
-  /// Takes the edges of a batch, and its first `own` points with their ballots. Thread-safe. A point may come more than
-  /// once.
+  /// Takes the edges of a batch, and its first `own` points with their ballots (the values from which votes are made).
+  /// The same point may come in several batches. Thread-safe.
   virtual void put(const EdgeBatch& batch, std::size_t own, std::span<const std::byte> ballots) = 0;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Points and edges on their way to a forest, in the temporary folder: in buckets along an axis. It does not matter
-/// when an edge was found: the edges of points that were deferred for long come into the same buckets as if found
-/// earlier.
+/// Points and edges in buckets along an axis, stored in the temporary folder until a forest is grown from them. The
+/// bucket of an edge does not depend on the time at which the edge was found, so that a sweep may find edges in any
+/// order.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ namespace pointsweep {
 
 class EdgeBuckets final : public EdgeSink, public BucketedGraph {
  public:
-  /// `begins`: the keys at which all buckets except the first begin, in any order. If not `weighted`, only the rows of
+  /// `begins`: the keys at which the buckets after the first begin, in any order. If not `weighted`, only the rows of
   /// an edge are kept.
   EdgeBuckets(std::vector<PointKey> begins, int axis, bool weighted, std::size_t ballot_bytes,
               const MakeScratch& make_scratch);
@@ -58,7 +58,7 @@ class EdgeBuckets final : public EdgeSink, public BucketedGraph {
   std::vector<PointKey> begins_;
   std::unique_ptr<Scratch> scratch_;
   std::mutex mutex_;
-  std::vector<std::vector<Place>> places_;  ///< by bucket
+  std::vector<std::vector<Place>> places_;  ///< chunks of each bucket
   std::uint64_t bytes_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Edges between points, and the one order in which all parts of a forest compare them.
+/// Edges between points, and the order in which a spanning forest compares them.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// A point by what orders it, on any axis: x, then y, then z, then its row. The row names it.
+/// The key of a point: keys compare by x, then y, then z, then row. The row alone identifies the point.
 struct PointKey {
   Vec3 position;
   std::uint64_t row = 0;
@@ -20,7 +20,7 @@ inline bool operator<(const PointKey& a, const PointKey& b) {
          std::tie(b.position.x, b.position.y, b.position.z, b.row);
 }
 
-/// The order of points along an axis; of equal coordinates, as keys compare.
+/// Compares points by their coordinate on an axis, and points of equal coordinate by their keys.
 struct AlongAxis {
   int axis;
   bool operator()(const PointKey& a, const PointKey& b) const {
@@ -29,14 +29,15 @@ struct AlongAxis {
   }
 };
 
-/// Weight and parity are functions of the two points: an edge that comes twice is one edge.
+/// An edge of a forest. `weight` and `flips` depend on the two points alone, so that an edge that is added twice counts
+/// once.
 struct ForestEdge {
   double weight = 0;   ///< not NaN
   PointKey a, b;       ///< a < b
   bool flips = false;  ///< the signs of a and b differ
 };
 
-/// Total: by weight, then by the points.
+/// Compares edges by weight, then by their points: a total order.
 inline bool operator<(const ForestEdge& a, const ForestEdge& b) {
   if (a.weight != b.weight) return a.weight < b.weight;
   if (a.a < b.a || b.a < a.a) return a.a < b.a;

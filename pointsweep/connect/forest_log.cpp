@@ -16,7 +16,7 @@ constexpr std::uint32_t kFinished = ~std::uint32_t{0};
 struct Merge {
   std::uint64_t row;
   std::uint32_t slot;
-  std::uint32_t to_and_flips;  ///< 2 to + flips, or kFinished
+  std::uint32_t to_and_flips;  ///< twice the slot of the other supernode, plus 1 if signs differ; or kFinished
 };
 
 }  // namespace

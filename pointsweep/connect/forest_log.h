@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The log of a spanning forest: the merges of supernodes, and the components that are complete. It is written forwards
-/// and read backwards, so that the component of a supernode is known before the parts of the supernode are read.
+/// The log of a spanning forest: the merges of supernodes (sets of points that the forest has joined) and the complete
+/// components. The log is written forwards and read backwards, so that the component of a supernode is read before the
+/// supernodes that were merged into it.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +16,7 @@
 
 namespace pointsweep {
 
-/// A component without edges to anything else. The result of its votes follows in the log of components.
+/// A component that no edge joins to other points. In the log of components, the result of its votes follows.
 struct FinishedComponent {
   PointKey first;  ///< the first point of the component by key
   std::uint64_t points = 0;
@@ -26,7 +27,7 @@ class ScratchRecords {
  public:
   ScratchRecords(std::unique_ptr<Scratch> scratch, std::size_t record_bytes);
   void append(const void* record);
-  /// Writes the records that are still in memory. To be called before reading.
+  /// Writes the records that are still in memory. Must be called before records are read.
   void finish();
   std::uint64_t count() const { return count_; }
   std::size_t record_bytes() const { return bytes_; }
@@ -60,28 +61,29 @@ class ScratchRecords {
 /// The label of a component, or of a point in its component.
 struct ComponentLabel {
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
-  std::uint64_t number = kNone;  ///< kNone: the component gets no number
-  std::uint64_t points = 0;
-  bool flips = false;                 ///< component: all its signs are to be turned; point: its sign is
+  std::uint64_t number = kNone;       ///< number of the component; kNone if its votes give it none
+  std::uint64_t points = 0;           ///< number of points of the component
+  bool flips = false;                 ///< for a component, all its signs are to be turned; for a point, its own sign is
   const std::byte* result = nullptr;  ///< result of the votes of the component
 };
 
-/// Supernodes have slots, which are used again when they are free.
+/// Writes and reads the log. A supernode is named by its slot, a number that a later supernode may use again.
 class ForestLog {
  public:
   ForestLog(const MakeScratch& make_scratch, std::size_t result_bytes);
-  /// Notes that the supernode of the point `row`, in `slot`, became part of the supernode in `to`.
+  /// Appends: the supernode in `slot`, made for the point `row`, became part of the supernode in slot `to`. `flips`:
+  /// the signs of the two supernodes differ.
   void merged(std::uint64_t row, std::uint32_t slot, std::uint32_t to, bool flips);
-  /// Notes that the supernode in `slot` is a whole component: no edge joins it to another supernode.
+  /// Appends: the supernode in `slot`, made for the point `row`, is a whole component.
   void finished(std::uint64_t row, std::uint32_t slot, const FinishedComponent& component, const std::byte* result);
-  /// Ends the writing. To be called after the last merged() and finished().
+  /// Ends the log. Must be called after the last merged() and finished().
   void finish();
 
   std::uint64_t bytes() const;
-  /// Returns the records of components: a FinishedComponent and the result of its votes each.
+  /// Returns the log of components, whose records hold a FinishedComponent and the result of its votes.
   const ScratchRecords& components() const { return components_; }
-  /// Calls use(row, label) for each point. Components come from the last to the first, each once, before its points:
-  /// label_of(number in components(), its record). A label is valid during the call.
+  /// Calls use(row, label) for each point; the label is valid during the call. Components come from the last to the
+  /// first: before the points of a component, label_of(its index in components(), its record) returns its label.
   void for_each_point(const std::function<ComponentLabel(std::uint64_t component, const std::byte* record)>& label_of,
                       const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
 

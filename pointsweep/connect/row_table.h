@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Numbers by row of a point, for rows that come and go.
+/// A table of values by the row of a point, from which rows can be erased.
 #pragma once
 
 #include <algorithm>
@@ -13,12 +13,12 @@
 
 namespace pointsweep {
 
-/// A hash table with linear probing. A row is less than 2^64 - 1.
+/// A hash table from rows to values, with linear probing. A row is less than 2^64 - 1.
 template <class Value>
 class RowTable {
  public:
-  /// Returns the value of a row, and whether it is new. A new value is default-constructed. add() and erase() make
-  /// pointers to values invalid.
+  /// Returns the value of a row, and true if add() has inserted it; an inserted value is default-constructed. Pointers
+  /// to values become invalid with the next add() or erase().
   std::pair<Value*, bool> add(std::uint64_t row) {
     if (2 * (size_ + 1) > entries_.size()) grow();
     std::size_t at = home(row);
@@ -28,7 +28,7 @@ class RowTable {
     ++size_;
     return {&entries_[at].value, true};
   }
-  /// Returns the value of a row; null if there is none.
+  /// Returns the value of a row; null if the table does not hold the row.
   Value* find(std::uint64_t row) { return const_cast<Value*>(std::as_const(*this).find(row)); }
   const Value* find(std::uint64_t row) const {
     if (size_ == 0) return nullptr;
@@ -46,7 +46,7 @@ class RowTable {
     return true;
   }
   std::size_t size() const { return size_; }
-  /// Forgets all rows, and keeps the memory.
+  /// Removes all rows, and keeps the memory.
   void clear() {
     for (Entry& entry : entries_) entry.row = kNone;
     size_ = 0;
@@ -64,7 +64,7 @@ class RowTable {
     Value value = {};
   };
   std::size_t home(std::uint64_t row) const { return mix(row) & mask_; }
-  /// Moves the entries after the gap up as far as their homes allow.
+  /// Fills the free entry at `gap` with later entries of its probe sequence, so that find() still reaches them.
   void close_gap(std::size_t gap) {
     for (std::size_t at = (gap + 1) & mask_; entries_[at].row != kNone; at = (at + 1) & mask_) {
       const std::size_t from_home = (at - home(entries_[at].row)) & mask_;

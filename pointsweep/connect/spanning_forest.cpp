@@ -70,7 +70,8 @@ void SpanningForest::merge(Root a, Root b, bool flips) {
   log_.merged(from.row, b.slot, a.slot, differs);
 }
 
-/// Kruskal over the candidates and the new edges. Without weights every edge is as good as any: it is taken at once.
+/// Adds edges to the candidates and reduces these by Kruskal's algorithm. Without weights, an edge joins its ends at
+/// once, because any spanning forest will do.
 void SpanningForest::join(std::span<const ForestEdge> edges) {
   const std::size_t before = candidates_.size();
   for (const ForestEdge& edge : edges) {
@@ -86,7 +87,7 @@ void SpanningForest::join(std::span<const ForestEdge> edges) {
   take_candidates(before);
 }
 
-/// Drops candidates that are the largest of a cycle. The first `before` are in order and without cycles.
+/// Drops candidates that are the largest of a cycle. The first `before` candidates are sorted and free of cycles.
 void SpanningForest::take_candidates(std::size_t before) {
   if (candidates_.size() == before) return;
   const auto less = [](const Candidate& a, const Candidate& b) { return a.edge < b.edge; };
@@ -151,9 +152,9 @@ void SpanningForest::adopt(const OpenForest& left, std::uint64_t first) {
   take_candidates(before);
 }
 
-/// Takes the candidates from the least to the largest, and merges the ends of each candidate unless both have open
-/// points. An end without open points has no lesser candidate: such a candidate would have been taken, or both of its
-/// ends would have had open points, and so would their unions.
+/// Goes through the candidates from the least to the largest, and merges the two ends of a candidate unless both have
+/// open points. This takes the least candidate of an end without open points (cut property): if a lesser candidate of
+/// that end had been left, both of its ends would have had open points, and this end would still have them.
 void SpanningForest::contract() {
   std::erase_if(candidates_, [this](const Candidate& c) {
     const Root a = root_of(c.a), b = root_of(c.b);

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
-/// The minimum spanning forest of a graph that comes in pieces, in memory for the points whose edges are not all known.
+/// The minimum spanning forest of a graph that comes in pieces. Only points whose edges are not all known are in
+/// memory.
 ///
 /// A point is open as long as edges of it may come. A supernode is a set of points that edges of the final forest join;
-/// at least one of them is open. Between supernodes there are candidates, the edges of the minimum spanning forest of
-/// what has come. An edge that is the largest of a cycle is not in the final forest (cycle property), so that new edges
-/// are compared with the candidates alone. All edges of a supernode without open points are known: the least of its
-/// candidates belongs to the final forest (cut property), and the supernode becomes part of the other end; without
-/// candidates it is a component. Each such step is a record of the log. The result is that of Kruskal's algorithm on
-/// the whole graph, for every division of the edges and every time at which points are closed (docs/adr/0014).
+/// at least one of its points is open. Candidates are edges between supernodes: the minimum spanning forest of the
+/// edges that have come so far. An edge that is the largest of a cycle is not in the final forest (cycle property), so
+/// that new edges are compared with the candidates alone. All edges of a supernode without open points are known. The
+/// least of its candidates belongs to the final forest (cut property), so that the supernode is merged with the other
+/// end of that candidate; a supernode without candidates is a whole component. The log gets a record of each merge and
+/// each component. The result is that of Kruskal's algorithm on the whole graph, however the edges are divided and
+/// whenever points are closed (docs/adr/0014).
 #pragma once
 
 #include <cstddef>
@@ -23,42 +25,44 @@
 
 namespace pointsweep {
 
-/// A forest with open points as a value: its supernodes and the candidates between them. Another forest can adopt it.
+/// The state of a forest with open points, as a value: its supernodes and the candidates between them. Another forest
+/// can adopt it.
 struct OpenForest {
   struct Point {
     std::uint64_t row;
-    std::uint32_t supernode;
-    bool flips;  ///< the sign of the point differs from the sign of its supernode
+    std::uint32_t supernode;  ///< index of the supernode that holds the point
+    bool flips;               ///< true if the sign of the point differs from the sign of its supernode
   };
   struct Candidate {
     ForestEdge edge;
-    std::uint32_t a, b;  ///< supernodes
-    bool flips;          ///< the edge asks for opposite signs of the supernodes
+    std::uint32_t a, b;  ///< indices of the two supernodes
+    bool flips;          ///< true if the edge asks for opposite signs of the supernodes
   };
-  std::vector<FinishedComponent> supernodes;  ///< so far
-  std::vector<std::byte> votes;               ///< of the supernodes, one after another
-  std::vector<Point> points;                  ///< those that are open
-  std::vector<Candidate> candidates;          ///< ascending
+  std::vector<FinishedComponent> supernodes;  ///< first point and number of points of each supernode, so far
+  std::vector<std::byte> votes;               ///< votes of the supernodes, one after another
+  std::vector<Point> points;                  ///< open points
+  std::vector<Candidate> candidates;          ///< candidates, ascending by edge
 };
 
 class SpanningForest {
  public:
-  /// Not `weighted`: all weights are equal and no edge flips, so that any forest tells the components; edges need not
-  /// name positions then. `votes` may be null. `votes` and `log` must outlive this object.
+  /// If not `weighted`, all weights are equal and no edge flips, so that any spanning forest gives the components;
+  /// edges then need rows only, no positions. `votes` is null if components need no votes. `votes` and `log` must
+  /// outlive this object.
   SpanningForest(bool weighted, const VoteRule* votes, ForestLog& log);
 
-  /// Opens points; `ballots` holds their ballots one after another. Appends the rows of new points to `opened`; a point
-  /// that is open already is ignored.
+  /// Opens points; `ballots` holds the ballots of the points one after another. Appends the rows of new points to
+  /// `opened`. A point that is already open is ignored.
   void open(std::span<const PointKey> points, std::span<const std::byte> ballots, std::vector<std::uint64_t>& opened);
   /// Adds edges between open points.
   void join(std::span<const ForestEdge> edges);
-  /// Closes open points: no edge that names one of these points comes later.
+  /// Closes open points. No later edge may name one of them.
   void close(std::span<const std::uint64_t> rows);
-  /// Ends this forest. The log ends with its open supernodes, in their order, as if they were components; the results
-  /// of their votes tell nothing.
+  /// Ends this forest and returns its open part. The log ends with the supernodes of that part in order, as if they
+  /// were components, with results of zeros.
   OpenForest leave();
-  /// Goes on with what another forest has left, whose points are not open here. The log knows its supernodes as points
-  /// of the rows `first`, `first` + 1 and so on.
+  /// Adds the open part of another forest, none of whose points is open here. The log names its supernodes as points
+  /// with the rows `first`, `first` + 1 and so on.
   void adopt(const OpenForest& left, std::uint64_t first);
 
   std::size_t open_points() const { return open_.size(); }
@@ -70,16 +74,16 @@ class SpanningForest {
  private:
   struct OpenPoint {
     std::uint32_t slot = 0;
-    bool flips = false;  ///< the sign of the point differs from the sign of its supernode
+    bool flips = false;  ///< true if the sign of the point differs from the sign of its supernode
   };
   struct Supernode {
-    std::uint64_t row = 0;  ///< row of the point for which the supernode was made
-    FinishedComponent sums;
-    std::uint64_t open = 0;
-    std::uint32_t parent = 0;  ///< its own slot; after a merge, the slot of another supernode
-    bool flips = false;        ///< the sign of the supernode differs from the sign of its parent
+    std::uint64_t row = 0;     ///< row of the point for which the supernode was made
+    FinishedComponent sums;    ///< first point and number of points of the supernode
+    std::uint64_t open = 0;    ///< number of its open points
+    std::uint32_t parent = 0;  ///< own slot; after a merge, the slot of the supernode that took this one
+    bool flips = false;        ///< true if the sign of the supernode differs from the sign of its parent
   };
-  using Candidate = OpenForest::Candidate;  ///< between slots
+  using Candidate = OpenForest::Candidate;  ///< a candidate whose `a` and `b` are slots
   struct Root {
     std::uint32_t slot;
     bool flips;
@@ -103,12 +107,12 @@ class SpanningForest {
   std::size_t vote_bytes_;
   std::vector<std::byte> result_;  ///< result of the votes of a component
   ForestLog& log_;
-  RowTable<OpenPoint> open_;                  ///< by row
-  std::deque<Supernode> supernodes_;          ///< by slot
-  std::deque<std::vector<std::byte>> votes_;  ///< votes by slot, in pages: they grow without a copy
+  RowTable<OpenPoint> open_;                  ///< open points by row
+  std::deque<Supernode> supernodes_;          ///< supernode in each slot
+  std::deque<std::vector<std::byte>> votes_;  ///< votes of each slot, in pages of kPageSlots: growth copies no votes
   std::vector<std::uint32_t> live_, free_;
-  std::vector<Candidate> candidates_;  ///< ascending
-  std::vector<std::uint32_t> joined_;  ///< by slot: a set of supernodes that candidates join
+  std::vector<Candidate> candidates_;  ///< candidates, ascending by edge
+  std::vector<std::uint32_t> joined_;  ///< for each slot, its parent among the supernodes that candidates join
 };
 
 }  // namespace pointsweep

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The records that tiles leave of their components, and those of the components of the cloud.
+/// Two kinds of records: a tile's record of each of its components, and the record of each component of the whole
+/// cloud.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +18,8 @@ inline constexpr std::uint64_t kNoLabel = ~std::uint64_t{0};
 inline constexpr Encoding kSegmentsEncoding{"joined components of a tile", 1};
 inline constexpr std::size_t kLabelsAtOnce = 4096;
 
-/// Votes that are not concluded, so that components can be joined. No sign is turned in a graph without weights.
+/// Keeps the votes of a tile's component as they are, so that components of several tiles can still be joined. A null
+/// rule makes no votes. Signs of points are ignored: a graph without weights turns none.
 class OpenVotes final : public VoteRule {
  public:
   explicit OpenVotes(const VoteRule* rule) : rule_(rule) {}
@@ -32,9 +34,9 @@ class OpenVotes final : public VoteRule {
   std::size_t result_bytes() const override { return bytes(); }
   void conclude(const std::byte* votes, std::byte* result) const override { std::copy_n(votes, bytes(), result); }
 
-  /// Of the rule itself.
+  /// Returns the bytes of the result that conclude_to() makes; 0 without a rule.
   std::size_t concluded_bytes() const { return rule_ != nullptr ? rule_->result_bytes() : 0; }
-  /// Sets the result, and returns whether the component gets a number.
+  /// Concludes votes into `result`, and returns whether the component gets a number.
   bool conclude_to(const std::byte* votes, std::byte* result) const {
     if (rule_ == nullptr) return true;
     rule_->conclude(votes, result);
@@ -45,7 +47,7 @@ class OpenVotes final : public VoteRule {
   const VoteRule* rule_;
 };
 
-/// A component of a tile, as bytes: a FinishedComponent, then its votes.
+/// Bytes of the record of a tile's component, a FinishedComponent, without the votes that follow it.
 inline constexpr std::size_t kComponentBytes = sizeof(PointKey) + sizeof(std::uint64_t);
 
 inline FinishedComponent component_at(const std::byte* record) {
@@ -55,8 +57,8 @@ inline FinishedComponent component_at(const std::byte* record) {
   return component;
 }
 
-/// A component of the cloud as each of its tiles knows it, as bytes: its number and points, then the result of its
-/// votes.
+/// Bytes of the record of a component of the whole cloud, its number and its count of points, without the result of its
+/// votes, which follows.
 inline constexpr std::size_t kNumberedBytes = 2 * sizeof(std::uint64_t);
 
 inline void put_number(std::byte* record, std::uint64_t number, std::uint64_t points) {
@@ -64,7 +66,7 @@ inline void put_number(std::byte* record, std::uint64_t number, std::uint64_t po
   std::memcpy(record + sizeof number, &points, sizeof points);
 }
 
-/// Records of KEY.numbers that follow each other, of components of one tile.
+/// Successive records of the list KEY.numbers that belong to components of one tile.
 struct Segment {
   std::uint64_t first, count;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Joins the components of tiles that edges between tiles join, and numbers all of them.
+/// Joins components of different tiles along the edges between tiles, and numbers the components of the whole cloud.
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -18,14 +18,15 @@
 namespace pointsweep {
 namespace {
 
-/// A component of a tile.
+/// Names a component of a tile.
 struct Node {
   std::uint64_t tile, number;
 
   friend auto operator<=>(const Node&, const Node&) = default;
 };
 
-/// The components that crossings join.
+/// The components of tiles that edges between tiles (crossings) touch, as disjoint sets: each set is one component of
+/// the cloud.
 class Joined {
  public:
   explicit Joined(const OpenVotes& votes) : votes_(votes) {}
@@ -34,7 +35,8 @@ class Joined {
     const std::uint32_t i = set_of(parents_, place_of(a)), j = set_of(parents_, place_of(b));
     parents_[i] = j;
   }
-  /// Adds up points and votes; `record(node)` is that of its component, asked for tile by tile in ascending order.
+  /// Sums the points and votes of each set and concludes the votes. record(node) returns the record of a component; it
+  /// is called tile by tile in ascending order.
   template <class Record>
   void add_up(Record record) {
     whole_.resize(parents_.size());
@@ -61,7 +63,7 @@ class Joined {
     bool counts = true;
     std::optional<std::uint64_t> number;
   };
-  /// Returns the component of the cloud that a component of a tile is in; null if no crossing touches it.
+  /// Returns the component of the cloud that holds a component of a tile; null if no crossing touches the latter.
   Whole* find(Node node) {
     const auto found = places_.find(node);
     return found == places_.end() ? nullptr : &whole_[set_of(parents_, found->second)];
@@ -79,7 +81,7 @@ class Joined {
   const OpenVotes& votes_;
   std::map<Node, std::uint32_t> places_;
   std::vector<std::uint32_t> parents_;
-  std::vector<Whole> whole_;  ///< by representative
+  std::vector<Whole> whole_;  ///< sums of each set, at the index of the representative of the set
 };
 
 /// Reads the components of a tile from the first to the last.
@@ -112,7 +114,7 @@ class ComponentReader {
   std::size_t at_ = 0;
 };
 
-/// Writes the numbers of the components of all tiles, those of each tile in order.
+/// Writes the numbers of the components of all tiles into one list, in which the records of each tile keep their order.
 class NumbersWriter {
  public:
   NumbersWriter(Storage& scratch, std::string key, std::size_t tiles, std::size_t record_bytes)
@@ -157,11 +159,12 @@ class NumbersWriter {
   std::string key_;
   RecordListWriter list_;
   std::size_t record_bytes_;
-  std::vector<std::vector<std::byte>> waiting_;  ///< by tile
-  std::vector<std::vector<Segment>> segments_;   ///< by tile
+  std::vector<std::vector<std::byte>> waiting_;  ///< records of each tile that are not written yet
+  std::vector<std::vector<Segment>> segments_;   ///< written records of each tile
 };
 
-/// Joins what crossings join: rows that are named come in ascending order, tile by tile.
+/// Joins the two components that each crossing connects. The crossings are sorted by the row they lead to, so that the
+/// labels of one tile after another are opened.
 void join_crossings(const Storage& scratch, const TileCatalogue& tiles, const std::vector<std::string>& names,
                     const TileGraphSetup& setup, Joined& joined) {
   struct From {
@@ -208,7 +211,7 @@ void number_components(Storage& scratch, const std::vector<std::string>& names, 
     PointKey first;
     std::size_t tile;
     const std::byte* record;
-    bool operator<(const Front& other) const { return other.first < first; }  // the least is on top
+    bool operator<(const Front& other) const { return other.first < first; }  // the least key is on top of the queue
   };
   std::vector<std::unique_ptr<ComponentReader>> readers;
   std::priority_queue<Front> fronts;

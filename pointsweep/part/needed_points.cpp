@@ -15,15 +15,15 @@ namespace {
 
 constexpr double kEverywhere = std::numeric_limits<double>::infinity();
 
-/// Squared distance of the two points of the boxes that are farthest from each other; no distance2() of points in them
-/// exceeds it.
+/// Returns the squared distance between the farthest points of two boxes. No distance2() of a point in `a` and a point
+/// in `b` exceeds it.
 double most_distance2(const Box& a, const Box& b) {
   const auto along = [&](int axis) { return std::max(a.hi[axis] - b.lo[axis], b.hi[axis] - a.lo[axis]); };
   const double dx = along(0), dy = along(1), dz = along(2);
   return (dx * dx + dy * dy) + dz * dz;
 }
 
-/// Points that an operator may have to know.
+/// Successive blocks of a tile whose points an operator may have to know.
 struct Candidate {
   Box box;
   std::uint64_t count;
@@ -31,23 +31,23 @@ struct Candidate {
   std::uint32_t first_block, end_block;
 };
 
-/// Finds the candidates that may hold points which decide about others.
+/// Finds the candidates that may hold points on which the results of given points depend.
 class Chooser {
  public:
   Chooser(const InOrderOperator& op, Reach reach) : op_(op), reach_(reach) {
     in_plane_ = op.in_order_contract().places == Places::in_plane;
   }
 
-  /// Returns where the operator compares the points of a box: their positions where it looks for the nearest ones,
-  /// their places otherwise, which ascend with the positions.
+  /// Converts a box of positions into the space in which the operator compares points: positions, flattened for an
+  /// operator in the plane, where the operator looks for nearest points; else its places, which ascend with positions.
   Box compared(const Box& box) const {
     if (box.empty()) return box;
     if (reach_.nearest == 0) return {op_.place_of(box.lo), op_.place_of(box.hi)};
     return in_plane_ ? Box{{box.lo.x, box.lo.y, 0}, {box.hi.x, box.hi.y, 0}} : box;
   }
 
-  /// Returns which candidates are needed by points in any of `boxes`, where boxes that follow each other lie close
-  /// together. All boxes are compared() ones.
+  /// Returns for each candidate whether points in any of `boxes` need it. All boxes come from compared(). Cost: lowest
+  /// where successive boxes lie close together.
   std::vector<bool> needed(const std::vector<Box>& boxes, const std::vector<Candidate>& candidates) const {
     std::vector<bool> chosen(candidates.size());
     std::vector<std::size_t> all(candidates.size());
@@ -76,7 +76,8 @@ class Chooser {
     choose(boxes, middle, end, candidates, std::move(left), chosen);
   }
 
-  /// Returns a squared distance within which each point of the box has as many points as are looked for.
+  /// Returns a squared distance within which each point of the box finds Reach::nearest points, at most the square of
+  /// Reach::distance; infinity if the operator does not look for nearest points.
   double most_distance2_of_nearest(const Box& box, const std::vector<Candidate>& candidates,
                                    const std::vector<std::size_t>& left) const {
     if (reach_.nearest == 0) return kEverywhere;
@@ -101,7 +102,7 @@ class Chooser {
   bool in_plane_;
 };
 
-/// Records of blocks, one after another, as a source.
+/// The records of chosen blocks of tiles, numbered one after another.
 class BlockSource {
  public:
   BlockSource(std::shared_ptr<TileReader> reader, const Schema& schema) : reader_(std::move(reader)), schema_(schema) {}
@@ -118,12 +119,13 @@ class BlockSource {
   }
   std::uint64_t count() const { return count_; }
 
-  /// Fills as many records from `row` on as lie together.
+  /// Fills `records` from number `row` on, as far as one read reaches, and returns how many it filled. `block` is a
+  /// buffer that later calls use again.
   std::size_t read(std::uint64_t row, std::span<std::byte> records, std::vector<std::byte>& block) const {
     const auto after = std::ranges::upper_bound(pieces_, row, {}, &Piece::first);
     const Piece& piece = *std::prev(after);
     const std::uint64_t in_piece = row - piece.first, stride = schema_.stride;
-    if (piece.blocks.end == 0) {  // without a place
+    if (piece.blocks.end == 0) {  // points with non-finite coordinates
       const std::uint64_t end = after == pieces_.end() ? count_ : after->first;
       const std::size_t n = std::min<std::uint64_t>(records.size() / stride, end - row);
       reader_->read_nonfinite(piece.tile, in_piece, records.first(n * stride));
@@ -135,11 +137,11 @@ class BlockSource {
  private:
   struct Piece {
     std::size_t tile;
-    BlockRange blocks;    ///< none: the points without a place
-    std::uint64_t first;  ///< records before it
+    BlockRange blocks;    ///< an empty range stands for the points with non-finite coordinates
+    std::uint64_t first;  ///< number of the first record of the piece among the records of all pieces
   };
 
-  /// Reads whole blocks where they fit, and else the part of one that is asked for.
+  /// Reads as many whole blocks as fit into `records`; if none fits or `from` lies inside a block, reads a part of one.
   std::size_t read_blocks(const Piece& piece, std::uint64_t from, std::span<std::byte> records,
                           std::vector<std::byte>& block) const {
     const std::size_t stride = schema_.stride, wanted = records.size() / stride;
@@ -191,7 +193,8 @@ std::vector<Box> own_boxes(const TileIndex& tile, const Chooser& chooser) {
   return boxes;
 }
 
-/// Returns the blocks of tiles that points in `own` need, by tile. First regions are looked at, then their blocks.
+/// Returns the blocks that points in the boxes `own` need, in the order of their tiles. Regions of blocks are tested
+/// first, then the blocks of the needed regions.
 std::vector<Candidate> needed_blocks(TileReader& reader, const TileCatalogue& tiles, const std::vector<Box>& own,
                                      const Chooser& chooser) {
   const auto only_needed = [&](std::vector<Candidate> candidates) {
@@ -213,8 +216,8 @@ std::vector<Candidate> needed_blocks(TileReader& reader, const TileCatalogue& ti
   return only_needed(std::move(blocks));
 }
 
-/// Returns whether points within a distance may be missing, where all blocks within `reach` of the boxes of the tile
-/// are there. By the triangle inequality; its factor is for rounding.
+/// Returns a function that tells whether points within a distance of a position may be missing, given that all blocks
+/// within `reach` of the boxes of the tile are present. It uses the triangle inequality, with a factor for rounding.
 std::function<bool(Vec3, double)> beyond(const TileIndex& own, double reach) {
   std::vector<Box> boxes;
   for (std::uint32_t b = 0; b < own.own_blocks(); ++b) boxes.push_back(own.blocks[b].box);
@@ -231,14 +234,14 @@ std::uint64_t points_in(const TileCatalogue& tiles) {
   return points;
 }
 
-/// Returns a block, if there is one.
+/// Returns one block of any tile; nothing if no tile has a block.
 std::vector<Candidate> any_block(const TileCatalogue& tiles) {
   for (std::size_t t = 0; t < tiles.tiles.size(); ++t)
     for (const TileRegion& r : tiles.tiles[t].regions) return {{r.box, 0, t, r.first_block, r.first_block + 1}};
   return {};
 }
 
-/// Adds blocks to a source, those that follow each other together.
+/// Adds blocks to a source. Successive blocks of a tile become one piece.
 void add_blocks(BlockSource& source, const std::vector<Candidate>& blocks) {
   for (std::size_t i = 0, end = 0; i < blocks.size(); i = end) {
     end = i + 1;
@@ -278,7 +281,7 @@ NeededPoints needed_of_other(const Storage& scratch, const TileCatalogue& tiles,
   const auto source = std::make_shared<BlockSource>(reader, schema);
   const Chooser chooser(op, op.other_reach().value());
   std::vector<Candidate> blocks = needed_blocks(*reader, other, own_boxes(own, chooser), chooser);
-  if (blocks.empty()) blocks = any_block(other);  // a cloud without points would be an error
+  if (blocks.empty()) blocks = any_block(other);  // an empty other cloud would be an error
   add_blocks(*source, blocks);
   NeededPoints needed{source_of(source, schema), 0, 0, source->count()};
   needed.source.count = source->count();

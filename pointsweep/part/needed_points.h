@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The points that an in-order operator has to know in a part of a cloud: those of one tile, and those of others that
-/// decide about them (Reach of in_order_operator.h).
+/// The points that an in-order operator has to know in a part of a cloud: the points of one tile, and the points of
+/// other tiles on which its results for that tile depend (Reach of in_order_operator.h).
 #pragma once
 
 #include <cstddef>
@@ -15,21 +15,21 @@
 namespace pointsweep {
 
 struct NeededPoints {
-  PointSource source;            ///< records of the scratch, whose rows are those of their cloud; in no order
-  std::uint64_t first_row = 0;   ///< of the tile
-  std::uint64_t own_points = 0;  ///< of the tile, with a place
-  std::uint64_t points = 0;      ///< with a place
-  /// InOrderSetup::may_lack; empty: all points of the cloud are among them. Thread-safe.
+  PointSource source;            ///< records in no particular order; their rows count in their cloud
+  std::uint64_t first_row = 0;   ///< first row of the tile in its cloud; 0 for points of another cloud
+  std::uint64_t own_points = 0;  ///< points of the tile with finite coordinates; 0 for points of another cloud
+  std::uint64_t points = 0;      ///< points of the source with finite coordinates
+  /// The function for InOrderSetup::may_lack; empty if no point that matters can be missing. Thread-safe.
   std::function<bool(Vec3 position, double distance)> may_lack = {};
 };
 
-/// Returns the points that an operator of this reach has to know for what it finds about tile `number`, among them all
-/// of the tile. `working`: Stream::record_schema() of the tile when it was stored. The source borrows the arguments.
+/// Returns the points that an operator with `reach` has to know for its results in tile `number`, all points of the
+/// tile included. `working`: Stream::record_schema() of the tile when it was stored. The source borrows the arguments.
 NeededPoints needed_points(const Storage& scratch, const TileCatalogue& tiles, std::size_t number,
                            const Schema& working, const InOrderOperator& op, const Reach& reach);
 
-/// Returns the points of another cloud that the operator has to know for what it finds about tile `number`. `working`:
-/// of the files of the other cloud when they were stored.
+/// Returns the points of the cloud `other` that the operator has to know for its results in tile `number`. `working`:
+/// Stream::record_schema() of the files of the other cloud when they were stored.
 NeededPoints needed_of_other(const Storage& scratch, const TileCatalogue& tiles, std::size_t number,
                              const TileCatalogue& other, const Schema& working, const InOrderOperator& op);
 

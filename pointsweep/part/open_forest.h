@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The encodings of the border of a tile and of a forest with open points.
+/// Encodings of a tile's border and of a forest with open points (points of which edges may still come).
 #pragma once
 
 #include <cstddef>
@@ -12,22 +12,23 @@
 
 namespace pointsweep {
 
-/// The points of a tile that edges between tiles name, and such edges.
+/// The border of a tile: its points at which edges between tiles end, and the edges from it to earlier tiles.
 struct TileBorder {
   struct Point {
     std::uint64_t row;
-    std::uint64_t last;  ///< number of the last tile among its own and those to which its edges lead
+    std::uint64_t last;  ///< greatest number among the tile of the point and the tiles to which its edges lead
   };
   std::vector<Point> points;      ///< ascending by row
-  std::vector<ForestEdge> edges;  ///< to points of earlier tiles
+  std::vector<ForestEdge> edges;  ///< edges between this tile and earlier tiles
 
   void encode(Encoder& out) const;
   static TileBorder decode(Decoder& in);
 };
 
-/// A forest as an encoded value.
+/// Appends a forest to the encoded values.
 void encode(Encoder& out, const OpenForest& forest);
-/// Throws Error where supernodes are named that are not there, or have votes of another size.
+/// Reads a forest. Throws Error where it names a supernode that it does not hold, or where the votes of a supernode do
+/// not have `vote_bytes`.
 OpenForest decode_open_forest(Decoder& in, std::size_t vote_bytes);
 
 }  // namespace pointsweep

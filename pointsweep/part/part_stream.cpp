@@ -12,18 +12,19 @@
 namespace pointsweep {
 namespace {
 
-/// The halo of a part is made narrower while it has more points than this and more than half of those of the tile,
-/// but not for ever: tiles may overlap.
+/// The halo of a part is halved in width while it has more points than kSmallHalo and more than half as many as the
+/// tile, at most kMostTries times, because tiles that overlap have large halos of any width.
 constexpr std::uint64_t kSmallHalo = 1000;
 constexpr int kMostTries = 6;
 
-/// Blocks of a tile that are one slab of a part. A cloud has so many that the ranges of all slabs are in one list.
+/// The blocks of a tile that make one slab of a part, as a segment of a list of ranges that all slabs share: one list
+/// takes less memory than a list for each of many slabs.
 struct BlocksOfTile {
   std::size_t tile;
   std::size_t first_range, ranges;
 };
 
-/// What a part holds of the cloud.
+/// Divides the cloud for one tile: slabs near it (its own and its halo), which are swept, and slabs far from it.
 class PartCutter {
  public:
   PartCutter(TileReader& reader, const TileCatalogue& tiles, std::size_t own)
@@ -126,7 +127,7 @@ class PartCutter {
   std::size_t own_;
   std::uint64_t own_points_ = 0, swept_points_ = 0;
   std::vector<SlabOfBlocks> near_, far_;
-  std::vector<BlockRange> ranges_;  ///< of all of them
+  std::vector<BlockRange> ranges_;  ///< ranges of the blocks of all slabs
 };
 
 }  // namespace

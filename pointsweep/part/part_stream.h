@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The stream of one tile of a cloud: its own points, those of other tiles that lie near them, and where all others
-/// are.
+/// The stream of one tile of a cloud: the points of the tile, points of other tiles near it (the halo), and the places
+/// of all other points, which are read only where the sweep's recall needs them.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,16 @@ namespace pointsweep {
 
 /// A tile as a part of its cloud.
 struct PartStream {
-  Stream stream;                 ///< whose rows are those of the cloud; its axis is that of the tile
-  Survey survey;                 ///< of the points of the tile
-  std::uint64_t first_row = 0;   ///< of the tile
-  std::uint64_t own_points = 0;  ///< with a place
-  std::uint64_t swept_points = 0;
+  Stream stream;                   ///< stream with rows of the cloud, along the axis of the tile's survey
+  Survey survey;                   ///< survey of the points of the tile
+  std::uint64_t first_row = 0;     ///< first row of the tile in the cloud
+  std::uint64_t own_points = 0;    ///< points of the tile with finite coordinates
+  std::uint64_t swept_points = 0;  ///< points of the tile and its halo
 };
 
-/// Returns the stream of tile `number`. A sweep of it with these neighbourhoods and steps has the results of a sweep of
-/// the whole cloud for the points of the tile. `working`: Stream::record_schema() of the tile when it was stored. The
-/// stream borrows the scratch.
+/// Returns the stream of tile `number`. For the points of the tile, a sweep over it has the results of a sweep over the
+/// whole cloud. `what` and `steps`, the neighbourhood and number of steps of that sweep, set the width of the halo.
+/// `working`: Stream::record_schema() of the tile when it was stored. The stream borrows the scratch.
 PartStream part_stream(const Storage& scratch, const TileCatalogue& tiles, std::size_t number, const Schema& working,
                        const Neighborhood& what, std::size_t steps);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Records of one size as an object: appended one after another, read at any place, with a checksum for every few of
-/// them.
+/// Records of one size in an object of a storage: they are appended one after another and read at any index, and each
+/// chunk of them has a checksum.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace pointsweep {
 
-/// Writes a list, which is there when it is sealed.
+/// Writes a list, which becomes readable when seal() is called.
 class RecordListWriter {
  public:
   /// `record_bytes`: greater than 0.
@@ -37,11 +37,11 @@ class RecordListWriter {
 /// Reads a list. Thread-safe.
 class RecordList {
  public:
-  /// Throws Error if it has not `record_bytes` for each record.
+  /// Opens the list with this key. Throws Error if its size does not fit records of `record_bytes`.
   RecordList(const Storage& storage, const std::string& key, std::size_t record_bytes);
   std::uint64_t count() const { return count_; }
-  /// Fills `records` from number `first` on. Throws Error, which calls the object damaged, where they are not what was
-  /// written.
+  /// Fills `records` with the records from number `first` on. Throws Error, which calls the object damaged, if the list
+  /// ends earlier or a checksum is wrong.
   void read(std::uint64_t first, std::span<std::byte> records) const;
 
  private:
@@ -55,7 +55,7 @@ class RecordList {
   std::uint64_t count_ = 0;
   mutable std::mutex mutex_;
   mutable std::uint64_t chunk_number_ = ~std::uint64_t{0};
-  mutable std::vector<std::byte> chunk_;  ///< of that number, with its checksum
+  mutable std::vector<std::byte> chunk_;  ///< records of the chunk `chunk_number_`, then their checksum
 };
 
 }  // namespace pointsweep

@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kAtOnce = 8192;  ///< points, edges or marks in a chunk
+constexpr std::uint64_t kAtOnce = 8192;  ///< most points, most edges and most marks of a chunk
 
 template <class T>
 void read_some(const RecordList& list, std::uint64_t first, std::uint64_t count, std::uint64_t chunk,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The points and edges of a tile, bucket by bucket, as objects from which its forest grows.
+/// The points and edges of a tile, bucket by bucket, as objects of a storage, from which the tile's forest is grown.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,13 @@
 
 namespace pointsweep {
 
-/// Leaves four lists: NAME.nodes, the points with their ballots, NAME.edges, NAME.marks, and NAME.buckets, how many of
-/// each are in a bucket.
+/// Stores a graph as four lists: NAME.nodes, its points with their ballots (the values from which votes are made);
+/// NAME.edges; NAME.marks, the OpenUntil marks; NAME.buckets, the numbers of nodes, edges and marks of each bucket.
 void store_graph(const BucketedGraph& graph, std::size_t ballot_bytes, Storage& scratch, const std::string& name);
 
 class StoredGraph final : public BucketedGraph {
  public:
-  /// Throws Error, which calls an object damaged, where the lists do not go together.
+  /// Opens a stored graph. Throws Error, which calls an object damaged, if the lengths of its lists disagree.
   StoredGraph(const Storage& scratch, const std::string& name, std::size_t ballot_bytes);
   std::size_t buckets() const override { return buckets_.size(); }
   std::size_t chunks(std::size_t bucket) const override;

@@ -25,11 +25,11 @@ namespace pointsweep {
 namespace {
 
 constexpr Encoding kTileEncoding{"tile", 2};
-constexpr std::uint32_t kBlockPoints = 1024;  ///< at most
-/// Records that are read and written together where no slab holds them.
+constexpr std::uint32_t kBlockPoints = 1024;  ///< most points of a block
+/// Most points with non-finite coordinates, which are in no slab, that are read and converted at once.
 constexpr std::uint64_t kRecordsAtOnce = 1 << 16;
 
-/// Makes records of the scratch from working records.
+/// Converts records of a stream into the records that the scratch stores.
 class ScratchRecord {
  public:
   explicit ScratchRecord(const Schema& working)
@@ -44,7 +44,8 @@ class ScratchRecord {
   }
   const Schema& schema() const { return schema_; }
 
-  /// Makes the records of the points with these numbers in `from`. `position(i)`: of the point with number i.
+  /// Returns the converted records of the points with these numbers in `from`. position(i) returns the position of the
+  /// point with number i.
   template <class Position>
   std::vector<std::byte> made(std::span<const std::byte> from, std::span<const std::uint32_t> numbers,
                               Position position) const {
@@ -91,13 +92,13 @@ std::vector<Vec3> positions_of(const ScratchRecord& record, std::span<const std:
   return places;
 }
 
-/// Blocks, and their records in their order.
+/// Some blocks, and their records in the order of the blocks.
 struct StoredBlocks {
   std::vector<TileBlock> blocks;
   std::vector<std::byte> records;
 };
 
-/// Cuts some of the records of a slab, those with the numbers `chosen`, into blocks of points that lie close together.
+/// Cuts the records of a slab with the numbers `chosen` into blocks of points that lie close together.
 StoredBlocks cut_into_blocks(const ScratchRecord& record, const Slab& slab, std::span<const std::byte> working,
                              const Schema& schema, const std::vector<std::uint32_t>& chosen) {
   const std::vector<Vec3> places = positions_of(record, working);
@@ -130,7 +131,8 @@ StoredBlocks cut_into_blocks(const ScratchRecord& record, const Slab& slab, std:
   return stored;
 }
 
-/// Stores the slabs of a tile, and copies of what is for others, which follow the slabs as they come.
+/// Stores the slabs of a tile. Copies of the points that other tiles have to know follow the slabs, in the order in
+/// which threads finish them.
 class SlabsToTile {
  public:
   SlabsToTile(const Stream& stream, const ChooseForOthers& choose, Unsealed& points)
@@ -154,7 +156,7 @@ class SlabsToTile {
     index.for_others = static_cast<bool>(choose_);
   }
   const ScratchRecord& record() const { return record_; }
-  std::uint64_t end() const { return end_; }  ///< records of all blocks
+  std::uint64_t end() const { return end_; }  ///< returns the number of records of all blocks
 
  private:
   void store(std::size_t s) {
@@ -172,7 +174,7 @@ class SlabsToTile {
     points_.write_at(place_for_others(chosen) * record_.schema().stride, chosen.records);
   }
 
-  /// Notes the blocks, and returns the number of their first record.
+  /// Adds blocks to `for_others_`, and returns the number that their first record gets in the object of points.
   std::uint64_t place_for_others(const StoredBlocks& chosen) {
     const std::scoped_lock lock(mutex_);
     for_others_.insert(for_others_.end(), chosen.blocks.begin(), chosen.blocks.end());
@@ -183,7 +185,7 @@ class SlabsToTile {
   const ChooseForOthers& choose_;
   ScratchRecord record_;
   Unsealed& points_;
-  std::vector<std::vector<TileBlock>> own_;  ///< by slab
+  std::vector<std::vector<TileBlock>> own_;  ///< blocks of each slab
   std::mutex mutex_;
   std::vector<TileBlock> for_others_;
   std::uint64_t end_ = 0;
@@ -204,7 +206,8 @@ std::vector<std::byte> nonfinite_records(const Stream& stream, const ScratchReco
   return all;
 }
 
-/// The radius of a neighbourhood at the density of the block, taken as a surface.
+/// Returns the radius of a disc that holds k points at the density of the block, as if its points lay on a surface of
+/// its two longest sides.
 double reach_in(const TileBlock& block, std::size_t k) {
   const Vec3 size = block.box.hi - block.box.lo;
   std::array<double, 3> side{size.x, size.y, size.z};
@@ -318,7 +321,7 @@ TileIndex tile_index(const Storage& scratch, const std::string& name) {
 
 double expected_reach(const TileIndex& tile, const Neighborhood& what) {
   constexpr double kAllowance =
-      4;  // most points of a tile whose density varies are nearer than this to their neighbours
+      4;  // in a tile of uneven density, the lists of most points end within this multiple of the median reach
   if (what.k == Neighborhood::kUnlimited || tile.blocks.empty()) return what.radius;
   std::vector<double> reaches;
   for (const TileBlock& block : tile.blocks) reaches.push_back(reach_in(block, what.k));

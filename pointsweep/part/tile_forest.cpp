@@ -27,14 +27,14 @@ constexpr Encoding kSignsEncoding{"signs of supernodes", 1};
 
 std::string of_tile(const std::string& key, std::size_t tile) { return key + "-" + std::to_string(tile); }
 
-/// A point that an edge between tiles names, and the later of the two tiles of the edge.
+/// An end of an edge between tiles: the row of the point, and the later of the two tiles of the edge.
 struct BorderEnd {
   std::uint64_t row, last;
 
   friend auto operator<=>(const BorderEnd&, const BorderEnd&) = default;
 };
 
-/// An edge between tiles, with the later of the two.
+/// An edge between tiles, and the later of its two tiles.
 struct BorderEdge {
   std::uint64_t later;
   ForestEdge edge;
@@ -44,10 +44,11 @@ struct BorderEdge {
   }
 };
 
-/// A record of NAME.labels: the sign of a point in its component, if no other tile has points of it, or else in its
-/// supernode.
+/// A record of NAME.labels: the sign of a point. If all points of its component lie in the tile, the sign holds in the
+/// component; otherwise it is relative to the supernode of the point.
 struct SignOfPoint {
-  static constexpr std::uint64_t kWhole = ComponentLabel::kNone;  ///< `supernode` of a component of the tile alone
+  /// Value of `supernode` for a point whose component lies in the tile alone.
+  static constexpr std::uint64_t kWhole = ComponentLabel::kNone;
   std::uint64_t supernode;
   bool flips;
 
@@ -76,7 +77,8 @@ bool turns(const VoteRule* votes, const std::byte* component) {
 
 std::size_t result_bytes_of(const VoteRule* votes) { return votes != nullptr ? votes->result_bytes() : 0; }
 
-/// Leaves the signs of the supernodes of all tiles, which have the numbers of those of the tiles before.
+/// Seals the signs of the supernodes of each tile under KEY-TILE. `signs` holds one byte for each supernode, tile after
+/// tile; `ends` holds the number of supernodes up to the end of each tile.
 void seal_signs(Storage& scratch, RowStore& signs, const std::vector<std::uint64_t>& ends, const std::string& key) {
   std::vector<std::byte> of_one;
   std::size_t tile = 0;
@@ -173,14 +175,14 @@ void leave_forest(Storage& scratch, const std::string& graph, const std::string&
 
 void leave_no_forest(Storage& scratch, const std::string& name) { seal_forest(scratch, name, {}); }
 
-/// Tile by tile: what is left of its forest, the edges to earlier tiles, then the points close that have none to later
-/// ones.
+/// For each tile in order: the forest adopts the supernodes that the tile's forest has left, takes the edges between
+/// this tile and earlier ones, and closes the points that have no edges to later tiles.
 void join_forests(Storage& scratch, const std::vector<std::string>& names, const std::string& borders,
                   const TileGraphSetup& setup, const std::string& key) {
   ForestLog log(setup.make_scratch, result_bytes_of(setup.votes));
   SpanningForest forest(true, setup.votes, log);
-  std::map<std::uint64_t, std::vector<std::uint64_t>> closing;  // by tile: rows of the points that close after it
-  std::vector<std::uint64_t> ends;                              // by tile: supernodes up to it
+  std::map<std::uint64_t, std::vector<std::uint64_t>> closing;  // for each tile, rows of the points that close after it
+  std::vector<std::uint64_t> ends;                              // for each tile, number of supernodes up to its end
   std::uint64_t supernodes = 0;
   for (std::size_t t = 0; t < names.size(); ++t) {
     stop_if_cancelled();

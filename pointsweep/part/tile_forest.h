@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The minimum spanning forest of a graph whose edges join points of several tiles, in two rounds (docs/adr/0021): each
-/// tile leaves its edges; when it is known which of its points edges between tiles name, it grows its forest, in which
-/// those points stay open; then one process joins what is left of all forests.
+/// The minimum spanning forest of a graph whose edges join points of several tiles (docs/adr/0021). Each tile first
+/// stores its edges. When the edges between tiles are known, each tile grows its own forest, in which the points at
+/// those edges stay open. Then one process joins the supernodes that are left of all forests.
 #pragma once
 
 #include <cstddef>
@@ -17,26 +17,27 @@
 
 namespace pointsweep {
 
-/// Finds the border of each tile from the lists NAME.crossings, records of ForestEdge between a point of the tile and
-/// one of another tile. Leaves a TileBorder under KEY-TILE for each; KEY is there when all are.
+/// Finds the border of each tile from the lists NAME.crossings, which hold a ForestEdge for each edge between a point
+/// of the tile and a point of another tile. Seals a TileBorder under KEY-TILE for each tile, then the object KEY.
 void find_borders(Storage& scratch, const TileCatalogue& tiles, const std::vector<std::string>& names,
                   const TileGraphSetup& setup, const std::string& key);
 
-/// Grows the forest of a tile from what store_graph() has left under `graph` and from its border under `border`. Leaves
-/// NAME.labels, by row the sign of the point or its supernode, and NAME.forest, an OpenForest.
+/// Grows the forest of a tile from the graph that store_graph() stored under `graph` and the TileBorder under `border`.
+/// Seals NAME.labels, which holds the sign of each row and its supernode, and NAME.forest, an OpenForest.
 void leave_forest(Storage& scratch, const std::string& graph, const std::string& border, RowsOfTile rows,
                   const TileGraphSetup& setup, const std::string& name);
 
-/// Leaves NAME.forest of a tile without rows.
+/// Seals an empty NAME.forest, for a tile without rows.
 void leave_no_forest(Storage& scratch, const std::string& name);
 
-/// Joins what is left of the forests of all tiles by the edges of their borders, and leaves the signs of the supernodes
-/// of each tile; KEY is there when all are. Memory: about 450 bytes and the votes of each border point of which edges
-/// to later tiles are known.
+/// Joins the supernodes of the forests of all tiles by the edges of their borders. Seals the signs of the supernodes of
+/// each tile under KEY-TILE, then the object KEY. Memory: about 450 bytes and the votes for each border point that has
+/// edges to later tiles.
 void join_forests(Storage& scratch, const std::vector<std::string>& names, const std::string& borders,
                   const TileGraphSetup& setup, const std::string& key);
 
-/// Calls use(row in the tile, label) for each point of a tile that has a place. Of a label only `flips` is known.
+/// Calls use(row in the tile, label) for each point of a tile with finite coordinates. Only ComponentLabel::flips of
+/// the label is set.
 void for_each_sign(const Storage& scratch, const std::string& name, const std::string& key, std::size_t tile,
                    const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use);
 

@@ -16,7 +16,8 @@
 namespace pointsweep {
 namespace {
 
-/// Writes the labels of all rows, and the crossings with the components in which they begin in the place of their rows.
+/// Writes the labels of all rows to NAME.labels. Adds each crossing to `by_target` with `from`, the row in the other
+/// tile, and `to`, the number of the component in this tile.
 void write_labels(RowStore& labels, SortedCrossings& by_row, SortedRecords<Crossing, std::less<>>& by_target,
                   Storage& scratch, const std::string& name, std::uint64_t first_row) {
   RecordListWriter list(scratch, name + ".labels", sizeof(std::uint64_t));

@@ -25,14 +25,14 @@
 
 namespace pointsweep {
 
-/// The rows of a tile in its cloud.
+/// The range of the cloud's rows that belong to a tile.
 struct RowsOfTile {
   std::uint64_t first = 0, count = 0;
 
   bool has(std::uint64_t row) const { return row - first < count; }
 };
 
-/// An edge from a row of the tile to a row of another one.
+/// An edge from a row of one tile to a row of another tile.
 struct Crossing {
   std::uint64_t from, to;
 
@@ -40,10 +40,11 @@ struct Crossing {
 };
 using SortedCrossings = SortedRecords<Crossing, std::less<>>;
 
-/// Takes the edges that points of a tile emit: those among them go to buckets, the others cross.
+/// Takes the edges that points of a tile emit. Edges between two points of the tile go to buckets; edges to other tiles
+/// (crossings) go to a function.
 class TileEdges final : public EdgeSink {
  public:
-  /// `take_crossings`: gets the edges of a batch that cross; its calls follow each other.
+  /// `take_crossings` gets the edges of a batch that lead to other tiles; its calls do not overlap.
   TileEdges(EdgeBuckets& own, RowsOfTile rows, std::function<void(std::span<const ForestEdge>)> take_crossings)
       : own_(own), rows_(rows), take_crossings_(std::move(take_crossings)) {}
   bool weighted() const override { return own_.weighted(); }
@@ -57,29 +58,30 @@ class TileEdges final : public EdgeSink {
 };
 
 struct TileGraphSetup {
-  const VoteRule* votes = nullptr;  ///< may be null
+  const VoteRule* votes = nullptr;  ///< null if components need no votes
   MakeScratch make_scratch;
-  SpillPlace spill = nullptr;  ///< for what is put in the order of rows
-  std::uint64_t memory_bytes = 0;
+  SpillPlace spill = nullptr;      ///< folder for labels that do not fit in memory; null: they stay in memory
+  std::uint64_t memory_bytes = 0;  ///< memory for sorting and for labels
   std::function<void(std::uint64_t points)> progress;
 };
 
-/// Finds the components of a tile and leaves three lists under `name`: NAME.labels, by row the number of its component,
-/// none for points without a place; NAME.components, in the order of their numbers, which is that of their first
-/// points; NAME.crossings.
+/// Finds the components of a tile and seals three lists: NAME.labels, the number of the component of each row, kNoLabel
+/// for non-finite points; NAME.components, the components in the order of their first points, which gives their
+/// numbers; NAME.crossings, a Crossing for each edge to another tile, `from` the row there, `to` the number of the
+/// component here.
 void leave_graph(const EdgeBuckets& own, SortedCrossings& crossings, RowsOfTile rows, const TileGraphSetup& setup,
                  Storage& scratch, const std::string& name);
 
-/// Leaves the lists of a tile without rows. `votes`: TileGraphSetup::votes.
+/// Seals the three lists, empty, for a tile without rows. `votes`: TileGraphSetup::votes.
 void leave_no_graph(const VoteRule* votes, Storage& scratch, const std::string& name);
 
-/// Joins the components of all tiles by their crossings, and numbers them by their first points. Leaves the list
-/// KEY.numbers, and for each tile where in it the components of the tile are; KEY is there when all is. Memory: about
-/// 150 bytes and the votes of each component that a crossing touches.
+/// Joins the components of all tiles by their crossings, and numbers them by their first points. Seals the list
+/// KEY.numbers, then KEY-TILE for each tile, the segments of that list with the components of the tile, then the object
+/// KEY. Memory: about 150 bytes and the votes for each component that a crossing touches.
 void join_graphs(Storage& scratch, const TileCatalogue& tiles, const std::vector<std::string>& names,
                  const TileGraphSetup& setup, const std::string& key);
 
-/// Calls use(row in the tile, label) for each point of a tile that has a place, in no order.
+/// Calls use(row in the tile, label) for each point of a tile with finite coordinates, in an unspecified order.
 void for_each_label(const Storage& scratch, const std::string& name, const std::string& key, std::size_t tile,
                     const TileGraphSetup& setup,
                     const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use);

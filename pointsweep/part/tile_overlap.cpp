@@ -6,7 +6,7 @@
 namespace pointsweep {
 namespace {
 
-/// The share of `box` that `other` covers.
+/// Returns the share of the volume of `box` that `other` covers, in [0, 1].
 double covered_share(const Box& box, const Box& other) {
   double share = 1;
   for (int a = 0; a < 3 && share > 0; ++a) {

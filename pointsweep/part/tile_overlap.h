@@ -15,8 +15,8 @@ struct TileExtent {
   std::uint64_t points = 0;
 };
 
-/// Returns in how many of the boxes a point lies on average, its own included, if the points of each tile lie evenly in
-/// its box: 1 for tiles side by side. Cost: the square of the number of tiles, some nanoseconds a pair.
+/// Returns the mean number of boxes in which a point lies, the box of its own tile included, if points are spread
+/// evenly over the box of their tile: 1 for tiles side by side. Cost: some nanoseconds for each pair of tiles.
 double mean_tiles_of_a_point(std::span<const TileExtent> tiles);
 
 }  // namespace pointsweep

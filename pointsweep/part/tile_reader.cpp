@@ -10,7 +10,7 @@ namespace pointsweep {
 namespace {
 
 constexpr Encoding kCatalogueEncoding{"tiles", 1};
-constexpr std::size_t kMostRegions = 16;  ///< of a tile in the catalogue
+constexpr std::size_t kMostRegions = 16;  ///< most regions of a tile in the catalogue
 
 TileRegion region_of(const TileIndex& tile, std::uint32_t first, std::uint32_t end) {
   TileRegion region{first, end, 0, {}, ~std::uint64_t{0}};
@@ -22,7 +22,7 @@ TileRegion region_of(const TileIndex& tile, std::uint32_t first, std::uint32_t e
   return region;
 }
 
-/// Returns regions of the blocks that are stored for others, or else of whole slabs.
+/// Groups the blocks that are stored for other tiles into regions; if other tiles have to know all points, the slabs.
 std::vector<TileRegion> regions_of(const TileIndex& tile) {
   std::vector<std::uint32_t> ends;
   std::uint32_t begin = 0;
@@ -141,7 +141,7 @@ const TileReader::Opened& TileReader::opened(std::size_t tile) {
   const std::string& name = tiles_.tiles[tile].name;
   place = std::make_unique<Opened>(Opened{tile_index(scratch_, name), scratch_.open(name + ".points"), {0}});
   for (const TileBlock& block : place->index.blocks) place->first.push_back(place->first.back() + block.count);
-  const bool has_none = place->index.rows == 0;  // and no layout
+  const bool has_none = place->index.rows == 0;  // a tile without rows has no layout of records either
   if ((place->index.record_bytes != record_bytes_ && !has_none) || place->index.rows != tiles_.tiles[tile].rows)
     fail("{}.index: is of another run.", name);
   return *place;
@@ -151,7 +151,7 @@ void TileReader::require_whole(std::size_t tile, std::span<const std::byte> reco
   if (checksum_of(records) != checksum) fail("{}.points: is damaged.", tiles_.tiles[tile].name);
 }
 
-/// The last field of a record is its row, in 64 bits.
+/// Converts rows of the tile into rows of the cloud. The row is the last field of a record, as u64.
 void TileReader::number(std::size_t tile, std::span<std::byte> records) const {
   std::byte* row_at = records.data() + record_bytes_ - sizeof(std::uint64_t);
   for (std::size_t i = 0; i < records.size() / record_bytes_; ++i, row_at += record_bytes_) {

@@ -17,34 +17,34 @@
 
 namespace pointsweep {
 
-/// Some blocks of a tile that follow each other, of which other tiles may have to know.
+/// Successive blocks of a tile whose points other tiles may have to know.
 struct TileRegion {
   std::uint32_t first_block = 0, end_block = 0;
   std::uint64_t count = 0;
   Box box;
-  std::uint64_t least_row = 0;  ///< in the tile
+  std::uint64_t least_row = 0;  ///< least row of a point of the region, counted in the tile
 };
 
-/// The facts about a tile that all machines know.
+/// The facts about a tile that every process of the run reads.
 struct TileSummary {
-  std::string name;             ///< of its objects in the scratch
-  std::uint64_t first_row = 0;  ///< in the cloud, before which are the rows of the tiles before
+  std::string name;             ///< prefix of the keys of the tile's objects in the scratch
+  std::uint64_t first_row = 0;  ///< first row of the tile in the cloud: the number of rows of all earlier tiles
   std::uint64_t rows = 0;
-  std::vector<TileRegion> regions;  ///< all its points with a place, or those that it stored for others; few
+  std::vector<TileRegion> regions;  ///< at most 16 regions, which hold the points that other tiles may have to know
 };
 
-/// The tiles of a cloud when a pass has put their points in order.
+/// The catalogue of all tiles of a cloud, made after each tile has stored its points.
 struct TileCatalogue {
-  std::vector<TileSummary> tiles;  ///< by number
+  std::vector<TileSummary> tiles;  ///< tiles in the order of their numbers
 
-  /// Returns which tile has a row.
+  /// Returns the number of the tile that holds a row of the cloud. Throws Error if no tile holds it.
   std::size_t tile_of(std::uint64_t row) const;
   void encode(Encoder& out) const;
   static TileCatalogue decode(Decoder& in);
 };
 
-/// Reads the indices of the tiles, which stand in the order of the inputs. Throws Error where two of them have records
-/// of different layouts; `paths` are the inputs, for the sentence.
+/// Makes the catalogue from the indices of the tiles with these names, in the order of the inputs. Throws Error where
+/// two tiles have records of different layouts; `paths` are the inputs, which the message names.
 TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string>& names,
                            const std::vector<std::string>& paths);
 
@@ -56,25 +56,26 @@ struct BlockRange {
 /// Reads blocks of tiles. Thread-safe. Borrows the scratch and the catalogue.
 class TileReader {
  public:
-  /// `record_bytes`: of the records, which must be those of all tiles.
+  /// `record_bytes`: bytes of a record, equal for all tiles.
   TileReader(const Storage& scratch, const TileCatalogue& tiles, std::uint32_t record_bytes)
       : scratch_(scratch), tiles_(tiles), record_bytes_(record_bytes) {}
 
-  /// The index of a tile, which is read once.
+  /// Returns the index of a tile, which is read from the scratch once.
   const TileIndex& index(std::size_t tile) { return opened(tile).index; }
-  /// Returns the points of the blocks of a tile before this one.
+  /// Returns the number of points in the blocks of a tile before `block`.
   std::uint64_t points_before(std::size_t tile, std::uint32_t block) { return opened(tile).first[block]; }
 
-  /// Fills `out` with the records of the blocks of a tile; their rows become those of the cloud.
+  /// Fills `out` with the records of the blocks of a tile, and converts their rows into rows of the cloud. Throws Error
+  /// where a checksum is wrong or the tile belongs to another run.
   void read(std::size_t tile, std::span<const BlockRange> ranges, std::span<std::byte> out);
-  /// Fills `out` with records of points without a place.
+  /// Fills `out` with the records of points with non-finite coordinates, from the one with number `first` on.
   void read_nonfinite(std::size_t tile, std::uint64_t first, std::span<std::byte> out);
 
  private:
   struct Opened {
     TileIndex index;
     std::unique_ptr<Source> points;
-    std::vector<std::uint64_t> first;  ///< by block: its first record, and the end of the last one
+    std::vector<std::uint64_t> first;  ///< number of the first record of each block, then the number of all records
   };
   const Opened& opened(std::size_t tile);
   void require_whole(std::size_t tile, std::span<const std::byte> records, std::uint64_t checksum) const;
