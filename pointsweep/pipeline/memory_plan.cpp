@@ -21,22 +21,24 @@ constexpr std::uint64_t kLostBetweenAllocations = 8;
 // Bytes of structures that grow slowly with the cloud. Each constant is the size of the structure named in its comment
 // on a 64-bit machine. Vectors that grow count with half of their capacity unused.
 
-/// A point on its way from the stream into a cell: its CutPoint, and that of a sparse place (sweep/slab_loader.cpp).
+/// Bytes of a point while its slab is cut into cells: two CutPoints, the second for sparse places
+/// (sweep/slab_loader.cpp).
 constexpr std::uint64_t kLoadedPointBytes = 32;
-/// A thread: its stack, and the memory that the allocator keeps for it.
+/// Bytes of a thread: its stack, and the memory that the allocator keeps for it.
 constexpr std::uint64_t kThreadBytes = 256 << 10;
-/// A slab in every list that has one entry for each: Slab, PiecedSlab, StreamPiece and SlabList of the stream, its
+/// Bytes of a slab in all lists with an entry for each slab: Slab, PiecedSlab, StreamPiece and SlabList of the stream,
 /// entries in Frontier, and heap overhead.
 constexpr std::uint64_t kSlabBytes = 640;
-/// A slab in each series of the statistics: a pair of counts.
+/// Bytes of a slab in each series of the statistics, which stores a pair of counts.
 constexpr std::uint64_t kSeriesBytes = 2 * 16;
 /// Bytes that remain of a dropped cell (DroppedCell), with an eighth more for growth.
 constexpr std::uint64_t kDroppedCellBytes = 63;
-/// A Block of a SlabStore.
+/// Bytes of a Block of a SlabStore.
 constexpr std::uint64_t kBlockBytes = 2 * 24;
-/// A key of 8 bytes and a name of 4 for each neighbour of the point being searched, and an eighth more for candidates.
+/// Bytes of each neighbour of the point being searched: a key of 8 bytes and a name of 4, and an eighth more for
+/// candidates.
 constexpr std::uint64_t kNeighborInHandBytes = 14;
-/// A candidate of a search for the k nearest. There may be twice as many, and a copy.
+/// Bytes for each of the k nearest neighbours during their search, which may hold 2 k candidates and a copy of them.
 constexpr std::uint64_t kCandidateBytes = 128;
 /// Smallest and largest blocks of the spilled stream (order/stream.cpp) and of spilled results (order/row_store.cpp).
 constexpr std::uint64_t kLeastStreamBlock = 8192, kLeastResultBlock = 4096, kLargestBlock = 1u << 20;
@@ -44,9 +46,9 @@ constexpr std::uint64_t kMostStreamPieces = 4096;
 /// Most and least memory for the lists that a thread uses at a time.
 constexpr std::uint64_t kMostListBytes = 16 * kMega, kLeastListBytes = kMega / 4;
 
-/// Returns the points of the thinnest slabs. If later steps read values that earlier steps made of neighbours, a cell
-/// waits for its neighbours and these for theirs. Slabs thinner than some cells then save no memory, since more of them
-/// stay in the window.
+/// Returns the number of points of the thinnest slabs. With several steps, a cell waits for its neighbours, and these
+/// cells wait for their neighbours; slabs thinner than some cells then save no memory, since more of them stay in the
+/// window.
 std::uint64_t least_slab_points(const SweepPlan& plan) { return plan.step_count() == 1 ? 4096 : 16384; }
 
 /// Points that may be in the window of several steps with the thinnest slabs: the measured number for a dense place in
@@ -55,8 +57,8 @@ constexpr std::uint64_t kMostWaiting = 256 << 10;
 
 bool is_unlimited(const SweepPlan& plan) { return plan.neighborhood.k == Neighborhood::kUnlimited; }
 
-/// Returns the bytes of the list that a point keeps for later steps: 0 for a single step, and without a limit k, where
-/// lists are searched again.
+/// Returns the bytes of the list that a point keeps for later steps: 0 for a single step, and without a limit k,
+/// because lists are then searched again.
 std::uint64_t kept_list_bytes(const SweepPlan& plan) {
   if (plan.step_count() == 1 || is_unlimited(plan)) return 0;
   return sizeof(NeighborRef) * (1 + std::min<std::size_t>(plan.neighborhood.k, 1024));
@@ -82,8 +84,8 @@ std::uint32_t most_slabs_per_turn(std::uint64_t slab_points, const MemoryDemand&
   return static_cast<std::uint32_t>(std::max<std::uint64_t>((points + slab - 1) / slab, 1));
 }
 
-/// Returns the points of the window: the slabs of a turn, their neighbours on both sides, the slabs read ahead, and
-/// points within the radius.
+/// Returns the number of points in the window: in the slabs of a turn, in adjacent slabs on both sides, in the slabs
+/// read ahead, and within the radius.
 std::uint64_t window_points(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand,
                             std::uint32_t slabs_per_turn = 1) {
   const std::uint64_t slabs = slabs_per_turn + 2 + plan.step_count() + std::max(1u, demand.threads / 2);
@@ -185,7 +187,7 @@ std::uint64_t limit_of_control_group() {
   return limit;
 }
 
-/// A division of a budget.
+/// Divides a budget among the structures of a run.
 class Division {
  public:
   Division(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand, bool lists)
@@ -194,7 +196,7 @@ class Division {
     out_.lists_bytes = lists_bytes(budget, demand) / neighbor_bytes(demand) * sizeof(NeighborRef);
     if (!is_unlimited(plan))
       out_.threads_bytes = std::max(1u, demand.threads) * thread_bytes(plan, least_slab_points(plan), budget, demand);
-    // For chunks on their way to slabs, also to slabs in memory.
+    // Buffers hold chunks on their way to slabs, also if the slabs are in memory.
     out_.stream_buffer_bytes = std::clamp<std::uint64_t>(budget / 8, 8 * kMega, 64 * kMega);
   }
 
@@ -215,7 +217,7 @@ class Division {
     return out_;
   }
 
-  /// Finds a plan for slabs on demand, with results in memory rather than spilled. Null if that does not fit.
+  /// Finds a plan for slabs on demand, with results in memory if they fit, else spilled; none if neither fits.
   std::optional<MemoryPlan> find_on_demand() {
     out_.on_demand = true;
     out_.stream_buffer_bytes = on_demand_buffer_bytes(out_.slab_points, demand_);
@@ -249,11 +251,11 @@ class Division {
   std::uint64_t budget_;
   const SweepPlan& plan_;
   const MemoryDemand& demand_;
-  bool lists_;  ///< room for all lists that later steps need; if false, lists are searched again
+  bool lists_;  ///< true if the plan has room for all lists that later steps need; if false, they are searched again
   MemoryPlan out_;
 };
 
-/// Allows more than one slab per turn if memory is left for them. If slabs were made thinner, none is left.
+/// Allows more than one slab per turn if memory is left for more. If slabs had to be made thinner, no memory is left.
 void add_slabs_to_turns(MemoryPlan& out, const SweepPlan& plan, const MemoryDemand& demand, bool lists) {
   if (out.slab_points < demand.slab_points) return;
   const std::uint64_t planned = cells_bytes(plan, out.slab_points, demand, lists);
@@ -264,7 +266,8 @@ void add_slabs_to_turns(MemoryPlan& out, const SweepPlan& plan, const MemoryDema
   out.expected_bytes += more();
 }
 
-/// Keeps lists rather than the stream in memory, but does not fail for want of them.
+/// Plans a run. Prefers room for the lists of later steps over a stream in memory. If the lists do not fit beside a
+/// spilled stream either, later steps search them again.
 MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
   bool lists = true;
   MemoryPlan out = Division(budget, plan, demand, lists).find();
@@ -276,7 +279,7 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
   if (possible && (out.spill_stream || out.spill_results))
     if (const auto on_demand = Division(budget, plan, demand, lists).find_on_demand()) out = *on_demand;
   std::uint64_t others = out.expected_bytes - cells_bytes(plan, out.slab_points, demand, lists);
-  if (out.on_demand) {  // boxes give only a rough estimate of the points that wait
+  if (out.on_demand) {  // a reserve, since boxes give a rough estimate of the waiting points
     const std::uint64_t more = (budget - out.expected_bytes) / 2;
     out.most_waiting = *demand.waiting_points + more / demand.working_record_bytes;
     others += more;

@@ -14,18 +14,18 @@ struct MemoryDemand {
   std::uint64_t working_record_bytes = 0;
   std::uint64_t result_record_bytes = 0;
   std::uint64_t slab_points = 0;
-  std::uint32_t slabs_per_turn = 0;  ///< 0: chosen
+  std::uint32_t slabs_per_turn = 0;  ///< slabs that the sweep reads together; 0: the plan chooses
   unsigned threads = 1;
   std::uint32_t cell_points = 1024;
   std::uint64_t in_order_bytes = 0;     ///< least memory of an in-order operator
-  std::uint64_t connect_bytes = 0;      ///< estimate of a forest, which grows when the window is empty
-  std::uint64_t listed_edge_bytes = 0;  ///< of the edges to one neighbour, in the lists that a thread uses at a time
-  std::uint64_t codec_bytes = 0;        ///< for decoding the inputs and encoding the output
+  std::uint64_t connect_bytes = 0;      ///< estimated memory of a spanning forest, which grows after the sweep
+  std::uint64_t listed_edge_bytes = 0;  ///< bytes of the edge that a thread makes for each neighbour in its lists
+  std::uint64_t codec_bytes = 0;        ///< memory for decoding the inputs and encoding the output
   /// Estimates for a radius without a limit k. `most_neighbors`: the most neighbours of a point. `slice_points`: points
   /// in a slice across the axis, as thick as the radius times (steps + 1); the radius keeps them in the window.
   std::uint64_t most_neighbors = 0;
   std::uint64_t slice_points = 0;
-  /// Points that are estimated to wait in memory if slabs are made on demand; absent: they cannot be.
+  /// Estimated number of points that wait in memory if slabs are made on demand; absent if that is impossible.
   std::optional<std::uint64_t> waiting_points = {};
 };
 
@@ -36,17 +36,16 @@ struct MemoryPlan {
   std::uint64_t slab_points = 0;
   std::uint64_t stream_buffer_bytes = 0;  ///< buffers of the distribution pass
   std::uint64_t result_buffer_bytes = 0;
-  std::uint64_t most_waiting = 0;  ///< for slabs on demand: points that may wait for their slabs
+  std::uint64_t most_waiting = 0;  ///< most points that may wait in memory for slabs that are made on demand
   std::uint64_t recall_bytes = 0;
   std::uint32_t slabs_per_turn = 1;  ///< slabs that come into the window before the steps are taken
-  std::uint64_t window_bytes = 0;    ///< expected, including memory that threads use at a time
+  std::uint64_t window_bytes = 0;    ///< expected memory of the window, including memory that threads use at a time
   std::uint64_t threads_bytes = 0;   ///< memory of threads with the thinnest slabs; 0 if nothing is recalled
   std::uint64_t cells_bytes = 0;     ///< limit for the cells of the window
   std::uint64_t in_order_bytes = 0;  ///< limit for an in-order operator
-  std::uint64_t lists_bytes = 0;     ///< for the lists that each thread uses at a time
-  std::uint64_t expected_bytes = 0;  ///< total
-  std::uint64_t needed_bytes = 0;    ///< the least sufficient budget, in whole MB, if this one is too small; otherwise
-                                     ///< 0
+  std::uint64_t lists_bytes = 0;     ///< memory for the lists that each thread uses at a time
+  std::uint64_t expected_bytes = 0;  ///< expected memory of the whole run
+  std::uint64_t needed_bytes = 0;    ///< least sufficient budget, in whole MB, if the given one is too small; else 0
 };
 
 /// Memory of a run that does not grow with the cloud: code and the chunks that are being read and written.
@@ -64,7 +63,7 @@ MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const Me
 /// Returns the memory available to this process, in bytes: MemAvailable, or less inside a control group.
 std::uint64_t available_memory();
 
-/// Returns `asked_for`, or half of available_memory() if that is 0.
+/// Returns `asked_for`; if it is 0, half of available_memory().
 std::uint64_t memory_budget(std::uint64_t asked_for);
 
 }  // namespace pointsweep

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """A run over a folder of tiles on the workers of Dask, with the bytes of a run of one process.
 
-The run goes on in rounds (`_core.plan_parts`). A round has a task for each tile, for each file of another cloud that a
-stage reads, or for each range of the rows where the output is divided among files. A task needs nothing but what the
-rounds before have left in the scratch, so no task waits for another one. The client hands out tasks, and notes replies in
-the scratch: a client that is killed, or that has lost its scheduler, goes on where it was when it is given the same command.
+The run proceeds in rounds (`_core.plan_parts`). A round has a task for each tile, for each file of another cloud that a
+stage reads, or for each range of rows if the output is divided among files. A task needs only results that earlier rounds
+have stored in the scratch, so no task waits for another task of its round. The client hands out tasks and records their
+replies in the scratch: after the client was killed or has lost its scheduler, the same command continues the run.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ from ._part import DIVIDING, Done, Request, Round, Step, build, perform
 from ._scratch import Scratch
 from ._urls import absolute, state_of
 
-_MOST_TRIES = 4  # of a task whose workers end, or whose objects are damaged
+_MOST_TRIES = 4  # tries of a task whose workers end or whose objects are damaged
 _PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep": "sweeping", "forest": "connecting", "label": "updating", "rows": "updating", "write": "writing", "cut": "dividing", "gather": "writing"}
 _WAIT_SECONDS = 30.0
-_LOOK_SECONDS = 5.0  # between two looks at tasks that may hang
-_RESULT_SECONDS = 20.0  # for a reply, a few hundred bytes, to come from its worker
-_SLOW_SECONDS = 60.0  # a task may hang if it takes longer than this and ten times as long as the longest one before
+_LOOK_SECONDS = 5.0  # time between two checks for tasks that may hang
+_RESULT_SECONDS = 20.0  # time limit for a reply of a few hundred bytes from its worker
+_SLOW_SECONDS = 60.0  # a task may hang if it takes longer than this and ten times as long as the longest finished task
 
 Progress = Callable[[str, int, int], Any] | None
 
 
 @contextmanager
 def _connected(client: Any) -> Iterator[Any]:
-    """A client of Dask: the one that is given, one of the scheduler at an address, or one of workers on this machine."""
+    """Yields a Dask client: `client` itself, a client of the scheduler at an address, or of new workers on this machine."""
     try:
         from dask import config
         from distributed import Client, LocalCluster
@@ -45,7 +45,7 @@ def _connected(client: Any) -> Iterator[Any]:
     if isinstance(client, Client):
         yield client
     elif client == "local":
-        # The workers' profile of Python, taken a hundred times a second, tells nothing of a task and costs it.
+        # Dask's statistical profile of Python code takes time and shows nothing of the C++ code in which tasks run.
         with config.set({"distributed.worker.profile.enabled": False}):
             with LocalCluster(threads_per_worker=1, memory_limit=None, dashboard_address=":0") as cluster, Client(cluster) as own:
                 yield own
@@ -71,8 +71,8 @@ def run_on_cluster(
     outputs: list[str],
     progress: Progress,
 ) -> str:
-    """Runs `stages` over files that all workers see, each of which gets an output; or divides their points among files, whose
-    path has a *. Returns the statistics as JSON."""
+    """Runs `stages` over files that all workers can read, with an output for each file; or, if the path of `outputs` has a *,
+    divides the points of all files among output files. Returns the statistics as JSON."""
     start = time.perf_counter()
     inputs = [absolute(path) for path in source]
     outputs = [absolute(path) for path in outputs]
@@ -126,7 +126,7 @@ def _seal_request(place: Scratch, request: Request) -> None:
 
 
 def _workers_of_a_machine(client: Any) -> int:
-    """The most workers on one machine. Waits for the first worker for a while: it may be on its way."""
+    """Returns the largest number of workers on one machine. Waits up to _WAIT_SECONDS for the first worker to connect."""
     until = time.monotonic() + _WAIT_SECONDS
     while not (workers := client.scheduler_info(n_workers=-1)["workers"]):
         if time.monotonic() > until:
@@ -136,7 +136,7 @@ def _workers_of_a_machine(client: Any) -> int:
 
 
 class _Run:
-    """The rounds of a run, and what is known between them."""
+    """Performs the rounds of a run and keeps the replies of their tasks."""
 
     def __init__(
         self, client: Any, place: Scratch, request: Request, rounds: list[Round], rows: list[int], other_rows: dict[int, list[int]],
@@ -148,8 +148,8 @@ class _Run:
         self._first_row = _sums_before(rows)
         self._done: list[dict[int, Done]] = [{} for _ in rounds]
         self._longest, self._damages = 0.0, 0
-        self._hanging: set[str] = set()  #: workers that have taken much too long for a task
-        self._forgotten = 0  #: the round before which nothing is left in the scratch
+        self._hanging: set[str] = set()  #: addresses of workers that have taken much too long for a task
+        self._forgotten = 0  #: number of the first round whose results may still be in the scratch
         for fact in place.done():
             self._done[fact["round"]][fact["tile"]] = Done(*fact["done"])
 
@@ -160,8 +160,8 @@ class _Run:
             number = number + 1 if again is None else again
 
     def _perform_round(self, number: int) -> int | None:
-        """Performs the tasks that are not done, and joins what they have left. Returns the number of an earlier round of
-        which a task is to be performed again, since what it has left is damaged."""
+        """Performs the tasks of a round that are not done, and joins the results of all its tasks. Returns None, or the
+        number of the round to perform again because results of one of its tasks, or its join, are damaged."""
         kinds = {step.kind for step in self._rounds[number].steps}
         todo = [task for task in range(len(self._rows_of(number))) if task not in self._done[number]]
         damaged = self._hand_out(number, todo) or self._join(number, is_new=bool(todo))
@@ -172,12 +172,13 @@ class _Run:
         return None
 
     def _rows_of(self, number: int) -> list[int]:
-        """The rows of what each task of a round takes: a tile, or a file of another cloud."""
+        """Returns for each task of a round the number of rows that it takes: of a tile, a file of another cloud or a range."""
         this = self._rounds[number]
         return self._other_rows[this.number] if this.kind == "other" else self._rows
 
     def _join(self, number: int, is_new: bool) -> tuple[int, int | None] | None:
-        """Joins what the tasks of a round have left, unless an earlier process has. Returns what is damaged."""
+        """Joins the results of a round's tasks, unless an earlier process has done so. Returns None, or the round and task
+        whose results are damaged, as _damaged_by() does."""
         this = self._rounds[number]
         objects, r = self._place.objects, self._request
         names = [self._done[number][task].left for task in range(len(self._rows_of(number)))]
@@ -191,7 +192,7 @@ class _Run:
             if this.join in ("borders", "components"):
                 _core.join_graph(*shared, self._joined_before(number, _stores_tiles), self._joined_before(number, _has_borders), names, key)
             if this.join == "pieces":
-                options = {**r.options, "overwrite": "yes"} if self._done[number + 1] else r.options  # files of ours may be there
+                options = {**r.options, "overwrite": "yes"} if self._done[number + 1] else r.options  # this run may have written some files
                 _core.join_pieces(objects, r.inputs, r.stages, r.keep, options, r.outputs, r.facts, names, key)
             if this.join == "values":
                 _core.join_values(*shared, self._joined_before(number, _has_values), names, key)
@@ -203,7 +204,8 @@ class _Run:
         return None
 
     def _go_back(self, number: int, tile: int | None) -> int:
-        """Forgets that a task is done, or a round is joined, whose objects are damaged. If what the task needs is gone, all tasks begin again."""
+        """Marks the task, or the join if `tile` is None, whose objects are damaged as not done. Returns the round with which
+        the run continues: if the inputs of the task have been removed from the scratch, the first one."""
         self._damages += 1
         if self._damages > _MOST_TRIES * len(self._rounds):
             raise Error(f"{self._place.path}: objects there are damaged again and again; name another folder as the scratch.")
@@ -218,7 +220,8 @@ class _Run:
         return number
 
     def _hand_out(self, number: int, todo: list[int]) -> tuple[int, int | None] | None:
-        """Keeps every worker busy, with one more task each at hand."""
+        """Performs the tasks `todo` of a round. Submits two tasks for each worker, so that none waits for the client.
+        Returns None, or the round and task whose damaged results a task needs."""
         from distributed import TimeoutError as late
 
         kind = self._rounds[number].kind
@@ -245,13 +248,13 @@ class _Run:
                 continue  # another copy of the task was faster
             try:
                 done = future.result(timeout=_RESULT_SECONDS)
-            except late:  # its worker has it, and does not answer
+            except late:  # the worker that holds the reply does not answer
                 self._hanging.update(*self._client.who_has([future]).values())
                 left.append(tile)
                 continue
             except CancelledError:
                 raise _scheduler_gone() from None
-            except Exception as error:  # noqa: BLE001 - of the task, of its worker or of the scheduler
+            except Exception as error:  # noqa: BLE001 - an error of the task, of its worker or of the scheduler
                 if self._client.status not in ("running", "connecting"):
                     raise _scheduler_gone() from None
                 damaged = _damaged_by(error)
@@ -274,12 +277,12 @@ class _Run:
             self._place.note(round=number, tile=tile, done=list(done))
             points += rows[tile]
             self._tell(kind, points, sum(rows))
-        for copy in running:  # of tasks that another worker has done
+        for copy in running:  # these tasks have been done by other workers
             copy.cancel()
         return None
 
     def _next(self, running: dict[Any, Any]) -> Any:
-        """The next future that is done; None if none is for a while."""
+        """Returns a future that is done; None if none is done within _LOOK_SECONDS."""
         from distributed import TimeoutError as late
         from distributed import wait
 
@@ -289,7 +292,7 @@ class _Run:
             if self._client.status not in ("running", "connecting"):
                 raise _scheduler_gone() from None
             return None
-        except CancelledError:  # what the scheduler knew is lost
+        except CancelledError:  # the scheduler was restarted and has lost its tasks
             raise _scheduler_gone() from None
         return next(future for future in running if future.done())
 
@@ -318,7 +321,7 @@ class _Run:
         return self._client.submit(perform, self._place.request, self._place.objects, task, key=key, pure=False, workers=self._workers())
 
     def _workers(self) -> list[str] | None:
-        """Those that seem to work, where some seem to hang."""
+        """Returns the addresses of workers that may get a task: None for all workers, else those that do not seem to hang."""
         if not self._hanging:
             return None
         return [worker for worker in self._client.scheduler_info(n_workers=-1)["workers"] if worker not in self._hanging] or None
@@ -330,13 +333,13 @@ class _Run:
         return self._request.others[this.number][task] if this.kind == "other" else self._request.inputs[task]
 
     def _joined_before(self, number: int, is_wanted: Callable[[Round], bool]) -> str:
-        """The name of what the last of these rounds before round `number` has left of all tiles; empty: there is none."""
+        """Returns the key of the join of the last round before `number` for which is_wanted() holds; empty without one."""
         return next((_joined_by(n) for n in reversed(range(number)) if is_wanted(self._rounds[n])), "")
 
     def _double_slow(self, number: int, running: dict[Any, Any]) -> None:
-        """Gives tasks that may hang to another worker, too."""
+        """Submits a copy of each task that may hang to another worker."""
         if self._longest == 0:
-            return  # how long a task takes is not known
+            return  # no task is done, so that the usual time of a task is unknown
         now = time.monotonic()
         tiles = Counter(tile for tile, _ in running.values())
         slow = [
@@ -366,7 +369,7 @@ class _Run:
             self._progress(_PHASES[kind], points, of)
 
     def statistics(self, seconds: float) -> str:
-        """What a report of the run says, as the library writes it for a run of one process, and what each worker did."""
+        """Returns the statistics of the run as JSON, like the library for a run of one process, with counts for each worker."""
         last = self._done[-1].values()
         tasks = [done for of_round in self._done for done in of_round.values()]
         sweeps = [d for of_round, r in zip(self._done, self._rounds) if any(step.kind == "sweep" for step in r.steps) for d in of_round.values()]
@@ -419,7 +422,8 @@ def _sums_before(rows: list[int]) -> list[int]:
 
 
 def _damaged_by(error: BaseException) -> tuple[int, int | None] | None:
-    """(round, tile) of the task that has left what the sentence calls damaged; no tile: it was made of what all have left."""
+    """Returns (round, tile) of the task whose object an error message calls damaged, or (round, None) if the object is the
+    join of that round; None for other errors."""
     text = str(error)
     parts = text.removesuffix(": is damaged.").split(".", 1)[0].split("-")
     if not text.endswith(": is damaged."):

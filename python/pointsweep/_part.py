@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A task of a run of many processes, as a worker performs it."""
+"""Performs a task of a run of many processes, in a worker."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from ._errors import Error
 from ._options import bytes_of
 from ._urls import bytes_at, is_url, state_of
 
-_REMOTE_BYTES = 32 << 20  # what reading and writing objects of a bucket takes
-DIVIDING = ("cut", "gather")  #: rounds over all inputs, whose points are divided among files
-_one_at_a_time = threading.Lock()  # a task has the memory and the threads of its process
+_REMOTE_BYTES = 32 << 20  # memory for reading and writing objects of a bucket
+DIVIDING = ("cut", "gather")  #: kinds of the rounds that divide the points of all inputs among files
+_one_at_a_time = threading.Lock()  # a task may use all memory and all threads of its process
 
 
 class Step(NamedTuple):
-    """What a task does."""
+    """A step that a task performs."""
 
     kind: str
-    number: int  #: of the pass
+    number: int  #: number of the pass
 
 
 class Round(NamedTuple):
-    """A task of each tile, of each file of another cloud, or of each range of rows where the output is divided; and what is
-    made of what all of them leave."""
+    """A round: a task for each tile, for each file of another cloud, or, if the output is divided, for each range of rows;
+    and the kind of join that combines the results of its tasks."""
 
     steps: list[Step]
     join: str
@@ -43,49 +43,49 @@ class Round(NamedTuple):
 
     @property
     def number(self) -> int:
-        """Of the first pass."""
+        """The number of the pass of the first step."""
         return self.steps[0].number
 
 
 class Request(NamedTuple):
-    """What all tasks of a run share. They read it from the scratch, so that it does not go through the scheduler."""
+    """The arguments that all tasks of a run share. Tasks read them from the scratch, which spares the scheduler their size."""
 
     build: str
     inputs: list[str]
     states: list[tuple[int, int | str]]  #: (bytes, time of change or ETag) of each input
-    outputs: list[str]  #: for each input; or one path with a *, where the output is divided
-    others: dict[int, list[str]]  #: by pass: the files of the other cloud that it reads
-    other_states: dict[str, tuple[int, int | str]]  #: of these files
+    outputs: list[str]  #: one path for each input; one path with a * if the output is divided among files
+    others: dict[int, list[str]]  #: for the number of a pass, the files of the other cloud that the pass reads
+    other_states: dict[str, tuple[int, int | str]]  #: (bytes, time of change or ETag) of each file in `others`
     stages: list[Any]
-    record: list[str]  #: the stages, as the outputs tell of them
-    facts: tuple[int, float]  #: of the whole cloud: points, and metres in a unit
+    record: list[str]  #: names of the stages, for the processing record of the outputs
+    facts: tuple[int, float]  #: facts about the whole cloud: the number of points, and the length of its unit in metres
     keep: list[str]
     options: dict[str, Any]
-    processes: int  #: workers that share a machine, at most
+    processes: int  #: largest number of workers on one machine
 
 
 class Done(NamedTuple):
     """The reply of a task, a few hundred bytes."""
 
-    left: str  #: name of what it has left in the scratch
-    rows: int
-    own: int
-    swept: int
-    written: int
-    dropped: int
+    left: str  #: name under which the task has stored its results in the scratch
+    rows: int  #: rows of the tile that are left
+    own: int  #: finite points of the tile that were ordered or swept
+    swept: int  #: points that were swept: those of the tile and of its halo
+    written: int  #: points written to outputs
+    dropped: int  #: points dropped for their non-finite coordinates
     bytes_read: int
     bytes_written: int
     bytes_in_scratch: int
     seconds: float
     peak_bytes: int
     worker: str
-    files: int  #: that it has written
+    files: int  #: number of files that the task has written
     warnings: list[str]
 
 
 @functools.cache
 def build() -> str:
-    """The version of the library, and a hash of its code."""
+    """Returns the version of the library and a hash of its code."""
     with open(_core.__file__, "rb") as file:
         return f"{_core.version} ({hashlib.sha256(file.read()).hexdigest()[:12]})"
 
@@ -105,7 +105,8 @@ def _request(path: str, _changed: int | str) -> Request:
 
 
 def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
-    """Performs a task. Run twice, it leaves two things of equal worth, and one reply is used."""
+    """Performs a task and returns its reply. A task may be performed twice: each copy stores equal results under a name of
+    its own, and the client uses the first reply."""
     worker, threads = _worker()
     request = _request(request_path, state_of(request_path)[1])
     if build() != request.build:
@@ -126,7 +127,7 @@ def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
     options = dict(request.options)
     options["threads"] = options["threads"] or str(threads)
     memory = bytes_of(options["memory"] or None) or _share_of_memory(request.processes)
-    if is_url(objects) and not is_url(paths[0]):  # of which the plan of a run knows
+    if is_url(objects) and not is_url(paths[0]):  # the run's memory plan counts requests for inputs, not for objects of the scratch
         memory = max(memory - _REMOTE_BYTES, memory // 2)
     options["memory"] = f"{memory}B"
     with _one_at_a_time:
@@ -165,7 +166,7 @@ def _require_unchanged(path: str, then: tuple[int, int | str], worker: str) -> N
 
 
 def _bytes_left(objects: str, left: str) -> int:
-    """The bytes of what a task has left in the scratch."""
+    """Returns the bytes of the objects that a task has stored in the scratch under the name `left`."""
     return sum(bytes_at(os.path.join(objects, left + end)) for end in _core.left_by_tasks)
 
 

@@ -14,7 +14,7 @@ from . import _core
 from ._errors import Error
 from ._urls import is_url
 
-_JOURNAL_SECONDS = 2.0  # between two writings of a journal in a bucket
+_JOURNAL_SECONDS = 2.0  # least time between two writes of a journal (a file to which lines are appended) in a bucket
 
 
 class Place(Protocol):
@@ -23,7 +23,7 @@ class Place(Protocol):
     name: str
 
     def make(self) -> bool:
-        """Makes the place. Returns whether there was none. Raises `Error` where that is not possible."""
+        """Makes the place if it does not exist. Returns whether it was made. Raises `Error` if that is not possible."""
 
     def path_of(self, name: str) -> str: ...
     def names(self) -> list[str]: ...
@@ -32,25 +32,25 @@ class Place(Protocol):
     def write(self, name: str, content: bytes) -> None: ...
 
     def write_new(self, name: str, content: bytes) -> bool:
-        """Returns False, and writes nothing, where there is such a file."""
+        """Writes a new file and returns True. Returns False, and writes nothing, if a file with this name exists."""
 
     def age(self, name: str) -> float:
-        """The seconds since a file was written or touched, by the clock of the place."""
+        """Returns the seconds since a file was written or touched, by the clock of the place."""
 
     def touch(self, name: str) -> None: ...
     def append(self, name: str, line: str) -> None: ...
 
     def flush(self) -> None:
-        """Writes what append() still holds back."""
+        """Writes the lines that append() has not written yet."""
 
     def remove(self, name: str) -> None:
-        """Removes a file, or a folder with all that is in it, if there is one."""
+        """Removes the file with this name, or the folder with its contents if the name ends with "/". A missing one is no error."""
 
     def remove_itself(self) -> None:
         """Removes the place if it is empty."""
 
     def free_bytes(self) -> int | None:
-        """Returns the free bytes; None without a limit."""
+        """Returns the free bytes of the place; None if it has no limit."""
 
 
 def place_of(name: str) -> Place:
@@ -137,7 +137,8 @@ class Folder:
 
 
 class Bucket:
-    """The objects below a URL. There is no appending to an object: a journal is written anew, now and then."""
+    """A place of objects below a URL. Objects cannot be appended to: append() collects lines, and the whole journal is
+    written again at intervals of _JOURNAL_SECONDS."""
 
     def __init__(self, name: str) -> None:
         self.name = name

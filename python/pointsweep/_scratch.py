@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The scratch of a run of many processes: a folder or a part of a bucket that all of them can access. It records the
-owner and the finished tasks."""
+"""The scratch of a run of many processes: a folder, or a part of a bucket, that all processes can access. Besides the
+results of tasks, it holds the lease of the process that distributes the work, and the list of finished tasks."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Scratch:
         self._lease = {"host": socket.gethostname(), "process": os.getpid(), "since": time.strftime("%Y-%m-%d %H:%M:%S")}
         self._take_lease(take_over)
         self._has_noted = False
-        self.lost = False  #: another process has taken over
+        self.lost = False  #: True if another process has taken over the lease
         self._closing = threading.Event()
         self._renewal = threading.Thread(target=self._renew, daemon=True)
         self._renewal.start()
@@ -44,7 +44,7 @@ class Scratch:
 
     @property
     def objects(self) -> str:
-        """The folder of what tasks leave."""
+        """The path of the folder in which tasks store their results."""
         return self._place.path_of(_OBJECTS)
 
     def has_object(self, key: str) -> bool:
@@ -93,11 +93,11 @@ class Scratch:
             raise Error(f"{changed}: has changed since the run began; remove {self.path}, and begin again.")
 
     def done(self) -> Iterator[dict[str, Any]]:
-        """Yields the records of earlier processes, in order."""
+        """Yields the records of finished tasks that note() has written, in order, those of earlier processes included."""
         for line in (self._place.read(_DONE) or b"").splitlines():
             try:
                 yield json.loads(line)
-            except ValueError:  # the last line of a process that was killed
+            except ValueError:  # an incomplete last line, of a process that was killed
                 return
 
     def has_begun(self) -> bool:
@@ -106,7 +106,7 @@ class Scratch:
         return self._has_noted or self._place.exists(_DONE)
 
     def note(self, **fact: Any) -> None:
-        """Notes that a task is done, perhaps a little later: a task that is not noted is performed again."""
+        """Records that a task is done. The record may be written a little later: without it, the task is performed again."""
         self._has_noted = True
         self._place.append(_DONE, json.dumps(fact))
 
@@ -124,12 +124,12 @@ class Scratch:
             )
 
     def require_lease(self) -> None:
-        """Raises `Error` if another process has taken over."""
+        """Raises `Error` if another process has taken over the lease."""
         if self.lost:
             raise Error(f"{self.path}: another process has taken over this run; this one has stopped.")
 
     def remove(self) -> None:
-        """Removes everything in the scratch, after the run."""
+        """Removes all files of the run, and the place itself if this process has made it. Ends the lease."""
         for name in (_RUN, _OTHERS, _REQUEST, _DONE, _OBJECTS):
             self._place.remove(name)
         self.close()
@@ -137,7 +137,7 @@ class Scratch:
             self._place.remove_itself()
 
     def close(self) -> None:
-        """Lets other processes work in the place."""
+        """Writes all records and ends the lease, so that another process can continue the run."""
         self._closing.set()
         if self._renewal.is_alive():
             self._renewal.join()
@@ -164,7 +164,7 @@ class Scratch:
                     self.lost = True
                     return
                 self._place.touch(_LEASE)
-            except (Error, OSError):  # the place cannot be reached for a while
+            except (Error, OSError):  # the place may be unreachable for a while; the next try follows
                 pass
 
     def _holder(self) -> dict[str, Any]:

@@ -39,7 +39,7 @@ MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std:
       .codec_bytes = codec_bytes};
 }
 
-/// Adds the demand of a radius without a limit k. Returns its effort, for a sentence to the user.
+/// Adds the memory that a radius without a limit k needs. Returns its effort, for a sentence to the user.
 Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& survey) {
   const Neighborhood& n = plan.neighborhood;
   if (n.k != Neighborhood::kUnlimited) return {};
@@ -52,14 +52,15 @@ Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& sur
           "a smaller one, or k beside it, takes less"};
 }
 
-/// The axis along which places ascend, if the sample shows the extents of the cloud.
+/// Returns the axis along which an in-order operator takes the points: the stated axis x or y, or else the axis in
+/// which the survey's bounds are longer.
 int axis_of_places(const Survey& survey, const EngineOptions& options) {
   if (options.axis && *options.axis < 2) return *options.axis;
   const Vec3 extent = survey.bounds.extent();
   return extent.x >= extent.y ? 0 : 1;
 }
 
-/// The least memory of an in-order operator, and its effort.
+/// Adds the least memory of the in-order operator of a pass, and sets its effort.
 void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey, const EngineOptions& options,
                   Effort& effort) {
   const InOrderOperator* op = pass.in_order();
@@ -79,8 +80,8 @@ void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& s
     demand.in_order_bytes += OtherCloud::working_bytes(demand.threads, bytes_of(op->other_reads()));
 }
 
-/// Adds the demand of a forest: the supernodes of a bucket and of the points whose neighbours are not all in earlier
-/// buckets, and the edges that a thread uses at a time.
+/// Adds the memory of a spanning forest: for the points of a bucket, for the points that have neighbours in later
+/// buckets, and for the edges that a thread uses at a time.
 void add_forest(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey) {
   const Stage* stage = pass.connecting_stage();
   if (stage == nullptr) return;
@@ -111,7 +112,8 @@ MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand
   return memory;
 }
 
-/// Returns the number of points that would wait, by the boxes; none if slabs on demand are impossible.
+/// Returns the number of points that would wait in memory for their slabs, according to the boxes of the inputs; none
+/// if slabs on demand are impossible.
 std::optional<std::uint64_t> waiting_points(const OnDemandOrder& order, const Survey& survey,
                                             const MemoryDemand& demand) {
   if (!order.why_not.empty()) return {};
@@ -131,7 +133,7 @@ std::string order_text(const MemoryPlan& memory, const OnDemandOrder& order, con
   return fmt::format("by distribution: by the boxes of the inputs {} would have to wait in memory", waiting);
 }
 
-/// Points that are put in order and go through no stage.
+/// Returns the plan of a sweep without stages, for points that are only put in order.
 SweepPlan unswept(std::uint32_t result_bytes) {
   SweepPlan none;
   none.steps = {0, 0};
@@ -139,7 +141,7 @@ SweepPlan unswept(std::uint32_t result_bytes) {
   return none;
 }
 
-/// Reads rows in their order: rows_at_once() of them at once.
+/// Returns the memory plan of a pass that reads rows in their order, rows_at_once() at a time.
 MemoryPlan plan_rows(std::uint64_t codec_bytes) {
   MemoryPlan memory;
   memory.expected_bytes = kFixedBytes + codec_bytes;
@@ -236,7 +238,8 @@ bool is_enough(std::uint64_t budget, const RunMemory& memory) {
          std::ranges::all_of(memory.passes, [&](const MemoryPlan& pass) { return pass.threads_bytes <= most; });
 }
 
-/// Returns the least number that is enough, by bisection. `no` is not enough, and `yes` is.
+/// Returns the least number for which is_enough() holds, by bisection between `no`, which is too small, and `yes`,
+/// which is enough.
 template <class IsEnough>
 std::uint64_t least(std::uint64_t no, std::uint64_t yes, const IsEnough& is_enough) {
   while (yes - no > 1) {
@@ -274,9 +277,9 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
 }
 
 std::uint64_t open_input_bytes(const InputCloud& cloud) {
-  constexpr std::size_t kInFixedBytes = 100;          // inputs
-  constexpr std::uint64_t kInput = 4000;              // reader, path in several places, mapping; measured
-  constexpr std::uint64_t kRemoteService = 16 << 20;  // certificates, connections, answers on their way; measured
+  constexpr std::size_t kInFixedBytes = 100;  // open inputs for which kFixedBytes has room
+  constexpr std::uint64_t kInput = 4000;      // bytes of an open input, measured: reader, copies of the path, mapping
+  constexpr std::uint64_t kRemoteService = 16 << 20;  // measured: certificates, connections, unread answers
   constexpr std::uint64_t kFacts = 1300;              // bytes of FileInfo, without its vectors and texts
   std::uint64_t bytes = 0;
   if (std::ranges::any_of(cloud.readers(), [](const auto& reader) { return is_url(reader->info().path); }))
@@ -306,7 +309,7 @@ std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const
                           std::uint64_t record_bytes, unsigned threads) {
   std::uint64_t decoders = 0;  // a thread reads one input at a time
   for (const auto& reader : cloud.readers())
-    if (!reader->info().decode_once)  // others are closed before the memory is needed (decoded_input.h)
+    if (!reader->info().decode_once)  // inputs that are decoded once are closed before (decoded_input.h)
       decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));
   const std::uint64_t division = options.division.divides() ? kLeastDivisionBytes : 0;
   return decoders + encoder_bytes(outputs, record_bytes, threads) + division;

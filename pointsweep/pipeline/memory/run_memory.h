@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The memory of the phases of a run, asked of the memory plan.
+/// The memory of all phases of a run, and the memory of its inputs and outputs.
 #pragma once
 
 #include <cstdint>
@@ -20,31 +20,31 @@ namespace pointsweep {
 /// The estimated effort of a pass whose time does not follow from the number of points: a pass with a radius without a
 /// limit k, or with an in-order operator. 0 seconds for all other passes.
 struct Effort {
-  double seconds = 0;  ///< CPU time of all threads
-  std::string cause;   ///< "The radius"
-  std::string text;    ///< the cause in words: "about 400 neighbours per point"
-  std::string remedy;  ///< "a smaller one takes less"
+  double seconds = 0;  ///< wall time on all threads
+  std::string cause;   ///< cause of the effort, for a sentence: "The radius"
+  std::string text;    ///< measure of the cause: "about 400 neighbours per point"
+  std::string remedy;  ///< advice to the user: "a smaller one takes less"
 };
 
-/// Efforts from here on are worth a sentence before the work.
+/// Wall time in seconds from which the effort of a run is reported to the user before the work.
 inline constexpr double kLongSeconds = 60;
 
 /// The memory of all phases, planned before the first phase.
 struct RunMemory {
-  std::vector<MemoryPlan> passes;  ///< one for each pass
-  std::size_t ordered_pass = 0;    ///< first_ordered_pass()
+  std::vector<MemoryPlan> passes;  ///< memory plan of each pass
+  std::size_t ordered_pass = 0;    ///< number of the first pass that puts points in order: first_ordered_pass()
   /// The plan for `ordered_pass` by distribution, used where an order on demand is planned and turns out not to fit.
   std::optional<MemoryPlan> by_distribution;
-  std::string order_text;                   ///< how the points of that pass are put in order, and why, as a sentence
-  std::vector<std::uint64_t> record_bytes;  ///< of a point in the stream, for each pass
-  std::vector<Effort> efforts;              ///< one for each pass
+  std::string order_text;                   ///< sentence: how `ordered_pass` puts its points in order, and why
+  std::vector<std::uint64_t> record_bytes;  ///< for each pass, bytes of a point's record in the stream
+  std::vector<Effort> efforts;              ///< effort of each pass
   MemoryPlan reordering;                    ///< plan for the order of the output, if planned.reorders
-  bool spill_rows = false;                  ///< spill the records carried between passes, and the masks of rows
-  std::uint64_t row_bytes = 0;              ///< most bytes of these, in memory or in the temporary folder
-  std::uint64_t expected_bytes = 0;         ///< the most at any time
-  std::uint64_t needed_bytes = 0;           ///< the least sufficient budget if this one is too small; otherwise 0
-  unsigned threads = 1;                     ///< threads that work after the survey
-  std::string threads_note;                 ///< for the user, if fewer threads work than requested
+  bool spill_rows = false;                  ///< true if records carried between passes, and masks of rows, are spilled
+  std::uint64_t row_bytes = 0;       ///< most bytes of carried records and masks, in memory or in the temporary folder
+  std::uint64_t expected_bytes = 0;  ///< greatest expected memory of the run at any time
+  std::uint64_t needed_bytes = 0;    ///< least sufficient budget if the given one is too small; otherwise 0
+  unsigned threads = 1;              ///< threads that work after the survey
+  std::string threads_note;          ///< sentence for the user if fewer threads work than requested; otherwise empty
   bool spills() const;
 };
 
@@ -53,9 +53,10 @@ using CodecBytes = std::function<std::uint64_t(unsigned threads)>;
 
 /// Plans the memory of all passes. Records carried between sweeps stay in memory only if nothing is spilled. One survey
 /// serves all sweeps, since the places of moved points are not known yet. The number of threads is limited by the
-/// options and by the budget; with a limit k, the threads beyond two must also leave three quarters of that memory to
-/// the window and the recall. Throws Error, which states the least sufficient budget, if the budget is too small for
-/// one thread. `output_bytes`: bytes of an output record; `codecs` may be empty.
+/// options and by the budget; with a limit k, threads beyond the second work only if all of them leave three quarters
+/// of the memory that grows with the cloud to the window and the recall. Throws Error, which states the least
+/// sufficient budget, if the budget is too small for one thread. `output_bytes`: bytes of an output record; `codecs`
+/// may be empty.
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs = {},
                           const OnDemandOrder& on_demand = {"it was not looked for", {}});
@@ -66,15 +67,15 @@ std::uint64_t open_input_bytes(const InputCloud& cloud);
 /// Throws Error if `open_bytes`, the result of open_input_bytes(), exceed the budget.
 void require_room_for_inputs(std::uint64_t budget, std::uint64_t open_bytes, const InputCloud& cloud);
 
-/// Returns the number of threads that the user requests, or that of the machine.
+/// Returns the number of threads that the user requests; without a request, that of the machine.
 unsigned threads_asked_for(const EngineOptions& options);
 
-/// Returns the number of threads until the memory of the passes is planned: the requested number, or as many as the
-/// budget allows.
+/// Returns the number of threads that work until the memory of the passes is planned: the requested number, or fewer if
+/// the budget requires it.
 unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget);
 
 /// Returns the bytes that decoding the inputs and encoding records of `record_bytes` to these outputs take on `threads`
-/// threads, and the least that dividing them among files takes.
+/// threads, and the least memory for dividing the output among files, if it is divided.
 std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const RunOptions& options,
                           std::uint64_t record_bytes, unsigned threads);
 
@@ -90,7 +91,7 @@ std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, 
 std::uint64_t aside_bytes(const Outputs& outputs, std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                           unsigned threads);
 
-/// Returns whether the only sweep has the order of the output, so that whole records are streamed.
+/// Returns whether the only sweep takes points in the order of the output, so that the stream holds whole records.
 bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options);
 
 }  // namespace pointsweep

@@ -17,10 +17,10 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kQueries = 512;
-constexpr std::size_t kNearest = 8;  ///< the density follows from the distance of this many points of the sample
+constexpr std::size_t kNearest = 8;  ///< number of nearest sample points from whose distance the density is estimated
 
-/// Nanoseconds for each neighbour: of a search, and of an operator that has no declaration. Measured with `script/bench
-/// radius` at about 1,000 neighbours.
+/// Nanoseconds that a search, or an operator without a declared cost, takes for each neighbour. Measured with
+/// `script/bench radius` at about 1,000 neighbours.
 constexpr double kSearchCost = 20, kOtherCost = 10;
 
 /// Returns the estimated number of points within the radius of sample point `q`.
@@ -42,7 +42,7 @@ double neighbors_of(const Survey& survey, std::size_t q, double radius, double p
   return kNearest * points_per_sample * std::pow(radius / farthest, std::clamp(survey.dimension, 1.0, 3.0));
 }
 
-/// The most of the ascending `coordinates` in an interval of length `width`.
+/// Returns the largest number of the ascending `coordinates` in an interval of length `width`.
 std::size_t most_within(const std::vector<double>& coordinates, double width) {
   std::size_t most = 0;
   for (std::size_t begin = 0, end = 0; end < coordinates.size(); ++end) {
@@ -57,7 +57,7 @@ double cost_of(const std::string& name) {
   return declaration != nullptr ? declaration->neighbor_ns : kOtherCost;
 }
 
-/// Two digits, with commas: "4,100".
+/// Returns the value rounded to two significant digits, with commas: "4,100".
 std::string rounded(double value) {
   const double unit = std::pow(10, std::max(0.0, std::floor(std::log10(std::max(value, 1.0))) - 1));
   std::string digits = fmt::format("{:.0f}", std::round(value / unit) * unit);
@@ -83,7 +83,7 @@ std::vector<Vec3> some_of(const std::vector<Vec3>& sample, std::size_t most) {
 
 using Offsets = std::array<Vec3, kOffsets>;
 
-/// Returns the offsets from `place`, one of `others`, to the nearest of these.
+/// Returns the offsets from `place`, which is one of `others`, to the nearest of the other places.
 Offsets nearest_offsets(Vec3 place, const std::vector<Vec3>& others) {
   std::array<std::pair<double, std::size_t>, kOffsets + 1> nearest;
   nearest.fill({Box::kInf, 0});
@@ -106,13 +106,13 @@ Vec3 scaled(Vec3 offset, double scale) {
   return offset;
 }
 
-/// Returns the largest number of places that lie between the first and the last of their neighbours at once. Neighbours
-/// are assumed at the scaled offsets and opposite to them.
+/// Returns the largest number of places that are open at once: a place is open while a front along the axis lies
+/// between its first and its last neighbour. Neighbours are assumed at the scaled offsets and opposite to them.
 std::size_t most_open(const std::vector<Vec3>& places, const std::vector<Offsets>& offsets, double scale, int axis) {
   const AlongAxis along{axis};
   std::vector<PointKey> begins, ends;
   for (std::size_t q = 0; q < places.size(); ++q) {
-    PointKey first{places[q], q}, last = first;  // copies of a point are not open together
+    PointKey first{places[q], q}, last = first;  // the row breaks ties, so that copies of a point are not open together
     for (const Vec3& offset : offsets[q]) {
       const Vec3 reach = scaled(offset, scale);
       const PointKey one{places[q] + reach, q}, other{places[q] - reach, q};
@@ -150,13 +150,13 @@ RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, doubl
   for (const Vec3& p : survey.sample) coordinates.push_back(p[survey.axis]);
   std::ranges::sort(coordinates);
   const double most = static_cast<double>(most_within(coordinates, width));
-  const double chance = each == 1 ? 0 : 2 * std::sqrt(most);  // amount by which the sample may underestimate
+  const double chance = each == 1 ? 0 : 2 * std::sqrt(most);  // two standard deviations of a count
   result.slice_points = static_cast<std::uint64_t>(std::min((most + chance) * each, all));
   return result;
 }
 
 double neighbor_seconds(const SweepPlan& plan, double neighbors) {
-  double cost = kSearchCost * static_cast<double>(plan.step_count());  // if lists are not kept
+  double cost = kSearchCost * static_cast<double>(plan.step_count());  // every step searches its lists again
   for (const Stage& stage : plan.stages) cost += cost_of(name_of(stage.op));
   return 1e-9 * cost * neighbors;
 }
@@ -173,10 +173,10 @@ std::string about_time_text(double seconds) {
   return "about " + time;
 }
 
-/// Estimates the open points: those whose first neighbour along the axis the sweep has passed and whose last it has
-/// not. Two estimates from the spacing of points are combined: with neighbours at the distances expected in the whole
-/// cloud, if there are enough open points, as for a wall across the axis; and from the share of the sample that is
-/// open, a layer as thick as its spacing.
+/// Estimates the number of open points: points of which the sweep has passed the first neighbour along the axis and not
+/// the last. Returns the larger of two estimates from the sample. The first places neighbours at the distances expected
+/// in the whole cloud, and counts less its possible error: it is the larger one if many points are open, as for a wall
+/// across the axis. The second takes the share of the sample that is open, and scales it to those distances.
 std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, std::uint64_t k) {
   const std::vector<Vec3> others = some_of(survey.sample, kMostOthers), places = some_of(others, kPlaces);
   if (others.size() <= kOffsets) return points;

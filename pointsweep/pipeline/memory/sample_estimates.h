@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Estimates from the survey's sample, before the work: the number of points within a radius, and of points of a forest
-/// that are open at once; the places between the buckets of a forest.
+/// Estimates from the survey's sample, before the work: the number of points within a radius; the number of points of a
+/// spanning forest that are open (have unknown edges) at once; places that divide the forest's points into buckets.
 #pragma once
 
 #include <cstdint>
@@ -28,15 +28,15 @@ RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, doubl
 /// on one core of 2.6 GHz.
 double neighbor_seconds(const SweepPlan& plan, double neighbors);
 
-/// "about 4,100 neighbours per point"
+/// Returns a text such as "about 4,100 neighbours per point".
 std::string neighbors_text(double neighbors_per_point);
 
-/// "about 40 minutes"
+/// Returns a text such as "about 40 minutes".
 std::string about_time_text(double seconds);
 
 /// Estimates, for a cloud of `points` points, the most points that have neighbours on both sides of a front across the
-/// axis. `k`: nearest neighbours. Uses a sample of at most 16,384 points and the places of their 8 nearest. Takes at
-/// most 0.1 s.
+/// axis. `k`: number of nearest neighbours of a point. Uses a sample of at most 16,384 points and the places of their 8
+/// nearest. Takes at most 0.1 s.
 std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, std::uint64_t k);
 
 /// Returns places of the sample, unordered, with about kBucketPoints points between successive ones along the axis, for

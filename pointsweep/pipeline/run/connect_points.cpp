@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A sweep in which one stage emits edges, and what the components of the graph tell of each point.
+/// Passes with a stage that connects points: a sweep in which the stage emits edges, and the values that each point
+/// then gets from its component of the graph.
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -27,15 +28,16 @@ struct ResultPart {
   struct Column {
     std::uint32_t from, to, bytes;
   };
-  std::vector<Column> columns;  ///< from a record of the part to one of the pass
-  std::uint32_t bytes = 0;      ///< of a record of the part
+  std::vector<Column> columns;  ///< offsets in a record of the part (`from`) and in a record of the pass (`to`)
+  std::uint32_t bytes = 0;      ///< bytes of a record of the part
 
   void copy(const std::byte* from, std::byte* to) const {
     for (const Column& c : columns) std::memcpy(to + c.to, from + c.from, c.bytes);
   }
 };
 
-/// Returns the part that the stage makes, in the order of its contract. Some of its columns may not be needed.
+/// Returns the part that the connecting stage makes, with all values of its contract in order. `columns` lists only
+/// values that the pass needs.
 ResultPart connected_part(const SweepPlan& plan, const Stage& stage) {
   ResultPart part;
   for (const std::uint16_t column : stage.makes) {
@@ -46,14 +48,15 @@ ResultPart connected_part(const SweepPlan& plan, const Stage& stage) {
   return part;
 }
 
-/// Leaves out of the results of `plan` what the stage makes.
+/// Removes the columns that the connecting stage makes from the results of `plan`.
 void leave_out_connected(SweepPlan& plan, const Stage& stage) {
   std::erase_if(plan.results, [&](const ResultColumn& result) {
     return std::ranges::find(stage.makes, result.column) != stage.makes.end();
   });
 }
 
-/// Returns the part that the sweep itself makes. Leaves only this part in the results of `plan`.
+/// Returns the part of the results that other stages than the connecting one make. Keeps only this part in the results
+/// of `plan`.
 ResultPart take_swept_part(SweepPlan& plan, const Stage& stage) {
   ResultPart part;
   std::vector<ResultColumn> results;
@@ -73,7 +76,8 @@ class NoSink final : public Sink {
   void finished(const Finished&) override {}
 };
 
-/// Puts the values of each point into a record of `bytes`, at the places of `part`.
+/// Adds a record of `bytes` for each point to `store`, with the values of the point's component at the offsets of
+/// `part`.
 void put_values(const Components& components, const ConnectOperator& op, const ResultPart& part, RowStore& store,
                 std::size_t bytes) {
   BatchedRows rows(store, bytes);
@@ -85,7 +89,7 @@ void put_values(const Components& components, const ConnectOperator& op, const R
   rows.flush();
 }
 
-/// Puts the results of the sweep and the results of the connecting stage together, row by row.
+/// Combines the records of the sweep and the records of the connecting stage into records of results, row by row.
 void put_both(RowStore& swept, const ResultPart& swept_part, RowStore& connected, const ResultPart& connected_part,
               const SpillPlace& spill, std::uint64_t count, RowStore& results, std::size_t bytes) {
   RowFile by_row(count, connected_part.bytes, spill);
@@ -119,7 +123,7 @@ SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pas
   const SpillPlace spill = &places.folder();
   const MemoryPlan& memory = points.memory;
   const std::uint64_t count = context.cloud.count();
-  // Both hold records at once, and while the second is made, the results do not.
+  // Two of the three stores hold records at the same time: `swept` and `told`, whose rows then move to `results`.
   const std::size_t buffer = std::max<std::size_t>(memory.result_buffer_bytes / 2, 1 << 20);
   std::optional<RowStore> swept;
   std::unique_ptr<Sink> sink = std::make_unique<NoSink>();
@@ -161,8 +165,8 @@ SweepStatistics sweep_and_leave_graph(const Context& context, const PlannedPass&
   const RowsOfTile rows{points.first_row, context.cloud.count()};
   const TileGraphSetup setup{op.votes(), places.scratch(), &places.folder(), points.memory.recall_bytes / 2,
                              context.progress_of("connecting")};
-  std::optional<SortedCrossings> by_row;        // of a graph without weights
-  std::optional<RecordListWriter> with_weight;  // of one with weights
+  std::optional<SortedCrossings> by_row;        // edges to other tiles, of a graph without weights
+  std::optional<RecordListWriter> with_weight;  // edges to other tiles, of a graph with weights
   if (op.weighted())
     with_weight.emplace(*graph.scratch, graph.name + ".crossings", sizeof(ForestEdge));
   else

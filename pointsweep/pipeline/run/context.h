@@ -46,7 +46,7 @@ class RunPlaces {
 /// Passes warnings and notes to the observer and the statistics of a run.
 struct RunReport {
   Statistics& statistics;
-  Observer* observer;  ///< null: there is no observer
+  Observer* observer;  ///< null if nobody observes the run
 
   /// Adds the sentence to Statistics::warnings, unless it is empty, and tells the observer of it as a warning.
   void warn(const std::string& sentence) const;
@@ -56,8 +56,8 @@ struct RunReport {
 
 /// One tile of a run whose other tiles are the work of other processes.
 struct PartOfRun {
-  std::size_t tile = 0, tiles = 0;       ///< tiles are counted from 0
-  bool drops_nonfinite = false;          ///< points of any tile have been dropped
+  std::size_t tile = 0, tiles = 0;       ///< number of this tile, counted from 0, and number of all tiles
+  bool drops_nonfinite = false;          ///< true if nonfinite points of any tile have been dropped
   std::vector<std::string> stages = {};  ///< stages for the record of the run
 };
 
@@ -72,7 +72,7 @@ struct Context {
   const RunReport& report;
   std::uint64_t input_bytes = 0;       ///< open_input_bytes() before inputs are decoded
   bool copies_rows = false;            ///< copies_rows() of the request
-  std::optional<PartOfRun> part = {};  ///< absent: the run has all points
+  std::optional<PartOfRun> part = {};  ///< absent if this process runs over all points
 
   Statistics& statistics() const { return report.statistics; }
   bool is_empty() const { return cloud.count() == 0; }  ///< returns whether no row is left

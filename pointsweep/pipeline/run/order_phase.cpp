@@ -20,9 +20,9 @@ struct PointsInOrder {
   Surveyed points;  ///< survey of the source
   std::size_t pass;
   const MemoryPlan& memory;
-  bool canonical = false;  ///< points with equal coordinates are ordered, too
-  bool whole = false;      ///< streams whole records instead of the attributes that stages read
-  bool numbered = false;   ///< the source has working records
+  bool canonical = false;  ///< true if points with equal coordinates must be ordered, too
+  bool whole = false;      ///< true to stream whole records instead of the attributes that stages read
+  bool numbered = false;   ///< true if the source has records of a stream, which hold their rows
   std::vector<std::size_t> payload = {};
 };
 

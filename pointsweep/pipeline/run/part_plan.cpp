@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Plans a run with a tile for each input: whether it can be divided, and its rounds.
+/// Plans a run on many machines, with a tile for each input: refuses runs that cannot be divided, and lists the rounds.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,9 +18,10 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kGraphBytes = 160;  ///< of a point in a graph with weights: with its ballot and 1.4 edges
+constexpr std::uint64_t kGraphBytes =
+    160;  ///< bytes of a point in a stored graph with weights, with its ballot and 1.4 edges
 
-/// Throws UsageError for a run whose parts would have to know more of each other than their neighbourhoods.
+/// Throws UsageError for a run that needs all points in one process, so that it cannot be divided among tiles.
 void require_divisible(const ChainPlan& plan, const Outputs& outputs, const EngineOptions& options) {
   const auto refuse = [](const std::string& what) {
     fail_usage("{}; run it in one process, without a client or --dask.", what);
@@ -36,7 +37,8 @@ void require_divisible(const ChainPlan& plan, const Outputs& outputs, const Engi
   }
 }
 
-/// Moved points get one grid for all tiles, which only their inputs, or the user, can give before the work.
+/// Throws UsageError if stages move points and the tiles to write have no common coordinate grid: all outputs need the
+/// same grid before the work, and only the inputs or the user can give it.
 void require_common_grid(const InputCloud& cloud, const ChainPlan& plan, const EngineOptions& options) {
   const bool moves = plan.graph.moved_bounds.has_value();
   const bool stated = options.layout.scale.has_value() && options.layout.offset.has_value();
@@ -49,10 +51,11 @@ void require_common_grid(const InputCloud& cloud, const ChainPlan& plan, const E
         "--offset.");
 }
 
-/// A task reads the points of all tiles that cover its own. With more of them, dividing the work gains little.
+/// Most tiles whose boxes may hold a point on average. A task reads all tiles that cover its own, so that with more of
+/// them the division of work gains little.
 constexpr double kMostTilesOfAPoint = 3;
 
-/// Throws UsageError for tiles that cover each other, as far as their headers tell.
+/// Throws UsageError for tiles that cover each other, according to the boxes in their headers.
 void require_apart(const InputCloud& cloud) {
   std::vector<TileExtent> extents;
   for (const auto& reader : cloud.readers())
@@ -65,7 +68,8 @@ void require_apart(const InputCloud& cloud) {
         covered);
 }
 
-/// Adds a step. It is taken by the tasks of the last round where that is not joined and over the same tiles.
+/// Adds a step to the last round if that round needs no join and both take tiles of the input; otherwise to a new
+/// round.
 void add_step(PartPlan& made, PartStep step, PartJoin join) {
   const auto is_own = [](PartRoundKind kind) { return kind != PartRoundKind::look && kind != PartRoundKind::other; };
   const bool begins = made.rounds.empty() || made.rounds.back().join != PartJoin::nothing ||
@@ -110,7 +114,7 @@ std::vector<OtherFiles> other_files(const Request& request, const RunReport& rep
   return files;
 }
 
-/// Plans a run whose output is divided: no tile of its inputs is a task.
+/// Plans a run whose output is divided among files. Its tasks take ranges of rows and groups of files instead of tiles.
 PartPlan plan_division(const DivisionRequest& request, const ChainPlan& plan) {
   const Request own{request.cloud, request.outputs, request.options, plan};
   require_own_files(own);

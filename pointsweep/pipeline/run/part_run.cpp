@@ -42,14 +42,15 @@ namespace {
 
 constexpr std::size_t kBytesAtOnce = 4 << 20;
 
-/// The working records of a file of another cloud.
+/// Returns the schema of the records in which a file of another cloud is stored: its position and the fields of
+/// `reads`.
 Schema working_of_other(const InputCloud& file, const std::vector<Attribute>& reads) {
   std::vector<std::size_t> fields;
   for (const Attribute& a : reads) fields.push_back(file.schema().find(a.name).value());
   return WorkingRecord(file.schema(), false, fields, file.count()).schema();
 }
 
-/// Stores a file of the other cloud that a pass reads.
+/// Performs a task of kind PartRoundKind::other: stores one file of the other cloud that a pass reads.
 PartDone store_other(const ChainPlan& plan, const EngineOptions& options, const PartTask& task, Storage& scratch) {
   const InOrderOperator& op = *plan.passes.at(task.round.pass()).in_order();
   InputCloud file({task.other_file});
@@ -71,7 +72,7 @@ PartDone store_other(const ChainPlan& plan, const EngineOptions& options, const 
   return done;
 }
 
-/// A task while it is performed.
+/// Performs the steps of a task over one tile.
 class TaskOfTile {
  public:
   TaskOfTile(const Context& context, const PartTask& task, Storage& scratch)
@@ -109,7 +110,7 @@ class TaskOfTile {
 
   void write(std::size_t p, const Survey& of_input, WorkPlan& work, RowStore* results) {
     OutputFiles files;
-    files.open(context_, work, of_input, rows_);  // where rows are left out, only makes the folder
+    files.open(context_, work, of_input, rows_);  // if the run drops rows, this only makes the folder
     if (context_.plan.opens_late()) files.open_late(context_, work, of_input, rows_);
     write_output(context_, work, p, rows_, nullptr, results, files);
     files.finish(context_.cloud);
@@ -127,7 +128,7 @@ class TaskOfTile {
     state.saved_values = std::move(rows_.saved_values);
   }
 
-  /// Leaves the results of a sweep that has left a graph, and the state as it was before.
+  /// Ends a task whose sweep has stored a graph: stores the results of the sweep, and the unchanged state of the tile.
   void keep_swept(std::size_t p, TileState& state, RowStore* results) {
     const PlannedPass& pass = context_.plan.passes[p];
     const ConnectOperator& op = *pass.connecting_stage()->connects();
@@ -166,7 +167,7 @@ class TaskOfTile {
     return results;
   }
 
-  /// Goes back to where the task before has ended.
+  /// Restores the state in which the previous task has left the tile: its selected rows and their carried records.
   TileState restore() {
     TileState state;
     if (!task_.values.empty()) rows_.values = sealed_values(scratch_, task_.values);
@@ -186,7 +187,7 @@ class TaskOfTile {
   }
 
   std::unique_ptr<RowFile> carried_rows(const std::string& name) {
-    std::size_t last = task_.round.pass();  // the pass that has carried them
+    std::size_t last = task_.round.pass();  // the pass after the one that has carried the records
     if (task_.round.kind() == PartRoundKind::write) last = context_.plan.passes.size();
     const std::size_t bytes = update_after(context_.plan, last - 1).record_bytes();
     const auto list = std::make_shared<const RecordList>(scratch_, name + ".rows", bytes);
@@ -195,7 +196,7 @@ class TaskOfTile {
         list->count(), bytes, [list](std::uint64_t row, std::span<std::byte> records) { list->read(row, records); });
   }
 
-  /// Leaves what the pass carries for the next task, and notes which rows are left.
+  /// Stores the records that the pass carries to the next task, and notes in `state` which rows are left.
   void keep_rows(TileState& state) {
     state.carried.clear();
     if (rows_.carried && rows_.carried->record_bytes() > 0) {
@@ -237,7 +238,7 @@ class TaskOfTile {
     state.seal(scratch_, task_.after);
   }
 
-  /// Chooses what other tiles have to know of a tile; empty: all.
+  /// Returns the function that chooses the points that other tiles have to know; empty if they have to know all points.
   ChooseForOthers chosen_for_others(std::size_t p, const Stream& stream) const {
     const PlannedPass& pass = context_.plan.passes[p];
     const InOrderOperator* const op = pass.in_order();
@@ -288,7 +289,7 @@ class TaskOfTile {
     OtherCloud::give(stream, task_.other_file, op.other_reads(), context_.progress_of("ordering"), take);
   }
 
-  /// Plans the memory of a sweep, now that it is known how many points it takes.
+  /// Plans the memory again for a sweep of `points` points, of which `own_points` lie in the tile.
   void plan_memory(const Survey& of_input, WorkPlan& work, std::uint64_t own_points, std::uint64_t points) {
     done_.own_points = own_points;
     done_.swept_points = points;
@@ -336,7 +337,7 @@ PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, 
   }
   const Request request{tile, outputs, options, plan};
   Statistics statistics = first_counts(request, input.dropped());
-  statistics.warnings.clear();  // plan_parts() has them
+  statistics.warnings.clear();  // plan_parts() has returned these warnings
   Statistics unsaid;
   const OutputNames names = check_request(request, {unsaid, nullptr});
   RunPlaces places(options, {});

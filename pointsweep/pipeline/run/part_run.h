@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// One tile of a run that many machines perform. They share a scratch, in which each task leaves what later tasks read:
-/// the run goes on in rounds, and a task of a round needs nothing but the results of the rounds before (docs/adr/0021).
+/// Tasks of a run that many machines perform. The machines share a storage, the scratch, in which each task stores what
+/// later tasks read. The run proceeds in rounds: a task needs only results of earlier rounds, so that the tasks of a
+/// round run in any order on any machine (docs/adr/0021).
 #pragma once
 
 #include <array>
@@ -15,21 +16,21 @@
 
 namespace pointsweep {
 
-/// A kind of step. A round is of the kind of its first step.
+/// The kind of a step, which a task performs. The kind of a round is that of its first step.
 enum class PartRoundKind : std::uint8_t {
-  look,    ///< counts the points without a place, where they are dropped
+  look,    ///< counts the points with non-finite coordinates, if these are dropped
   other,   ///< stores the points of a file of the other cloud that a pass reads
   order,   ///< puts the points of a tile in order and stores them for the other tiles
-  sweep,   ///< takes the points of a tile, with those around it, through the stages of a pass, and ends the pass
-  forest,  ///< grows the forest of a tile whose sweep has left a graph with weights, when the borders are found
-  label,   ///< ends a pass whose sweep has left a graph, when the components of all tiles are joined
+  sweep,   ///< takes the points of a tile and its halo through the stages of a pass; ends a pass that makes no graph
+  forest,  ///< grows the spanning forest of a tile's weighted graph, after the borders of all tiles have been found
+  label,   ///< ends a pass whose sweep has stored a graph, after the components of all tiles have been joined
   rows,    ///< takes the rows of a tile through the stages of a pass that looks at no neighbour, and ends the pass
   write,   ///< writes the rows that the last pass has left
-  cut,     ///< cuts a range of the rows into pieces, where the output is divided among files (division_tasks.h)
-  gather,  ///< writes some of these files
+  cut,     ///< divides a range of rows into pieces of output files, if the output is divided (division_tasks.h)
+  gather,  ///< writes some of the files of a divided output from their pieces
 };
 
-/// The value that is made once all tasks of a round are done.
+/// The value that one process makes from the results of all tasks of a round, after the last task.
 enum class PartJoin : std::uint8_t { nothing, tiles, borders, components, values, pieces };
 
 struct PartStep {
@@ -37,8 +38,8 @@ struct PartStep {
   std::size_t pass = 0;
 };
 
-/// A task of each tile, of each file of another cloud, or of each range of a cloud whose output is divided. It takes
-/// steps one after another.
+/// A round: a task for each tile, for each file of another cloud, or, if the output is divided, for each range of rows.
+/// Each task takes the steps one after another.
 struct PartRound {
   std::vector<PartStep> steps;
   PartJoin join = PartJoin::nothing;
@@ -51,87 +52,95 @@ struct PartRound {
 struct OtherFiles {
   std::size_t pass = 0;
   std::vector<std::string> paths = {};
-  std::vector<std::uint64_t> counts = {};  ///< points, by file
+  std::vector<std::uint64_t> counts = {};  ///< number of points of each file
 };
 
 struct PartPlan {
   std::vector<PartRound> rounds;
   std::vector<OtherFiles> others;
-  std::vector<std::uint64_t> rows;  ///< by tile: how many rows its file has; by range, where the output is divided
+  std::vector<std::uint64_t> rows;  ///< number of rows of each tile; of each range of rows if the output is divided
   Nonfinite nonfinite = Nonfinite::keep;
-  std::vector<std::string> record;  ///< the stages, as the outputs tell of them
-  std::uint64_t scratch_bytes = 0;  ///< of a point in the scratch, at most
-  std::vector<std::string> notes;   ///< what a run of one process would say before its work
+  std::vector<std::string> record;  ///< names of the stages, for the processing record of the outputs
+  std::uint64_t scratch_bytes = 0;  ///< most bytes that the scratch stores for each point
+  std::vector<std::string> notes;   ///< sentences for the user, which a run of one process reports before its work
 };
 
-/// Plans the chain for one tile, or all of them.
+/// Resolves the chain against the fields of `cloud`, which may be one tile or all inputs.
 ChainPlan plan_of_parts(const InputCloud& cloud, const Chain& chain, const Outputs& outputs,
                         const EngineOptions& options);
 
-/// Plans a run with a tile for each input from what the headers say. Throws UsageError for a run that cannot be divided
-/// among tiles, and whatever run() throws before its work.
+/// Plans a run with a tile for each input from the headers of the inputs. Throws UsageError for a run that cannot be
+/// divided among tiles, and the errors that run() throws before its work.
 PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options);
 
 struct PartTask {
   PartRound round;
+  /// Number of the task's tile (or file of another cloud, or range), counted from 0, and number of all tiles (or
+  /// ranges).
   std::size_t tile = 0, tiles = 0;
-  std::uint64_t first_row = 0;           ///< rows of the files of the tiles before, or of the ranges before
-  std::uint64_t rows = 0;                ///< of the file of the tile, or of the range
-  std::uint64_t dropped = 0;             ///< points of all tiles that the look round has found
-  std::string before;                    ///< name of what the task before has left of this tile; empty before the first
-  std::string catalogue, values;         ///< of the rounds before; empty: there is none
-  std::string borders;                   ///< of the rounds before; empty: there are none
-  std::string components;                ///< of the round before; empty: there are none
-  std::string pieces;                    ///< of the round before; empty: there are none
-  std::string other_catalogue;           ///< of the other cloud that the pass reads; empty: it reads none
-  std::string other_file;                ///< of that cloud: the one to store, or else any of them
+  std::uint64_t first_row = 0;  ///< number of rows in the files of earlier tiles, or in earlier ranges
+  std::uint64_t rows = 0;       ///< number of rows in the file of the tile, or in the range
+  std::uint64_t dropped = 0;    ///< number of non-finite points that the look round has counted in all tiles
+  std::string before;           ///< name of the results of the previous task of this tile; empty for the first task
+  /// Keys of the last sealed TileCatalogue of the inputs and of the last sealed values of the whole cloud. A key is
+  /// empty while no earlier round has made its object.
+  std::string catalogue, values;
+  std::string borders;          ///< key of the last sealed borders of tiles; empty while no round has found any
+  std::string components;       ///< key of the last joined components; empty while no round has joined any
+  std::string pieces;           ///< key of the list of pieces of a divided output; empty before the rows are cut
+  std::string other_catalogue;  ///< key of the TileCatalogue of the other cloud; empty if the pass reads no other cloud
+  std::string other_file;       ///< file of the other cloud: the file to store, or for later rounds any of its files
   std::vector<std::string> record = {};  ///< PartPlan::record
-  std::string after;                     ///< name for what this task leaves; no other task has it
+  std::string after;                     ///< unique name under which this task stores its results
 };
 
 struct PartDone {
-  std::uint64_t rows = 0;                          ///< that are left
-  std::uint64_t own_points = 0, swept_points = 0;  ///< of a sweep: of the tile, and with those around it
+  std::uint64_t rows = 0;  ///< number of rows of the tile that are left
+  /// Number of finite points of the tile that were ordered or swept, and number of points that were swept: those of the
+  /// tile and of its halo. 0 if the task has no such step.
+  std::uint64_t own_points = 0, swept_points = 0;
   Statistics statistics;
 };
 
-/// Performs a task. `tile`: the input of the tile, in a round over another cloud any of the inputs, where the output is
-/// divided all of them. `outputs.tiles` has one path, which may be replaced, or none if the output is divided.
+/// Performs a task. `tile`: the input of the tile; any input in a round over another cloud; all inputs if the output is
+/// divided. `outputs.tiles` has one path, whose file may be replaced, or none if the output is divided.
 PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
                   const PartTask& task, Storage& scratch);
 
-/// PartJoin::tiles: seals the catalogue `key` of what the tasks have left, by tile or
-/// file. `paths`: of these.
+/// Performs PartJoin::tiles: seals under `key` the catalogue of the tiles or files that tasks have stored under the
+/// names `left`. `paths`: the paths of these tiles or files, for messages.
 void join_tiles(Storage& scratch, const std::vector<std::string>& left, const std::vector<std::string>& paths,
                 const std::string& key);
 
-/// The keys of objects that earlier rounds have left of all tiles together.
+/// The keys of objects that earlier joins have made from all tiles.
 struct JoinedBefore {
-  std::string catalogue;     ///< of the pass
-  std::string borders = "";  ///< empty: there are none
+  std::string catalogue;     ///< key of the TileCatalogue of the pass
+  std::string borders = "";  ///< key of the borders of all tiles; empty if none have been found
 };
 
-/// PartJoin::borders: finds the borders of the tiles and seals them under `key`. PartJoin::components: joins the
-/// components of the tiles. `tile`: any input of the run.
+/// Performs PartJoin::borders, which finds the borders of the tiles, or PartJoin::components, which joins the
+/// components of the tiles, and seals the result under `key`. `left`: names of the tasks' results. `tile`: any input of
+/// the run.
 void join_graph(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
                 const PartRound& round, Storage& scratch, const JoinedBefore& before,
                 const std::vector<std::string>& left, const std::string& key);
 
-/// PartJoin::values: seals under `key` the values of the cloud of `before`, if that is not empty, and of
-/// the round, which the tasks have left, by tile. `tile`: any input of the run.
+/// Performs PartJoin::values: seals under `key` the values of the whole cloud: those under the key `before`, unless it
+/// is empty, and those of the round, from the results of tasks with the names `left`. `tile`: any input of the run.
 void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
                  const PartRound& round, Storage& scratch, const std::string& before,
                  const std::vector<std::string>& left, const std::string& key);
 
-/// PartJoin::pieces: seals under `key` what the files of a divided output consist of. `cloud`: all inputs.
+/// Performs PartJoin::pieces: seals under `key` the list of pieces of each file of a divided output, from the results
+/// of tasks with the names `left`. `cloud`: all inputs.
 void join_cuts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
                Storage& scratch, const std::vector<std::string>& left, const std::string& key);
 
-/// The ends of the names of what tasks leave in the scratch. A task leaves some of them.
+/// The suffixes of the objects that tasks store in the scratch. A task stores objects with some of them.
 inline constexpr std::array kLeftByTasks{".points",     ".index",     ".state",   ".rows",  ".results", ".labels",
                                          ".components", ".crossings", ".numbers", ".nodes", ".edges",   ".marks",
                                          ".buckets",    ".forest",    ".pieces",  ".cut"};
-/// Removes what a task has left. Nothing is said of what is not there.
+/// Removes all objects that a task has stored under the name `left`. Missing objects are no error.
 void forget(Storage& scratch, const std::string& left);
 
 }  // namespace pointsweep

@@ -49,8 +49,8 @@ std::vector<Phase> phases_of(const ChainPlan& plan);
 
 /// The decisions about a run that need the survey of its input.
 struct WorkPlan {
-  std::optional<OutputLayout> layout;  ///< of the output's records; absent in a sort
-  std::uint64_t budget;                ///< bytes
+  std::optional<OutputLayout> layout;  ///< layout of the output's records; absent in a sort
+  std::uint64_t budget;                ///< memory budget of the run in bytes
   RunMemory memory;
 };
 
@@ -101,7 +101,7 @@ std::unique_ptr<RowStore> results_of_pass(const Context& context, const WorkPlan
 
 /// A place in scratch where a task stores its knowledge of a tile.
 struct PlaceOfTile {
-  Storage* scratch = nullptr;  ///< null: the run has all points
+  Storage* scratch = nullptr;  ///< null in a run over all points
   std::string name;            ///< beginning of the names of its objects
 };
 
@@ -110,9 +110,11 @@ struct PassSupport {
   /// Passes the points of the other cloud, in order along an axis, to `take`. Empty if the pass reads no other cloud.
   std::function<void(int axis, const std::function<void(const OtherPoints&)>& take)> other = {};
   std::function<bool(Vec3 position, double distance)> may_lack = {};  ///< InOrderSetup::may_lack
-  std::uint64_t* undecided = nullptr;  ///< place for the graph of a connecting stage in a part (part/tile_graph.h)
-  PlaceOfTile graph = {};              ///< place for the graph that a connecting stage of a part makes
-                                       ///< (part/tile_graph.h)
+  /// Receives the number of rows that an in-order operator could not decide, because points of other tiles may be
+  /// missing; null in a run over all points.
+  std::uint64_t* undecided = nullptr;
+  PlaceOfTile graph = {};  ///< place for the graph that a connecting stage of a part makes
+                           ///< (part/tile_graph.h)
 };
 
 /// Makes the results of a pass from its points in order.
@@ -124,15 +126,15 @@ std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& wor
 /// point. Fills `results` for all points in slabs. After an interruption it starts again.
 SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pass, const Ordered& points,
                                   SweepOptions options, RowStore& results);
-/// Performs such a pass in a part of a cloud: stores the graph of the tile, and fills `results` except for the values
-/// of components.
+/// Performs a pass with a connecting stage in a part of a cloud: stores the graph of the tile, and fills `results`
+/// except for the values of components.
 SweepStatistics sweep_and_leave_graph(const Context& context, const PlannedPass& pass, const Ordered& points,
                                       SweepOptions options, const PlaceOfTile& graph, RowStore& results);
 /// The results of a sweep that has stored a graph. The graphs of all tiles are joined under the key `joined`.
 struct LabelledTile {
   PlaceOfTile graph;
   std::string joined;
-  RecordList& swept;  ///< results of the sweep, by row
+  RecordList& swept;  ///< results of the sweep, one record for each row
 };
 /// Fills `results` with the results of the sweep and the values of each point's component.
 void label_points(const Context& context, const PlannedPass& pass, const MemoryPlan& memory, const LabelledTile& tile,

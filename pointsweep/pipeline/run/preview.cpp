@@ -94,7 +94,7 @@ std::string effort_text(const Effort& effort) {
   return fmt::format("effort        {}, {}\n", effort.text, about_time_text(effort.seconds));
 }
 
-/// Describes the order in which a pass reads the points.
+/// Describes the order in which the points pass through a pass.
 std::string passage_text(const Preview& p, std::size_t s) {
   const PlannedPass& pass = p.planned.passes[s];
   if (pass.kind == PassKind::rows) return "reads         the rows in their order; no neighbours are searched\n";
@@ -240,11 +240,11 @@ SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output,
   out.output_bytes = OutputLayout(cloud.schema(), {}, kept).schema().stride;
   ChainPlan only_sorts;
   only_sorts.reorders = true;
-  RunMemory memory = plan_run_memory(
-      out.budget, only_sorts, out.points, seen, options, out.record_bytes,
-      [&, inputs = open_input_bytes(cloud)](unsigned threads) {
-        return inputs + codec_bytes(cloud, {.points = output}, options, out.output_bytes, threads);
-      });
+  RunMemory memory =
+      plan_run_memory(out.budget, only_sorts, out.points, seen, options, out.record_bytes,
+                      [&, inputs = open_input_bytes(cloud)](unsigned threads) {
+                        return inputs + codec_bytes(cloud, {.points = output}, options, out.output_bytes, threads);
+                      });
   out.memory = memory.reordering;
   out.note = std::move(memory.threads_note);
   return out;

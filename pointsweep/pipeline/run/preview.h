@@ -23,12 +23,12 @@ struct Preview {
   std::uint64_t points = 0;
   std::vector<std::string> others;  ///< for each pass, the name of the other cloud that it reads, or an empty text
   std::vector<std::string> notes;   ///< about the request, one sentence each
-  std::size_t tiles = 0;            ///< number of tiles, one for each input; 0: one output of all
-  bool is_divided = false;          ///< RunOptions::division
-  std::optional<int> axis;          ///< the axis that the user has stated
-  std::uint64_t budget = 0;
-  std::uint64_t decoded_bytes = 0;  ///< decoded_input_bytes()
-  std::uint64_t aside_bytes = 0;    ///< of all points, see pointsweep::aside_bytes()
+  std::size_t tiles = 0;            ///< number of tiles, one for each input; 0 if one output holds all points
+  bool is_divided = false;          ///< true if RunOptions::division divides the output among files
+  std::optional<int> axis;          ///< axis that the user has stated, if any
+  std::uint64_t budget = 0;         ///< memory budget in bytes
+  std::uint64_t decoded_bytes = 0;  ///< result of decoded_input_bytes()
+  std::uint64_t aside_bytes = 0;    ///< result of pointsweep::aside_bytes() for all points
   RunMemory memory;
 };
 
@@ -46,9 +46,9 @@ struct SortPreview {
   std::uint64_t budget = 0;  ///< bytes
   int axis = 0;
   std::uint32_t record_bytes = 0, output_bytes = 0;  ///< per point: in the input, in the output before encoding
-  std::uint64_t decoded_bytes = 0;                   ///< decoded_input_bytes()
+  std::uint64_t decoded_bytes = 0;                   ///< result of decoded_input_bytes()
   MemoryPlan memory;
-  std::string note;  ///< note if fewer threads work than requested; else empty
+  std::string note;  ///< sentence for the user if fewer threads work than requested; otherwise empty
 };
 
 /// Plans a sort from a sample of the cloud, without writing. Throws the errors that sort() to `output` throws before

@@ -24,18 +24,18 @@ struct Request {
 /// would take more than half of the memory budget.
 bool copies_rows(const Request& request);
 
-/// For each pass the other cloud that it reads, if any.
+/// The other clouds that a run reads: one entry for each pass, absent if the pass reads no other cloud.
 using OtherClouds = std::vector<std::optional<OtherCloud>>;
 
 /// Throws UsageError if an output is also an input or another output.
 void require_own_files(const Request& request);
-/// Throws if there is no folder for temporary data, or no point.
+/// Throws Error if there is no folder for temporary data or if the input has no points.
 void require_work(const Request& request);
 /// Returns the statistics of the input, before the first phase.
 Statistics first_counts(const Request& request, const NonfiniteRows& dropped);
 /// Throws for errors that can be found before the first point is read. Returns the names of the request's attributes.
 OutputNames check_request(const Request& request, const RunReport& report);
-/// Returns about how many bytes the output stores in the temporary folder while it is written.
+/// Returns an estimate of the bytes that the output stores in the temporary folder while it is written.
 std::uint64_t bytes_aside(const Request& request, const OutputNames& names);
 /// Opens the other clouds. Throws UsageError if one of them is an output.
 OtherClouds open_other_clouds(const Request& request, const RunReport& report);

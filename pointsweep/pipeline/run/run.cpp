@@ -27,7 +27,7 @@
 namespace pointsweep {
 namespace {
 
-/// Continues the counts of an earlier process, if there was one.
+/// Continues the counts of an earlier process whose checkpoints this run resumes, if any.
 void take_over(RunPlaces& places, const EngineOptions& options, const RunReport& report) {
   const Checkpoints* const checkpoints = places.checkpoints();
   if (checkpoints == nullptr || !checkpoints->found()) return;
@@ -123,7 +123,7 @@ class Phases {
   void order(std::size_t p) {
     ordered_ = std::make_unique<Ordered>(order_pass(context_, work_, p, rows_, std::move(points_), files_));
     points_ = {.survey = ordered_->survey, .boxes = {}};
-    const bool of_rows = p == context_.plan.passes.size() && p > 0;  // this order has no checkpoints
+    const bool of_rows = p == context_.plan.passes.size() && p > 0;  // the reorder of the output has no checkpoints
     if (checkpoints_ != nullptr && !of_rows)
       checkpoints_->in_order(ordered_->stream, ordered_->memory.slab_points, ordered_->bucket_places);
   }
@@ -223,7 +223,7 @@ Statistics run_request(const Request& request) {
   perform({request.cloud, request.outputs, request.options, request.plan, names, input.dropped(), places, report,
            open_input_bytes(request.cloud), copies_rows(request)},
           others);
-  // Rows get their numbers in the input, from which nonfinite points may have been dropped.
+  // Reported rows are numbered in the input, from which nonfinite points may have been dropped.
   for (DegenerateResults& results : statistics.degenerate_results)
     for (std::uint64_t& row : results.rows) row = request.cloud.input_row(row);
   statistics.total_seconds = seconds_since(start);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a task leaves for the next task of its tile, and all of them for the whole cloud.
+/// Values that tasks of a run on many machines pass on: the state of a tile, and the values of the whole cloud.
 #pragma once
 
 #include <cstddef>
@@ -13,14 +13,14 @@
 
 namespace pointsweep {
 
-/// What a task leaves of its tile, beside the points of an order round and the records that its pass carries to the
-/// next one (NAME.rows).
+/// The state in which a task leaves its tile for the next task. Points of an order round and carried records
+/// (NAME.rows) are objects of their own.
 struct TileState {
-  Survey survey;                             ///< of the input
-  std::vector<std::vector<std::byte>> mask;  ///< blocks of the selection; none: all rows are left
-  std::string carried;                       ///< name of the records; empty: there are none
-  std::vector<std::vector<std::byte>> saved_values;
-  std::string swept;  ///< name of the results of a sweep that has left a graph
+  Survey survey;                                     ///< survey of the tile's input
+  std::vector<std::vector<std::byte>> mask;          ///< blocks of the selection of rows; empty if all rows are left
+  std::string carried;                               ///< name of the task with the carried records; empty if none
+  std::vector<std::vector<std::byte>> saved_values;  ///< PassValues::save() of the last pass that has ended
+  std::string swept;                                 ///< name of the task whose sweep has stored a graph; empty if none
 
   void encode(Encoder& out) const;
   static TileState decode(Decoder& in);

@@ -60,7 +60,7 @@ void write_rows(const Context& context, const Rows& rows, OutputFiles& files) {
   }
 }
 
-/// Writes the records of the stream: records of the output after passes, records of the input in a sort.
+/// Writes the records of the stream in their order: records of the output after passes, records of the input in a sort.
 void write_ordered(const Context& context, const WorkPlan& work, const Stream& stream, OutputFiles& files) {
   const std::size_t bytes = work.layout ? work.layout->schema().stride : context.cloud.schema().stride;
   std::uint64_t first = 0;
