@@ -51,8 +51,10 @@ TEST(Reference, AuditCountsEveryListThatDiffersFromBruteForceAndNoOther) {
   std::uint64_t differ = 0;
   for (const auto& [name, shape] : trying_shapes()) {
     const std::vector<Vec3> points = make_cloud(shape, 900, 5);
+    const Lists most = brute_force_neighbors(points, 64);
     for (const std::size_t k : {1, 8, 64}) {
-      const Lists exact = brute_force_neighbors(points, k);
+      Lists exact = most;
+      for (auto& list : exact) list.resize(std::min(k, list.size()));
       for (const Order order : kOrders) {
         SCOPED_TRACE(name + ", k = " + std::to_string(k) + text(order));
         const NeighborRun run = neighbor_run(points, {.k = k}, k, by(Engine::reference, order));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <random>
@@ -163,20 +164,36 @@ std::vector<std::pair<std::string, Shape>> shapes() {
   };
 }
 
+using Lists = std::vector<std::vector<std::uint32_t>>;
+
+/// `expected` may have more neighbours than `what.k`.
+void expect_lists(const std::vector<Vec3>& points, const Lists& expected, const Neighborhood& what,
+                  std::uint32_t cell_points) {
+  const Lists found = Cells(points, cell_points).search(what);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::span<const std::uint32_t> first = std::span(expected[i]).first(std::min(what.k, expected[i].size()));
+    ASSERT_TRUE(std::ranges::equal(found[i], first)) << "point " << i;
+  }
+}
+
 void expect_equal_to_brute_force(const std::vector<Vec3>& points, const Neighborhood& what, std::uint32_t cell_points) {
-  const auto expected = brute_force_neighbors(points, what.k, what.radius);
-  const auto found = Cells(points, cell_points).search(what);
-  for (std::size_t i = 0; i < points.size(); ++i) ASSERT_EQ(found[i], expected[i]) << "point " << i;
+  expect_lists(points, brute_force_neighbors(points, what.k, what.radius), what, cell_points);
+}
+
+std::vector<Vec3> points_of(const Shape& shape, std::size_t n, unsigned seed) {
+  std::mt19937_64 rng(seed);
+  std::vector<Vec3> points(n);
+  for (Vec3& p : points) p = shape(rng);
+  return points;
 }
 
 TEST(CellSearch, EqualsBruteForceOnEveryShapeForSmallAndLargeK) {
   for (const auto& [name, shape] : shapes()) {
+    const std::vector<Vec3> points = points_of(shape, sized(500), 42);
+    const Lists expected = brute_force_neighbors(points, 600);
     for (const std::size_t k : {1, 5, 8, 13, 16, 24, 32, 64, 65, 200, 600}) {
       SCOPED_TRACE(name + ", k = " + std::to_string(k));
-      std::mt19937_64 rng(42);
-      std::vector<Vec3> points(sized(500));
-      for (Vec3& p : points) p = shape(rng);
-      expect_equal_to_brute_force(points, {.k = k}, 256);
+      expect_lists(points, expected, {.k = k}, 256);
       if (HasFatalFailure()) return;
     }
   }
@@ -218,13 +235,12 @@ TEST(CellSearch, SearchesPlainlyWhereTooManyPointsLieAroundALeaf) {
 
 TEST(CellSearch, HonoursTheRadiusInclusively) {
   for (const auto& [name, shape] : shapes()) {
+    const std::vector<Vec3> points = points_of(shape, sized(400), 7);
     for (const double radius : {0.0, 1e-3, 0.05, 1.0, 2.0, 1e6}) {
+      const Lists expected = brute_force_neighbors(points, Neighborhood::kUnlimited, radius);
       for (const std::size_t k : {std::size_t{8}, std::size_t{40}, Neighborhood::kUnlimited}) {
         SCOPED_TRACE(name + ", radius " + std::to_string(radius) + ", k = " + std::to_string(k));
-        std::mt19937_64 rng(7);
-        std::vector<Vec3> points(sized(400));
-        for (Vec3& p : points) p = shape(rng);
-        expect_equal_to_brute_force(points, {.k = k, .radius = radius}, 64);
+        expect_lists(points, expected, {.k = k, .radius = radius}, 64);
         if (HasFatalFailure()) return;
       }
     }
@@ -294,6 +310,7 @@ TEST(CellSearch, SomePointsOfACellHaveTheListsTheyHaveInTheWholeCell) {
       search(query, query.cell(), kAllLists, scratch, whole);
       for (const double share : {0.01, 0.3, 0.9, 1.0}) {
         for (const std::uint64_t most : {1, 20'000}) {
+          if (share > 0.5 && most == 1) continue;  // run by run as of 0.3
           SCOPED_TRACE(name + ", k " + std::to_string(what.k) + ", share " + std::to_string(share));
           std::vector<std::uint32_t> chosen = {3};
           for (std::uint32_t i = 4; i < whole.size(); ++i)
