@@ -119,7 +119,8 @@ TEST_F(InputFormats, AreShownByInfoAndRender) {
   for (const std::string name : kNames) {
     SCOPED_TRACE(name);
     EXPECT_THAT(tool("info " + name + " --format kitti").out, HasSubstr("30000"));
-    EXPECT_EQ(made("render " + name + " p.png --force --format kitti --quiet", "p.png").substr(1, 3), "PNG");
+    EXPECT_EQ(made("render " + name + " p.png --size 320x240 --force --format kitti --quiet", "p.png").substr(1, 3),
+              "PNG");
   }
 }
 

@@ -14,7 +14,7 @@ namespace {
 class LevelStage : public Tool {
  protected:
   LevelStage() {
-    made("generate tls tls.ply -n 260000");
+    made("generate tls tls.ply -n 200000");
     write("nowhere.txt", "x y z\nnan 1 1\n2 inf 2\n");
   }
   /// The lines "x,y,z,level" of a file, in any order.
@@ -45,7 +45,7 @@ TEST_F(LevelStage, IsItsDefinition) {
 
 TEST_F(LevelStage, IsTheSameForAnyAxisThreadsMemoryOrderTilesAndResumedRuns) {
   const std::vector<std::string> expected = levels_by("tls.ply", "--threads 1");
-  EXPECT_GT(expected.size(), 260'000u);
+  EXPECT_GT(expected.size(), 200'000u);
   for (const std::string options :
        {"--axis x", "--axis z --threads 3", "--memory 90M", "--order sweep", "--resume kept"})
     EXPECT_TRUE(levels_by("tls.ply", options) == expected) << options;

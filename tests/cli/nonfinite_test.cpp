@@ -72,15 +72,17 @@ TEST_F(NonfinitePoints, AreKeptByOtherFormatsByDefaultAndListedToo) {
 }
 
 TEST_F(NonfinitePoints, DroppedFromAnyFormatOrderAndVerbLeaveTheOutputOfTheOtherPoints) {
-  for (const std::string out : {"ply", "csv", "xyz", "las"}) {
-    for (const char* verb :
-         {"normals", "sort", "splats --order sweep", "normals --order sweep --memory 40M",
-          "run --pipeline 'normals|splats|fair|reneighbor|resort|normals' --order sweep",
-          "run --pipeline 'normals|splats|fair|reneighbor|normals'", "curvature --engine reference"}) {
+  const std::string formats[] = {"ply", "csv", "xyz", "las"};
+  std::size_t turn = 0;  // each verb has two of the formats
+  for (const char* verb : {"normals", "sort", "splats --order sweep", "normals --order sweep --memory 40M",
+                           "run --pipeline 'normals|splats|fair|reneighbor|resort|normals' --order sweep",
+                           "run --pipeline 'normals|splats|fair|reneighbor|normals'", "curvature --engine reference"}) {
+    for (const std::string& out : {formats[turn % 4], formats[(turn + 1) % 4]}) {
       const std::string options = std::string(verb) + " --no-provenance --nonfinite drop -f ";
       EXPECT_EQ(made(options + "dirty.xyz a." + out, "a." + out), made(options + "clean.xyz b." + out, "b." + out))
           << options << out;
     }
+    ++turn;
   }
 }
 

@@ -85,7 +85,8 @@ TEST_F(Units, LengthsThatAreGivenAreInTheUnitOfTheCloud) {
   const Result run = tool("ground feet.las f.las --cell 1");
   EXPECT_EQ(run.err.find("cell="), std::string::npos) << run.err;
   EXPECT_NE(tool("info f.las").out.find("ground(window=59.0"), std::string::npos);
-  EXPECT_EQ(tool("verify f.las").status, 0) << "the record says cell=1 by leaving it out";
+  made("ground feet.las few.las --cell 1 --window 6");  // the time of verify grows with the cube of the window
+  EXPECT_EQ(tool("verify few.las").status, 0) << "the record says cell=1 by leaving it out";
   const Result plain = tool("ground feet.las g.las --ignore-crs");
   EXPECT_EQ(plain.err.find("converted"), std::string::npos) << plain.err;
   EXPECT_EQ(tool("info g.las").out.find("window="), std::string::npos);
