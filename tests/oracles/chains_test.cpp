@@ -166,7 +166,7 @@ TEST(Oracles, TheReferenceEngineMakesWhatTheFormulasSayWithinARadius) {
 
 TEST(Oracles, DegenerateCloudsGetTheDocumentedValues) {
   for (const auto& [name, shape] : hostile_shapes()) {
-    PointCloud points(make_cloud(shape, sized(1000), 12));
+    PointCloud points(make_cloud(shape, sized(600), 12));
     for (const char* chain :
          {"knn(k=8) | normals | curvature", "knn(k=6) | normals | splats | neighborhood_size",
           "knn(k=20) | normals | splats | fair", "knn(k=8) | features",

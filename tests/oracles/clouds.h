@@ -37,7 +37,7 @@ inline std::vector<RealCloud> real_clouds() {
   const std::filesystem::path data = data_folder();
   std::vector<RealCloud> found;
   for (const auto& [name, file] : std::vector<std::pair<std::string, std::string>>{
-           {"bunny", "models/stanford_bunny/reconstruction/bun_zipper.ply"},
+           {"bunny", "models/stanford_bunny/reconstruction/bun_zipper_res3.ply"},
            {"dragon", "models/stanford_dragon/dragon_vrip_res3.ply"},
            {"airborne scan", "lidar/ign_las-digital-models/ground/test_data_77055_627760_LA93_IGN69.las"}})
     if (!data.empty() && std::filesystem::exists(data / file)) found.push_back({name, data / file});

@@ -54,7 +54,7 @@ TEST(Radius, BytesAreTheSameHoweverFewListsAThreadHasInHand) {
   std::size_t turn = 0;
   for (const auto& [name, shape] : hostile_shapes()) {
     if (name == "one place") continue;  // fair refuses it
-    const std::vector<Vec3> points = make_cloud(shape, sized(800), 4);
+    const std::vector<Vec3> points = make_cloud(shape, sized(600), 4);
     for (const char* text :
          {"knn(radius=0.15) | normals | curvature | splats | fair | normals", "knn(k=100) | normals | curvature",
           "knn(k=100, adaptive=eigenentropy) | normals | curvature", "knn(k=70, radius=0.2) | normals | splats | fair",

@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kPoints = 1'000'000;
+constexpr std::size_t kPoints = 500'000;
 
 /// Mean errors, and means of their magnitudes, over the true k1 (which k2 is compared with, since it may be 0).
 struct Errors {
