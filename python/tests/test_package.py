@@ -35,17 +35,29 @@ print(*sorted(m for m in set(sys.modules) - before if not m.startswith("pointswe
 MODULES = sorted(path.stem for path in Path(ps.__file__).parent.glob("*.py"))
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_each_module_is_imported_alone(module):
-    """The package's own __init__ is replaced by an empty module, so that no other module is there before this one."""
+def test_each_module_is_imported_alone():
+    """The package's own __init__ is replaced by an empty module, so that no other module is there before this one. Each module has a
+    process of its own, forked from one that has imported NumPy alone."""
     code = f"""
-import sys, types
-package = types.ModuleType("pointsweep")
-package.__path__ = [{os.path.dirname(ps.__file__)!r}]
-sys.modules["pointsweep"] = package
-import pointsweep.{module}
+import importlib, os, sys, traceback, types
+import numpy
+for module in sys.argv[1:]:
+    child = os.fork()
+    if child == 0:
+        package = types.ModuleType("pointsweep")
+        package.__path__ = [{os.path.dirname(ps.__file__)!r}]
+        sys.modules["pointsweep"] = package
+        try:
+            importlib.import_module("pointsweep." + module)
+        except BaseException:
+            traceback.print_exc()
+            os._exit(1)
+        os._exit(0)
+    if os.waitpid(child, 0)[1] != 0:
+        sys.exit(module + " is not imported alone")
 """
-    subprocess.run([sys.executable, "-c", code], check=True)
+    run = subprocess.run([sys.executable, "-c", code, *MODULES], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
 
 
 def internal_imports(module):
