@@ -7,8 +7,8 @@
 namespace pointsweep {
 namespace {
 
-/// The numbers of the cells from one end of a ball to the other. The ball is less than two cells wide. Cells that lie
-/// between two adjacent doubles contain no point and are left out.
+/// The numbers of the cells of a grid, along one axis, from one end of a ball to the other. The ball is less than two
+/// cells wide. Cells that lie between two adjacent doubles contain no point and are left out.
 struct CellNumbers {
   std::array<double, 4> number;
   std::size_t count = 0;
@@ -73,10 +73,10 @@ std::size_t BallLookup::find(std::uint64_t key) const {
   return at;
 }
 
-/// Cells are at least twice as wide as the ball, so that its ends lie in one cell or in two adjacent ones, even after
-/// rounding.
+/// Enters each ball into the cells that it touches. Cells are at least twice as wide as a ball, so that its ends lie in
+/// one cell or in two adjacent ones, even after rounding.
 BallLookup::BallLookup(std::span<const Ball> balls) {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> entries;  // key, number
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> entries;  // key of a cell and number of a ball
   for (std::uint32_t number = 0; number < balls.size(); ++number) {
     const auto& [c, reach2] = balls[number];
     const double r = safe_radius(reach2);

@@ -58,7 +58,7 @@ class BallLookup {
  public:
   explicit BallLookup(std::span<const Ball> balls);
 
-  /// Calls use(i) for every ball i that holds `p`, each once, and for some of the others.
+  /// Calls use(i) once for every ball i that holds `p`, and for some other balls.
   template <class Use>
   void for_each_near(Vec3 p, Use use) const {
     for (const std::uint32_t number : unbounded_) use(number);
@@ -71,7 +71,7 @@ class BallLookup {
 
  private:
   struct Bucket {
-    std::uint64_t key = 0;  ///< 0: empty
+    std::uint64_t key = 0;  ///< key of the cell; 0 for a free bucket
     std::uint32_t first = 0, count = 0;
   };
   std::size_t find(std::uint64_t key) const;

@@ -21,7 +21,8 @@ BallRaster::BallRaster(const Box& box, std::span<const Ball> balls) : lo_(box.lo
   }
 }
 
-/// Divides the box into at most kMostCells cells, which are as wide along each axis where the box is wider.
+/// Divides the box into at most kMostCells cells of equal width along all axes, or of the whole width of the box along
+/// an axis where the box is narrower.
 void BallRaster::divide(Vec3 extent) {
   for (double width = std::max({extent.x, extent.y, extent.z}) / 2; width > 0; width /= 2) {
     std::array<double, 3> count;

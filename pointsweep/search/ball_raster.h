@@ -13,8 +13,8 @@
 
 namespace pointsweep {
 
-/// The cells of a box that balls touch. Where most points of the box lie in no ball, a look at the cell of a point,
-/// about 2 ns, spares the look-up of the balls around it. Thread-safe.
+/// The cells of a box that balls touch. If most points of the box lie in no ball, a test of the cell of a point, about
+/// 2 ns, saves the look-up of the balls around it. Thread-safe.
 class BallRaster {
  public:
   BallRaster(const Box& box, std::span<const Ball> balls);
@@ -35,7 +35,7 @@ class BallRaster {
   static constexpr double kMostCells = 1 << 17;
 
   Vec3 lo_;
-  std::array<double, 3> scale_{};  ///< cells a unit of length
+  std::array<double, 3> scale_{};  ///< number of cells per unit of length along each axis
   std::array<std::size_t, 3> cells_{1, 1, 1};
   std::vector<std::uint8_t> marked_;
 };

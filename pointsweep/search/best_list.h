@@ -41,7 +41,7 @@ inline std::size_t insert_sorted(const Candidate& c, Candidate* list, std::size_
 /// Keeps up to 2k + 32 candidates and cuts them back to k when full: constant time per candidate on average.
 class BestList {
  public:
-  /// `reach2`: squared distance within which the neighbourhood is known to end, if it is.
+  /// Begins a search. `reach2`: squared distance within which the neighbourhood is known to end; infinite if unknown.
   void start(const Neighborhood& what, double reach2 = std::numeric_limits<double>::infinity()) {
     k_ = what.k;
     limit_ = std::min(what.radius2(), reach2);
@@ -58,7 +58,7 @@ class BestList {
     kept_.push_back(c);
     if (kept_.size() >= k_ && (kept_.size() - k_ >= k_ + 32 || !full_)) cut();
   }
-  /// The neighbourhood, nearest first. Ends the search.
+  /// Ends the search and returns the neighbourhood, nearest first.
   const std::vector<Candidate>& finish() {
     std::sort(kept_.begin(), kept_.end(), nearer);
     if (kept_.size() > k_) kept_.resize(k_);

@@ -31,7 +31,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// equal bins.
 class BinSearch {
  public:
-  /// Among the first `size` of the gathered points.
+  /// Prepares searches among the first `size` of the gathered points, within a squared distance of `limit2`.
   BinSearch(GatheredPoints& points, std::size_t size, double limit2)
       : points_(points), size_(size), limit2_(limit2), low_bits_(static_cast<std::uint32_t>(std::bit_width(size))) {}
 
@@ -93,8 +93,7 @@ class BinSearch {
     const auto own = hn::Set(di, static_cast<std::int32_t>(self)), none = hn::Set(di, -1);
     const auto end = hn::Set(di, static_cast<std::int32_t>(size_)),
                step = hn::Set(di, static_cast<std::int32_t>(lanes));
-    auto number = hn::Iota(di, 0);  // a counter that is incremented; computing it from a run-time number would go
-                                    // through memory
+    auto number = hn::Iota(di, 0);  // incremented below: making it from `i` each time would go through memory
     std::size_t count = 0;
     for (std::size_t i = 0; i < size_; i += lanes, number = hn::Add(number, step)) {
       const auto dx = hn::Sub(hn::LoadU(d, &from.x[i]), px), dy = hn::Sub(hn::LoadU(d, &from.y[i]), py);

@@ -36,7 +36,7 @@ void Cell::seal() {
   for (std::size_t i = size_; i < padded(size_); ++i) {
     x[i] = x[size_ - 1], y[i] = y[size_ - 1], z[i] = z[size_ - 1], row[i] = row[size_ - 1];
   }
-  std::array<Box, kCellCapacity / kLeafCapacity> leaves;  // the padding repeats a point, so whole leaves are safe
+  std::array<Box, kCellCapacity / kLeafCapacity> leaves;  // whole leaves can be read, since padding repeats a point
   box = Box{};
   for (std::uint32_t l = 0; l < leaf_count(); ++l) {
     leaves[l] = bounds_of_leaf(l);
@@ -54,7 +54,7 @@ Box Cell::bounds_of_leaf(std::uint32_t leaf) const {
   Box bounds;
   for (const int axis : {0, 1, 2}) {
     const double* c = (axis == 0 ? x : axis == 1 ? y : z) + leaf * kLeafCapacity;
-    // Four at a time do not wait for one another.
+    // Four independent minima and maxima, so that the processor need not wait for the previous comparison.
     double lo[4] = {c[0], c[1], c[2], c[3]}, hi[4] = {c[0], c[1], c[2], c[3]};
     for (std::size_t i = 4; i < kLeafCapacity; i += 4) {
       for (std::size_t j = 0; j < 4; ++j) {
@@ -69,7 +69,7 @@ Box Cell::bounds_of_leaf(std::uint32_t leaf) const {
 }
 
 void Cell::set_leaf(std::uint32_t leaf, const Box& bounds) {
-  // The subtraction of the origin rounds; a slack far below single precision keeps the boxes outward all the same.
+  // The subtraction of the origin rounds. A slack far below single precision ensures that boxes are not too small.
   const Vec3 slack = 0x1p-50 * box.extent();
   for (const int axis : {0, 1, 2}) {
     leaf_box[axis][leaf] = round_down(bounds.lo[axis] - origin[axis] - slack[axis]);

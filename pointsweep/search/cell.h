@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A cell: a compact group of about a thousand points of one slab, cut into leaves of 16 with tight boxes.
-///
-/// Some points of one cell.
+/// A cell: a compact group of about a thousand points of one slab, cut into leaves of 16 points with tight boxes; and
+/// subsets of its points.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +25,7 @@ inline constexpr std::uint32_t kLeafCapacity = 16;
 class Cell {
  public:
   Cell() = default;
-  /// Room for `size` points; the caller fills x, y, z and row and then calls seal().
+  /// Allocates memory for `size` points. The caller fills x, y, z and row, and then calls seal().
   explicit Cell(std::uint32_t size);
   /// Computes box, origin, leaf boxes and lowest rows.
   void seal();
@@ -41,14 +40,16 @@ class Cell {
 
   Box box;
   Vec3 origin;
-  /// The lowest row of points that are all at one place; kSeveralPlaces where they are not.
+  /// Value of a lowest row for points that are not all at one place.
   static constexpr std::uint64_t kSeveralPlaces = ~std::uint64_t{0};
+  /// Lowest row of the points if all of them are at one place; kSeveralPlaces otherwise.
   std::uint64_t lowest_row = kSeveralPlaces;
   double* x = nullptr;  ///< padded to whole leaves; the padding repeats the last point
   double* y = nullptr;
   double* z = nullptr;
   std::uint64_t* row = nullptr;
-  /// Leaf boxes: lo x, y, z, hi x, y, z; each padded to a multiple of 16 with boxes infinitely far away.
+  /// Sides of the leaf boxes: lo x, y, z, hi x, y, z. Each array is padded to a multiple of 16 with boxes infinitely
+  /// far away.
   float* leaf_box[6] = {};
   std::uint64_t* leaf_lowest_row = nullptr;  ///< least row of each leaf
 
@@ -97,7 +98,7 @@ class CellSubset {
   }
 
  private:
-  const std::uint32_t* chosen_ = nullptr;  ///< null: a run
+  const std::uint32_t* chosen_ = nullptr;  ///< indices of chosen points; null for a run
   std::uint32_t first_ = 0;                ///< first point of a run
   std::uint32_t size_;
 };

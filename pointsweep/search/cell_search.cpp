@@ -33,7 +33,7 @@ class CellSearch {
   CellSearch(const CellQuery& query, SearchScratch& scratch, CellNeighbors& out)
       : query_(query), cell_(query.cell()), what_(query.what), scratch_(scratch), out_(out) {}
 
-  /// Goes leaf by leaf, and takes successive leaves that lie at one place together.
+  /// Searches `points` leaf by leaf. Successive leaves whose points all coincide are searched together.
   void run(const CellSubset& points) {
     scratch_.near.find(query_, 0);
     for (std::uint32_t n = 0, end = 0; n < points.size(); n = end) {
@@ -77,9 +77,10 @@ class CellSearch {
   }
 
   static constexpr std::uint32_t kGroup = hn::MaxLanes(Lanes()), kGroups = kLeafCapacity / kGroup;
-  static constexpr float kWide = 64;               ///< in widths of the queries' leaf; wider leaves are filtered by
-                                                   ///< points
-  static constexpr std::size_t kFew = 2 * K + 16;  ///< up to this many candidates are sorted by insertion
+  /// Extent, in multiples of the width of the queries' leaf, from which the points of another leaf are tested one by
+  /// one.
+  static constexpr float kWide = 64;
+  static constexpr std::size_t kFew = 2 * K + 16;  ///< most candidates that are sorted by insertion
 
   void search_leaf(std::uint32_t leaf) {
     const std::uint32_t first = leaf * kLeafCapacity, queries = cell_.leaf_size(leaf);
@@ -104,7 +105,8 @@ class CellSearch {
       settle(groups_[g], first + g * kGroup, std::min(kGroup, queries - g * kGroup));
   }
 
-  /// The leaves around a leaf, of the same branch, that hold more than k points: they give a first finite bound.
+  /// Returns the range of leaves around a leaf, in one branch of the cell's division, that holds more than k points.
+  /// These leaves give a first finite bound of the reaches.
   std::pair<std::uint32_t, std::uint32_t> branch_around(std::uint32_t leaf) const {
     std::uint32_t size = 1, begin = leaf, end = leaf + 1;
     while (std::min(end * kLeafCapacity, cell_.size()) - begin * kLeafCapacity <= what_.k &&
@@ -150,7 +152,7 @@ class CellSearch {
     pack(frame_, cell, slot, leaf, frame_.local(cell, leaf).farthest(), packed_);
   }
 
-  /// Squared distance, in the frame, beyond which no query of a group needs a candidate.
+  /// Sets the squared distances, in the frame, beyond which the queries of group `g` need no candidate.
   void bound(std::uint32_t g) {
     limits_[g] = groups_[g].reach(d_, packed_.farthest);
     group_reach2_[g] = hn::GetLane(hn::MaxOfLanes(d_, limits_[g]));
@@ -163,8 +165,8 @@ class CellSearch {
                                       : std::numeric_limits<double>::infinity();
   }
 
-  /// Collects the leaves that a query may need, nearest first, except leaves [begin, end) of its own cell, which are
-  /// searched already.
+  /// Collects the leaves that a query may need, nearest first, except leaves [begin, end) of its own cell, which have
+  /// been searched.
   void find_leaves(std::uint32_t begin, std::uint32_t end) {
     const double reach2 = unscaled(farthest_reach2());
     if (reach2 > scratch_.near.reach2) scratch_.near.find(query_, 4 * reach2);
@@ -255,8 +257,8 @@ class CellSearch {
     out_.refs.resize(written_);
   }
 
-  /// Makes room in out_.refs for the lists of `queries` queries, which are written in place. Copying values right after
-  /// they were written one by one would stall.
+  /// Extends out_.refs for the lists of `queries` queries, so that they are written in place: a copy of values that
+  /// have just been written one by one would stall.
   void make_room(std::uint32_t queries) {
     written_ = out_.refs.size();
     out_.refs.resize(written_ + queries * K);
@@ -348,7 +350,7 @@ class CellSearch {
   const Neighborhood what_;
   SearchScratch& scratch_;
   CellNeighbors& out_;
-  std::uint32_t wanted_ = ~0u;  ///< bits of the current leaf's wanted points; other lists may be wrong
+  std::uint32_t wanted_ = ~0u;  ///< one bit for each wanted point of the current leaf; lists of others may be wrong
   double leaf_extent_ = 1;
   bool limited_ = false;
   float radius2_ = 0;
@@ -360,7 +362,7 @@ class CellSearch {
   float group_reach2_[kGroups];  ///< for each group: the largest squared reach of its queries
   std::uint32_t group_count_ = 0;
   HWY_ALIGN float keys_[K + 1][kLeafCapacity];
-  std::size_t written_ = 0;                      ///< neighbours in out_.refs, while there is room for more
+  std::size_t written_ = 0;                      ///< number of neighbours written to out_.refs, which may be longer
   std::array<std::uint16_t, kCandidates> near_;  ///< numbers of packed candidates
 };
 

@@ -29,7 +29,7 @@ Extent extent_of(std::span<const CutPoint> points) {
   return e;
 }
 
-/// Moves the points for which `goes_left` to the front without a branch (Lomuto) and returns how many there are.
+/// Moves the points for which goes_left() holds to the front, without a branch (Lomuto). Returns their number.
 template <class Predicate>
 std::size_t partition_branchless(CutPoint* points, std::size_t n, Predicate goes_left) {
   std::size_t left = 0;
@@ -42,7 +42,7 @@ std::size_t partition_branchless(CutPoint* points, std::size_t n, Predicate goes
   return left;
 }
 
-/// A value near the `rank`-th smallest coordinate, from a strided sample.
+/// Returns a value near the `rank`-th smallest coordinate, from a strided sample.
 float pivot_near(const CutPoint* points, std::size_t n, std::size_t rank, std::size_t axis) {
   constexpr std::size_t kMost = 31;
   const std::size_t m = n < 64 ? 5 : n < 512 ? 15 : kMost;

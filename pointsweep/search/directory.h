@@ -16,14 +16,14 @@ namespace pointsweep {
 class CellDirectory {
  public:
   struct Near {
-    double distance2;  ///< between the boxes
+    double distance2;  ///< squared distance between the box of the query and the box of the cell
     std::uint32_t slot;
     friend bool operator<(const Near& a, const Near& b) {
       return a.distance2 != b.distance2 ? a.distance2 < b.distance2 : a.slot < b.slot;
     }
   };
 
-  /// Adds a cell under a slot number (any, each once). The cell is borrowed and must not move.
+  /// Adds a cell under a slot number that no other cell has. The cell is borrowed and must not move.
   void add(std::uint32_t slot, const Cell* cell);
   void remove(std::uint32_t slot);
   const Cell& cell(std::uint32_t slot) const { return *cells_[slot]; }
@@ -35,10 +35,10 @@ class CellDirectory {
   void find(const Box& box, double reach2, std::vector<Near>& out) const;
 
  private:
-  std::vector<const Cell*> cells_;       ///< by slot
-  std::vector<std::uint32_t> position_;  ///< for each slot: index into the arrays below
+  std::vector<const Cell*> cells_;       ///< cell in each slot; null in a free slot
+  std::vector<std::uint32_t> position_;  ///< for each slot, index of its cell in `slots_` and `side_`
   std::vector<std::uint32_t> slots_;
-  std::vector<double> side_[6];  ///< lo x, y, z, hi x, y, z
+  std::vector<double> side_[6];  ///< sides of the boxes of the cells: lo x, y, z, hi x, y, z
 };
 
 }  // namespace pointsweep

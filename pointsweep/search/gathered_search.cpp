@@ -35,7 +35,7 @@ class GatheredSearch {
   GatheredSearch(const CellQuery& query, std::uint64_t most, SearchScratch& scratch, CellNeighbors& out)
       : query_(query), cell_(query.cell()), what_(query.what), scratch_(scratch), out_(out), most_(most) {}
 
-  /// Returns how many of the points it has searched.
+  /// Searches the first of `points`, and returns how many it has searched.
   std::uint32_t run(const CellSubset& points) {
     scratch_.near.find(query_, 0);
     if (!unlimited()) settle_first(points[0]);
@@ -66,8 +66,8 @@ class GatheredSearch {
   }
 
   static constexpr std::uint64_t kDistanceBits = ~std::uint64_t{0} << 32;
-  static constexpr std::size_t kMostCopied = 4096;  ///< candidates copied out to be compared; more are looked up
-  static constexpr NeighborRef kNoPoint = ~NeighborRef{0};  ///< refers to no point: slots hold fewer
+  static constexpr std::size_t kMostCopied = 4096;          ///< most candidates that are copied to be compared exactly
+  static constexpr NeighborRef kNoPoint = ~NeighborRef{0};  ///< a reference to no point: no slot has so many points
 
   bool unlimited() const { return what_.k == Neighborhood::kUnlimited; }
 
@@ -106,7 +106,7 @@ class GatheredSearch {
     return i;
   }
 
-  /// The reach of a first point, from which all others follow.
+  /// Searches point `i` plainly. Its reach bounds the reach of the next point, and so on.
   void settle_first(std::uint32_t i) {
     search_point_plainly(query_, i, scratch_);
     const std::vector<Candidate>& found = scratch_.best.finish();
@@ -120,7 +120,7 @@ class GatheredSearch {
   }
 
   /// Returns a squared distance within which the neighbourhood of every point at most `step` from the point settled
-  /// last ends. The factor covers rounding, the summand squares that underflow.
+  /// last ends. The factor covers rounding, and the summand covers squares that underflow.
   double reach2_after(double step) const {
     const double reach = settled_reach_ + step;
     return std::min(what_.radius2(), reach * reach * (1 + 1e-9) + 1e-300);
@@ -143,12 +143,14 @@ class GatheredSearch {
   /// Finds the leaves within sqrt(reach2) of a box in the cell, nearest first; unordered if there are more than `most`.
   void find_leaves(const Box& around, double reach2, std::size_t most) {
     if (!(reach2 <= scratch_.near.reach2))
-      scratch_.near.find(query_, unlimited() ? reach2 : 4 * reach2);  // no reach exceeds the radius
+      scratch_.near.find(
+          query_, unlimited() ? reach2 : 4 * reach2);  // without a limit k, no later reach is larger than the radius
     const auto all = [](std::uint32_t, std::uint32_t) { return true; };
     collect_near_leaves(query_.directory, scratch_.near.cells, around, reach2, most, all, scratch_.leaves);
   }
 
-  /// The keys of all points within the radius of p but `self`, in order, straight from the leaves that were found.
+  /// Returns the keys of all points within the radius of p except `self`, in order, read directly from the found
+  /// leaves.
   std::span<const std::uint64_t> all_within(Vec3 p, NeighborRef self) {
     const hn::CappedTag<double, kLeafCapacity> d;
     const hn::RebindToUnsigned<decltype(d)> du;
@@ -213,7 +215,7 @@ class GatheredSearch {
       const Cell& cell = query_.directory.cell(slot);
       const std::uint32_t from = l * kLeafCapacity, size = cell.leaf_size(l);
       if (slot == query_.slot && l == leaf) own_begin_ = n;
-      for (std::uint32_t i = 0; i < kLeafCapacity; ++i) {  // copies whole leaves; the next leaf overwrites the padding
+      for (std::uint32_t i = 0; i < kLeafCapacity; ++i) {  // copies a whole leaf; the next leaf overwrites its padding
         to.x[n + i] = cell.x[from + i], to.y[n + i] = cell.y[from + i], to.z[n + i] = cell.z[from + i];
         to.ref[n + i] = make_ref(slot, from + i);
       }
@@ -351,8 +353,8 @@ class GatheredSearch {
   CellNeighbors& out_;
   const hwy::Sorter sort_;
   const std::uint64_t most_;
-  std::uint32_t own_begin_ = 0;  ///< number of the first point of the leaf searched among the gathered
-  bool by_bins_ = true;          ///< false once too many neighbours of a point in the leaf share bins
+  std::uint32_t own_begin_ = 0;  ///< number, among the gathered points, of the first point of the searched leaf
+  bool by_bins_ = true;          ///< false after too many neighbours of a point of the leaf have shared bins
   Vec3 settled_at_;
   double settled_reach_ = std::numeric_limits<double>::infinity();
 };

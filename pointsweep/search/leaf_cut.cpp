@@ -20,7 +20,8 @@ namespace pointsweep {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Cuts one cell: coordinates and numbers of its points in vectors, which are partitioned level by level.
+/// Cuts one cell into leaves. The coordinates and numbers of its points lie in arrays that are partitioned level by
+/// level.
 class LeafCut {
  public:
   LeafCut(std::span<CutPoint> points, const std::function<std::uint64_t(std::uint32_t)>& row_of)
@@ -75,8 +76,8 @@ class LeafCut {
     return sides[x >= y && x >= z ? 0 : y >= z ? 1 : 2];
   }
 
-  /// Keys in the order of the coordinates, no two of them equal: a coordinate as a whole number, then the place in the
-  /// range. Returns a number above all of them.
+  /// Makes different keys in the order of the coordinates: a coordinate as a whole number, then the place in the range.
+  /// Returns a number above all keys.
   std::int32_t make_keys(const Side& side, std::size_t first, std::size_t n) {
     const Floats d;
     const Keys di;
@@ -147,9 +148,9 @@ class LeafCut {
     std::sort(order_ + first, order_ + first + n, [&row](std::int32_t a, std::int32_t b) { return row(a) < row(b); });
   }
 
-  static constexpr int kCoordinateBits = 20;  ///< with 11 bits for the place, a number of 31 bits
+  static constexpr int kCoordinateBits = 20;  ///< bits of a coordinate in a key of 31 bits; 11 bits hold the place
   static constexpr std::int32_t kBeyondKeys = 0x7FFFFFFF;
-  /// Smaller extents would overflow the scale of the keys.
+  /// Least extent of a range that is divided: a smaller one would overflow the scale of the keys.
   static constexpr float kLeastExtent = 1e-30f;
 
   const std::span<CutPoint> points_;

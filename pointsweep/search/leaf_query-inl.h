@@ -73,11 +73,10 @@ inline constexpr Comparators kComparators;
 HWY_INLINE void sort_sixteen(Vec (&keys)[kLeafCapacity]) {
   [&]<std::size_t... C>(std::index_sequence<C...>) HWY_ATTR {
     (exchange(keys[kComparators.lower[C]], keys[kComparators.upper[C]]), ...);
-  }
-  (std::make_index_sequence<Comparators::kCount>());
+  }(std::make_index_sequence<Comparators::kCount>());
 }
 
-/// The last steps, in registers, of a bitonic merge of N keys per lane that are `stride` apart.
+/// Performs the last steps of a bitonic merge of N keys per lane, which are `stride` apart, in registers.
 template <std::size_t N>
 HWY_INLINE void merge_bitonic(Vec* keys, std::size_t stride) {
   Vec v[N];
@@ -127,12 +126,12 @@ struct Packed {
   HWY_ALIGN float z[kCandidates];
   NeighborRef first[kCandidates / kLeafCapacity];  ///< first point of each packed leaf
   std::uint32_t leaves = 0;
-  float farthest = 0;  ///< largest coordinate, the m of the margins
+  float farthest = 0;  ///< largest absolute coordinate, which is m in the bound of kAbsoluteMargin
 
   bool full() const { return leaves == kCandidates / kLeafCapacity; }
 };
 
-/// A leaf's box in the frame of the queries.
+/// The box of a leaf in the frame of the queries.
 struct LocalBox {
   float lo[3], hi[3];
   float farthest() const {
@@ -272,8 +271,8 @@ struct Group {
     }
   }
 
-  /// An upper bound, per lane, of the squared distance at which the neighbourhood ends; kEmptyKey or more where
-  /// unknown.
+  /// Returns for each lane an upper bound of the squared distance at which the neighbourhood ends; kEmptyKey or more if
+  /// it is unknown.
   HWY_INLINE Vec reach(Lanes d, float farthest) const {
     const Vec margin = hn::Set(d, farthest * farthest * kAbsoluteMargin);
     const Vec kth = selection.list[K - 1];
@@ -290,7 +289,7 @@ struct Group {
   }
 };
 
-/// A bit for each lane.
+/// Returns a number with one bit for each lane of the mask.
 HWY_INLINE std::uint32_t bits_of(Lanes d, hn::Mask<Lanes> mask) {
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(d, mask, bytes);

@@ -54,7 +54,7 @@ template <class Found>
 HWY_INLINE void find_near_leaves(const Cell& cell, const Box& box, double reach2, Found found) {
   const hn::CappedTag<float, kLeafCapacity> d;
   using Vec = hn::Vec<decltype(d)>;
-  // A little below / above v in single precision, also where the difference that made it was rounded.
+  // Single-precision bounds below and above v, which also cover the rounding of the difference that made v.
   const auto below = [](double v) { return round_down(v - std::abs(v) * 1e-14); };
   const auto above = [](double v) { return round_up(v + std::abs(v) * 1e-14); };
   const Vec3 lo = box.lo - cell.origin, hi = box.hi - cell.origin;
@@ -77,7 +77,7 @@ HWY_INLINE void find_near_leaves(const Cell& cell, const Box& box, double reach2
     hn::StoreMaskBits(d, near, mask);
     for (std::uint32_t bits = mask[0] | std::uint32_t{mask[1]} << 8; bits != 0; bits &= bits - 1) {
       const auto lane = static_cast<std::uint32_t>(__builtin_ctz(bits));
-      if (l + lane >= cell.leaf_count()) break;  // padding, which only an infinite reach takes for near
+      if (l + lane >= cell.leaf_count()) break;  // padding: near only for an infinite reach
       found(d2s[lane], l + lane);
     }
   }

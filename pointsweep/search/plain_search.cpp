@@ -37,12 +37,13 @@ void search_leaf(const Cell& cell, std::uint32_t slot, std::uint32_t leaf, Vec3 
   }
 }
 
-/// Leaf boxes are rounded outward in single precision; the distance to them in double is a lower bound up to the last
-/// bits of the subtraction of the origin, which this factor covers.
+/// Factor that makes a distance to a leaf box a lower bound. Boxes are rounded outward in single precision, so that
+/// only the last bits of the subtraction of the origin can make the distance too large.
 constexpr double kSafety = 1 - 1e-12;
 
-/// Points all at the place of point `first`, the lowest of their rows given: a million copies of one point are passed
-/// over as soon as the k lowest rows are known. Points at several places are always wanted.
+/// Returns whether points with this lowest row may belong to the list. Points at several places always may. Points that
+/// are all at the place of point `first` are skipped once the list holds k points in front of the one with the lowest
+/// row, so that a million copies of one point cost little.
 bool wants_place(const Cell& cell, std::uint32_t first, std::uint64_t lowest_row, Vec3 p, const BestList& best) {
   if (lowest_row == Cell::kSeveralPlaces) return true;
   const Vec3 place = cell.position(first);
@@ -71,8 +72,8 @@ void search_cell(const Cell& cell, std::uint32_t slot, Vec3 p, std::uint64_t sel
   }
 }
 
-/// Offers to `best` every point of the cells in `near` that may belong to the list, except the one of row `self_row`.
-/// `near` is sorted by distance from a box that contains `p`, as CellDirectory::find returns it.
+/// Offers to `best` every point of the cells in `near` that may belong to the list, except the point with row
+/// `self_row`. `near` is sorted by distance from a box that contains `p`, as CellDirectory::find returns it.
 void search_exact(const CellDirectory& directory, const std::vector<CellDirectory::Near>& near, Vec3 p,
                   std::uint64_t self_row, BestList& best) {
   for (const CellDirectory::Near& candidate : near) {

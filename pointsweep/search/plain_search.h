@@ -11,11 +11,12 @@
 
 namespace pointsweep {
 
-/// Leaves the neighbourhood of the point of index `i` in scratch.best, to be finished. scratch.near holds cells near
-/// the cell of the query, and grows as needed.
+/// Searches the neighbourhood of the point with index `i` and leaves it in scratch.best, on which the caller calls
+/// finish(). scratch.near holds cells near the cell of the query, and grows as needed.
 void search_point_plainly(const CellQuery& query, std::uint32_t i, SearchScratch& scratch);
 
-/// Leaves the neighbourhood of a place in the cell in scratch.best, without the point of row `self_row`.
+/// Searches the neighbourhood of a place in the cell, without the point with row `self_row`, and leaves it in
+/// scratch.best.
 void search_place_plainly(const CellQuery& query, Vec3 place, std::uint64_t self_row, SearchScratch& scratch);
 
 /// Appends the neighbourhood in scratch.best to `out`, and the squared distance at which it ends.
@@ -25,7 +26,7 @@ void append_best(const Neighborhood& what, SearchScratch& scratch, CellNeighbors
 std::uint32_t search_plainly(const CellQuery& query, const CellSubset& points, std::uint64_t most,
                              SearchScratch& scratch, CellNeighbors& out);
 
-/// A point of some cell, seen from p.
+/// Returns a point of a cell as a candidate for the neighbourhood of p.
 inline Candidate candidate_from(const CellDirectory& directory, NeighborRef ref, Vec3 p) {
   const Cell& cell = directory.cell(slot_of(ref));
   const Vec3 at = cell.position(index_of(ref));

@@ -33,7 +33,8 @@ struct ListMemory {
   std::uint64_t lists_bytes;
 };
 
-/// Thread-safe for different cells, if each thread has its own worker.
+/// Finds, shortens, stores and releases the neighbour lists of cells. Thread-safe for different cells, if each thread
+/// has its own worker.
 class CellLists {
  public:
   CellLists(const SweepPlan& plan, const CellSet& cells, const ListMemory& memory)
@@ -48,12 +49,12 @@ class CellLists {
   /// Applies the rule of the plan to worker.neighbors, the lists of `points`.
   void truncate(const WindowCell& cell, const CellSubset& points, Worker& worker) const;
 
-  /// Notes in the worker which cells the lists name.
+  /// Adds the slots of all cells to which the lists refer to worker.named.
   static void note_references(const WindowCell& cell, std::uint32_t first, const CellNeighbors& lists, Worker& worker);
-  /// Keeps the cells referred to since the last call in the window until this cell is finished.
+  /// Moves worker.named to cell.refers_to, so that the window keeps those cells until this cell is finished.
   static void hold_references(WindowCell& cell, Worker& worker);
 
-  /// Keeps a copy in the cell if there is room.
+  /// Stores a copy of the lists in the cell if memory allows. Returns whether it has done so.
   bool keep(WindowCell& cell, const CellNeighbors& found) const;
   void release(WindowCell& cell) const;
 

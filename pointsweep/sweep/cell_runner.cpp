@@ -49,8 +49,8 @@ void defer(WindowCell& cell, std::uint32_t i, double reach2) {
       {cell.cell.position(i), cell.cell.row[i], cell.slab, cell.index_in_slab[i], reach2, cell.steps_done});
 }
 
-/// Returns the squared distance at which the neighbourhood of list `i`, of a point at `p`, ends; infinite where the
-/// list does not tell.
+/// Returns the squared distance at which the neighbourhood of list `i`, of a point at `p`, ends; infinite if a rule has
+/// shortened the list or it has fewer than k neighbours.
 double end_of_list(const Neighborhood& what, Vec3 p, const CellNeighbors& lists, std::uint32_t i,
                    const Window& window) {
   if (what.rule || lists.begin[i + 1] - lists.begin[i] < what.k) return Box::kInf;
@@ -139,7 +139,7 @@ void CellRunner::run(std::uint32_t slot, std::uint32_t step, Worker& worker) con
   if (cell.steps_done == plan_.step_count()) finish(cell, worker);
 }
 
-/// Skips the last step in a cell whose results no other cell needs.
+/// Skips the last step of a cell whose results are not delivered: no other cell reads results of the last step.
 void CellRunner::look_no_further(WindowCell& cell, std::uint32_t step) const {
   if (step == 0) cell.reach = cell.wait_reach;
   cell.steps_done = step + 1;
@@ -148,7 +148,8 @@ void CellRunner::look_no_further(WindowCell& cell, std::uint32_t step) const {
   free_memory_of(cell.refers_to);
 }
 
-/// The lists of a cell are found run by run. Each run is used at once; later steps keep what fits.
+/// Takes the first step. The lists of a cell are found and used for one run of points after another; lists for later
+/// steps are stored if those of all runs fit in memory.
 void CellRunner::run_first_step(std::uint32_t slot, bool all_found, Worker& worker) const {
   WindowCell& cell = window_.at(slot);
   const bool later = plan_.step_count() > 1;
@@ -233,7 +234,7 @@ void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
   for (std::uint32_t i = 0; i < cell.deferred.size(); ++i)
     if (cell.is_deferred(i)) sink_.deferred(cell.slab, cell.index_in_slab[i]);
   collect_results(plan_, worker.columns.data(), cell.cell.size(), worker.results);
-  // The runs between deferred points, which the recall finishes.
+  // Delivers the points between deferred points. The recall finishes the deferred points.
   for (std::uint32_t i = 0; i < cell.cell.size();) {
     std::uint32_t end = i;
     while (end < cell.cell.size() && !cell.is_deferred(end)) ++end;
@@ -247,7 +248,7 @@ void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
   }
 }
 
-/// After the only step, other cells may still read some file columns, which are kept.
+/// Drops the columns of a finished cell, except columns that stages may still read of this cell for points of others.
 void CellRunner::drop_columns(WindowCell& cell) const {
   for (std::size_t c = 0; c < cell.columns.size(); ++c) {
     if (read_of_neighbors_[c]) continue;

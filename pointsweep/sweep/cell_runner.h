@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Takes one cell through one step: search, certificate, stages, and out (the pull-push of a point, Figures 12 and 14,
-/// done for a thousand points at once).
+/// Takes one cell through one step: search, certificate, stages, delivery of results (the pull-push of a point, Figures
+/// 12 and 14 of the paper, done for a thousand points at once).
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,8 @@ class CellRunner {
  public:
   CellRunner(const SweepPlan& plan, Window& window, const Frontier& frontier, Sink& sink, const ListMemory& memory);
 
-  /// Thread-safe for different cells that are ready for the step, if each thread has its own worker.
+  /// Takes the cell in `slot` through `step`. Thread-safe for different cells that are ready for the step, if each
+  /// thread has its own worker.
   void run(std::uint32_t slot, std::uint32_t step, Worker& worker) const;
 
  private:
@@ -33,7 +34,7 @@ class CellRunner {
   Window& window_;
   const Frontier& frontier_;
   Sink& sink_;
-  std::vector<bool> read_of_neighbors_;  ///< for each column: whether a stage reads it of points in other cells
+  std::vector<bool> read_of_neighbors_;  ///< for each column, true if a stage reads it of neighbours in other cells
   CellLists lists_;
 };
 

@@ -9,8 +9,8 @@
 
 namespace pointsweep {
 
-/// Counts of distances in eight bins per octave. The bin is given by the leading bits of the squared distance as an
-/// IEEE double. 64 KB. Counts do not depend on the order of distances.
+/// Counts of distances in eight bins per octave. The leading bits of the squared distance, as an IEEE double, are the
+/// number of its bin. Counts do not depend on the order of distances. Memory: 64 KB.
 class DistanceHistogram {
  public:
   static constexpr std::size_t kBins = 8192;
@@ -20,7 +20,7 @@ class DistanceHistogram {
     for (std::size_t i = 0; i < kBins; ++i) counts_[i] += other.counts_[i];
   }
   std::uint64_t count(std::size_t bin) const { return counts_[bin]; }
-  /// Smallest squared distance of the bin. Bin 0 holds 0 and squared distances too small to tell from 0.
+  /// Returns the smallest squared distance of a bin. Bin 0 holds 0 and the smallest squared distances.
   static double lower_end2(std::size_t bin) { return std::bit_cast<double>(std::uint64_t{bin} << 50); }
 
  private:

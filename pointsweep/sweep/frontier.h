@@ -70,7 +70,7 @@ class Frontier {
   const std::vector<Slab>& slabs_;
   int axis_;
   std::size_t swept_slabs_;
-  /// For each slab that the sweep reads: the least coordinate along the axis of it and all later ones.
+  /// For each slab that the sweep reads, the least coordinate along the axis among this slab and all later ones.
   std::vector<double> least_begin_;
   BoxTree beyond_;  ///< the boxes of the slabs that only the recall reads
   std::size_t read_ = 0;

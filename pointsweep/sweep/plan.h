@@ -34,7 +34,7 @@ struct Stage {
   }
 };
 
-/// A column that comes from the file: field `field` (and the next components) of the working record, bit for bit.
+/// A column whose values come from fields of the stream's records, converted to the type that operators expect.
 struct FileColumn {
   std::uint16_t column;
   std::vector<std::size_t> fields;  ///< indices of the fields, one for each component
@@ -56,21 +56,21 @@ struct SweepPlan {
   /// pre-buffered stage, whose neighbours must all have finished the step before; the stages after it in the step are
   /// through-buffered and run at once, while the cell is in cache (paper Section 5.2).
   std::vector<std::size_t> steps;
-  std::vector<std::uint32_t> column_bytes;  ///< per point, by column number
-  std::vector<Lifetime> lifetimes;          ///< by column number; a file column has the lifetime `cell`
+  std::vector<std::uint32_t> column_bytes;  ///< for each column, bytes of its value of one point
+  std::vector<Lifetime> lifetimes;          ///< lifetime of each column; a file column has the lifetime `cell`
   std::vector<FileColumn> file_columns;
   std::vector<ResultColumn> results;
   std::uint32_t result_bytes = 0;
 
   std::size_t step_count() const { return steps.size() - 1; }
-  /// Bytes that the columns of a point take while it is in memory.
+  /// Returns the bytes of the columns that a point has as long as it is in memory.
   std::uint64_t cell_lifetime_bytes() const {
     std::uint64_t bytes = 0;
     for (std::size_t c = 0; c < column_bytes.size(); ++c)
       if (lifetimes[c] == Lifetime::cell) bytes += column_bytes[c];
     return bytes;
   }
-  /// Upper bound of the bytes of columns that are dropped at the end of their step.
+  /// Returns an upper bound of the bytes of a point's columns that are dropped at the end of their step.
   std::uint64_t step_lifetime_bytes() const {
     return std::accumulate(column_bytes.begin(), column_bytes.end(), std::uint64_t{0}) - cell_lifetime_bytes();
   }
@@ -79,9 +79,9 @@ struct SweepPlan {
 /// A batch of finished points.
 struct Finished {
   std::uint32_t slab;
-  const std::uint32_t* index_in_slab;  ///< place among the slab's working records
-  const std::uint64_t* rows;           ///< input rows
-  const std::byte* results;            ///< plan.result_bytes each
+  const std::uint32_t* index_in_slab;  ///< for each point, the index of its record in the slab
+  const std::uint64_t* rows;           ///< for each point, its row in the input
+  const std::byte* results;            ///< one result record of SweepPlan::result_bytes for each point
   std::size_t size;
 };
 
@@ -93,7 +93,7 @@ class Sink {
   virtual void finished(const Finished& points) = 0;
   /// Receives points that the sweep deferred and the recall has finished. Calls finished() unless overridden.
   virtual void recalled(const Finished& points) { finished(points); }
-  /// A point of this slab will be finished only after the whole stream has been read. Thread-safe.
+  /// Tells that a point of this slab will be finished only after the whole stream has been read. Thread-safe.
   virtual void deferred(std::uint32_t slab, std::uint32_t index_in_slab) {
     (void)slab;
     (void)index_in_slab;

@@ -30,14 +30,14 @@ struct WantedPoints {
   /// Balls for which all points are needed. Some points near the balls are collected, too. Much cheaper than `balls` if
   /// many balls overlap.
   std::vector<Ball> whole_balls = {};
-  std::vector<NeededPlace> places = {};  ///< ascending
-  std::uint64_t most_points = 0;         ///< the search ends if it finds more
+  std::vector<NeededPlace> places = {};  ///< places of points that are needed in any case, ascending
+  std::uint64_t most_points = 0;         ///< limit of the number of points; the search ends when it finds more
 };
 
 /// Points of one slab and their working records.
 struct CollectedPoints {
   std::uint32_t slab;
-  std::vector<std::uint32_t> index_in_slab;  ///< ascending
+  std::vector<std::uint32_t> index_in_slab;  ///< index of each point in the slab, ascending
   std::vector<std::byte> records;
 
   /// Drops the points for which is_kept(number) is false; numbers count the points from 0.
@@ -94,8 +94,7 @@ class PointCollector {
   WantedPoints wanted_;
   PositionFields position_;
   std::unique_ptr<std::atomic<double>[]> reach2_;  ///< current squared radius of each ball
-  std::vector<std::vector<double>> distances2_;    ///< for each ball: a heap of the squared distances of the nearest
-                                                   ///< points
+  std::vector<std::vector<double>> distances2_;    ///< for each ball, a heap of squared distances of its nearest points
   BallCover cover_;
   std::array<std::mutex, 64> mutexes_;  ///< mutex i guards the heaps of the balls i, i + 64, ...
   std::vector<CollectedPoints> found_;

@@ -17,7 +17,8 @@ constexpr std::size_t kMostGrowth = 4;
 
 }  // namespace
 
-/// On a surface, the surroundings of a point contain about (steps + 1)² neighbourhoods.
+/// Returns the number of points of the first group. On a surface, about (steps + 1)² neighbourhoods of points surround
+/// a deferred point.
 std::size_t Recall::first_guess() const {
   const double k = static_cast<double>(std::min<std::size_t>(plan_.neighborhood.k, 100'000));
   const double width = static_cast<double>(plan_.step_count()) + 1;
@@ -38,7 +39,7 @@ void Recall::run(Sink& sink, const std::function<void(std::size_t points, std::s
   }
 }
 
-/// Returns the deferred points of all workers, against the order of the stream: the recall begins at the end.
+/// Returns the deferred points of all workers in reverse order of the stream: the recall begins at the end.
 std::vector<DeferredPoint> Recall::take_deferred() {
   std::size_t count = 0;
   for (const Worker& worker : workers_) count += worker.deferred.size();

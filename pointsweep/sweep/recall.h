@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Finishes the points that the sweep deferred: points that they need have left the window and are read again.
+/// Finishes the points that the sweep deferred because some of their neighbours had left the window. These neighbours
+/// are read again.
 ///
 /// The paper has no recall; its neighbourhoods are approximate in such places (Section 8). A recall collects the points
 /// around some deferred points in a region, finds the neighbourhoods of these points, of their neighbours, and so on

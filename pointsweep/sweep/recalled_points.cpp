@@ -13,7 +13,7 @@
 namespace pointsweep {
 namespace {
 
-/// Values of CellState::reached.
+/// Values of CellState::reached: the point will be in the next level, or is in a level. 0: no list names the point yet.
 constexpr std::uint8_t kReachedNow = 1, kInLevel = 2;
 
 /// A ball may hold many points if the cells that it touches hold more than kFewPoints + k * kFewForNeighbor.
@@ -150,8 +150,8 @@ void RecalledPoints::place(std::span<const DeferredPoint> points, std::span<cons
   if (placed != points.size()) throw std::logic_error("a deferred point is not where the sweep has found it");
 }
 
-/// Takes the points that the lists name and that are in no level yet into the level before, and collects the points
-/// that their searches need.
+/// Takes the points that the lists name and that are in no level yet into the preceding level, and collects the points
+/// that the searches of these points need.
 bool RecalledPoints::begin_next_level() {
   for (std::uint32_t slot = 0; slot < cells_.size(); ++slot) {
     CellState& cell = cells_[slot];
@@ -254,7 +254,7 @@ void RecalledPoints::keep(std::uint32_t slot, std::uint32_t level, const CellSub
   cells_[slot].listed.push_back(std::move(listed));
 }
 
-/// The points that the lists name are to come into the level before, and so they get a bound.
+/// Gives each point that the lists name a bound of its neighbourhood, since these points come into the preceding level.
 void RecalledPoints::bound_neighbors(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists) {
   for (std::uint32_t n = 0; n < points.size(); ++n) {
     const Vec3 p = region_.at(slot).cell.position(points[n]);
@@ -321,7 +321,7 @@ void RecalledPoints::count_degenerate(std::uint32_t step, Worker& worker) const 
   });
 }
 
-/// The deferred points in worker.chosen, which have taken the last step.
+/// Delivers the results of the deferred points in worker.chosen, which have taken the last step.
 void RecalledPoints::hand_over(std::uint32_t slot, const CellSubset& points, Worker& worker, Sink& sink) const {
   const WindowCell& cell = region_.at(slot);
   collect_results(plan_, worker.chosen.columns(), points.size(), worker.results);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Deferred points with their surroundings: all points on which their values depend, with the neighbour lists of these.
+/// Deferred points with their surroundings: all points on which their values depend, with the neighbour lists of these
+/// points.
 #pragma once
 
 #include <atomic>
@@ -29,7 +30,7 @@ class Region : public CellSet {
         slabs_at_once_(slabs_at_once),
         held_(stream.slabs().size()) {}
 
-  /// Adds the wanted points that are not there yet. Returns false if these are more than `wanted` allows.
+  /// Adds the wanted points that the region does not hold yet. Returns false if they are more than `wanted` allows.
   bool collect(WantedPoints wanted);
 
   /// Returns whether the cells within sqrt(reach2) of `p` hold more than `count` points.
@@ -88,15 +89,14 @@ class RecalledPoints {
   /// lists are found again when they are used.
   struct Listed {
     std::uint32_t level;
-    std::vector<std::uint32_t> points;  ///< by index in the cell, ascending
+    std::vector<std::uint32_t> points;  ///< indices of the points in the cell, ascending
     CellNeighbors lists;
     bool has_lists;
   };
   /// Knowledge about a cell of the region.
   struct CellState {
-    std::vector<std::uint8_t> reached;   ///< for each point: it is in a level, or will be in the next one
-    std::vector<double> bound2;          ///< for each such point: a squared distance within which its neighbourhood
-                                         ///< lies
+    std::vector<std::uint8_t> reached;   ///< for each point, whether it is in a level or will be in the next one
+    std::vector<double> bound2;          ///< for each reached point, a squared distance that bounds its neighbourhood
     std::vector<std::uint32_t> pending;  ///< points whose lists are to be found, ascending
     std::vector<Listed> listed;
     /// The deferred points, ascending, each with the first step whose degenerate results count.
@@ -137,8 +137,8 @@ class RecalledPoints {
   static constexpr std::uint64_t kStateBytes = sizeof(double) + 1;  ///< bytes of a point in CellState
   std::uint64_t point_bytes_;
   std::uint64_t record_bytes_;   ///< bytes of a point while it is collected
-  bool alone_ = false;           ///< there is one deferred point
-  std::deque<CellState> cells_;  ///< by slot
+  bool alone_ = false;           ///< true for a single deferred point, which may take more memory than allowed
+  std::deque<CellState> cells_;  ///< state of the cell in each slot
   std::atomic<std::uint64_t> list_bytes_ = 0;
   std::uint64_t pending_bytes_ = 0;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Some points of the cloud in memory again, once the sweep is over.
+/// The region of a recall: points of the cloud that are read into memory again after the sweep.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-/// An upper bound of distance2() from `p` to any point of the box.
+/// Returns an upper bound of distance2() from `p` to any point of the box.
 double farthest_distance2(const Box& b, Vec3 p) {
   const double dx = std::max(std::abs(b.lo.x - p.x), std::abs(b.hi.x - p.x));
   const double dy = std::max(std::abs(b.lo.y - p.y), std::abs(b.hi.y - p.y));
@@ -23,8 +23,9 @@ double farthest_distance2(const Box& b, Vec3 p) {
 struct WholeCells {
   Vec3 place;
   std::uint64_t count;
-  double reach2;                                        ///< infinite while there are too few points
-  std::vector<std::pair<double, std::uint64_t>> cells;  ///< squared distance of the far end, points; ascending
+  double reach2;  ///< squared distance that holds `count` points; infinite while too few points have been added
+  /// Squared distance to the farthest corner of a cell, and the number of its points; ascending.
+  std::vector<std::pair<double, std::uint64_t>> cells;
 
   void add(const std::vector<DroppedCell>& more) {
     for (const DroppedCell& cell : more)
@@ -72,14 +73,14 @@ bool Region::touches_more_than(std::uint64_t count, Vec3 p, double reach2) const
   return false;
 }
 
-/// The nearest slab comes first, so that few other slabs need be visited.
+/// Looks at the nearest slab first: the distance that it gives leaves few other slabs to be looked at.
 double Region::reach2_that_holds(Vec3 p, std::uint64_t count) const {
   const std::vector<Slab>& slabs = stream_.slabs();
   WholeCells found{p, count, Box::kInf, {}};
   const auto nearest = std::ranges::min_element(slabs, {}, [&](const Slab& slab) { return distance2(slab.box, p); });
   const auto first = static_cast<std::uint32_t>(nearest - slabs.begin());
   found.add(frontier_.dropped_of(first));
-  std::vector<std::pair<double, std::uint32_t>> others;  // squared distance, slab
+  std::vector<std::pair<double, std::uint32_t>> others;  // squared distance and number of a slab
   for (std::uint32_t slab = 0; slab < slabs.size(); ++slab)
     if (const double d2 = distance2(slabs[slab].box, p); slab != first && d2 <= found.reach2)
       others.emplace_back(d2, slab);

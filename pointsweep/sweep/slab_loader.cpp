@@ -17,8 +17,8 @@ struct LoadScratch {
   std::vector<std::uint32_t> begin, sparse_begin;
 };
 
-/// Exclusive use of a LoadScratch during a load. There is one for each concurrent load, so that a long run allocates
-/// nothing.
+/// Exclusive use of a LoadScratch during a load. The loader keeps a LoadScratch for each concurrent load, so that later
+/// loads allocate no buffers.
 class SlabLoader::OwnScratch {
  public:
   explicit OwnScratch(const SlabLoader& loader) : loader_(loader) {
@@ -53,8 +53,8 @@ std::uint64_t row_at(const Field& field, const std::byte* record) {
   return row;
 }
 
-/// Coordinates of the records relative to the middle of the slab, a chunk at a time through double; points in sparse
-/// places last. Returns how many are not.
+/// Fills s.points with the positions of the records, relative to the middle of the slab. Points in sparse places come
+/// last. Returns the number of points before them.
 std::size_t make_cut_points(const PositionFields& position, std::size_t stride, const std::vector<std::byte>& records,
                             Vec3 middle, const LocalSpacing& spacing, LoadScratch& s) {
   constexpr std::size_t kChunk = 1024;
@@ -128,7 +128,7 @@ std::vector<std::unique_ptr<WindowCell>> SlabLoader::cells_of(std::uint32_t slab
   return cells;
 }
 
-/// The index_in_slab of the points numbers the records.
+/// Cuts records into cells. WindowCell::index_in_slab of the cells holds indices of `records`.
 std::vector<std::unique_ptr<WindowCell>> SlabLoader::cut_into_window_cells(std::uint32_t slab,
                                                                            const std::vector<std::byte>& records,
                                                                            LoadScratch& s) const {
@@ -147,8 +147,8 @@ std::vector<std::unique_ptr<WindowCell>> SlabLoader::cut_into_window_cells(std::
   return cells;
 }
 
-/// Gathers the records of a cell first. This costs one cache miss for each point; all later accesses hit the
-/// first-level cache.
+/// Makes a cell of points of a slab. First gathers their records, with one cache miss for each point, so that all later
+/// accesses hit the first-level cache.
 std::unique_ptr<WindowCell> SlabLoader::make_cell(std::uint32_t slab, std::span<const CutPoint> points,
                                                   const std::vector<std::byte>& records,
                                                   std::vector<std::byte>& cell_records) const {

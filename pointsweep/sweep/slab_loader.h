@@ -30,8 +30,8 @@ class SlabLoader {
   SlabLoader(const Stream& stream, const SweepPlan& plan, std::uint32_t cell_points);
   ~SlabLoader();
   LoadedSlab load(std::uint32_t slab, bool keep_records) const;
-  /// Cells of some points of a slab: `records` holds their working records, `index_in_slab` their places. A cell of
-  /// these points has no number.
+  /// Cuts some points of a slab into cells, all with the number 0: `records` holds their records, and `index_in_slab`
+  /// their indices in the slab.
   std::vector<std::unique_ptr<WindowCell>> cells_of(std::uint32_t slab, std::span<const std::uint32_t> index_in_slab,
                                                     const std::vector<std::byte>& records) const;
   /// Returns the error of the lowest row loaded so far with a value that a stage cannot read.

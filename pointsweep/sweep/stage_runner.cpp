@@ -49,7 +49,7 @@ std::vector<PointKey> bucket_begins(const Stream& stream, std::span<const Vec3> 
   std::vector<PointKey> begins;
   for (const Vec3& place : places) begins.push_back({place, 0});
   for (const Slab& slab : std::span(stream.slabs()).first(stream.swept_slabs())) {
-    const bool is_one_place = slab.box.lo == slab.box.hi;  // copies of a point are divided by their rows
+    const bool is_one_place = slab.box.lo == slab.box.hi;  // buckets divide copies of one point by their rows
     begins.push_back({slab.box.lo, is_one_place ? slab.least_row : 0});
     const double parts = std::ceil(static_cast<double>(slab.count) / static_cast<double>(kBucketPoints));
     for (double part = 1; part < parts; ++part) {

@@ -50,9 +50,8 @@ std::vector<PointKey> bucket_begins(const class Stream& stream, std::span<const 
 /// Times, degenerate points and errors of the stages that one thread ran.
 struct StageTally {
   std::vector<double> seconds;           ///< seconds of each stage
-  std::vector<DegeneratePoints> marked;  ///< marked points of each stage in its last batch, for the stages of the last
-                                         ///< step
-  /// For each stage: the rows of marked points whose results are final. Callers of run_step() add these rows.
+  std::vector<DegeneratePoints> marked;  ///< for each stage of the last step, the points marked in the last batch
+  /// For each stage, the rows of marked points whose results are final. Callers of run_step() add these rows.
   std::vector<DegenerateRows> degenerate;
   FirstRowError refused;                         ///< error of a stage that refused a row, which ends the pass
   std::unique_ptr<NeighborDistances> distances;  ///< filled if not null

@@ -101,15 +101,15 @@ class Sweep {
     }
   }
 
-  /// Gives the progress to the keeper if the keeper wants it. Does not while a resumed run reads slabs again, since
-  /// finished points of slabs not yet read again would be lost.
+  /// Gives the progress to the keeper if the keeper wants it, except while a resumed run reads slabs again: finished
+  /// points of slabs that are still to be read again would be lost.
   void keep_progress() {
     const bool reads_again = restart_ && restart_->was_read(static_cast<std::uint32_t>(frontier_.slabs_read()));
     if (options_.keeper == nullptr || reads_again || !options_.keeper->wants_progress() || refused().any()) return;
     options_.keeper->keep(progress_of(stream_, plan_, frontier_, window_, workers_, observer_.so_far()));
   }
 
-  /// Returns the error of a stage that refused a row, if there is one; else the error of the sink, which may be none.
+  /// Returns the error of a stage that refused a row; without one, the error of the sink; empty if neither failed.
   FirstRowError refused() const {
     FirstRowError by_stage = loader_.refused(), by_sink;
     for (const Worker& worker : workers_) {
@@ -119,8 +119,8 @@ class Sweep {
     return by_stage.any() ? by_stage : by_sink;
   }
 
-  /// Finishes the deferred points, and returns the seconds. The window is empty, so that the recall may take its
-  /// memory.
+  /// Finishes the deferred points, and returns the seconds that this took. The recall uses the memory of the window,
+  /// which is empty by now.
   double recall() {
     const auto start = std::chrono::steady_clock::now();
     frontier_.leave_unread_slabs();

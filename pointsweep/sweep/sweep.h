@@ -29,12 +29,13 @@ enum class PointState : std::uint8_t {
   gone,      ///< has left the window
 };
 
-/// A cell that is in the window, by its place: the slab is cut into the same cells again.
+/// A cell of the window in a stored progress. Its slab and its number identify it, since a slab is always cut into
+/// equal cells.
 struct WindowedCell {
   std::uint32_t slab;
   std::uint32_t number;  ///< number of the cell in its slab
   std::uint32_t points;
-  std::uint32_t finished;  ///< 1: its points have been handed over or deferred
+  std::uint32_t finished;  ///< 1 if the points of the cell have been delivered or deferred, else 0
   double reach;            ///< WindowCell::reach
 };
 
@@ -52,8 +53,8 @@ struct SaturatedLocation {
 /// (docs/adr/0008).
 struct SweepProgress {
   std::uint32_t slabs_read = 0;
-  std::vector<WindowedCell> window;        ///< by slab and number; cells that were read and are not listed are finished
-  std::vector<DroppedCellOfSlab> dropped;  ///< also once all slabs were read, for the recall
+  std::vector<WindowedCell> window;        ///< ascending by slab and number; a read cell that is not listed is finished
+  std::vector<DroppedCellOfSlab> dropped;  ///< dropped cells; the recall needs them even if all slabs have been read
   std::vector<SaturatedLocation> saturated_locations;
   std::vector<DeferredPoint> deferred;  ///< points of finished cells that are not yet recalled
   /// Counts over finished cells and recalled points, with the meaning that they have in SweepStatistics.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Watches a sweep: its statistics, the series of the window and its buffers, and the states of the points half way.
+/// Observation of a sweep: its statistics, series of the sizes of the window and its buffers, and the state of each
+/// point when half of the points have been read.
 #pragma once
 
 #include <cstdint>

@@ -11,8 +11,8 @@ namespace {
 
 constexpr Encoding kProgressEncoding{"sweep progress", 1};
 
-/// The reciprocal of the largest share of unfinished points that may lie before the slabs to be read again. Such points
-/// are sparse and have waited for long.
+/// The reciprocal of the largest share of unfinished points that may lie before the slabs to be read again. Points so
+/// far back are sparse and have waited for long.
 constexpr std::uint64_t kLeftBehind = 64;
 
 }  // namespace
@@ -31,9 +31,8 @@ SweepProgress progress_of(const Stream& stream, const SweepPlan& plan, const Fro
   p.peak_points = statistics.peak_points;
   for (std::uint32_t slab = 0; slab < p.slabs_read; ++slab)
     for (const DroppedCell& cell : frontier.dropped_of(slab)) p.dropped.push_back({slab, cell});
-  frontier.for_each_saturated_location([&](Vec3 place, std::uint64_t row) {
-    p.saturated_locations.push_back({place, row});
-  });
+  frontier.for_each_saturated_location(
+      [&](Vec3 place, std::uint64_t row) { p.saturated_locations.push_back({place, row}); });
   if (p.slabs_read == stream.slabs().size()) return p;  // the recall does not use the window
   for (const std::uint32_t slot : window.occupied()) {
     const WindowCell& cell = window.at(slot);
@@ -49,9 +48,9 @@ SweepRestart::SweepRestart(const SweepProgress& from, const Stream& stream, cons
   for (const DeferredPoint& point : from.deferred) deferred_[point.slab].push_back(point.index_in_slab);
 }
 
-/// In a plan with a single step, a point needs only file columns of its neighbours, and these neighbours are in the
-/// window. Otherwise a value of step s depends on values of step s-1 around it, and so on; reading one slab further
-/// back for each step usually suffices.
+/// Returns the slab to read first. In a plan with a single step, a point needs only file columns of its neighbours, and
+/// these neighbours are in the window. Otherwise a value of step s depends on values of step s-1 around it, and so on;
+/// reading one slab further back for each step usually suffices.
 std::uint32_t SweepRestart::slab_to_begin_with() const {
   std::uint32_t slab = from_.slabs_read;
   if (plan_.step_count() == 1 || slab == stream_.slabs().size()) return slab;

@@ -28,7 +28,7 @@ class SweepRestart {
   /// All arguments must outlive the restart.
   SweepRestart(const SweepProgress& from, const Stream& stream, const SweepPlan& plan);
 
-  /// Slabs are to be read from here on, some of them for the second time.
+  /// Returns the slab from which slabs are to be read, some of them for the second time.
   std::uint32_t first_slab() const { return first_slab_; }
   /// Returns whether the slab had been read before.
   bool was_read(std::uint32_t slab) const { return slab < from_.slabs_read; }
@@ -49,8 +49,8 @@ class SweepRestart {
   const Stream& stream_;
   const SweepPlan& plan_;
   std::uint32_t first_slab_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, WindowedCell> window_;  ///< by slab and number
-  std::map<std::uint32_t, std::vector<std::uint32_t>> deferred_;            ///< for each slab: indices in it
+  std::map<std::pair<std::uint32_t, std::uint32_t>, WindowedCell> window_;  ///< cells of the window by slab and number
+  std::map<std::uint32_t, std::vector<std::uint32_t>> deferred_;  ///< for each slab, indices of its deferred points
 };
 
 }  // namespace pointsweep

@@ -10,8 +10,8 @@
 namespace pointsweep {
 namespace {
 
-/// A cell counts as much denser than a leaf if its reach is more than this many times shorter. On a surface, such a
-/// cell has 16 times as many points per area.
+/// Factor of reaches: a cell whose reach is this many times shorter than that of a leaf counts as much denser. On a
+/// surface, such a cell has 16 times as many points per area.
 constexpr double kMuchDenser = 4;
 
 Box leaf_box(const Cell& cell, std::uint32_t leaf) {
@@ -31,8 +31,8 @@ double reach_of_most(std::vector<double> reach) {
   return *most;
 }
 
-/// Factor on the radius of a ball that holds k points at the density of the leaf, because the ball of a point is not
-/// centred in the leaf.
+/// Factor on the radius of a ball that holds k points at the density of a leaf. It allows for balls of points that are
+/// not centred in the leaf.
 constexpr double kAllowance = 1.3;
 
 /// Estimates the reach from the density of the leaf. Returns the larger of two estimates: one for points on a surface,

@@ -17,14 +17,15 @@
 
 namespace pointsweep {
 
-/// A point that the sweep could not finish: its neighbourhood touches something already dropped or not read in time.
+/// A point that the sweep could not finish: its neighbourhood touches a dropped cell, or a slab that was not read in
+/// time.
 struct DeferredPoint {
   Vec3 position;
   std::uint64_t row;
   std::uint32_t slab;
   std::uint32_t index_in_slab;
-  double reach2;       ///< its neighbourhood ends within it; infinite if unknown
-  std::uint32_t step;  ///< the first step it has not taken
+  double reach2;       ///< squared distance within which the neighbourhood of the point ends; infinite if unknown
+  std::uint32_t step;  ///< first step that the point has not taken
 };
 
 struct WindowCell {
@@ -36,13 +37,12 @@ struct WindowCell {
   std::vector<const std::byte*> column_pointers;  ///< pointers into `columns`, in the form that Neighborhoods takes
 
   std::uint32_t steps_done = 0;
-  std::vector<double> leaf_reach;        ///< expected reach of the neighbourhoods of each leaf; until the cell is
-                                         ///< searched
-  double wait_reach = 0;                 ///< the search waits until nothing unread is as near as this
-  std::size_t wait_for_slabs = 0;        ///< number of slabs to read before the cell is searched again
-  double reach = 0;                      ///< reach of most of its neighbourhoods, after the search
-  std::vector<CellNeighbors> lists;      ///< of runs of its points; stored if a later step needs them and memory allows
-  std::vector<std::uint32_t> refers_to;  ///< slots of the cells its lists name
+  std::vector<double> leaf_reach;        ///< expected reach of the neighbourhoods of each leaf, until the search
+  double wait_reach = 0;                 ///< distance within which no slab may be unread when the cell is searched
+  std::size_t wait_for_slabs = 0;        ///< number of slabs, of all, that must be read before the cell is searched
+  double reach = 0;                      ///< reach of most neighbourhoods of the cell, known after the search
+  std::vector<CellNeighbors> lists;      ///< lists of runs of points, if a later step needs them and memory allows
+  std::vector<std::uint32_t> refers_to;  ///< slots of the cells that the lists name
   /// Points that the sweep could not finish, which the recall will; empty if there are none. A cell marks its own
   /// points in `deferred` while cells are processed in parallel; other cells read `deferred_before`, the state before
   /// the step.
@@ -93,9 +93,10 @@ class CellSet {
   WindowCell& at(std::uint32_t slot) { return *cells_[slot]; }
   const WindowCell& at(std::uint32_t slot) const { return *cells_[slot]; }
   const CellDirectory& directory() const { return directory_; }
-  const PointColumns* slots() const { return views_.data(); }  ///< by slot
+  const PointColumns* slots() const { return views_.data(); }  ///< returns the points of the cell in each slot
   const std::vector<std::uint32_t>& occupied() const { return directory_.slots(); }
-  std::uint32_t slot_count() const { return static_cast<std::uint32_t>(cells_.size()); }  ///< occupied or not
+  /// Returns the number of slots, occupied or not.
+  std::uint32_t slot_count() const { return static_cast<std::uint32_t>(cells_.size()); }
   std::uint64_t points() const { return points_; }
 
  protected:
@@ -108,8 +109,8 @@ class CellSet {
  private:
   std::uint32_t free_slot();
 
-  std::vector<std::unique_ptr<WindowCell>> cells_;  ///< by slot
-  std::vector<PointColumns> views_;                 ///< by slot
+  std::vector<std::unique_ptr<WindowCell>> cells_;  ///< cell in each slot; null in a free slot
+  std::vector<PointColumns> views_;                 ///< points of the cell in each slot
   std::vector<std::uint32_t> free_;
   CellDirectory directory_;
   std::uint64_t points_ = 0;

@@ -12,7 +12,7 @@ namespace {
 /// The most neighbours that an operator gets at once, unless a single point has more.
 constexpr std::uint32_t kMostAtOnce = 1u << 18;
 
-/// Applies the step to successive points of the cell, where their columns are.
+/// Applies the step to successive points of the cell, whose columns it reads and fills in place.
 void apply_to_run(const SweepPlan& plan, std::uint32_t step, const Cell& cell, const CellSubset& points, Batch batch,
                   Worker& worker, StageTally& tally) {
   const std::uint32_t first = points[0];

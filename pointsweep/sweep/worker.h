@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Memory and counters of one thread of a sweep or of a recall, and a step that it takes points of one cell through,
-/// whose neighbour lists are known. The sweep and the recall share it: a value never depends on which of the two made
-/// it.
+/// Memory and counters of one thread, and the functions that apply a step to points whose neighbour lists are known.
+/// The sweep and the recall share both, so that a value never depends on which of the two has computed it.
 #pragma once
 
 #include <cstddef>
@@ -19,12 +18,12 @@
 
 namespace pointsweep {
 
-/// Copies of some points of a cell, for a rule or a step that not all points of the cell take.
+/// Copies of some points of a cell, for a rule or a step that is applied to these points only.
 class ChosenPoints {
  public:
   /// Copies points of the cell, with the columns of the plan whose pointer in `columns` is not null.
   void take(const SweepPlan& plan, const Cell& cell, const CellSubset& points, const std::byte* const* columns);
-  /// Gives every column that the step makes and that was not copied a place, filled with 0.
+  /// Allocates every column that the step makes and that was not copied, filled with 0.
   void make_columns(const SweepPlan& plan, std::size_t step);
   /// Copies the results of the step to the columns that are not null.
   void give_back(const SweepPlan& plan, std::size_t step, std::byte* const* columns) const;
@@ -45,9 +44,9 @@ class ChosenPoints {
 struct Worker {
   SearchScratch search;
   CellNeighbors neighbors;
-  std::vector<double> reach2;        ///< for each point of the cell: squared radius of its neighbourhood
-  std::vector<std::uint32_t> named;  ///< slots that the lists of a cell name
-  std::vector<bool> is_named;        ///< for each slot
+  std::vector<double> reach2;        ///< for each point of the cell, squared radius of its neighbourhood
+  std::vector<std::uint32_t> named;  ///< slots of the cells that the lists of a cell name
+  std::vector<bool> is_named;        ///< for each slot, true if `named` holds it
   std::vector<Box> dropped;
   std::vector<std::byte*> columns;  ///< columns of the current cell, by column number
   std::vector<const std::byte*> own_columns;
@@ -60,7 +59,7 @@ struct Worker {
   StageTally halo;          ///< tally of points that a recall evaluates only because others need their values
   FirstRowError unwritten;  ///< error of a row whose results the sink cannot take; ends the sweep
   double search_seconds = 0;
-  /// Points and counts of finished cells.
+  /// Deferred points, and number of certified points, of the cells that this thread has finished.
   std::vector<DeferredPoint> deferred;
   std::uint64_t certified = 0;
 };
