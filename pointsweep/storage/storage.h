@@ -48,7 +48,8 @@ class Storage {
   virtual void remove(const std::string& key) = 0;
 };
 
-/// FNV-1a over words of eight bytes, little-endian; the last one is filled up with zeros.
+/// Returns a checksum: FNV-1a over little-endian words of eight bytes, with the last word filled up with zeros. Every
+/// fourth word goes into the same one of four sums, which are joined at the end.
 std::uint64_t checksum_of(std::span<const std::byte> bytes);
 /// Seals an object of `bytes`, after their number and a checksum.
 void seal_bytes(Storage& storage, const std::string& key, std::span<const std::byte> bytes);

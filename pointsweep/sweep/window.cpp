@@ -43,8 +43,9 @@ double expected_reach(const Cell& cell, std::uint32_t leaf, const Neighborhood& 
   std::sort(side, side + 3);
   const double per_point = static_cast<double>(what.k) / cell.leaf_size(leaf);
   const double surface = std::sqrt(per_point * side[2] * side[1] / std::numbers::pi);
-  const double volume = std::cbrt(per_point * side[2] * side[1] * side[0] * 3 / (4 * std::numbers::pi));
-  return kAllowance * std::max(surface, volume);
+  const double cubed = per_point * side[2] * side[1] * side[0] * 3 / (4 * std::numbers::pi);
+  if (cubed <= surface * surface * surface) return kAllowance * surface;  // most leaves of surfaces need no cube root
+  return kAllowance * std::cbrt(cubed);
 }
 
 }  // namespace

@@ -104,18 +104,31 @@ TEST(Storage, ThatFailsHoldsWholeObjects) {
 TEST(Storage, KnowsWhenSealedBytesAreDamaged) {
   MemoryStorage storage;
   seal_bytes(storage, "a", written("0102030405060708 09"));
-  const std::vector<std::byte> whole = bytes_in(storage, "a");
-  EXPECT_EQ(hex(std::span(whole).first(16)), hex(written("'PSWCKPT1' 0900000000000000")));
+  const std::vector<std::byte> nine = bytes_in(storage, "a");
+  EXPECT_EQ(hex(std::span(nine).first(16)), hex(written("'PSWCKPT2' 0900000000000000")));
   const auto damaged = [&](const std::vector<std::byte>& bytes) {
     put(storage, "b", hex(bytes));
     return !sealed_bytes(storage, "b").has_value();
   };
-  EXPECT_FALSE(damaged(whole));
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    std::vector<std::byte> other = whole;
-    other[i] ^= std::byte{1};
-    EXPECT_TRUE(damaged(other)) << i;
-    EXPECT_TRUE(damaged({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(i)})) << i;
+  for (const std::size_t size : {0, 1, 8, 9, 31, 32, 33, 100, 128}) {
+    std::vector<std::byte> value(size);
+    for (std::size_t i = 0; i < size; ++i) value[i] = static_cast<std::byte>(i / 8);
+    seal_bytes(storage, "a", value);
+    const std::vector<std::byte> whole = bytes_in(storage, "a");
+    EXPECT_FALSE(damaged(whole));
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      std::vector<std::byte> other = whole;
+      other[i] ^= std::byte{1};
+      EXPECT_TRUE(damaged(other)) << size << ' ' << i;
+      EXPECT_TRUE(damaged({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(i)})) << size << ' ' << i;
+    }
+    for (std::size_t word = 0; size == 128 && word + 1 < size / 8; ++word) {
+      std::vector<std::byte> other = whole;
+      std::swap_ranges(other.end() - static_cast<std::ptrdiff_t>(size - 8 * word),
+                       other.end() - static_cast<std::ptrdiff_t>(size - 8 * word - 8),
+                       other.end() - static_cast<std::ptrdiff_t>(size - 8 * word - 8));
+      EXPECT_TRUE(damaged(other)) << "words " << word << " and the next are exchanged";
+    }
   }
 }
 
