@@ -8,11 +8,11 @@
 
 namespace pointsweep {
 
-/// True if red, green and blue are plain fields of 16 bits.
+/// Returns whether red, green and blue are plain fields of 16 bits.
 bool has_wide_colors(const Schema& schema);
 
-/// Returns `schema` with its 8-bit red, green and blue scaled to 16 bits, times 257. Absent if these are not three
-/// plain fields of 8 bits. Only the type decides, never the values.
+/// Returns `schema` with its 8-bit red, green and blue scaled to 16 bits by a factor of 257; nothing if they are not
+/// three plain fields of 8 bits. Only the types of the fields decide, never the values.
 std::optional<Schema> with_wide_colors(const Schema& schema);
 
 }  // namespace pointsweep

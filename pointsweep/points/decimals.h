@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Decimal fractions that float64 holds only nearly: 0.01 * 68499257 is 684992.5700000001, and means 684992.57.
+/// Decimal fractions that float64 holds only approximately: 0.01 * 68499257 is 684992.5700000001 and means 684992.57.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ std::optional<int> decimals_of(double value);
 /// digits.
 class CommonStep {
  public:
-  /// Returns false if `value`, which is finite, is no decimal fraction of up to kMostDecimals digits.
+  /// Adds a finite value. Returns false if `value` is not a decimal fraction of up to kMostDecimals digits.
   bool take(double value);
   bool empty() const { return values_ == 0; }
   /// Returns a step of at most 1: a power of ten, from the digits of the values, or with at least 100 values, the
@@ -30,12 +30,12 @@ class CommonStep {
 
  private:
   std::uint64_t values_ = 0;
-  int decimals_ = 0;         ///< the most that a value has
+  int decimals_ = 0;         ///< largest number of digits after the decimal point of a value
   std::int64_t common_ = 1;  ///< greatest common divisor of 10^decimals_ and of all values times 10^decimals_
 };
 
-/// Decimal numbers of a field whose scale and bias are decimal fractions: raw * scale + bias in float64 differs from
-/// them in the last digits.
+/// Restores the decimal numbers of a field whose scale and bias are decimal fractions: raw * scale + bias, computed in
+/// float64, may differ from them in the last digits.
 class GridDecimals {
  public:
   explicit GridDecimals(const Field& field);
@@ -46,7 +46,8 @@ class GridDecimals {
   bool any() const { return decimals_[0] || decimals_[1]; }
 
  private:
-  std::array<std::optional<int>, 2> decimals_;  ///< digits of the scale, and of scale and bias; absent without a scale
+  std::array<std::optional<int>, 2>
+      decimals_;  ///< digits after the decimal point of the scale, and of scale and bias; absent without a scale
   double bias_;
 };
 

@@ -9,10 +9,10 @@
 
 namespace pointsweep {
 
-/// A set of indices of points, one bit each; it takes no memory while it is empty.
+/// A set of indices of points, with one bit for each point. An empty set takes no heap memory.
 class DegeneratePoints {
  public:
-  /// Marking a point again changes nothing.
+  /// Adds point `i` of the batch to the set. A point may be added again.
   void mark(std::size_t i) {
     if (i / kBits >= words_.size()) words_.resize(i / kBits + 1);
     words_[i / kBits] |= std::uint64_t{1} << i % kBits;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The rows of points whose data define no result, of any number of batches.
+/// The rows of points whose data define no result, collected over any number of batches.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ class DegenerateRows {
   static constexpr std::uint64_t kMostListed = 1000;
 
   DegenerateRows() = default;
-  /// `lowest`: the lowest rows, at most kMostListed.
+  /// Restores a set of `count` rows. `lowest`: its lowest rows, at most kMostListed.
   DegenerateRows(std::uint64_t count, std::vector<std::uint64_t> lowest);
 
   void add(std::uint64_t row);
@@ -29,10 +29,10 @@ class DegenerateRows {
   void keep(std::uint64_t row);
 
   std::uint64_t count_ = 0;
-  std::vector<std::uint64_t> heap_;  ///< the lowest rows, the greatest of them first
+  std::vector<std::uint64_t> heap_;  ///< heap of the lowest rows, with the greatest of these in front
 };
 
-/// Adds the rows of each stage; `to` grows to the length of `from`.
+/// Adds the rows of each stage in `from` to the rows of this stage in `to`, which grows to the length of `from`.
 void add_rows(std::vector<DegenerateRows>& to, const std::vector<DegenerateRows>& from);
 
 }  // namespace pointsweep

@@ -7,15 +7,16 @@
 
 namespace pointsweep {
 
-/// The word for the row in conditions and assignments.
+/// The word that stands for the row in conditions and assignments.
 inline constexpr const char* kRowWord = "row";
-/// The name of the field, which is not a word of the expressions and differs from the attribute `row` of PTX and E57.
+/// The name of the field of the row. It cannot be written in an expression, and differs from the attribute `row` of PTX
+/// and E57 files.
 inline constexpr const char* kInputRow = "row of the input";
 
 bool has_input_row(const Schema& schema);
-/// Returns the schema with the field at the end of its record.
+/// Returns the schema with the field of the row appended.
 Schema with_input_row(Schema schema);
-/// Returns the schema without the field, and its stride without the bytes of the field if they are the last.
+/// Returns the schema without the field of the row. The stride shrinks if the bytes of this field are the last.
 Schema without_input_row(Schema schema);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Comparison of names without regard to the case of ASCII letters, independent of the locale.
+/// Names in lower case, to be compared without regard to the case of ASCII letters, independent of the locale.
 #pragma once
 
 #include <string>

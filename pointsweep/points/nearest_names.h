@@ -13,13 +13,12 @@ namespace pointsweep {
 /// (Levenshtein distance).
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// Returns a text like "'normals', 'knn' or 'splats'": at most three names of `known`, nearest to `word` first. `known`
-/// must not be empty.
+/// Returns a text like "'normals', 'knn' or 'splats'" with at most three names of `known`, the most similar to `word`
+/// first. `known` must not be empty.
 std::string nearest_names(std::string_view word, const std::vector<std::string>& known);
 
-/// Returns the name that `word` is probably a misspelling or the beginning of: at most one letter in three differs, or
-/// `word` has at least three letters and the name begins with them. Case does not count. Returns nullopt if no name is
-/// that near.
+/// Returns the known name of which `word` is probably a misspelling, with at most one different letter in three, or the
+/// beginning, with at least three letters. Case does not count. Returns nullopt if no name is so similar.
 std::optional<std::string> probable_name(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace pointsweep

@@ -25,7 +25,7 @@ void decode_plain(const std::byte* at, std::size_t stride, std::size_t count, do
   for (std::size_t i = 0; i < count; ++i) out[i] = load<T>(at + i * stride);
 }
 
-/// value = raw * scale + bias, a multiplication and an addition, each rounded.
+/// Decodes values as raw * scale + bias, with a rounded multiplication and a rounded addition.
 template <class T>
 void decode_scaled(const std::byte* at, std::size_t stride, std::size_t count, double scale, double bias, double* out) {
   for (std::size_t i = 0; i < count; ++i) out[i] = load<T>(at + i * stride) * scale + bias;

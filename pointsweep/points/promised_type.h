@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Values of a record in the type that a stage was promised.
+/// Conversion of a field of records to the type that the plan has promised to a stage.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,8 @@ class PromisedType {
  public:
   PromisedType(Field stored, Type type);
 
-  /// Writes the value that `record`, of row `row`, has to `out`. Notes in `refused` a value that the type cannot hold.
+  /// Writes the converted value of `record`, which has the row `row`, to `out`. Notes in `refused` a value that the
+  /// type cannot hold.
   void convert(const std::byte* record, std::uint64_t row, std::byte* out, FirstRowError& refused) const;
 
  private:

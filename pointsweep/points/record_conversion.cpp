@@ -8,8 +8,8 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the field of `from` with the name of `to.fields[index]`; the n-th one if the name repeats and is the n-th in
-/// `to`.
+/// Returns the field of `from` with the name of `to.fields[index]`; null if `from` has none. If several fields have
+/// this name and the one in `to` is the n-th of them, the n-th in `from`.
 const Field* counterpart(const Schema& from, const Schema& to, std::size_t index) {
   const std::string& name = to.fields[index].name;
   const auto named = [&](const Field& field) { return field.name == name; };
@@ -27,7 +27,7 @@ bool same_storage(const Field& a, const Field& b) {
 
 std::uint32_t bytes_of(const Field& field) { return static_cast<std::uint32_t>(size_of(field.type)) * field.count; }
 
-/// Returns the field as an array of bytes, so that neighbouring fields are copied at once.
+/// Returns the field as an array of bytes, so that adjacent fields can be copied at once.
 Field as_bytes(const Field& field) {
   Field bytes;
   bytes.type = Type::u8;

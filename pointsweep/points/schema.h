@@ -18,13 +18,14 @@ namespace pointsweep {
 
 /// The names of the coordinates in every schema.
 inline constexpr std::array<const char*, 3> kAxisNames{"x", "y", "z"};
-/// Returns the bytes of the values of one point.
+/// Returns the bytes that the values of these attributes take for one point.
 std::size_t bytes_of(const std::vector<Attribute>& attributes);
 
 /// Returns every spelling under which files hold the library's attribute field `name`, best first, e.g. for "nx": nx,
 /// normal_x, normalx, "normal x". A name without known aliases is its only spelling.
 std::vector<std::string> spellings_of(std::string_view name);
-/// Returns every word by which a user may name that field: its spellings, and the words of other programs for it.
+/// Returns every word by which a user may name the attribute field `name`: its spellings, and the words of other
+/// programs for it.
 std::vector<std::string> words_for(std::string_view name);
 /// Returns the names of the library's attribute fields for which there are several words.
 std::vector<std::string> names_with_spellings();
@@ -37,14 +38,15 @@ bool is_spelling_of(std::string_view field, std::string_view word);
 /// spelling of the surface variation (PCL), but other programs mean other curvatures by it.
 bool means_only(std::string_view word, std::string_view field);
 /// Returns the index of the field that a user means by `word`: the field with exactly this name, else a field with
-/// `word` as a spelling, else a field with this name in other programs. Returns nullopt if there is none.
+/// `word` as a spelling, else a field with this name in other programs. Returns nullopt if the schema has no such
+/// field.
 std::optional<std::size_t> field_meant(const Schema& schema, std::string_view word);
 
 /// The three coordinate fields of a schema.
 struct PositionFields {
   Field x, y, z;
 };
-/// Throws Error naming `where` when the schema has no x, y and z.
+/// Returns the coordinate fields. Throws Error, whose message names `where`, if the schema lacks x, y or z.
 PositionFields position_fields(const Schema& schema, std::string_view where);
 
 /// Decodes `count` positions from records `stride` bytes apart into three arrays. About 1 ns per point.
@@ -59,8 +61,8 @@ Type unpacked_type(const Field& field);
 /// values out of range if the type has a range.
 bool holds(const Field& field, double value);
 
-/// Returns whether `field` holds every value that the type, scale and bits of `values` allow, whole numbers as whole
-/// numbers.
+/// Returns whether `field` holds every value that the type, scale and bits of the field `values` allow, and holds whole
+/// numbers exactly.
 bool holds_all_of(const Field& field, const Field& values);
 
 /// Copies records of one schema into records of another, field by field. A field with the same storage in both is

@@ -13,15 +13,15 @@ namespace pointsweep {
 class Scratch {
  public:
   virtual ~Scratch() = default;
-  /// Throws Error where the disk is full.
+  /// Appends bytes. Throws Error if the disk is full.
   virtual void append(std::span<const std::byte> bytes) = 0;
-  /// Fills `bytes`, all of them appended before, from `offset` on.
+  /// Fills `bytes` with appended bytes from `offset` on.
   virtual void read(std::uint64_t offset, std::span<std::byte> bytes) const = 0;
-  /// Writes over bytes that were appended before.
+  /// Overwrites appended bytes from `offset` on.
   virtual void replace(std::uint64_t offset, std::span<const std::byte> bytes) = 0;
 };
 
-/// Makes an empty one.
+/// A function that makes an empty Scratch.
 using MakeScratch = std::function<std::unique_ptr<Scratch>()>;
 
 }  // namespace pointsweep

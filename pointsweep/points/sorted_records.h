@@ -25,7 +25,8 @@ class SortedRecords {
       : make_scratch_(make_scratch),
         most_(std::max<std::uint64_t>(kLeastRun, memory_bytes / sizeof(Record))),
         less_(less) {
-    records_.reserve(static_cast<std::size_t>(std::min(most_, count)));  // growing takes three times as much
+    records_.reserve(
+        static_cast<std::size_t>(std::min(most_, count)));  // growth would need up to three times this memory
   }
 
   void add(const Record& record) {
@@ -58,7 +59,7 @@ class SortedRecords {
  private:
   static constexpr std::uint64_t kLeastRun = 4096;
   struct Run {
-    std::uint64_t first, end;  ///< numbers of records in the scratch
+    std::uint64_t first, end;  ///< range of the run's records in the scratch that are still to be read
     std::vector<Record> block = {};
     std::size_t at = 0;
   };

@@ -7,8 +7,8 @@
 
 namespace pointsweep {
 
-/// Returns the whole content of a file of at most 256 MB. `holds` ends the sentences of errors: "polygons as WKT or
-/// GeoJSON". Throws Error.
+/// Returns the whole content of a file. `holds` tells in messages what the file should hold: "polygons as WKT or
+/// GeoJSON". Throws Error if the file cannot be read or has more than 256 MB.
 std::string read_text_file(const std::string& path, std::string_view holds);
 
 /// Returns 16 hexadecimal digits that distinguish contents (FNV-1a hash).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Fields whose values are whole numbers, of up to 64 bits and unrounded.
+/// Fields whose values are whole numbers, and such values with all their 64 bits.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,8 @@ namespace pointsweep {
 /// Returns whether the values of the field are whole numbers: it stores integers, without scale and offset.
 bool has_whole_numbers(const Field& field);
 
-/// Returns a value of a field that has_whole_numbers(), bit for bit: an unsigned value of 2^63 or more wraps.
+/// Returns a value of a field for which has_whole_numbers() is true, bit for bit: an unsigned value of 2^63 or more
+/// becomes negative.
 std::int64_t whole_number_of(const Field& field, const std::byte* record, std::uint32_t component = 0);
 
 }  // namespace pointsweep

@@ -11,7 +11,7 @@ namespace pointsweep {
 namespace {
 
 int exact_orientation(Point2 a, Point2 b, Point2 c) {
-  ExactSum sum;  // the products of the determinant; c.x * c.y cancels
+  ExactSum sum;  // sum of the products of the determinant, without c.x * c.y, which cancels
   sum.add_product(a.x, b.y);
   sum.add_product(-a.x, c.y);
   sum.add_product(-c.x, b.y);
@@ -21,12 +21,13 @@ int exact_orientation(Point2 a, Point2 b, Point2 c) {
   return sum.sign();
 }
 
-constexpr std::size_t kMostEntriesOfEdge = 16;  ///< average number of strips per edge
+constexpr std::size_t kMostEntriesOfEdge = 16;  ///< largest average number of strips per edge
 
 }  // namespace
 
 int orientation(Point2 a, Point2 b, Point2 c) {
-  // Shewchuk's bound is (3 + 16u)u with u = 2^-53, 3.34e-16. Below the least size products may be subnormal.
+  // Shewchuk's bound of the relative error is (3 + 16u)u with u = 2^-53, 3.34e-16. Products below kLeastSize may be
+  // subnormal, for which the bound does not hold.
   constexpr double kBound = 3.4e-16, kLeastSize = 1e-290;
   const double left = (a.x - c.x) * (b.y - c.y), right = (a.y - c.y) * (b.x - c.x);
   const double difference = left - right, size = std::abs(left) + std::abs(right);
@@ -48,14 +49,14 @@ PolygonIndex::PolygonIndex(const std::vector<Polygon>& polygons) {
   fill_strips();
 }
 
-/// Returns the strip of y. It never decreases as y increases, so that an edge is in all strips from that of its low end
-/// to that of its high end.
+/// Returns the number of the strip of y, which never decreases as y increases: an edge is in all strips from the strip
+/// of its low end to the strip of its high end.
 std::size_t PolygonIndex::strip_of(double y) const {
   const double strip = (y - least_.y) * scale_;
   return strip >= static_cast<double>(strips_ - 1) ? strips_ - 1 : static_cast<std::size_t>(std::max(strip, 0.0));
 }
 
-/// Returns how many edges the strips hold if there are `strips` of them.
+/// Divides the height into `strips` strips, and returns the sum of the numbers of edges that the strips hold.
 std::size_t PolygonIndex::entries(std::size_t strips) {
   strips_ = strips;
   const double height = most_.y - least_.y;
@@ -81,8 +82,8 @@ void PolygonIndex::fill_strips() {
     for_each_strip(edges_[i], [&](std::size_t s) { in_strip_[next[s]++] = static_cast<std::uint32_t>(i); });
 }
 
-/// Counts the edges that a ray from p towards +x crosses. An edge with an end at the height of p counts only if that is
-/// its lower end.
+/// Counts the edges that a ray from p towards +x crosses. An edge with an end at the y of p counts only if this is its
+/// lower end.
 bool PolygonIndex::covers(Point2 p) const {
   if (!(p.x >= least_.x && p.x <= most_.x && p.y >= least_.y && p.y <= most_.y)) return false;
   bool inside = false;

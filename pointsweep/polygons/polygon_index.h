@@ -45,7 +45,7 @@ class PolygonIndex {
   void fill_strips();
 
   Point2 least_, most_;  ///< corners of the box around all edges
-  double scale_ = 0;     ///< strips for each unit of y
+  double scale_ = 0;     ///< number of strips per unit of y
   std::size_t strips_ = 1;
   std::vector<Edge> edges_;              ///< edges of one polygon follow one another
   std::vector<std::size_t> first_;       ///< for each strip, its first entry in in_strip_; one more at the end

@@ -16,7 +16,7 @@ constexpr std::string_view kBlanks = " \t\r\n";
 char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 bool is_letter(char c) { return upper(c) >= 'A' && upper(c) <= 'Z'; }
 
-/// Recursive descent through
+/// A recursive-descent parser of WKT with this grammar:
 ///   text = {["SRID=" digits ";"] geometry}     geometry = ("POLYGON" | "MULTIPOLYGON") ["Z" | "M" | "ZM"] shape
 ///   shape of a polygon = "EMPTY" | "(" ring {"," ring} ")"     ring = "(" point {"," point} ")"
 ///   shape of a multipolygon = "EMPTY" | "(" shape of a polygon {"," shape of a polygon} ")"
@@ -77,7 +77,7 @@ class WktParser {
     if (!take(')')) expected("',' or ')'");
   }
 
-  /// Passes over the dimensions that may stand before a shape.
+  /// Skips the dimensions (Z, M or ZM) that may stand before a shape, and EMPTY. Returns whether it has read EMPTY.
   bool is_empty() {
     std::string word = this->word();
     if (word == "Z" || word == "M" || word == "ZM") word = this->word();

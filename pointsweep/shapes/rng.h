@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Random numbers that belong to a point, not to a sequence: point i of seed S draws the same numbers always, so points
-/// can be made in any order, on any thread, and again.
+/// Random numbers that depend on a seed and the index of a point alone, so that points can be made in any order, on any
+/// thread, and more than once.
 #pragma once
 
 #include <cmath>
@@ -19,7 +19,7 @@ class Rng {
       : state_(mix(mix(seed + kGolden) + index * kGolden)), increment_(mix(state_ ^ kGolden) | 1) {}
 
   std::uint64_t next() { return mix(state_ += increment_); }
-  /// Uniform in [0, 1), a multiple of 2^-53.
+  /// Returns a uniform value in [0, 1), a multiple of 2^-53.
   double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
 
@@ -35,13 +35,13 @@ class Rng {
   std::uint64_t state_, increment_;
 };
 
-// Directions and Gaussians by rejection (Marsaglia 1972), without a trigonometric function.
+// The next functions draw directions and Gaussians by rejection (Marsaglia 1972), without a trigonometric function.
 
 struct Vec2 {
   double x = 0, y = 0;
 };
 
-/// Uniform in the unit disc without its centre; the squared radius is uniform in (0, 1).
+/// Returns a uniform point in the unit disc without its centre; its squared radius is uniform in (0, 1).
 inline Vec2 in_disc(Rng& rng) {
   for (;;) {
     const Vec2 p{rng.uniform(-1, 1), rng.uniform(-1, 1)};
@@ -50,36 +50,37 @@ inline Vec2 in_disc(Rng& rng) {
   }
 }
 
-/// Uniform on the unit circle.
+/// Returns a uniform point on the unit circle.
 inline Vec2 on_circle(Rng& rng) {
   const Vec2 p = in_disc(rng);
   const double radius = std::sqrt(p.x * p.x + p.y * p.y);
   return {p.x / radius, p.y / radius};
 }
 
-/// Uniform on the unit sphere.
+/// Returns a uniform point on the unit sphere.
 inline Vec3 on_sphere(Rng& rng) {
   const Vec2 p = in_disc(rng);
   const double radius2 = p.x * p.x + p.y * p.y, stretch = 2 * std::sqrt(1 - radius2);
   return {stretch * p.x, stretch * p.y, 1 - 2 * radius2};
 }
 
-/// Two independent values of mean 0 and standard deviation 1.
+/// Returns two independent Gaussian values of mean 0 and standard deviation 1.
 inline Vec2 gaussian_pair(Rng& rng) {
   const Vec2 p = in_disc(rng);
   const double radius2 = p.x * p.x + p.y * p.y, stretch = std::sqrt(-2 * natural_logarithm(radius2) / radius2);
   return {stretch * p.x, stretch * p.y};
 }
 
-/// A smooth periodic wave without a trigonometric function: fast, and the same bytes on every processor.
+/// A value of wave(), a smooth periodic function without trigonometry, which is equal to the bit on every processor.
 struct WaveValue {
   double value;  ///< in [-1, 1]
-  double slope;  ///< per period, in [-6.2, 6.2]
+  double slope;  ///< change of the value per period, in [-6.2, 6.2]
 };
 
-/// 32 u² (1-u)² - 1 for u in [0, 1), repeated: a cosine to the eye, twice continuously differentiable. |turns| < 2^50.
+/// Returns 32 u² (1-u)² - 1 and its slope, where u is the fraction of `turns` in [0, 1): a periodic function that looks
+/// like a cosine and is twice continuously differentiable. |turns| must be below 2^50.
 inline WaveValue wave(double turns) {
-  const double shift = 0x1.8p52;                       // adding and taking it off rounds to a whole number
+  const double shift = 0x1.8p52;                       // adding and subtracting it rounds to a whole number
   const double v = turns - ((turns + shift) - shift);  // u - 1/2, in [-1/2, 1/2]
   const double w = 0.25 - v * v;                       // u (1 - u)
   return {32 * (w * w) - 1, -128 * (v * w)};

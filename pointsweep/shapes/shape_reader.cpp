@@ -14,7 +14,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kGrain = 4096;   // points made by one task
-constexpr double kFarthestNoise = 13;  // standard deviations; gaussian_pair() draws nothing above 12.2
+constexpr double kFarthestNoise = 13;  // in standard deviations; gaussian_pair() draws nothing above 12.2
 
 void check(const Sampling& s) {
   if (!(s.noise >= 0) || !std::isfinite(s.noise)) fail_usage("noise must be a length of 0 or more, not {}.", s.noise);

@@ -10,14 +10,13 @@
 
 namespace pointsweep {
 
-/// Options for making a cloud of the points of a shape. All lengths in metres.
+/// Options for making a cloud of the points of a shape. Lengths are in metres.
 struct Sampling {
   std::uint64_t count = 0;
   std::uint64_t seed = 1;
-  double noise = 0;         ///< standard deviation of a Gaussian added to x, y and z each; normals stay those of the
-                            ///< shape
-  double outliers = 0;      ///< probability of a point anywhere in the outlier box, with normal 0; in [0, 1]
-  double outlier_box = 20;  ///< size of that box in sizes of the shape's box, about the same centre
+  double noise = 0;         ///< standard deviation of Gaussian noise in each of x, y and z; normals get no noise
+  double outliers = 0;      ///< probability in [0, 1] that a point lies anywhere in the outlier box, with normal 0
+  double outlier_box = 20;  ///< size of the outlier box as a multiple of the shape's box, about the same centre
   Vec3 origin = {};         ///< added to every position, for coordinates as large as on maps
   bool float64 = false;     ///< coordinates as float64 instead of float32
 };

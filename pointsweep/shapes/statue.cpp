@@ -11,13 +11,13 @@ namespace pointsweep {
 namespace {
 
 constexpr int kOctaves = 4, kWavesPerOctave = 4, kWaves = kOctaves * kWavesPerOctave;
-constexpr std::array<double, kOctaves> kFrequency{0.35, 0.8, 1.8, 4.0};        // turns per unit of direction
+constexpr std::array<double, kOctaves> kFrequency{0.35, 0.8, 1.8, 4.0};        // periods per unit of direction
 constexpr std::array<double, kOctaves> kAmplitude{0.09, 0.035, 0.012, 0.004};  // amplitude of each wave, in radii
 constexpr Vec3 kStretch{0.5, 0.4, 0.9};
 constexpr std::uint64_t kStatueSeed = 2005;
 constexpr int kProbes = 1 << 14;
 
-/// Radius and its gradient at a direction d: r(d) = 1 + sum of a wave(f . d + phase).
+/// Radius and its gradient at a direction d: r(d) = 1 + the sum of a wave(f · d + phase) over all waves.
 struct Relief {
   double radius;
   Vec3 gradient;
@@ -37,7 +37,7 @@ class Statue final : public Shape {
       const Vec3 a = area_vector(on_sphere(rng));
       most_area2_ = std::max(most_area2_, dot(a, a));
     }
-    most_area2_ *= 1.1;  // the largest of the probes falls a little short of the maximum
+    most_area2_ *= 1.1;  // the maximum may be a little above the largest probe
   }
 
   std::string name() const override { return "statue"; }

@@ -10,21 +10,21 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kSide = 1000;  // m
-constexpr double kPlot = 40;    // m, side of the square that may hold one house
-constexpr int kPlots = 25;      // number in a row
+constexpr double kSide = 1000;  // side of the terrain in metres
+constexpr double kPlot = 40;    // side of a plot in metres, a square that may hold one house
+constexpr int kPlots = 25;      // number of plots in a row
 constexpr double kHouseChance = 0.4;
 constexpr double kFlatRoofChance = 0.2;
 constexpr double kWallShare = 0.02;                                         // share of points on walls
 constexpr double kSlope = 0.07;                                             // slope at the steepest place of one wave
-constexpr std::array<double, 6> kWavelength{950, 700, 520, 380, 290, 220};  // m
+constexpr std::array<double, 6> kWavelength{950, 700, 520, 380, 290, 220};  // in metres
 constexpr std::uint64_t kTerrainSeed = 1;
 
 /// A rectangle with walls and a gable roof whose ridge runs along its local u axis.
 struct House {
-  Vec2 center, axis;         ///< axis: unit, direction of u in the plan
-  double half_u, half_v;     ///< m
-  double eaves, roof_slope;  ///< height above sea, rise per metre
+  Vec2 center, axis;         ///< center on the map, and unit vector along u
+  double half_u, half_v;     ///< half the lengths along u and across, in metres
+  double eaves, roof_slope;  ///< height of the eaves above sea level in metres, and rise of the roof per metre
 
   Vec2 local(double x, double y) const {
     const double dx = x - center.x, dy = y - center.y;
@@ -75,7 +75,7 @@ class Terrain final : public Shape {
     double phase, amplitude;
   };
 
-  /// Slopes along x and y, and the height.
+  /// Returns the slopes along x and y, and the height of the ground.
   Vec3 ground(double x, double y) const {
     Vec3 g;
     for (const Wave& w : waves_) {
@@ -104,7 +104,7 @@ class Terrain final : public Shape {
     return {{x, y, h.roof(p.y)}, {-across * h.axis.y, across * h.axis.x, scale}};
   }
 
-  /// Returns a point on a wall: any house, any place along its walls, any height between the ground and the roof there.
+  /// Returns a random point on a wall of a random house, at a height between the ground and the roof there.
   SurfacePoint on_wall(Rng& rng) const {
     const House& h = houses_[rng.next() % houses_.size()];
     const double along = rng.uniform(-h.half_u - h.half_v, h.half_u + h.half_v);

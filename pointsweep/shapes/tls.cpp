@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A terrestrial scan of a square: equal angles between the rays of one station, so density falls with the square of
-/// the distance and once more with the angle of incidence.
+/// A terrestrial scan of a square from one station. The angles between rays are equal, so that density falls with the
+/// square of the distance, and further where rays meet a surface at a flat angle.
 #include <array>
 #include <limits>
 
@@ -10,14 +10,14 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kGround = -1.7;                   // m; the station is the origin
-constexpr double kReach = 100;                     // m
-constexpr double kSteepest = -0.8660254037844386;  // sine of -60 degrees: below, a scanner sees its own tripod
+constexpr double kGround = -1.7;                   // height of the ground in metres; the station is the origin
+constexpr double kReach = 100;                     // longest ray in metres
+constexpr double kSteepest = -0.8660254037844386;  // sine of -60 degrees; steeper rays would meet the tripod
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// A house: higher than the station, so only its walls are seen.
+/// A house. It is higher than the station, so that only its walls are seen.
 struct Block {
-  Vec2 center, axis;  ///< axis: unit, direction of u in the plan
+  Vec2 center, axis;  ///< center on the map, and unit vector along u
   double half_u, half_v, top;
 };
 /// A round pillar, higher than the station.
@@ -51,7 +51,7 @@ constexpr std::array<Pillar, 10> kPillars{{{{4, 3}, 0.35, 5},
 void meet(const Block& b, Vec3 d, Hit& hit) {
   const Vec2 from{-(b.center.x * b.axis.x + b.center.y * b.axis.y), -(b.center.y * b.axis.x - b.center.x * b.axis.y)};
   const Vec2 ray{d.x * b.axis.x + d.y * b.axis.y, d.y * b.axis.x - d.x * b.axis.y};
-  // The station is outside: the ray enters through the farther of the two walls that look against it.
+  // The station is outside: the ray enters through the farther of the two walls that face the station.
   const double u = ray.x == 0 ? -kNever : ((ray.x > 0 ? -b.half_u : b.half_u) - from.x) / ray.x;
   const double v = ray.y == 0 ? -kNever : ((ray.y > 0 ? -b.half_v : b.half_v) - from.y) / ray.y;
   const bool through_u = u > v;
@@ -64,7 +64,7 @@ void meet(const Block& b, Vec3 d, Hit& hit) {
 }
 
 void meet(const Pillar& p, Vec3 d, Hit& hit) {
-  // |t (d.x, d.y) - center| = radius, the nearer solution.
+  // Solves |t (d.x, d.y) - center| = radius for the nearer t.
   const double a = d.x * d.x + d.y * d.y, half_b = d.x * p.center.x + d.y * p.center.y;
   const double c = p.center.x * p.center.x + p.center.y * p.center.y - p.radius * p.radius;
   const double discriminant = half_b * half_b - a * c;
