@@ -23,7 +23,7 @@
 
 namespace pointsweep {
 
-/// The kind of an encoded value, and the version of its fields, which every change to them raises.
+/// The kind of an encoded value, and the version of its fields, which every change of the fields raises.
 struct Encoding {
   std::string_view kind;  ///< a constant of at most 255 bytes
   std::uint16_t version;
@@ -31,7 +31,7 @@ struct Encoding {
 
 /// A number of fixed width.
 template <class T>
-concept Encodable = (std::integral<T> || std::floating_point<T>)&&!std::same_as<T, bool> && sizeof(T) <= 8;
+concept Encodable = (std::integral<T> || std::floating_point<T>) && !std::same_as<T, bool> && sizeof(T) <= 8;
 
 template <Encodable T>
 using EncodedBits =
@@ -89,7 +89,7 @@ class Decoder {
   /// Borrows the bytes.
   explicit Decoder(std::span<const std::byte> bytes) : rest_(bytes) {}
 
-  /// Reads the beginning of a value.
+  /// Reads the kind and version with which a value begins. Throws Error unless they are `expected`.
   void begin(Encoding expected);
 
   template <Encodable T>
@@ -107,11 +107,11 @@ class Decoder {
   bool get_bool();
   std::string get_text();
   std::vector<std::byte> get_bytes();
-  /// Fills `to`. Throws Error if there are fewer or more bytes.
+  /// Fills `to` with a list of bytes. Throws Error if the list has another size.
   void get_bytes(std::span<std::byte> to);
   Vec3 get_point() { return {get<double>(), get<double>(), get<double>()}; }  // braces evaluate from left to right
   Box get_box() { return {get_point(), get_point()}; }
-  /// Calls get_element() for each element of a list. An element takes at least one byte.
+  /// Returns a list, of which get_element() reads one element after another. An element takes at least one byte.
   template <class T, class GetElement>
   std::vector<T> get_list(GetElement get_element) {
     std::vector<T> elements;
@@ -121,7 +121,8 @@ class Decoder {
     return elements;
   }
 
-  /// Returns the number of elements of a list. The caller gets them one by one; an element takes at least one byte.
+  /// Reads and returns the number of elements of a list. The caller then reads the elements one by one; an element
+  /// takes at least one byte.
   std::uint64_t get_count();
 
   /// Throws Error if bytes follow the last field.
@@ -135,7 +136,7 @@ class Decoder {
   std::optional<Encoding> outermost_;
 };
 
-/// Returns the bytes of a value that encodes itself. T may be const.
+/// Returns the bytes of a value, made by its member encode(Encoder&). T may be const.
 template <class T>
 std::vector<std::byte> encoded(T& value) {
   Encoder out;
@@ -143,7 +144,7 @@ std::vector<std::byte> encoded(T& value) {
   return out.take();
 }
 
-/// Returns the value that `bytes` hold, and nothing after it.
+/// Returns the value that `bytes` hold. Throws Error if bytes follow the value.
 template <class T>
 T decoded(std::span<const std::byte> bytes) {
   Decoder in(bytes);

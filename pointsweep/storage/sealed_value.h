@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Encoded values as objects.
+/// Encoded values as objects of a storage.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,8 @@
 
 namespace pointsweep {
 
-/// Returns the value that seal_bytes() has left. Throws Error, which calls the object damaged, where it is not whole.
+/// Returns the value whose bytes seal_bytes() has stored. Throws Error, which calls the object damaged, if it is
+/// incomplete or its checksum is wrong.
 template <class T>
 T sealed_value(const Storage& storage, const std::string& key) {
   const std::optional<std::vector<std::byte>> bytes = sealed_bytes(storage, key);

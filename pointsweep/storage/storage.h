@@ -44,14 +44,14 @@ class Storage {
   virtual std::unique_ptr<Unsealed> create(const std::string& key) = 0;
   /// Returns the keys of all sealed objects, ascending.
   virtual std::vector<std::string> list() const = 0;
-  /// Removes an object, if there is one and that is possible.
+  /// Removes the object with this key, if it exists. A failure is ignored.
   virtual void remove(const std::string& key) = 0;
 };
 
 /// Returns a checksum: FNV-1a over little-endian words of eight bytes, with the last word filled up with zeros. Every
 /// fourth word goes into the same one of four sums, which are joined at the end.
 std::uint64_t checksum_of(std::span<const std::byte> bytes);
-/// Seals an object of `bytes`, after their number and a checksum.
+/// Stores and seals an object that holds the number of `bytes`, a checksum, and the bytes.
 void seal_bytes(Storage& storage, const std::string& key, std::span<const std::byte> bytes);
 /// Returns the bytes of an object that was written with its checksum; nothing if it is damaged.
 std::optional<std::vector<std::byte>> sealed_bytes(const Storage& storage, const std::string& key);

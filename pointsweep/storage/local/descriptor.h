@@ -13,7 +13,7 @@ namespace pointsweep {
 /// A file or folder that the destructor closes.
 class FileDescriptor {
  public:
-  /// -1: no file is open.
+  /// Takes an open file of the system; -1 for none.
   explicit FileDescriptor(int number = -1) : number_(number) {}
   ~FileDescriptor() { close(); }
   FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
@@ -32,8 +32,8 @@ class FileDescriptor {
   /// Thread-safe.
   int write_at(std::uint64_t offset, std::span<const std::byte> bytes) const;
   struct Got {
-    std::size_t bytes;  ///< fewer than asked for at the end of the file, or where `error` is set
-    int error;          ///< 0 or an errno
+    std::size_t bytes;  ///< number of bytes read; fewer than requested at the end of the file or if `error` is set
+    int error;          ///< 0 or the errno of a failure
   };
   /// Reads bytes from `offset` on. Thread-safe.
   Got read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
@@ -42,10 +42,10 @@ class FileDescriptor {
   int number_;
 };
 
-/// Opens a folder, so that it can be locked. On failure no file is open, and errno has the reason.
+/// Opens a folder, so that it can be locked. After a failure, the descriptor holds no file, and errno has the reason.
 FileDescriptor open_folder(const std::filesystem::path& path, bool follow_link);
-/// Makes a file without a name in a folder. It vanishes when it is closed, even if the process is killed. On failure no
-/// file is open, and errno has the reason.
+/// Makes a file without a name in a folder. It vanishes when it is closed, even if the process is killed. After a
+/// failure, the descriptor holds no file, and errno has the reason.
 FileDescriptor open_nameless(const std::filesystem::path& folder);
 /// Locks an open file or folder until it is closed. Returns 0 or an errno; EWOULDBLOCK if another process has the lock.
 int lock(const FileDescriptor& descriptor);

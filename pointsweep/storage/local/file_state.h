@@ -11,8 +11,9 @@
 
 namespace pointsweep {
 
-/// The properties of a file that change with a write. Replacing the file by another one of its name is no change: a
-/// process that has opened the old file still reads the old file. For a URL: its size and its ETag, or its time.
+/// The properties of a file that change with a write. Replacing the file by another file of this name does not count as
+/// a change: a process that has opened the old file still reads the old file. The state of a URL is the size and the
+/// ETag of its object, or the size and the time.
 class FileState {
  public:
   /// Reads the state of the file. Input that is no file (an array, standard input) has no known state and never
@@ -22,15 +23,17 @@ class FileState {
   /// of the first look may be missed.
   bool has_changed() const;
   bool is_known() const { return known_; }
-  /// "2400312 bytes, written at 1763705104.123456789", or "2400312 bytes, ETag "5d41402a"" of a URL.
+  /// Returns a text like "2400312 bytes, written at 1763705104.123456789"; for a URL like "2400312 bytes, ETag
+  /// "5d41402a"".
   std::string text() const;
 
  private:
-  std::string path_;  ///< a fourth of the memory of a path
+  std::string path_;  ///< path as a string, which takes a fourth of the memory of a std::filesystem::path
   bool known_ = false;
   std::uint64_t device_ = 0, inode_ = 0, size_ = 0;
   std::int64_t seconds_ = 0, nanoseconds_ = 0;  ///< time of the last change of its content
-  std::shared_ptr<const RemoteObject> object_;  ///< open, so that readers find it open; null for a file
+  std::shared_ptr<const RemoteObject>
+      object_;  ///< object of a URL, kept open so that readers need not open it again; null for a file
 };
 
 }  // namespace pointsweep

@@ -31,7 +31,7 @@ namespace {
   fail("{}: cannot be opened: {}.", path.string(), std::generic_category().message(error));
 }
 
-/// All open files, most recently read first.
+/// The list of all InputFiles of this process that are open, most recently read first, and its lock.
 struct OpenFilesOfProcess {
   std::mutex mutex;
   std::list<const InputFile*> files;
@@ -74,7 +74,7 @@ class InputFile::Lease {
   const InputFile& file_;
 };
 
-/// Closes files until one more may be opened. The caller holds the lock.
+/// Closes files until one more may be opened. The caller holds the lock of the open files.
 void InputFile::close_idle_files() {
   static const std::size_t most = most_open_files();
   OpenFiles& files = open_files().files;
@@ -100,7 +100,7 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   FileDescriptor file(is_stream ? ::fcntl(standard_input_descriptor(), F_DUPFD_CLOEXEC, 0)
                                 : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file) fail_to_open(path, errno);
-  struct stat status {};
+  struct stat status{};
   const bool known = ::fstat(file.number(), &status) == 0;
   if (known && S_ISREG(status.st_mode)) {
     size_ = static_cast<std::uint64_t>(status.st_size);
@@ -115,17 +115,16 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   fail("{}: is no regular file, and points are read more than once; save it to a file first.", path.string());
 }
 
-/// The caller holds the lock.
+/// Opens the file again after close_idle_files() has closed it. The caller holds the lock of the open files.
 void InputFile::reopen() const {
   close_idle_files();
   FileDescriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file) fail_to_open(path_, errno);
-  struct stat status {};
+  struct stat status{};
   const bool known = ::fstat(file.number(), &status) == 0;
   if (!known || static_cast<std::uint64_t>(status.st_dev) != device_ ||
       static_cast<std::uint64_t>(status.st_ino) != inode_)
-    fail("{}: was replaced by another file while it was read; run again when no other program writes there.",
-         path_);
+    fail("{}: was replaced by another file while it was read; run again when no other program writes there.", path_);
   ::posix_fadvise(file.number(), 0, 0, POSIX_FADV_SEQUENTIAL);
   file_ = std::move(file);
   place_ = open_files().files.insert(open_files().files.begin(), this);
@@ -140,8 +139,8 @@ InputFile::~InputFile() {
 
 void InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
   if (read_some(offset, bytes) < bytes.size()) {
-    fail("{}: ends before byte {}; it has become shorter since it was opened, so run again once it is complete.",
-         path_, offset + bytes.size());
+    fail("{}: ends before byte {}; it has become shorter since it was opened, so run again once it is complete.", path_,
+         offset + bytes.size());
   }
 }
 

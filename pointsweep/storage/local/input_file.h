@@ -29,13 +29,13 @@ class InputFile final : public Source {
 
   std::filesystem::path path() const { return path_; }
   std::string name() const override { return path_; }
-  std::uint64_t size() const override { return size_; }  ///< when it was opened
+  std::uint64_t size() const override { return size_; }  ///< returns the size that the file had when it was opened
 
   /// Fills `bytes` from `offset` on. Thread-safe. Throws when the file has become shorter.
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const override;
   /// Reads up to bytes.size() bytes, fewer at the end of the file, and returns their number.
   std::size_t read_some(std::uint64_t offset, std::span<std::byte> bytes) const;
-  /// Says that [begin, end) will be read in sequence, so that a server is asked for these bytes at once.
+  /// Announces that [begin, end) will be read in sequence, so that one request to a server brings these bytes.
   void will_read(std::uint64_t begin, std::uint64_t end) const;
 
  private:
@@ -44,14 +44,14 @@ class InputFile final : public Source {
   void reopen() const;
   static void close_idle_files();
 
-  std::string path_;  ///< a fourth of the memory of a path
+  std::string path_;  ///< path as a string, which takes a fourth of the memory of a std::filesystem::path
   std::uint64_t size_ = 0;
   std::uint64_t device_ = 0, inode_ = 0;
   std::shared_ptr<RemoteObject> object_;  ///< null for a file of this machine
   // The lock of all open files guards the members below.
-  mutable FileDescriptor file_;        ///< not open: closed for now
-  mutable unsigned leases_ = 0;        ///< reads under way
-  mutable OpenFiles::iterator place_;  ///< among the open files, while it is open
+  mutable FileDescriptor file_;        ///< holds no file while close_idle_files() has closed it
+  mutable unsigned leases_ = 0;        ///< number of running reads, during which the file stays open
+  mutable OpenFiles::iterator place_;  ///< place of this file in the list of open files, while it is open
 };
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A folder as storage: its files are the objects.
+/// A storage in a folder of this machine, whose files are the objects.
 #pragma once
 
 #include <filesystem>
@@ -27,11 +27,11 @@ class LocalFolder final : public Storage {
   std::vector<std::string> list() const override;
   /// Removes the file, and the file that a killed process may have left of an unsealed object of this key.
   void remove(const std::string& key) override;
-  /// Brings a file that was written in place to the disk.
+  /// Writes the content of a file that was changed in place through to the disk.
   void flush(const std::string& key) const;
-  /// Brings the names of the files to the disk. Some file systems know no such thing of folders.
+  /// Writes the names of the files through to the disk. On file systems that cannot flush a folder it has no effect.
   void flush() const;
-  /// Throws Error for an errno.
+  /// Throws the Error for a failed write with this errno.
   [[noreturn]] void fail_to_write(int error) const;
   /// Removes the folder itself, unless it holds anything.
   void remove_folder();
@@ -39,7 +39,7 @@ class LocalFolder final : public Storage {
  private:
   std::filesystem::path path_;
   std::string object_, option_;
-  FileDescriptor folder_;  ///< locked
+  FileDescriptor folder_;  ///< the open folder, which this process has locked
 };
 
 }  // namespace pointsweep

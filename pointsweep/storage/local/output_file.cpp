@@ -25,10 +25,10 @@ namespace {
 namespace fs = std::filesystem;
 
 std::atomic<bool> any_complete = false, any_streamed = false, reader_ended = false;
-std::atomic<int> incomplete_files = 0;  ///< standard output is not counted
+std::atomic<int> incomplete_files = 0;  ///< number of incomplete outputs, without standard output
 
-/// Throws for an impossible output to a URL. Looks for its object even if it may be replaced, so that a wrong bucket is
-/// found before the work. A user with only the right to write cannot see whether the object exists.
+/// Throws Error for an impossible output to a URL. Looks for the object even if it may be replaced, so that a wrong
+/// bucket is found before the work. A user who may only write cannot see whether the object exists.
 void check_url(const fs::path& destination, bool overwrite) {
   const std::string& url = destination.native();
   require_writable_url(url);
@@ -85,14 +85,14 @@ void check_destination(const fs::path& destination, bool overwrite) {
   }
 }
 
-/// Renames without ever replacing a file that has appeared meanwhile. Returns 0 or an errno.
+/// Renames a file, but never replaces a file that has appeared at `to` meanwhile. Returns 0 or an errno.
 int rename_to_new(const fs::path& from, const fs::path& to) {
   if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
   if (errno != EINVAL && errno != ENOSYS) return errno;
   if (::link(from.c_str(), to.c_str()) == 0) return ::unlink(from.c_str()) == 0 ? 0 : errno;
   if (errno == EEXIST) return EEXIST;
-  // Neither is known to this file system: a test and a rename are the best there is.
-  struct stat status {};
+  // This file system supports neither call, so that a test before the rename has to suffice.
+  struct stat status{};
   if (::lstat(to.c_str(), &status) == 0) return EEXIST;
   return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
 }
@@ -193,7 +193,7 @@ void OutputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const
 
 void OutputFile::seal() {
   if (is_remote_) {
-    // A file without a name is opened again by its number.
+    // A file without a name is opened again by its descriptor.
     upload(destination_.native(), fmt::format("/proc/self/fd/{}", file_.number()), overwrite_);
     file_.close();
     incomplete_ = false;

@@ -25,7 +25,7 @@ namespace pointsweep {
 class OutputFile final : public Unsealed {
  public:
   /// Throws before anything is written if the destination exists and `overwrite` is false, if it is a folder, or if its
-  /// folder is missing. `temp_folder`: for outputs to a URL; empty: the system's.
+  /// folder is missing. `temp_folder`: folder for the bytes of an output to a URL; empty for the system's folder.
   OutputFile(const std::filesystem::path& destination, bool overwrite, const std::filesystem::path& temp_folder = {});
   ~OutputFile() override;
   OutputFile(const OutputFile&) = delete;
@@ -37,11 +37,11 @@ class OutputFile final : public Unsealed {
   static std::filesystem::path unfinished_path(const std::filesystem::path& destination);
 
   void append(std::span<const std::byte> bytes) override;
-  /// Writes bytes from `offset` on. Thread-safe where is_seekable() for bytes that do not overlap.
+  /// Writes bytes from `offset` on. Thread-safe for bytes that do not overlap, if is_seekable().
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes) override;
   /// Fills `bytes` with the bytes written from `offset` on.
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
-  std::uint64_t size() const { return size_; }  ///< end of what append() wrote
+  std::uint64_t size() const { return size_; }  ///< returns the number of bytes that append() has written
   void seal() override;
   /// Returns whether bytes may be written at any place and read back; false for standard output.
   bool is_seekable() const { return !is_stream_; }
@@ -61,12 +61,12 @@ class OutputFile final : public Unsealed {
   bool overwrite_ = false;
   bool is_stream_ = false;
   bool is_remote_ = false;
-  bool incomplete_ = false;            ///< an output to a URL that is being written
-  std::filesystem::path temp_folder_;  ///< for an output to a URL
+  bool incomplete_ = false;            ///< true while an output to a URL is being written
+  std::filesystem::path temp_folder_;  ///< folder for the bytes of an output to a URL
   FileDescriptor file_;
   std::uint64_t size_ = 0;
   std::uint64_t streamed_ = 0;        ///< bytes written to standard output
-  std::optional<Leftover> leftover_;  ///< part_
+  std::optional<Leftover> leftover_;  ///< entry for `part_`, the file to remove if the process is stopped
 };
 
 }  // namespace pointsweep

@@ -9,11 +9,11 @@
 
 namespace pointsweep {
 
-/// Returns whether this is a folder. The URL of a folder ends in '/', and none is asked for.
+/// Returns whether the path names an existing folder. A URL names a folder if it ends in '/'; no server is asked.
 bool is_folder(const std::filesystem::path& path);
-/// Returns whether there is anything of this name.
+/// Returns whether a file, folder or object of this name exists.
 bool exists_at(const std::filesystem::path& path);
-/// Returns the size of a regular file or of an object; nothing if there is none.
+/// Returns the size in bytes of a regular file or of an object; nothing if none of this name exists.
 std::optional<std::uint64_t> bytes_of_file(const std::filesystem::path& path);
 /// Returns the absolute path without `.` and `..`; a URL unchanged.
 std::string whole_name(const std::filesystem::path& path);

@@ -25,17 +25,17 @@ fs::path canonical_form(const fs::path& path) {
   return error ? path.lexically_normal() : canonical;
 }
 
-/// "b.las", or "./b.las (b.las)" where the paths are spelled differently.
+/// Returns a text for messages: "b.las", or "./b.las (b.las)" if the paths are spelled differently.
 std::string both_names(const fs::path& named, const fs::path& other) {
   return named == other ? named.string() : fmt::format("{} ({})", named.string(), other.string());
 }
 
-/// Files by inode and by canonical path, each with the path that named it first.
+/// A set of files, found by inode or canonical path. Each file keeps the path by which it was first named.
 class KnownFiles {
  public:
-  /// Returns a path that leads to the same file; null if there is none.
+  /// Returns the known path that leads to the same file as `path`; null if the set does not hold the file.
   const fs::path* find(const fs::path& path) const {
-    struct stat status {};
+    struct stat status{};
     if (::stat(path.c_str(), &status) == 0)
       if (const auto known = by_inode_.find({status.st_dev, status.st_ino}); known != by_inode_.end())
         return &known->second;
@@ -43,7 +43,7 @@ class KnownFiles {
     return known == by_path_.end() ? nullptr : &known->second;
   }
   void add(const fs::path& path) {
-    struct stat status {};
+    struct stat status{};
     if (::stat(path.c_str(), &status) == 0) by_inode_.try_emplace({status.st_dev, status.st_ino}, path);
     by_path_.try_emplace(canonical_form(path), path);
   }

@@ -117,7 +117,7 @@ void RemoteFolder::remove(const std::string& key) {
     remove_remote(url_ + key);
   } catch (const Cancelled&) {
     throw;
-  } catch (const Error&) {  // the file is removed later, with the scratch
+  } catch (const Error&) {  // the file is removed later, together with the whole folder
   }
 }
 

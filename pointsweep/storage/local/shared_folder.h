@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A folder, or a part of a bucket, that several processes, on several machines, use as one storage.
+/// Storages that several processes on several machines share: a folder, or a part of a bucket.
 #pragma once
 
 #include <filesystem>
@@ -12,12 +12,12 @@
 
 namespace pointsweep {
 
-/// A folder that several processes share, with objects as files. If two processes create an object of the same key, the
-/// one sealed last remains. Nothing is flushed to the disk, so an object may be damaged by a power failure, which its
-/// checksum reveals. A killed process may leave the file of an unsealed object.
+/// A folder that several processes share, with objects as files. If two processes create objects with the same key, the
+/// object sealed last remains. Files are not flushed to the disk: a power failure may damage an object, which a
+/// checksum reveals (sealed_bytes()). A killed process may leave the file of an unsealed object.
 class SharedFolder final : public Storage {
  public:
-  /// The folder must exist.
+  /// Uses the folder `path`, which must exist.
   explicit SharedFolder(std::filesystem::path path) : path_(std::move(path)) {}
 
   std::unique_ptr<Source> open(const std::string& key) const override;
@@ -30,11 +30,10 @@ class SharedFolder final : public Storage {
   std::filesystem::path path_;
 };
 
-/// A folder of a bucket. Objects appear only complete, so several processes may create objects of the same key here,
-/// too.
+/// A folder of a bucket. Since objects only appear complete, several processes may create objects with the same key.
 class RemoteFolder final : public Storage {
  public:
-  /// `url` ends in '/'.
+  /// Uses the folder `url`, which must end in '/'.
   explicit RemoteFolder(std::string url) : url_(std::move(url)) {}
 
   std::unique_ptr<Source> open(const std::string& key) const override;

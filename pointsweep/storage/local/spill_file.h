@@ -56,8 +56,8 @@ class SpillFile {
   std::uint64_t written_bytes() const { return written_.load(std::memory_order_relaxed); }
 
  private:
-  std::string parent_;  ///< for messages: the folder the user chose
-  std::string option_;  ///< for messages: the option by which the folder was chosen
+  std::string parent_;  ///< folder that the user has chosen, for messages
+  std::string option_;  ///< option by which the user has chosen the folder, for messages
   FileDescriptor file_;
   std::atomic<std::uint64_t> reserved_{0}, written_{0};
 };

@@ -46,7 +46,7 @@ void wait_for(int descriptor, short events) {
   }
 }
 
-/// The next bytes of a pipe; 0 at its end.
+/// Reads the next bytes of standard input, a pipe, and returns their number; 0 at the end of the pipe.
 std::size_t read_pipe(std::span<std::byte> bytes) {
   for (;;) {
     wait_for(STDIN_FILENO, POLLIN);
@@ -67,7 +67,7 @@ void write_whole(int file, std::span<const std::byte> bytes, const fs::path& fol
 }
 
 bool is_regular(int descriptor) {
-  struct stat status {};
+  struct stat status{};
   return ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
 }
 
@@ -99,7 +99,7 @@ void take_standard_input(const fs::path& folder) {
 }
 
 ssize_t write_to_stream(int descriptor, std::span<const std::byte> bytes) {
-  constexpr std::size_t kPieceBytes = 4096;  // PIPE_BUF: a pipe that is ready takes them without waiting
+  constexpr std::size_t kPieceBytes = 4096;  // PIPE_BUF: a pipe that is ready accepts so many bytes without waiting
   if (is_regular(descriptor)) return ::write(descriptor, bytes.data(), bytes.size());
   wait_for(descriptor, POLLOUT);
   return ::write(descriptor, bytes.data(), std::min(bytes.size(), kPieceBytes));

@@ -25,7 +25,7 @@ namespace {
 constexpr std::string_view kPrefix = "pointsweep-";
 constexpr std::size_t kRandomLetters = 6;
 
-/// The process that made a folder of this name, or nothing when the name is not one of ours.
+/// Returns the process that made a folder with this name; nothing if the name is not that of a TempFolder.
 std::optional<pid_t> maker_of(std::string_view name) {
   if (!name.starts_with(kPrefix)) return {};
   name.remove_prefix(kPrefix.size());
@@ -43,7 +43,7 @@ bool is_alive(pid_t pid) { return ::kill(pid, 0) == 0 || errno != ESRCH; }
 void remove_if_abandoned(const std::filesystem::path& path) {
   const FileDescriptor folder = open_folder(path, false);
   if (!folder) return;
-  struct stat status {};
+  struct stat status{};
   const bool ours = ::fstat(folder.number(), &status) == 0 && status.st_uid == ::geteuid();
   std::error_code ignored;
   if (ours && lock(folder) == 0) std::filesystem::remove_all(path, ignored);
@@ -60,7 +60,7 @@ void remove_abandoned_folders(const std::filesystem::path& parent) {
 }  // namespace
 
 void require_temp_parent(const std::filesystem::path& parent) {
-  struct stat status {};
+  struct stat status{};
   const char* why = nullptr;
   if (::stat(parent.c_str(), &status) != 0)
     why = std::strerror(errno);
@@ -101,7 +101,7 @@ TempFolder::TempFolder(const std::filesystem::path& parent) {
            std::strerror(error));
   } while (true);
   lock_ = open_folder(path_, false);
-  lock(lock_);  // best effort: some file systems know no locks
+  lock(lock_);  // a failure is ignored, since some file systems have no locks
 }
 
 TempFolder::~TempFolder() {

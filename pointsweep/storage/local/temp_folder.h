@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A separate folder for the spilled data of one run.
+/// A folder of its own for the temporary data of one run.
 #pragma once
 
 #include <filesystem>
@@ -32,8 +32,8 @@ class TempFolder {
 
  private:
   std::filesystem::path path_;
-  std::optional<Leftover> leftover_;  ///< path_: empty, since spilled files have no name
-  FileDescriptor lock_;               ///< the folder, locked while this process uses it
+  std::optional<Leftover> leftover_;  ///< entry for `path_`, the folder to remove if the process is stopped
+  FileDescriptor lock_;               ///< the open folder, locked while this process uses it
 };
 
 }  // namespace pointsweep

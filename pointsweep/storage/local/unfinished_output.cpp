@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The name of a file that says for which output, and by which process, it was begun.
+/// The parts of the name of an incomplete output: the name of the output, and the process that has begun it.
 struct Part {
   std::string output;
   pid_t owner = 0;
@@ -44,23 +44,22 @@ std::optional<Part> parse_part(std::string_view name) {
   return part;
 }
 
-/// Returns whether no process works on the file: its process has ended, or it has the number of this process but no
-/// lock, and so is from an earlier process.
+/// Returns whether no process works on the file: the process of its name has ended, or that process has the number of
+/// this one, but the file is not locked and so belongs to an earlier process with this number.
 bool is_abandoned(const fs::path& part, pid_t owner) {
   if (owner != ::getpid() && (::kill(owner, 0) == 0 || errno != ESRCH)) return false;
   const FileDescriptor file(::open(part.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
   return file && lock(file) != EWOULDBLOCK;
 }
 
-/// Removes the abandoned parts in the folder of those outputs for which `is_output(name)` is true.
+/// Removes the abandoned files in the folder that belong to outputs for which is_output(name) is true.
 template <class IsOutput>
 void remove_abandoned(const fs::path& folder, const IsOutput& is_output) {
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const auto part = parse_part(entry->path().filename().string());
     std::error_code ignored;
-    if (part && is_output(part->output) && is_abandoned(entry->path(), part->owner))
-      fs::remove(entry->path(), ignored);
+    if (part && is_output(part->output) && is_abandoned(entry->path(), part->owner)) fs::remove(entry->path(), ignored);
   }
 }
 
@@ -68,7 +67,7 @@ std::size_t hash_of(const fs::path& folder, const std::string& name) {
   return std::hash<std::string>{}(folder.string() + '/' + name);
 }
 
-/// All existing ManyOutputs.
+/// The list of all existing ManyOutputs, and its lock.
 struct Cleared {
   std::mutex mutex;
   std::set<const ManyOutputs*> outputs;
@@ -78,7 +77,7 @@ Cleared& cleared() {
   return instance;
 }
 
-/// Returns whether ManyOutputs has removed the abandoned parts of the file of this name in the folder.
+/// Returns whether a ManyOutputs has already removed abandoned files of the output with this name in the folder.
 bool is_cleared(const fs::path& folder, const std::string& name) {
   const std::lock_guard lock(cleared().mutex);
   return std::ranges::any_of(cleared().outputs, [&](const ManyOutputs* many) { return many->has(folder, name); });

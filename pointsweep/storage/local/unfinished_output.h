@@ -10,14 +10,15 @@
 
 namespace pointsweep {
 
-/// The folder of a file; "." where the path names none.
+/// Returns the folder of a file; "." if the path has none.
 std::filesystem::path folder_of(const std::filesystem::path& file);
-/// Returns the target of the link `destination`, or `destination` itself if it is no link.
+/// Returns the target of the symbolic link `destination`, or `destination` itself if it is not a link.
 std::filesystem::path target_of(const std::filesystem::path& destination);
 /// Returns `.<name>.<pid>.part` beside `target`: the file of an output of this process until it is complete.
 std::filesystem::path part_of(const std::filesystem::path& target);
 
-/// Removes what killed processes have left of `target`. Lists its folder, unless ManyOutputs has done so.
+/// Removes incomplete files of `target` that killed processes have left. Lists its folder, unless a ManyOutputs has
+/// done so.
 void remove_abandoned_parts(const std::filesystem::path& target);
 
 /// The outputs of a run that writes many files into folders. Lists each folder once, and removes the files that killed
@@ -25,7 +26,7 @@ void remove_abandoned_parts(const std::filesystem::path& target);
 /// no-op. Memory: 8 bytes for each output.
 class ManyOutputs {
  public:
-  /// `destination(i)` is output `i` < `count`.
+  /// Lists the folders of the outputs. destination(i) returns the path of output i < `count`.
   ManyOutputs(std::size_t count, const std::function<std::filesystem::path(std::size_t i)>& destination);
   ~ManyOutputs();
   ManyOutputs(const ManyOutputs&) = delete;
@@ -36,7 +37,7 @@ class ManyOutputs {
   bool has(const std::filesystem::path& folder, const std::string& name) const;
 
  private:
-  std::vector<std::size_t> targets_;  ///< hashes, ascending
+  std::vector<std::size_t> targets_;  ///< hashes of the paths of all outputs, ascending
 };
 
 }  // namespace pointsweep

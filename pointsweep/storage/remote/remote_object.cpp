@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::uint64_t kFirstRequest = 64 << 10;
 constexpr std::uint64_t kLargestRequest = 2 << 20;
-constexpr std::size_t kMostRuns = 32;   ///< runs that one object remembers, at most
-constexpr std::size_t kMostSaid = 256;  ///< ranges of will_read() that one object remembers, at most
+constexpr std::size_t kMostRuns = 32;   ///< most runs of successive reads that an object remembers
+constexpr std::size_t kMostSaid = 256;  ///< most ranges of will_read() that an object remembers
 
 }  // namespace
 
@@ -31,7 +31,7 @@ struct RemoteObject::Block {
   std::list<Block*>::iterator place = {};
 };
 
-/// The blocks of all objects.
+/// The blocks of all objects of this process, and the objects that may be open.
 struct RemoteObject::Cache {
   /// An object that may be open, and the time at which a server last confirmed its version.
   struct OpenObject {
@@ -71,7 +71,8 @@ RemoteObject::~RemoteObject() {
     cache().objects.erase(known);
 }
 
-/// Looks for a newer version if the last look is more than 2 seconds old. A newer version becomes a new object.
+/// Asks the server for a newer version if it was last asked more than 2 seconds ago. A newer version becomes a new
+/// RemoteObject.
 std::shared_ptr<RemoteObject> RemoteObject::open(const std::string& url) {
   constexpr std::chrono::seconds kSeenLately(2);
   std::shared_ptr<RemoteObject> object;
@@ -93,14 +94,15 @@ std::shared_ptr<RemoteObject> RemoteObject::open(const std::string& url) {
   return object;
 }
 
-/// Removes a block that no thread loads. The caller holds the lock.
+/// Removes a block that no thread loads. The caller holds the lock of the cache.
 void RemoteObject::forget(const Block& block) {
   cache().bytes -= block.end - block.begin;
   cache().blocks.erase(block.place);
   blocks_.erase(block.begin);
 }
 
-/// Removes the least recently read blocks. Returns whether `bytes` more fit. The caller holds the lock.
+/// Removes least recently read blocks until `bytes` more fit. Returns whether they fit. The caller holds the lock of
+/// the cache.
 bool RemoteObject::make_room(std::uint64_t bytes) {
   std::list<Block*>& blocks = cache().blocks;
   for (auto block = blocks.end(); cache().bytes + bytes > kRemoteCacheBytes && block != blocks.begin();) {
@@ -112,7 +114,8 @@ bool RemoteObject::make_room(std::uint64_t bytes) {
   return cache().bytes + bytes <= kRemoteCacheBytes;
 }
 
-/// Returns the block that holds the byte at `offset`; null if there is none. The caller holds the lock.
+/// Returns the block that holds the byte at `offset`; null if the cache has none. The caller holds the lock of the
+/// cache.
 std::shared_ptr<RemoteObject::Block> RemoteObject::known_block(std::uint64_t offset) const {
   const auto after = blocks_.upper_bound(offset);
   if (after == blocks_.begin()) return nullptr;
@@ -120,8 +123,8 @@ std::shared_ptr<RemoteObject::Block> RemoteObject::known_block(std::uint64_t off
   return offset < block->end ? block : nullptr;
 }
 
-/// Returns where a request for the byte at `offset` begins: at the begin of an announced range if the byte is among its
-/// first 64 kB and none of it is in the cache, else at `offset`. The caller holds the lock.
+/// Returns the offset at which a request for the byte at `offset` begins: the begin of an announced range if the byte
+/// is among its first 64 kB and none of these are in the cache, else `offset`. The caller holds the lock of the cache.
 std::uint64_t RemoteObject::begin_of_request(std::uint64_t offset) const {
   const auto said = said_.upper_bound(offset);
   if (said == said_.begin()) return offset;
@@ -131,14 +134,15 @@ std::uint64_t RemoteObject::begin_of_request(std::uint64_t offset) const {
   return offset < end && offset - begin < kFirstRequest && !is_kept ? begin : offset;
 }
 
-/// Returns where a request for `wanted` bytes ends. The caller holds the lock.
+/// Returns the offset at which a request for `wanted` bytes from `offset` on ends. The caller holds the lock of the
+/// cache.
 std::uint64_t RemoteObject::end_of_request(std::uint64_t offset, std::uint64_t wanted) {
   std::uint64_t bytes = std::max(wanted, kFirstRequest);
   const auto run = std::ranges::find(runs_, offset, &Run::end);
   const std::uint64_t before = run == runs_.end() ? 0 : run->length;
   const auto said = said_.upper_bound(offset);
   if (said != said_.begin() && offset < std::prev(said)->second)
-    bytes = std::max(std::prev(said)->second - offset, before / 2);  // at most a third of the bytes are unneeded
+    bytes = std::max(std::prev(said)->second - offset, before / 2);  // at most a third of the bytes may be unneeded
   else
     bytes = std::max(bytes, before);
   std::uint64_t end = offset + std::min(bytes, kLargestRequest);

@@ -39,7 +39,7 @@ class RemoteObject {
 
  private:
   struct Block;
-  /// Successive reads without a gap: the byte after them, and their bytes.
+  /// Successive reads without a gap: the offset after the last of them, and the number of their bytes.
   struct Run {
     std::uint64_t end = 0, length = 0;
   };
@@ -58,9 +58,10 @@ class RemoteObject {
   std::string url_;
   std::optional<RemoteVersion> version_;
   // The lock of the cache guards the members below.
-  std::map<std::uint64_t, std::shared_ptr<Block>> blocks_;  ///< keys: the first bytes of blocks, which do not overlap
+  std::map<std::uint64_t, std::shared_ptr<Block>>
+      blocks_;  ///< blocks by the offset of their first byte; blocks do not overlap
   std::vector<Run> runs_;
-  std::map<std::uint64_t, std::uint64_t> said_;  ///< ranges of will_read(): ends by begins
+  std::map<std::uint64_t, std::uint64_t> said_;  ///< ranges of will_read(): the end of each range by its begin
 };
 
 }  // namespace pointsweep

@@ -98,7 +98,7 @@ psr_version version_for(const RemoteVersion& version) {
   return out;
 }
 
-/// Throws UsageError for the address of a bucket with a password or signature: only addresses of http may have them.
+/// Throws UsageError for the address of a bucket that holds a password or signature: only http addresses may hold one.
 void require_no_secret(const std::string& url) {
   if (is_bucket(url) && address_of(url) != url)
     fail_usage("{}: credentials in the address of a bucket are not used; {}.", url, credentials_for(url));

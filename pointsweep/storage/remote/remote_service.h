@@ -21,7 +21,7 @@ struct RemoteVersion {
 
   /// Returns whether `other` is the same version.
   bool is(const RemoteVersion& other) const;
-  /// Returns "2400312 bytes, ETag "6805f2cfc46c0f04"", or the time where there is no ETag.
+  /// Returns a text like "2400312 bytes, ETag "6805f2cfc46c0f04"", with the time if the server states no ETag.
   std::string text() const;
 };
 
@@ -30,7 +30,7 @@ struct RemoteEntry {
   std::uint64_t size;
 };
 
-/// Requests of this process, without repeated attempts.
+/// The requests that this process has made, without repeated attempts, and the bytes that they have brought.
 struct RemoteTraffic {
   std::uint64_t requests = 0;
   std::uint64_t bytes_read = 0;
@@ -39,7 +39,7 @@ struct RemoteTraffic {
 // Each of these functions throws Error with the URL, what happened and what to do. If a server does not answer, they
 // fail after about half a minute.
 
-/// Returns the version of an object; nothing if there is none.
+/// Returns the version of an object; nothing if the object does not exist.
 std::optional<RemoteVersion> look_at(const std::string& url);
 /// Reads up to bytes.size() bytes from `offset` on, fewer at the end of the object. Returns their number. Throws if the
 /// object is not the `expected` version; if `expected` is empty, sets it.

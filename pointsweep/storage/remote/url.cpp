@@ -20,7 +20,7 @@ constexpr std::array kSecretParameters = {
     "x-amz-"sv, "x-goog-"sv,     "signature"sv, "sig"sv,    "awsaccesskeyid"sv, "googleaccessid"sv, "access_token"sv,
     "token"sv,  "key-pair-id"sv, "policy"sv,    "apikey"sv, "api_key"sv,        "password"sv};
 
-/// The addresses with secrets; keys are the URLs without secrets.
+/// The full addresses of URLs that were given with secrets, by the URLs without these secrets.
 struct Addresses {
   std::mutex mutex;
   std::map<std::string, std::string, std::less<>> by_url;
@@ -52,7 +52,7 @@ bool has_secret(std::string_view query) {
 }
 
 /// Returns the URL without the user of its host and without a query that holds a secret. In the URL of a bucket, the
-/// part before @ may be a container: abfs://container@account.
+/// part before @ may be a container, which stays: abfs://container@account.
 std::string shown_form(std::string_view url) {
   const std::size_t host = url.find(kAuthority) + kAuthority.size();
   const std::size_t path = std::min(url.find('/', host), url.size());

@@ -19,7 +19,7 @@ std::string address_of(const std::string& url);
 /// Returns the path of the object without the query of an http URL, so that it ends in the name of a file.
 std::filesystem::path without_query(const std::filesystem::path& path);
 
-/// Resolves a reference in a document whose URL is `base`.
+/// Returns the URL to which a reference in the document with the URL `base` leads.
 std::string resolved(const std::string& base, const std::string& reference);
 
 }  // namespace pointsweep
