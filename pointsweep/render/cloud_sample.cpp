@@ -12,15 +12,15 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kShortStretch = 256, kLongStretch = 8192, kTrials = 16;
-constexpr double kDrawSeconds = 500e-9;  ///< time to draw a point, about
-constexpr double kTrialShare = 0.1;      ///< share of the time for measuring
+constexpr double kDrawSeconds = 500e-9;  ///< approximate time to draw a point
+constexpr double kTrialShare = 0.1;      ///< share of the time limit that measuring may take
 
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 RowStretches every_nth(const InputCloud& cloud, std::uint64_t n) {
-  const bool seeks = cloud.decoder() != nullptr;  // without decoders a jump may read all rows in between
+  const bool seeks = cloud.decoder() != nullptr;  // a reader without decoders may read all rows that are skipped
   RowStretches rows;
   std::uint64_t i = 0;
   for (std::uint64_t row = 0; row < cloud.count(); ++i) {
@@ -36,7 +36,7 @@ RowStretches every_nth(const InputCloud& cloud, std::uint64_t n) {
   return rows;
 }
 
-/// Seconds to read a row, from stretches all over the cloud.
+/// Measures the seconds to read a row, in stretches from all parts of the cloud.
 double seconds_per_row(InputCloud& cloud, const RowStretches& rows, double seconds) {
   std::vector<std::byte> records(kLongStretch * cloud.schema().stride);
   const auto start = Clock::now();
@@ -54,8 +54,8 @@ double seconds_per_row(InputCloud& cloud, const RowStretches& rows, double secon
 constexpr std::uint64_t kSample = 65536;
 constexpr std::size_t kBlock = 8192;
 
-/// Returns the row of stretch `i` that is sampled: any of its rows, so that no period of the file meets the period of
-/// the sample.
+/// Returns the row of stretch `i` that is sampled: a pseudorandom one, so that a period of rows in the file does not
+/// coincide with the period of the sample.
 std::uint64_t sampled_row(std::uint64_t i, std::uint64_t stretches, std::uint64_t rows) {
   const auto start = [&](std::uint64_t s) { return rows / stretches * s + rows % stretches * s / stretches; };
   return start(i) + mix(i) % (start(i + 1) - start(i));

@@ -14,14 +14,14 @@
 
 namespace pointsweep {
 
-/// Rows that are read one after another.
+/// The rows [begin, end).
 struct RowStretch {
   std::uint64_t begin, end;
 };
 
 struct RowStretches {
   std::vector<RowStretch> stretches;  ///< ascending
-  std::uint64_t count = 0;            ///< rows in all of them
+  std::uint64_t count = 0;            ///< number of rows in all stretches
 };
 
 RowStretches all_rows(const InputCloud& cloud);
@@ -39,7 +39,7 @@ struct Extents {
 /// sample. Cost: two dot products per point and view; there are at most 12 views.
 class PossibleViews {
  public:
-  /// `angles`, `up`: fixed by the user; if absent, all choices are possible.
+  /// `angles` and `up` are those that the user has stated; without one, all automatic choices are possible.
   PossibleViews(std::optional<Angles> angles, std::optional<Up> up);
   void include(Vec3 p);
   /// Returns the extents for one of the possible views and a camera of that view.
@@ -51,13 +51,13 @@ class PossibleViews {
     Camera camera;
     Extents extents;
   };
-  std::optional<Vec3> origin_;  ///< the first point, so that map coordinates lose nothing
+  std::optional<Vec3> origin_;  ///< first point, the origin of projections, so that map coordinates lose no digits
   std::vector<Possible> views_;
 };
 
 /// A block of the cloud's points: records and positions.
 struct PointBlock {
-  std::uint64_t first;  ///< number of its first point among the points read
+  std::uint64_t first;  ///< number of the first point of the block among all points that are read
   std::size_t size;
   const std::byte* records;
   std::size_t stride;
@@ -67,14 +67,14 @@ struct PointBlock {
   const std::byte* record(std::size_t i) const { return records + i * stride; }
 };
 
-/// Reads these rows of the cloud once, in their order.
+/// Reads these rows of the cloud once, in their order, and calls visit(block) for each block.
 void for_each_block(InputCloud& cloud, const RowStretches& rows, const std::function<void(const PointBlock&)>& visit);
 
 struct CloudSample {
-  Box bounds;                   ///< bounding box of the finite points
-  std::uint64_t finite = 0;     ///< points
-  std::vector<Vec3> positions;  ///< at most 65,536 finite points, one from each of as many equal stretches of rows
-  std::vector<std::byte> records;  ///< of these positions, one record after another
+  Box bounds;                      ///< bounding box of the finite points
+  std::uint64_t finite = 0;        ///< number of finite points
+  std::vector<Vec3> positions;     ///< at most 65,536 finite points, one from each of as many equal stretches of rows
+  std::vector<std::byte> records;  ///< records of the points of `positions`, one after another
 };
 
 /// Samples the cloud, and shows every record to `color` and every finite point to `views`.

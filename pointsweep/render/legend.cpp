@@ -12,8 +12,8 @@
 namespace pointsweep {
 namespace {
 
-/// The characters from ' ' to '~'. Each is some polylines, separated by blanks; each vertex is two digits, x and y. The
-/// baseline is y = 2, small letters reach 6, capitals 8.
+/// The strokes of the characters from ' ' to '~'. A character consists of polylines, separated by blanks, and a vertex
+/// of two digits, x and y. The baseline is y = 2; small letters reach y = 6, capitals y = 8.
 constexpr std::array<const char*, 95> kStrokes = {
     "", "0804 0202", "0806 2826", "1318 3338 0444 0747", "473818070615354443321203 2921", "0248 0708181707 3233434232",
     "4216172837360403122244", "0806", "19070311", "09171301", "1713 0624 0426", "2327 0545", "1201", "0535", "0202",
@@ -39,7 +39,7 @@ constexpr std::array<const char*, 95> kStrokes = {
     "0622 4610", "06360232",
     // { to ~
     "29181605141221", "0901", "09181625141201", "04153445"};
-constexpr double kHalfStroke = 0.42, kGap = 1.7, kBlank = 3.2;  // units
+constexpr double kHalfStroke = 0.42, kGap = 1.7, kBlank = 3.2;  // in the units of kStrokes
 
 const char* strokes_of(char c) {
   const bool printable = c >= ' ' && c <= '~';

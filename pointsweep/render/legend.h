@@ -11,15 +11,15 @@
 
 namespace pointsweep {
 
-/// Printable ASCII; any other byte is drawn as '?'.
+/// Draws text of printable ASCII; any other byte is drawn as '?'.
 class Lettering {
  public:
   /// `capital` is the height of a capital letter in pixels.
   Lettering(double capital, Rgb color) : unit_(capital / 6), color_(color) {}
 
-  /// Pixels from the left edge of the first letter to the right edge of the last.
+  /// Returns the pixels from the left edge of the first letter to the right edge of the last.
   double width(std::string_view text) const;
-  /// Pixels from one baseline to the next.
+  /// Returns the pixels from one baseline to the next.
   double line_height() const { return 11 * unit_; }
   double capital() const { return 6 * unit_; }
 
@@ -28,18 +28,19 @@ class Lettering {
   void draw(Picture& picture, double x, double baseline, std::string_view text) const;
 
  private:
-  double unit_;  ///< pixels: a sixth of a capital letter
+  double unit_;  ///< a sixth of the height of a capital letter, in pixels
   Rgb color_;
 };
 
-/// Returns the unit of an attribute, by its name: "1/m" for a curvature, "s" for gps_time, empty if it has none or is
-/// unknown. `length` is the unit of the cloud's coordinates, e.g. "m"; if empty, "file unit" is used for it.
+/// Returns the unit of the attribute with this name: "1/m" for a curvature, "s" for gps_time, empty if it has none or
+/// the unit is unknown. `length` is the unit of the cloud's coordinates, e.g. "m"; if it is empty, "file unit" stands
+/// for it.
 std::string unit_of_attribute(std::string_view name, std::string_view length);
 
 /// A bar of colours with numbers, or a list of colours with names.
 struct Legend {
   std::string title;  ///< e.g. "rms_curvature"
-  std::string unit;   ///< e.g. "1/m"; may be empty
+  std::string unit;   ///< unit of the numbers, e.g. "1/m"; empty if they have none or it is unknown
   bool is_bar = false;
   double lo = 0, hi = 1;                             ///< ends of the bar
   std::vector<std::pair<Rgb, std::string>> entries;  ///< entries of the list
@@ -52,8 +53,8 @@ class LegendColumn {
  public:
   LegendColumn(Legend legend, unsigned width, unsigned height, Rgb background);
 
-  /// Returns the number of pixel columns of the legend, at the right edge; 0 if there is none, or if it would take more
-  /// than a third of the picture.
+  /// Returns the number of pixel columns of the legend, at the right edge of the picture; 0 if the legend is empty or
+  /// would take more than a third of the picture.
   unsigned width() const { return width_; }
   /// Fills the column and draws the legend into it.
   void draw(Picture& picture) const;

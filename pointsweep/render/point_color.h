@@ -16,17 +16,18 @@
 
 namespace pointsweep {
 
-/// Used in three phases: constructed from the schema; shown every record (look_at); settled. Then it gives colours.
+/// Chooses the colours of points. It is used in phases: it is made from the schema, then look_at() takes every record,
+/// then settle() makes the choice; after that, operator() returns colours.
 class PointColor {
  public:
   /// `what`: rgb (the file's colours), normal (its components as colours), height (the coordinate that points up),
-  /// curvature (RMS curvature, or what of its kind there is), classification (the standard colours of LAS), plain
-  /// (grey), or the name of an attribute. Empty chooses the first that applies: rgb if it is not the same for all
-  /// points, plain where there are normals and the cloud is not flat, height. `option` is how the caller's
-  /// option is called. Throws UsageError that lists what there is.
+  /// curvature (RMS curvature, or another curvature that the file has), classification (the standard colours of LAS),
+  /// plain (grey), or the name of an attribute. If `what` is empty, the first of these is chosen: rgb if colours differ
+  /// between points; plain if the file has normals and the cloud is not flat; height. `option`: name of the caller's
+  /// option, for messages. Throws UsageError that lists the possible words.
   PointColor(const Schema& schema, std::string_view what, std::string_view option = "--color");
 
-  /// Takes note of the values of colours and classes.
+  /// Notes the range of the record's colours and its class.
   void look_at(const std::byte* record);
 
   /// A sample of the cloud: record i of `stride` bytes belongs to position i.
@@ -35,23 +36,23 @@ class PointColor {
     const std::vector<std::byte>& records;
     std::size_t stride;
   };
-  /// Makes the choice, and sets the range of numbers from the sample (robust_range).
+  /// Makes the choice, and sets the range of numbers from the sample by robust_range().
   void settle(const Sample& sample, Up up, bool flat);
 
   /// Returns the name of the colouring that is used: "rms_curvature", "rgb", ...
   const std::string& name() const { return name_; }
-  /// True where a number of each point decides.
+  /// Returns whether the colours show a number of each point.
   bool is_number() const { return kind_ == Kind::number || kind_ == Kind::height; }
   bool is_class() const { return kind_ == Kind::classes; }
   double number(const std::byte* record, Vec3 position) const {
     return kind_ == Kind::height ? up_.height(position) : value_of(fields_[0], record);
   }
-  /// lo is the dark end of viridis, hi the yellow one.
+  /// Returns the number that the dark end of the colour map viridis shows; hi() returns that of its yellow end.
   double lo() const { return lo_; }
   double hi() const { return hi_; }
-  /// The classes that occur, ascending.
+  /// Returns the classes that occur, ascending.
   std::vector<std::uint8_t> classes() const;
-  /// Returns why the colours of the file are not used; empty if it has none or they are used.
+  /// Returns a sentence that tells why the colours of the file are not used; empty if it has none or they are used.
   const std::string& remark() const { return remark_; }
   /// Returns whether light and shade are added to the colours.
   bool is_shaded() const { return kind_ != Kind::normal; }
@@ -82,8 +83,8 @@ class PointColor {
   double lo_ = 0, hi_ = 1;
 };
 
-/// Returns the 5 % and 95 % quantiles of the finite ones of `values`, so that outliers do not take up the range of
-/// colours; (0, 1) if there are none.
+/// Returns the 5 % and 95 % quantiles of the finite `values`, so that outliers do not take up the range of colours;
+/// (0, 1) if no value is finite.
 std::pair<double, double> robust_range(std::vector<double> values);
 
 }  // namespace pointsweep

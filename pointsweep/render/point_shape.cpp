@@ -17,7 +17,7 @@ Vec3 unit_or_zero(Vec3 v) {
   return std::isfinite(l) && l > 0 ? (1 / l) * v : Vec3{};
 }
 
-/// Some unit vector across `n`.
+/// Returns a unit vector perpendicular to `n`.
 Vec3 across(Vec3 n) {
   const Vec3 axis = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   return unit_or_zero(cross(n, axis));

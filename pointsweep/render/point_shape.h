@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The piece of surface that represents a point in a picture, as good as the file allows, and the local spacing of
-/// points, estimated from a sample of the cloud.
+/// The piece of surface that represents a point in a picture, from the attributes that the file has, and the local
+/// spacing of points, estimated from a sample of the cloud.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,14 @@
 
 namespace pointsweep {
 
-/// Estimates the local spacing of points. Halves the sample along its longest side until 16 points are left. The two
-/// longer sides of their box tell the surface per point, and the distances between them whether they lie in rows or
-/// clumps with gaps. So dense and sparse parts of a scan have their own spacing. Memory and time to build are
-/// proportional to the sample; a look-up is one comparison per halving.
+/// Estimates the local spacing of points. Halves the sample along its longest side until a part has 16 points. The two
+/// longer sides of the box of a part give the area per point, and the distances between its points show whether they
+/// lie in rows or clumps with gaps. So dense and sparse parts of a scan have their own spacing. Memory and time to
+/// build are proportional to the sample; a look-up takes one comparison per halving.
 class SpacingTree {
  public:
-  /// `sample`: represents `points` points of a surface. Without finite points every spacing is 0.
+  /// Builds the tree of a sample that represents `points` points of a surface. Without finite points, every spacing is
+  /// 0.
   SpacingTree(std::vector<Vec3> sample, std::uint64_t points);
 
   /// Returns the side of the square that one point of the cloud occupies around `p`, at most twice the typical distance
@@ -27,9 +28,9 @@ class SpacingTree {
 
  private:
   struct Node {
-    int axis = -1;  ///< -1: a leaf
+    int axis = -1;  ///< axis of the split; -1 for a leaf
     double split = 0;
-    std::uint32_t above = 0;  ///< node of the points not below the split; the node of those below follows its parent
+    std::uint32_t above = 0;  ///< node of the points not below the split; the other child follows its parent
     double spacing = 0;
   };
   void build(std::size_t begin, std::size_t end, double share);
@@ -41,14 +42,14 @@ class SpacingTree {
 /// An ellipse in space.
 struct SurfaceElement {
   Vec3 u, v;    ///< semi-axes
-  Vec3 normal;  ///< unit, or 0 where it is not known
+  Vec3 normal;  ///< unit vector, or 0 if the normal is unknown
 };
 
-/// Lengths.
+/// Radii of discs, in the unit of the cloud.
 struct DiscRadii {
-  double largest_guess;  ///< limit of estimated radii, so that the few points of a sparse place do not look like a
-                         ///< surface
-  double fixed = 0;      ///< fixed radius of every point, drawn as a disc that faces the viewer; 0: none
+  double
+      largest_guess;  ///< limit of estimated radii, so that a few points in a sparse place do not look like a surface
+  double fixed = 0;   ///< radius of every point, drawn as a disc that faces the viewer; 0 for radii from the file
 };
 
 class PointShape {
@@ -64,7 +65,7 @@ class PointShape {
   SurfaceElement operator()(const std::byte* record, Vec3 position) const;
 
  private:
-  /// Fields of one attribute, empty if the file has not all of them.
+  /// The fields of one attribute; empty if the file lacks one of them.
   struct Fields : std::vector<Field> {
     Fields() = default;
     Fields(const Schema& schema, std::initializer_list<const char*> names);

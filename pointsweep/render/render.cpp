@@ -19,11 +19,11 @@ namespace pointsweep {
 namespace {
 
 constexpr double kAmbient = 0.25;
-constexpr double kBulge = 0.3;                                         // in radii, for discs without a normal
-constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;  // guessed radii, of the larger side
-constexpr double kSmallestLimit = 3;                                   // in pixels, for such radii
-constexpr double kSampleSeconds = 100e-9;  // of the canvas, where overlapping discs take time
-constexpr double kFarOutliers = 4;         // spans of all points, in spans of nearly all
+constexpr double kBulge = 0.3;                                         // bulge of discs without a normal, in radii
+constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;  // limits of guessed radii, in longer sides
+constexpr double kSmallestLimit = 3;                                   // least limit of guessed radii, in pixels
+constexpr double kSampleSeconds = 100e-9;  // time for a sample of the canvas under overlapping discs
+constexpr double kFarOutliers = 4;         // ratio of the spans of all and of nearly all points
 constexpr std::uint64_t kMostPixels = 1u << 26;
 
 void check(const RenderOptions& options) {
@@ -65,8 +65,8 @@ double fill_seconds(const RenderOptions& options, unsigned fineness) {
   return kSampleSeconds * options.width * options.height * fineness * fineness;
 }
 
-/// Samples along each side of a pixel: fewer for large pictures, whose edges need them less, and where there is not
-/// much time.
+/// Returns the number of samples along each side of a pixel: fewer for large pictures, whose edges need them less, and
+/// if the time limit is short.
 unsigned fineness_of(const RenderOptions& options) {
   const std::uint64_t pixels = std::uint64_t{options.width} * options.height;
   unsigned fineness = pixels <= (1u << 22) ? 3 : pixels <= (1u << 24) ? 2 : 1;
@@ -92,7 +92,8 @@ View view_of(const RenderOptions& options, const InputCloud& cloud, const std::v
   return {options.angles ? *options.angles : is_flat(sample, up) ? kTop : kThreeQuarter, up};
 }
 
-/// Sets heights to 0. Seen from above, the spacing on the map counts: a crown of leaves must not become large discs.
+/// Sets heights to 0, for a view from above: discs then follow the spacing on the map, so that the leaves of a crown do
+/// not become large discs.
 void flatten(std::vector<Vec3>& positions, Up up) {
   for (Vec3& p : positions) p[up.axis] = 0;
 }
@@ -110,7 +111,7 @@ Legend legend_of(const PointColor& color, const RenderOptions& options) {
   return legend;
 }
 
-/// A light from above the viewer's left shoulder. Surfaces have no back: the side that is seen is lit.
+/// A light from above the viewer's left shoulder. Surfaces have no back: the visible side is lit.
 class Light {
  public:
   explicit Light(const Camera& camera) : toward_(camera.toward) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The distance between neighbouring points of a cloud at every place, estimated from a sample of the cloud.
+/// The tree that estimates the distance between neighbouring points at every place from a sample of the cloud.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -49,7 +49,7 @@ void SpacingTree::build(std::size_t begin, std::size_t end, double share) {
   nodes_.emplace_back();
   const int axis = box.longest_axis();
   if (count <= kLeaf || box.extent()[axis] <= 0) {
-    // n points in a row have n - 1 gaps, which matters for few points.
+    // n points in a row have n - 1 gaps. The difference matters for few points.
     const double gaps = std::sqrt(static_cast<double>(std::max<std::size_t>(count, 1))) - 0.5;
     if (count > 1 && count <= kLeaf) {
       const double side = std::sqrt(area_of(box, count)) / gaps;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kMargin = 0.03;
 
-/// The Taylor series, for any angle: 3e-16 near 0, 1e-13 at 180 degrees.
+/// Returns the sine of any angle by the Taylor series, with an error of 3e-16 near 0 and 1e-13 at 180 degrees.
 double sine(double degrees) {
   const double x = (degrees - 360 * std::floor(degrees / 360 + 0.5)) * (std::numbers::pi / 180);
   double term = x, sum = x;
@@ -41,9 +41,9 @@ bool parse_number(std::string_view text, double& value) {
   return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
 }
 
-constexpr double kOutliers = 0.001;  // share of the points at either end
+constexpr double kOutliers = 0.001;  // share of the points that extents leave out at either end
 constexpr double kFlatness = 0.25;
-constexpr double kFootHeight = 0.02;  // in parts of the extent
+constexpr double kFootHeight = 0.02;  // height of the lowest layer of points, as a share of the extent
 constexpr double kPreferenceForZ = 1.25, kLeastFooting = 0.25;
 
 struct Range {
@@ -76,12 +76,12 @@ bool is_flat(const std::array<Range, 3>& ranges, int axis) {
 
 using Point2 = std::pair<double, double>;
 
-/// Twice the area of the triangle a, b, c; positive if it turns to the left.
+/// Returns twice the area of the triangle a, b, c; positive if the path a, b, c turns to the left.
 double turn(Point2 a, Point2 b, Point2 c) {
   return (b.first - a.first) * (c.second - a.second) - (b.second - a.second) * (c.first - a.first);
 }
 
-/// The area of the convex hull (monotone chain, Andrew 1979).
+/// Returns the area of the convex hull of the points (monotone chain, Andrew 1979).
 double hull_area(std::vector<Point2> points) {
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());

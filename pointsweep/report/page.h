@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A page that is one file: plots inside, pictures inside, nothing to load.
+/// An HTML page in one file, which contains its plots and pictures and loads nothing else.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// RFC 4648, with padding.
+/// Returns the bytes in Base64 (RFC 4648), with padding.
 std::string to_base64(std::span<const std::byte> bytes);
 
 class Page {
@@ -19,11 +19,11 @@ class Page {
 
   void heading(const std::string& text);
   void paragraph(const std::string& text);
-  /// Two columns, escaped.
+  /// Adds a table with two columns of text.
   void table(const std::vector<std::pair<std::string, std::string>>& rows);
-  /// An SVG as plot.h makes it.
+  /// Adds a plot, an SVG made by a function of plot.h.
   void plot(const std::string& svg);
-  /// Adds a plot with a caption below it. Figures stand side by side where there is room.
+  /// Adds a plot with a caption below it. Successive figures stand side by side if the page is wide enough.
   void figure(const std::string& svg, const std::string& caption);
   void picture(std::span<const std::byte> png, const std::string& caption);
 

@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::array<const char*, 6> kCurvatures = {
     "rms_curvature", "mean_curvature", "absolute_curvature", "k1", "surface_variation", "gaussian_curvature"};
-/// Operators whose results are places and lists, not quantities of a point.
+/// Operators whose results are positions and lists, so that they give no quantity of a point to show.
 constexpr std::array<std::string_view, 4> kNotPictured = {"neighbors", "fair", "reneighbor", "resort"};
-/// Beginnings of names that are parts of vectors or of lists.
+/// Beginnings of the names of fields that are parts of vectors or of lists.
 constexpr std::array<std::string_view, 6> kParts = {"splat_",     "k1_",       "normal_eigenvalue",
                                                     "neighbor_0", "distance_", "normal"};
 
@@ -25,7 +25,8 @@ bool is_part(std::string_view name) {
          std::any_of(kParts.begin(), kParts.end(), [&](std::string_view part) { return name.starts_with(part); });
 }
 
-/// `made`: fields of the output.
+/// Returns the colouring that shows the results of the operator `op`; empty if it has none to show. `made`: the fields
+/// of the output that operators have made.
 std::string shown_by(std::string_view op, const std::vector<std::string>& made, const Schema& output) {
   if (op == "normals" || op == "splats") return output.find("nx") ? "plain" : "";
   if (op == "curvature") {

@@ -35,7 +35,7 @@ std::string text_at(double x, double y, const char* anchor, const std::string& t
   return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor, escaped(text));
 }
 
-/// Grid, numbers and labels of both axes.
+/// Returns the grid, numbers and labels of both axes as SVG.
 std::string frame_of(const PlotText& text, const Scale& x, const Scale& y) {
   std::string svg;
   const double bottom = kHeight - kBottom;

@@ -18,12 +18,12 @@ struct Tick {
 /// The scale of a plot, from values to places: a linear or logarithmic axis over [lo, hi], drawn from `begin` to `end`.
 class Scale {
  public:
-  /// Logarithmic: lo and hi must be positive. An empty range is widened.
+  /// Makes a scale. For a logarithmic one, `lo` and `hi` must be positive. An empty range is widened.
   Scale(double lo, double hi, double begin, double end, bool logarithmic = false);
 
   double place(double value) const;
-  /// About `wanted` of them at 1, 2 or 5 times a power of ten; powers of ten (with 2 and 5 where these are few) if
-  /// logarithmic.
+  /// Returns about `wanted` ticks at 1, 2 or 5 times a power of ten. On a logarithmic scale they are powers of ten, and
+  /// their multiples by 2 and 5 if the powers alone are few.
   std::vector<Tick> ticks(int wanted) const;
 
  private:
@@ -40,33 +40,34 @@ struct PlotText {
 
 struct Series {
   std::string name;
-  std::vector<std::pair<double, double>> points;  ///< x ascending
+  std::vector<std::pair<double, double>> points;  ///< x and y of each point, ascending by x
 };
 
-/// Lines over linear axes from 0. Points that are not finite are left out.
+/// Returns a plot of lines over linear axes that begin at 0. Points that are not finite are left out.
 std::string line_plot(const PlotText& text, const std::vector<Series>& series);
 
 struct Bar {
   std::string name;
   double value;       ///< not negative
-  std::string label;  ///< written after the bar
+  std::string label;  ///< text after the bar
 };
-/// Returns horizontal bars, one below another.
+/// Returns a plot of horizontal bars, one below another.
 std::string bar_plot(const std::string& title, const std::vector<Bar>& bars);
 
-/// Counts in bins that touch each other.
+/// A named histogram: a count for each of successive bins.
 struct Histogram {
   std::string name;
   std::vector<double> counts;
 };
-/// Outlines over a logarithmic x axis: bin i is edges[i] .. edges[i+1], all positive.
+/// Returns a plot of the outlines of histograms over a logarithmic x axis. Bin i is edges[i] .. edges[i+1]; all edges
+/// are positive.
 std::string histogram_plot(const PlotText& text, const std::vector<double>& edges,
                            const std::vector<Histogram>& histograms);
 
-/// Small bars that touch each other over a linear x axis: bin i is edges[i] .. edges[i+1].
+/// Returns a small plot of adjacent bars over a linear x axis. Bin i is edges[i] .. edges[i+1].
 std::string value_plot(const std::string& title, const std::vector<double>& edges, const std::vector<double>& counts);
 
-/// & < > " as entities.
+/// Returns the text with & < > " as HTML entities.
 std::string escaped(std::string_view text);
 
 }  // namespace pointsweep

@@ -16,8 +16,9 @@ namespace {
 
 constexpr std::size_t kBins = 48;
 constexpr std::uint32_t kPercents[] = {0, 5, 25, 50, 75, 95, 100};
-constexpr double kLargestWhole = 1e15;  ///< beyond it, whole numbers are not all doubles
-/// One in this many values on either side lies beyond the evenly divided range; the first and the last bin count these.
+constexpr double kLargestWhole = 1e15;  ///< limit below which every whole number is exact as a double
+/// The reciprocal of the share of values on either side that lie outside of the evenly divided range of a histogram.
+/// The first and the last bin count these values.
 constexpr std::uint32_t kOneBeyond = 200;
 
 double quantile(const std::vector<double>& sorted, std::uint32_t part, std::uint32_t whole = 100) {
@@ -107,7 +108,7 @@ std::string distances(const Statistics& s) {
   for (const DistanceBin& bin : s.neighbor_distances) {
     if (bin.from <= 0) continue;
     edges.push_back(bin.from);
-    const double octaves = std::log2(bin.to / bin.from);  // bins differ in width
+    const double octaves = std::log2(bin.to / bin.from);  // counts per octave, since bins differ in width
     nearest.counts.push_back(static_cast<double>(bin.nearest) / octaves);
     farthest.counts.push_back(static_cast<double>(bin.farthest) / octaves);
   }
@@ -192,7 +193,7 @@ void add_picture(const RunSummary& summary, Page& page) {
   page.picture(to_png(r.picture), caption);
 }
 
-/// "least 0, 5 % 0.1, 25 % 0.2, median 0.3, 75 % 0.4, 95 % 0.5, greatest 1; 3 undefined"
+/// Returns a text like "least 0, 5 % 0.1, 25 % 0.2, median 0.3, 75 % 0.4, 95 % 0.5, greatest 1; 3 undefined".
 std::string quantiles_text(const ValueSummary& m) {
   const auto& p = m.quantiles;
   std::string text = m.edges.empty() ? "no value is defined"

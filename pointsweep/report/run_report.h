@@ -15,15 +15,16 @@
 
 namespace pointsweep {
 
-/// The numbers that a run has made, in few words and a histogram.
+/// A summary of the numbers in one field that a run has made: quantiles and a histogram.
 struct ValueSummary {
   std::string name = {};        ///< name of the field, e.g. "nx" or "mean_curvature"
-  std::string unit = {};        ///< e.g. "1/m"; empty: none, or unknown
+  std::string unit = {};        ///< unit of the numbers, e.g. "1/m"; empty if they have none or it is unknown
   std::uint64_t values = 0;     ///< number of values read
   std::uint64_t undefined = 0;  ///< number of NaN and infinite values among them
-  /// Least, 5 %, 25 %, 50 %, 75 %, 95 %, greatest of the others (quantile_rank()).
+  /// Least, 5 %, 25 %, 50 %, 75 %, 95 % quantile (by quantile_rank()) and greatest of the finite values.
   std::array<double, 7> quantiles{};
-  /// Bin i is edges[i] .. edges[i + 1]; the first and the last also count values beyond. Empty without a value.
+  /// Edges and counts of the histogram. Bin i is edges[i] .. edges[i + 1]; the first and the last bin also count values
+  /// beyond their outer edges. Both are empty if no value is finite.
   std::vector<double> edges = {}, counts = {};
 };
 
@@ -35,14 +36,14 @@ std::vector<ValueSummary> value_summaries(const Schema& schema, std::span<const 
 struct RunSummary {
   std::string title;           ///< e.g. "normals of scan.ply"
   std::string inputs, output;  ///< names of files
-  std::string crs;             ///< the coordinate reference system in words; empty: not stated
-  std::string unit;            ///< unit of the cloud's lengths; empty: unknown
+  std::string crs;             ///< coordinate reference system in words; empty if the cloud states none
+  std::string unit;            ///< unit of the cloud's lengths; empty if unknown
   std::string command;         ///< the command line, as a shell takes it
   std::string version;         ///< version of the program, e.g. "pointsweep 0.1.0"
   Statistics statistics;
   std::optional<Rendering> picture;  ///< picture of the result
   double drawing_seconds = 0;        ///< time to read the result and draw the picture
-  std::vector<ValueSummary> made;    ///< for the result
+  std::vector<ValueSummary> made;    ///< summary of each field that the run has made
 };
 
 /// Returns one self-contained HTML page. The result comes first: inputs and outputs, warnings, a picture, a histogram
