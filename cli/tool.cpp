@@ -31,7 +31,8 @@ int fail_with(int status, const std::string& sentence) {
   return status;
 }
 
-/// "pointsweep voxel" asks for an operator as "pointsweep help voxel" does, unless a verb has its name.
+/// Returns whether the command line is the name of an operator alone: "pointsweep voxel" means "pointsweep help voxel",
+/// unless a verb has this name.
 bool names_operator_alone(const CLI::App& app, int argc, char** argv) {
   return argc == 2 && find_verb(app, argv[1]) == nullptr && !command_of_operator(argv[1]).empty();
 }
@@ -70,7 +71,8 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
   }
 }
 
-/// The arguments with known_place() in place of each URL: a password or a signature gets no farther.
+/// The arguments of the command line, with each URL replaced by known_place(): passwords and signatures are removed
+/// here.
 class KnownArguments {
  public:
   KnownArguments(int argc, char** argv) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The commit of the build. This file holds nothing else, because it is compiled again after every commit.
+// The commit of the build. This file contains nothing else, because it is compiled again after every commit.
 #include "cli/console/program.h"
 
 namespace pointsweep {

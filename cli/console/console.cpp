@@ -17,7 +17,7 @@ int first_error = 0;
 
 constexpr std::string_view kNames[] = {"error", "warning", "note"};
 
-/// Returns 0 or the errno of the failure.
+/// Writes the whole text to a descriptor. Returns 0 or the errno of a failure.
 int write_all(int descriptor, std::string_view text) {
   while (!text.empty()) {
     const ssize_t written = ::write(descriptor, text.data(), text.size());
@@ -29,7 +29,7 @@ int write_all(int descriptor, std::string_view text) {
   return 0;
 }
 
-/// open() takes the lowest free number, so that each closed descriptor is replaced at its own number.
+/// Opens /dev/null at the number of a closed descriptor. This relies on open(), which takes the lowest free number.
 void take_place_of_closed(int descriptor) {
   if (::fcntl(descriptor, F_GETFD) < 0) ::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Output of the tool: texts on standard output, sentences on standard error. No function here throws. A text or
-/// sentence that cannot be written changes the status of a verb in one case only: a full standard output is an error.
+/// Output of the tool: texts on standard output, sentences on standard error. No function here throws. A sentence that
+/// cannot be written has no effect on the exit status of a verb; a text only if standard output cannot be written, for
+/// example because a disk is full (printing_error()).
 #pragma once
 
 #include <cstddef>
@@ -10,9 +11,9 @@
 
 namespace pointsweep {
 
-/// Readies standard input, output and error, at the start of main(). A closed one gets a descriptor that can neither be
-/// read nor written, so that no file of a run takes its place; a reader that goes away and a limit on the size of files
-/// become errors of writing instead of signals.
+/// Prepares standard input, output and error at the start of main(). A closed stream gets a descriptor that can neither
+/// be read nor written, so that no file of a run takes its number. A reader that has ended, and a limit on the size of
+/// files, become errors of writing instead of signals.
 void open_console();
 
 /// Writes a text to standard output. If that is closed, or its reader has ended, the text is dropped.
@@ -21,17 +22,17 @@ void print(std::string_view text);
 /// Returns the width of lines on standard output: that of the terminal, at most 100; 80 without a terminal.
 std::size_t text_columns();
 
-/// The first error of print() other than a closed standard output, as errno; 0 if there was none.
+/// Returns the errno of the first failure of print() other than a closed standard output; 0 without a failure.
 int printing_error();
 
 /// Severity of a sentence to the user. error: the run failed. warning: the result may not be what the user meant. note:
 /// information about what was done.
 enum class Severity : std::uint8_t { error, warning, note };
 
-/// Returns the line on standard error for a sentence: "warning: a.las: ..." and a line break.
+/// Returns the line that report() writes for a sentence: "warning: a.las: ..." and a line break.
 std::string message_line(Severity severity, std::string_view sentence);
 
-/// Writes a sentence to standard error, if that can be written.
+/// Writes a sentence to standard error. A failure is ignored.
 void report(Severity severity, std::string_view sentence);
 
 }  // namespace pointsweep

@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr long kPatience = 700'000'000;  ///< ns between the signal and the hard end
+constexpr long kPatience = 700'000'000;  ///< nanoseconds between the first signal and the end of the process
 
 std::atomic<int> came{0};
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch nothing else");
@@ -28,8 +28,8 @@ void remember(int signal) {
   if (has_timer) timer_settime(hard_end_timer, 0, &once, nullptr);
 }
 
-/// The run did not stop by itself: it waits for a disk, or an operator takes long. An alarm that no interruption has
-/// set is ignored.
+/// Ends the process when the timer of the first signal expires: the run has not stopped, because it waits for a disk or
+/// an operator takes long. An alarm that no interruption has set is ignored.
 void end_at_once(int) {
   if (interrupting_signal() == 0) return;
   remove_leftovers();
@@ -39,7 +39,7 @@ void end_at_once(int) {
 }
 
 void set_timer() {
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_handler = end_at_once;
   sigevent event{};
   event.sigev_notify = SIGEV_SIGNAL;
@@ -52,9 +52,9 @@ void set_timer() {
 void catch_interrupts() {
   set_timer();
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction present {};
+    struct sigaction present{};
     if (sigaction(signal, nullptr, &present) != 0 || present.sa_handler == SIG_IGN) continue;
-    struct sigaction action {};
+    struct sigaction action{};
     action.sa_handler = remember;
     action.sa_flags = static_cast<int>(SA_RESTART | SA_RESETHAND);
     sigaction(signal, &action, nullptr);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Ctrl-C and similar signals: the first asks the run to stop cleanly, the second ends it as the system does.
+/// Ctrl-C and similar signals: the first signal asks the run to stop cleanly, the second one has the system's default
+/// effect and ends the process.
 #pragma once
 
 #include "pointsweep/cancellation.h"
@@ -10,10 +11,10 @@ namespace pointsweep {
 /// the process still runs 0.7 s later, because it waits for a disk or an operator of the user does not return,
 /// unfinished files are removed and the process ends with status 128 + signal.
 void catch_interrupts();
-/// The signal that came, 0 if none.
+/// Returns the number of the signal that came; 0 if none has come.
 int interrupting_signal();
 inline bool interrupted() { return interrupting_signal() != 0; }
-/// Cancelled by the first signal.
+/// Returns the token that the first signal cancels.
 const CancellationToken& interrupt_token();
 
 }  // namespace pointsweep

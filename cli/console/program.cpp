@@ -13,7 +13,7 @@
 namespace pointsweep {
 namespace {
 
-/// "GCC 12.2.0"
+/// Returns a text like "GCC 12.2.0".
 std::string compiler() {
 #if defined(__clang__)
   return fmt::format("Clang {}.{}.{}", __clang_major__, __clang_minor__, __clang_patchlevel__);

@@ -129,7 +129,7 @@ std::string zsh_case(const DeclaredVerb& verb) {
   return text + "\n      ;;\n";
 }
 
-/// The values that fish offers after an option or as an argument.
+/// Returns the values that fish offers after an option or as an argument.
 std::string fish_values(const DeclaredOption& option) {
   switch (option.offer) {
     case Offer::words:

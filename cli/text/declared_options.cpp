@@ -41,7 +41,7 @@ std::vector<std::string> names_of_verbs(const CLI::App& app) {
   return names;
 }
 
-/// Sets the offer from the name of an argument, as the verbs call it.
+/// Sets the kind of completions of an argument from the name that its verb gives it.
 void set_offer_of_argument(DeclaredOption& argument, const CLI::App& app) {
   const std::string& name = argument.value;
   argument.offer = Offer::words;
@@ -52,7 +52,7 @@ void set_offer_of_argument(DeclaredOption& argument, const CLI::App& app) {
   if (argument.words.empty()) argument.offer = Offer::files;
 }
 
-/// Sets the offer from the name of the value: "input|sweep" are the words themselves.
+/// Sets the kind of completions of an option from the name of its value: a name like "input|sweep" lists the words.
 void set_offer_of_option(DeclaredOption& option) {
   const std::vector<std::string> names = split_words(option.value, '|');
   const auto says = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };
@@ -78,7 +78,7 @@ DeclaredOption declared_option(const CLI::Option& option, const CLI::App& app) {
   return declared;
 }
 
-/// "pointsweep normals [OPTIONS] IN... OUT", as the help says.
+/// Returns the usage line of a verb as in its help: "pointsweep normals [OPTIONS] IN... OUT".
 std::string usage_of(const CLI::App& verb, const CLI::App& app) {
   std::istringstream usage(HelpFormatter().make_usage(&verb, app.get_name() + " " + verb.get_name()));
   std::string text, word;

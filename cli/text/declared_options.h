@@ -21,8 +21,8 @@ enum class Offer : std::uint8_t {
 };
 
 struct DeclaredOption {
-  std::vector<std::string> flags;  ///< "-q", "--quiet"; empty for an argument
-  std::string value;               ///< "N", "input|sweep", of an argument "IN... OUT"; empty: it has no value
+  std::vector<std::string> flags;  ///< names such as "-q" and "--quiet"; empty for an argument
+  std::string value;               ///< name of the value, e.g. "N", "input|sweep" or "IN... OUT"; empty without a value
   std::string meaning;
   Offer offer = Offer::nothing;
   std::vector<std::string> words = {};
@@ -30,7 +30,7 @@ struct DeclaredOption {
 
 struct DeclaredVerb {
   std::string name, meaning;
-  std::string usage;  ///< "pointsweep normals [OPTIONS] IN... OUT"
+  std::string usage;  ///< usage line, e.g. "pointsweep normals [OPTIONS] IN... OUT"
   std::vector<DeclaredOption> arguments, options;
   std::string footer;
 };
@@ -40,19 +40,19 @@ std::vector<DeclaredVerb> declared_verbs(const CLI::App& app);
 /// Returns the options of the tool itself, outside of the verbs.
 std::vector<DeclaredOption> options_of_tool(const CLI::App& app);
 
-/// `text` up to the first parenthesis, semicolon or end of a sentence.
+/// Returns `text` up to the first parenthesis, semicolon or end of a sentence.
 std::string first_clause(const std::string& text);
 
-/// Needs no bash-completion package; bash 4 or later.
+/// Returns a script for bash 4 or later, which needs no bash-completion package.
 std::string bash_completion(const CLI::App& app);
 /// Returns a zsh script to be sourced after compinit, or stored as `_pointsweep` in a folder of $fpath.
 std::string zsh_completion(const CLI::App& app);
-/// fish 3 or later.
+/// Returns a script for fish 3 or later.
 std::string fish_completion(const CLI::App& app);
 
 /// Returns pointsweep(1): the purpose of the tool, its verbs, its exit status.
 std::string man_page_of_tool(const CLI::App& app);
-/// pointsweep-VERB(1). Empty if there is no such verb.
+/// Returns the manual page pointsweep-VERB(1); empty if the tool has no such verb.
 std::string man_page_of_verb(const CLI::App& app, std::string_view verb);
 
 }  // namespace pointsweep

@@ -14,8 +14,8 @@
 namespace pointsweep {
 namespace {
 
-/// "ascending along x", "descending along y and z", "not ascending along x, y or z". An axis along which nothing
-/// changes is in no order.
+/// Returns a text such as "ascending along x", "descending along y and z" or "not ascending along x, y or z". An axis
+/// on which all coordinates are equal counts as unordered.
 std::string order_text(const FileSummary& summary) {
   std::string text;
   const Vec3 extent = summary.bounds.extent();
@@ -39,7 +39,7 @@ bool is_coordinate(const Schema& schema, std::size_t field) {
   return is("x") || is("y") || is("z");
 }
 
-/// Scale and offset of coordinates that files store as integers.
+/// Returns lines with the scale and offset of coordinates that the file stores as integers.
 std::string storage_text(const Schema& schema) {
   const PositionFields p = position_fields(schema, "");
   if (p.x.scale == 1 && p.y.scale == 1 && p.z.scale == 1 && p.x.bias == 0 && p.y.bias == 0 && p.z.bias == 0) return {};
@@ -110,7 +110,8 @@ std::string ranges_text(const Schema& schema, const FileSummary& s) {
   return text.empty() ? text : "  ranges\n" + text;
 }
 
-/// "EPSG:25832", with the code of the heights if there is one; the name of a system without a code.
+/// Returns the code of a coordinate reference system, e.g. "EPSG:25832", with the code of its heights if it states one;
+/// the name of a system without a code; "-" for none.
 std::string cell_of(const std::optional<Crs>& crs) {
   if (!crs) return "-";
   if (crs->epsg != 0)
@@ -127,7 +128,7 @@ std::string cell_of_axis(const Box& bounds, int axis) {
   return fmt::format("{:.{}f} .. {:.{}f}", lo, decimals, hi, decimals);
 }
 
-/// The number, from 1, of a list of attributes, which is new or known.
+/// Returns the number, from 1, of a list of attributes in `lists`, and adds a new list at the end.
 std::size_t number_of(std::vector<std::string>& lists, const std::string& list) {
   const auto at = std::ranges::find(lists, list);
   const auto number = static_cast<std::size_t>(at - lists.begin()) + 1;
@@ -147,7 +148,7 @@ std::vector<std::string> line_of(const FileSummary& file, std::vector<std::strin
 
 std::string text_of_class(std::uint8_t code) { return fmt::format("{} {}", code, name_of_las_class(code)); }
 
-/// Runs of one type are named together.
+/// Returns the names of the attributes, with one type for successive attributes of equal type.
 std::string attribute_text(const Schema& schema) {
   std::string text;
   for (std::size_t f = 0; f < schema.fields.size(); ++f) {
@@ -207,8 +208,8 @@ std::optional<double> FileTotals::density() const {
 }
 
 std::string FileTotals::text(const std::vector<std::string>& inconsistencies) const {
-  std::string text = unreadable_ == 0 ? fmt::format("all {} files\n", readable_)
-                                      : fmt::format("{} of {} files\n", readable_, files());
+  std::string text =
+      unreadable_ == 0 ? fmt::format("all {} files\n", readable_) : fmt::format("{} of {} files\n", readable_, files());
   text += to_text(points_, bounds_);
   if (const auto all = density()) text += fmt::format("  density     {:.4g} points per square unit of x and y\n", *all);
   if (of_headers_) text += "  read        the headers alone, which state the bounds\n";

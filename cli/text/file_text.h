@@ -15,15 +15,15 @@
 namespace pointsweep {
 
 std::string to_text(const FileSummary& summary);
-/// "x y z float32, intensity uint16".
+/// Returns a text like "x y z float32, intensity uint16".
 std::string attribute_text(const Schema& schema);
-/// "2 Ground": a class of LAS.
+/// Returns the code and the name of a class of LAS, e.g. "2 Ground".
 std::string text_of_class(std::uint8_t code);
 /// Returns only the lines about points and bounds.
 std::string to_text(std::uint64_t points, const Box& bounds);
 
-/// A line for each file with points, bounds, density and coordinate reference system, and below them the lists of
-/// attributes that the last column counts.
+/// A table with a line for each file: points, bounds, density, coordinate reference system, and the number of its list
+/// of attributes. The numbered lists follow below.
 class FileTable {
  public:
   void add(const FileSummary& file);

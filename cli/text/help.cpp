@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kLeftColumns = 30;  // width of names, to the left of their meanings
 
-/// Returns the number of characters, of which UTF-8 may take several bytes each.
+/// Returns the number of characters of a text in UTF-8, in which a character may take several bytes.
 std::size_t columns_of(std::string_view text) {
   std::size_t columns = 0;
   for (const char c : text) columns += (static_cast<unsigned char>(c) & 0xc0) != 0x80;

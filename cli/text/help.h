@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Layout of help: the width of the terminal, flags in groups, plain names, and IN... OUT where a verb takes its output
-/// as the last file; errors of the command line as sentences.
+/// Layout of help: lines as wide as the terminal, flags in groups, plain names, and IN... OUT for a verb whose last
+/// file is its output; errors of the command line as sentences.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -12,9 +12,9 @@
 
 namespace pointsweep {
 
-inline constexpr const char* kInputsAndOutput = "FILES";  ///< the parser sees IN... OUT as one list of this name
+inline constexpr const char* kInputsAndOutput = "FILES";  ///< name of the list that holds IN... OUT for the parser
 
-/// Groups of flags, in the order of the help. The first holds what only one verb or a few have.
+/// Groups of flags, in the order of the help. The first group holds flags that only one verb or a few have.
 inline constexpr const char* kOwnGroup = "Options";
 inline constexpr const char* kNeighborGroup = "Neighbours";
 inline constexpr const char* kOutputGroup = "Output";
@@ -52,7 +52,7 @@ std::string usage_sentence(const CLI::App& app, const CLI::ParseError& error);
 /// Returns the verb; null if no verb has that name.
 const CLI::App* find_verb(const CLI::App& app, const std::string& name);
 
-/// "'norml' is not a verb. Did you mean 'normals'?"
+/// Returns a sentence like "'norml' is not a verb. Did you mean 'normals'?".
 std::string unknown_verb_sentence(const CLI::App& app, const std::string& word);
 
 }  // namespace pointsweep

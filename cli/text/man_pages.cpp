@@ -42,7 +42,7 @@ std::string page_head(const std::string& name, const std::string& meaning) {
                      version_number(), roff(name), roff(meaning));
 }
 
-/// "-q, --quiet", "--order input|sweep"
+/// Returns the names and the value of an option: "-q, --quiet", "--order input|sweep".
 std::string option_title(const DeclaredOption& option) {
   std::string title;
   for (const std::string& flag : option.flags) title += (title.empty() ? "" : ", ") + bold(flag);
@@ -57,7 +57,8 @@ std::string option_list(const char* section, const std::vector<DeclaredOption>& 
   return text;
 }
 
-/// Lines that begin with a blank (examples, tables) are copied unchanged; the others are paragraphs.
+/// Returns the footer of a help as a section. Lines that begin with a blank (examples, tables) are copied unchanged;
+/// the other lines form paragraphs.
 std::string notes(const std::string& footer, const char* section) {
   std::istringstream in(footer);
   std::string text, line;

@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// An operator, or the stage knn, with what its contract says where all options have their presets.
+/// An operator, or the stage knn, and its contract with the default values of all options.
 struct ListedOperator {
   OperatorDeclaration declaration;  ///< knn has no maker
   Contract contract = {};
@@ -31,14 +31,15 @@ std::vector<ListedOperator> listed_operators(const std::vector<std::string>& nam
 /// Returns the help of an operator or of knn for the terminal, with a command that runs it; empty if no operator has
 /// that name.
 std::string help_of_operator(const std::string& name);
-/// "pointsweep run IN... OUT --pipeline 'voxel(0.5)'"; empty where no operator has that name.
+/// Returns a command that runs the operator, e.g. "pointsweep run IN... OUT --pipeline 'voxel(0.5)'"; empty if no
+/// operator has that name.
 std::string command_of_operator(const std::string& name);
 
 /// Returns the listing as text for the terminal.
 std::string to_text(const std::vector<ListedOperator>& operators);
-/// An array of objects; docs/pipelines as JSON use the same names and values.
+/// Returns the listing as a JSON array of objects, whose names and values are those of pipelines in JSON.
 std::string to_json(const std::vector<ListedOperator>& operators);
-/// docs/operators.md.
+/// Returns the text of docs/operators.md.
 std::string to_markdown(const std::vector<ListedOperator>& operators);
 /// Returns the table of docs/attributes.md, including the attributes of the verb neighbors.
 std::string attributes_markdown();

@@ -27,7 +27,7 @@ std::string cell(std::string text) {
   return text;
 }
 
-/// "1/length^2" with a raised digit.
+/// Returns a unit such as "1/length^2" with raised digits instead of ^2 and ^3.
 std::string unit_text(std::string unit) {
   for (const auto& [power, digit] : {std::pair("^2", "²"), std::pair("^3", "³")})
     if (const std::size_t at = unit.find(power); at != unit.npos) unit.replace(at, 2, digit);
@@ -113,7 +113,7 @@ std::string line_unless_empty(const char* title, const std::string& text) {
   return text.empty() ? "" : fmt::format("- {}: {}\n", title, sentence(text));
 }
 
-/// Returns a code block. Browsers do not wrap its lines, so long ones are broken here.
+/// Returns the formula as a code block. Long lines are broken, since browsers do not wrap the lines of a code block.
 std::string formula_block(const std::string& formula) {
   if (formula.empty()) return "";
   std::istringstream lines(formula);
@@ -133,7 +133,7 @@ std::string section(const ListedOperator& listed) {
   return text + (d.example.empty() ? "" : fmt::format("- Example: `{}`\n", d.example)) + "\n";
 }
 
-/// "same" where the only field bears the name of the attribute.
+/// Returns the fields of an attribute; "same" if its only field has the name of the attribute.
 std::string fields_text(const Attribute& attribute) {
   if (!attribute.is_list()) return "same";
   std::string text;

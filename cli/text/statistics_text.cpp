@@ -30,7 +30,7 @@ std::string number_text(const std::optional<AttributeValue>& value, Type type) {
   return value ? number_text(*value, type) : "-";
 }
 
-/// "2 Ground", or "2" of other attributes than classes.
+/// Returns the name of a group: "2 Ground" for a class, "2" for values of other attributes.
 std::string name_of_group(const PointGroup& group, const std::string& by) {
   const auto* const code = std::get_if<std::int64_t>(&*group.value);
   if (by == "classification" && code != nullptr && *code >= 0 && *code < 256)

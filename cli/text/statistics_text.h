@@ -8,7 +8,8 @@
 
 namespace pointsweep {
 
-/// The points of each group, a line for each attribute of each group, and histograms with bars.
+/// Returns tables with the number of points of each group and a line for each attribute of each group, and histograms
+/// with bars.
 std::string to_text(const PointStatistics& statistics);
 
 }  // namespace pointsweep

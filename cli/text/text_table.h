@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// Headings and lines of cells.
+/// A table: headings and lines of cells.
 class TextTable {
  public:
   /// `left`: the columns that are aligned to the left; all others are aligned to the right.
@@ -17,7 +17,7 @@ class TextTable {
       : left_(std::move(left)), indent_(std::move(indent)), lines_{std::move(headings)} {}
   /// Adds a line with at most as many cells as there are headings.
   void add(std::vector<std::string> line) { lines_.push_back(std::move(line)); }
-  /// The headings, then the lines.
+  /// Returns the headings, then the lines.
   std::string text() const;
 
  private:

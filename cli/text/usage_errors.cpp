@@ -22,7 +22,7 @@ std::vector<std::string> verbs_of(const CLI::App& app) {
   return names;
 }
 
-/// A verb of other programs, and the command here that does the same.
+/// A verb of other programs, and the command of pointsweep that does the same.
 struct OtherVerb {
   std::string_view word, command;
 };
@@ -52,7 +52,7 @@ std::vector<std::string> options_of(const CLI::App& verb) {
   return names;
 }
 
-/// The dashes of a long option are no letters of its name.
+/// Returns a sentence about an unknown option, with the option that was probably meant. Leading dashes do not count.
 std::string unknown_option_sentence(const CLI::App& verb, const std::string& word) {
   const std::string given = word.substr(0, word.find('='));
   const std::string bare = given.substr(std::min(given.find_first_not_of('-'), given.size()));
@@ -64,7 +64,7 @@ std::string unknown_option_sentence(const CLI::App& verb, const std::string& wor
   return fmt::format("{}: '{}' is not an option of this verb.{}", verb.get_name(), given, hint);
 }
 
-/// Words that no option and no list of files has taken: before a verb, or after it.
+/// Returns a sentence about words, before or after the verb, that no option and no list of files has taken.
 std::string extras_sentence(const CLI::App& app, const CLI::App* verb) {
   const std::vector<std::string> before = app.remaining();
   if (!before.empty() && before.front().starts_with('-'))
@@ -76,7 +76,8 @@ std::string extras_sentence(const CLI::App& app, const CLI::App* verb) {
   return fmt::format("{}: '{}' is one argument too many.", verb->get_name(), unknown.front());
 }
 
-/// The parser counts values; every option of ours has one.
+/// Returns a sentence about a value that the parser has refused. The parser's message counts values; options here have
+/// one value each.
 std::string parser_sentence(const CLI::ParseError& error) {
   std::string text = error.what();
   if (text.starts_with(kInputsAndOutput)) text.replace(0, std::string_view(kInputsAndOutput).size(), "IN... OUT");

@@ -29,7 +29,7 @@ EngineOptions run_options(const CommonOptions& options) {
   return run;
 }
 
-/// The files that a command names; standard input can be read then.
+/// Returns the files that a command names, and makes standard input readable if it is one of them.
 ResolvedFiles files_of(InputsAndOutput named, const CommonOptions& options) {
   for (const auto& path : {options.stats, options.report, options.half_way_states}) named.other_outputs.push_back(path);
   named.divides = options.division.divides();
@@ -56,7 +56,7 @@ bool is_divided(const ResolvedFiles& files) {
   return files.tiles.empty() && files.output.filename().string().find('*') != std::string::npos;
 }
 
-/// Time that the page about a run may take: this share of the run's time, but at least this many seconds.
+/// Limits of the time that the page about a run takes: a share of the time of the run, but at least kPageSeconds.
 constexpr double kPageShare = 0.1, kPageSeconds = 0.5;
 
 /// Reads the result and adds it to the summary; does nothing if the output is no point file or has no point to show.
@@ -117,7 +117,7 @@ std::set<std::string> about_degenerate(const Statistics& s, const std::filesyste
   return sentences;
 }
 
-/// "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory"
+/// Returns a sentence like "wrote out.ply: 20000000 points in 9.1 s, 2.20M/s, at most 412M of memory".
 std::string conclusion(const ResolvedFiles& files, const Statistics& s) {
   const std::filesystem::path output = is_divided(files) ? files.output.parent_path() / "" : files.output;
   std::string text = fmt::format("wrote {}: ", is_standard_output(output) ? "standard output" : output.string());
@@ -171,7 +171,7 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
                     const std::function<Statistics(InputCloud&, const ResolvedFiles&, const EngineOptions&)>& work) {
   const ResolvedFiles files = files_of(paths, options);
   InputCloud cloud(files.inputs, cloud_options(options));
-  std::optional<OutputFile> stats;  // made first: a place that cannot be written is known before the work, not after
+  std::optional<OutputFile> stats;  // made before the work, so that a place that cannot be written is refused first
   if (!options.stats.empty()) stats.emplace(options.stats, options.overwrite);
   std::optional<OutputFile> report;
   if (!options.report.empty()) report.emplace(page_name(options.report), options.overwrite);

@@ -18,7 +18,7 @@ namespace pointsweep {
 /// Makes standard input readable if it is one of the inputs ("-"); a pipe is copied to the temporary folder.
 void take_standard_input(const std::vector<std::filesystem::path>& inputs, const CommonOptions& options);
 
-/// --dry-run and all groups of common options but --order, --engine and --keep.
+/// Adds --dry-run and all groups of common options except --order, --engine and --keep.
 void add_run_options(CLI::App& verb, CommonOptions& options);
 
 /// Opens the inputs as one cloud, lets `work` run over it, shows progress and warnings, writes --stats and prints a
@@ -40,13 +40,14 @@ void add_stage_options(CLI::App& verb, const std::vector<OptionDeclaration>& opt
 void add_stage_option(CLI::App& verb, const std::string& flag, const OptionDeclaration& option,
                       std::vector<OptionText>& into);
 
-/// Adds -k, --radius and other options of neighbourhoods. `k`: the verb's default; empty: the pipeline decides.
+/// Adds -k, --radius and other options of neighbourhoods. `k`: the default of the verb for the help; empty if the
+/// pipeline decides.
 void add_neighborhood_options(CLI::App& verb, const std::string& k, std::vector<OptionText>& into);
 
 struct PipelineRun {
   CommonOptions common;
   InputsAndOutput paths;
-  std::vector<OptionText> orientation;  ///< options of all stages `normals`; empty: not stated
+  std::vector<OptionText> orientation;  ///< options for all stages `normals`; empty if the user states none
 };
 
 /// Adds the options of the operator `normals`, --keep, --dry-run, --order, --engine and all common options. `run`

@@ -16,13 +16,14 @@
 namespace pointsweep {
 namespace {
 
-/// Returns "EPSG:2154" or "none"; empty if nothing is stated.
+/// Returns the value of --crs: "EPSG:2154" or "none"; empty if the user states no system.
 std::string stated_text(const CommonOptions& options) {
   if (!options.crs) return "";
   return options.crs->crs ? short_text(*options.crs->crs) : "none";
 }
 
-/// The Python program. It reads the request from a descriptor, since the request is too long for an argument.
+/// The Python program that performs the run. It reads the request from a descriptor, since the request may be too long
+/// for an argument.
 constexpr const char* kStart = R"(
 import json, sys
 try:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// --dask, --scratch and --take-over: a run over a folder of tiles on the workers of Dask, by the Python package.
+/// Runs over folders of tiles on the workers of Dask, performed by the Python package.
 #pragma once
 
 #include <CLI/App.hpp>

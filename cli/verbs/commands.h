@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The verbs of the tool. A new one is a function in a file, its line here and its line in commands.cpp.
+/// The verbs of the tool. A new verb is a function in a file of its own, with a line here and a line in commands.cpp.
 #pragma once
 
 #include <CLI/App.hpp>

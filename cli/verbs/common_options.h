@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The options that several verbs share, declared once. A verb adds the groups that it supports. Also the inputs and
-/// the output of a verb, as named and as resolved.
+/// The options that several verbs share, declared once; a verb adds the groups that it supports. And the inputs and the
+/// output of a verb, as the user names them and as the files for which they stand.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -21,65 +21,65 @@ namespace pointsweep {
 
 /// The options of a run on many machines.
 struct ClusterOptions {
-  std::string dask;  ///< address of the scheduler, or "local"; empty: the run is one process
+  std::string dask;  ///< address of the scheduler, or "local"; empty for a run in one process
   std::filesystem::path scratch;
   bool take_over = false;
 };
 
 struct CommonOptions : EngineOptions {
-  std::filesystem::path stats;    ///< JSON file; empty: none
-  std::filesystem::path report;   ///< HTML page; empty: none
-  std::vector<std::string> keep;  ///< names of attributes to write; empty: all
-  bool dry_run = false;           ///< print the plan and write nothing
+  std::filesystem::path stats;    ///< JSON file for statistics; empty for none
+  std::filesystem::path report;   ///< HTML page about the run; empty for none
+  std::vector<std::string> keep;  ///< names of attributes to write; empty for all
+  bool dry_run = false;           ///< true to print the plan and write nothing
   bool quiet = false;
-  std::string format;            ///< value of --format or --columns (CloudOptions::format); empty: neither
-  std::optional<StatedCrs> crs;  ///< the system stated by --crs; absent: that of the inputs
-  bool replace_crs = false;      ///< other systems of inputs do not count
-  bool ignore_crs = false;       ///< coordinate reference systems neither forbid nor convert anything
-  int progress_descriptor = -1;  ///< receives one JSON object per line; -1: none
+  std::string format;            ///< value of --format or --columns (CloudOptions::format); empty without either
+  std::optional<StatedCrs> crs;  ///< system stated by --crs; absent to use the systems of the inputs
+  bool replace_crs = false;      ///< true if `crs` replaces systems that the inputs state
+  bool ignore_crs = false;       ///< true if coordinate reference systems neither forbid nor convert anything
+  int progress_descriptor = -1;  ///< descriptor that receives one JSON object per line; -1 for none
   ClusterOptions cluster;
 };
 
-/// Returns the options of runs that are not the default, as texts, by name.
+/// Returns the texts of all options that differ from their defaults, by the names of the options.
 std::map<std::string, std::string> texts_of(const RunOptions& options);
 
 /// Returns the rules by which the inputs become one cloud.
 CloudOptions cloud_options(const CommonOptions& options);
 
-/// Adds the flag of an option of runs. `meaning`: another sentence for the help than that of the declaration.
-/// `flag`: another one than that of the declaration.
+/// Adds the flag of the run option `name`. `meaning`: sentence for the help; null for that of the declaration. `flag`:
+/// name of the flag; null for that of the declaration.
 void add_run_option(CLI::App& verb, RunOptions& options, std::string_view name, const char* meaning = nullptr,
                     const char* flag = nullptr);
 void add_named_options(CLI::App& verb, RunOptions& options, std::initializer_list<std::string_view> names);
-/// --quiet, --progress-fd N
+/// Adds --quiet and --progress-fd N.
 void add_progress_options(CLI::App& verb, CommonOptions& options);
-/// --ignore-crs
+/// Adds --ignore-crs.
 void add_crs_option(CLI::App& verb, CommonOptions& options);
-/// --crs EPSG:CODE|FILE|none
+/// Adds --crs EPSG:CODE|FILE|none.
 void add_stated_crs_option(CLI::App& verb, CommonOptions& options);
-/// --crs EPSG:CODE|FILE|none and --replace-crs
+/// Adds --crs EPSG:CODE|FILE|none and --replace-crs.
 void add_stated_crs_options(CLI::App& verb, CommonOptions& options);
-/// --format and --columns, which states a format "text:A,B,..."
+/// Adds --format, and --columns, which states a format "text:A,B,...".
 void add_format_option(CLI::App& verb, std::string& format);
-/// --memory SIZE, --temp-dir DIR, --resume DIR, --axis, --stats FILE, --report FILE and, hidden, --half-way-states FILE
-/// and --checkpoint-seconds S
+/// Adds --memory SIZE, --temp-dir DIR, --resume DIR, --axis, --stats FILE, --report FILE and, hidden in the help,
+/// --half-way-states FILE and --checkpoint-seconds S.
 void add_stream_options(CLI::App& verb, CommonOptions& options);
-/// --keep A,B,...
+/// Meaning of --keep A,B,... for the help.
 inline constexpr const char* kKeepMeaning =
     "Write only these attributes, by name or by column, e.g. normal or x,y,z,intensity,nx, in this order, but for LAS. "
     "Where no computed attribute "
     "is named, all of them are written; where none of the input is named, all of those (default: all)";
 void add_keep_option(CLI::App& verb, std::vector<std::string>& keep, const char* meaning);
-/// --dry-run
+/// Adds --dry-run.
 void add_dry_run_option(CLI::App& verb, CommonOptions& options);
 /// Positional arguments IN... OUT: the last is the output, as with cp. With --output OUT all of them are inputs.
 struct InputsAndOutput {
   std::vector<std::filesystem::path> files;
-  std::filesystem::path named_output;                ///< value of --output; empty: the last of `files`
-  bool recursive = false;                            ///< --recursive
-  std::string output_format;                         ///< --output-format; empty: the format of each input
-  bool divides = false;                              ///< OUT is a folder for files that the run names
-  bool resumes = false;                              ///< OUT may be a folder with outputs of an earlier process
+  std::filesystem::path named_output;                ///< value of --output; if empty, the last of `files` is the output
+  bool recursive = false;                            ///< true with --recursive
+  std::string output_format;                         ///< value of --output-format; empty for the format of each input
+  bool divides = false;                              ///< true if OUT is a folder for files that the run names
+  bool resumes = false;                              ///< true if OUT may hold outputs of an earlier process
   std::vector<std::filesystem::path> other_inputs;   ///< files that are read in addition to points
   std::vector<std::filesystem::path> other_outputs;  ///< files that are written in addition to OUT
 
@@ -92,31 +92,31 @@ struct InputsAndOutput {
 
 /// The files to read and to write.
 struct ResolvedFiles {
-  std::vector<std::filesystem::path> inputs;  ///< folders, patterns and .vpc files replaced by the files that they
-                                              ///< contain
-  std::filesystem::path output;               ///< has a * in its name if the run divides it among files
-  std::vector<std::filesystem::path> tiles;   ///< an output for each input, if `output` is a folder; else empty
-  std::vector<std::string> notices;           ///< files that are left out, for people
+  std::vector<std::filesystem::path> inputs;  ///< point files, also for folders, patterns and .vpc files
+  std::filesystem::path output;               ///< output, with a * in its name if the run divides it among files
+  std::vector<std::filesystem::path> tiles;   ///< an output for each input if `output` is a folder; else empty
+  std::vector<std::string> notices;           ///< sentences about files that are left out
 };
 
 /// Adds IN... OUT and --recursive. `output_meaning` follows "then output" in the help, e.g. "with the attributes of the
 /// input".
 void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning);
-/// --recursive
+/// Adds --recursive.
 void add_recursive_option(CLI::App& verb, bool& recursive);
-/// --output-format
+/// Adds --output-format.
 void add_output_format_option(CLI::App& verb, std::string& format);
-/// -o, --output
+/// Adds -o, --output.
 void add_output_option(CLI::App& verb, std::filesystem::path& output);
 
-/// Lists the inputs (pointsweep/files.h). `format`: value of --format, or "". If OUT is a folder, or ends in '/', each
-/// input has an output in it, unless the run names its files. Throws UsageError if no input or no output is named, if a
-/// list of several inputs ends with a file or a folder of point files that exists (a pattern such as *.las with a
-/// forgotten OUT), if an output is an input or another output, and if inputs have no format that can be written; Error
-/// for a folder without point files.
+/// Lists the files that a command reads and writes (pointsweep/files.h). `format`: value of --format, or "". If OUT is
+/// a folder or ends in '/', each input gets an output in it, unless the run names its files. Throws UsageError if no
+/// input or no output is named, if the last of several names is an existing file or folder of point files (a pattern
+/// such as
+/// *.las with a forgotten OUT), if an output is an input or another output, and if inputs have no format that can be
+/// written; Error for a folder without point files.
 ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format);
 
-/// Checks a verb that makes one output of all inputs: throws UsageError with the reason where the output is a folder.
+/// Throws UsageError, with the reason, if the output of a verb that makes one output of all inputs is a folder.
 void require_one_output(const ResolvedFiles& files, const char* reason);
 
 }  // namespace pointsweep

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// `pointsweep tile IN... OUT/ --size S`: square tiles. `pointsweep split IN... OUT/ --by A`: a file for each value.
+/// The verbs `pointsweep tile IN... OUT/ --size S`, which cuts a cloud into square tiles, and `pointsweep split IN...
+/// OUT/
+/// --by A`, which writes a file for each value of an attribute.
 #include <algorithm>
 #include <memory>
 #include <string>

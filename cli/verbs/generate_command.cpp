@@ -17,12 +17,12 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kBlock = 1 << 18;  // points made while the block before is written
+constexpr std::size_t kBlock = 1 << 18;  // points of a block, which is made while the previous block is written
 
 struct GenerateOptions {
   CommonOptions common;
   std::string shape;
-  std::filesystem::path positional, output;  ///< either may name the file
+  std::filesystem::path positional, output;  ///< the output, named by an argument or by --output
   Sampling sampling;
 };
 
@@ -66,7 +66,7 @@ void generate(const GenerateOptions& options) {
                                            plan.count, options.shape, seconds));
 }
 
-/// The footer of the help. Made only for help, because setting up the shapes takes a moment.
+/// Returns the footer of the help. It is made only when help is printed, because setting up the shapes takes a moment.
 std::string footer() {
   std::string text = "Shapes, in metres:\n";
   for (const auto& shape : all_shapes()) text += fmt::format("  {:<10}{}\n", shape->name(), shape->meaning());

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// `pointsweep help [VERB]`: the same as `pointsweep [VERB] --help`; for an operator its listing. `pointsweep
-/// completion SHELL`: a script for the shell.
-/// `pointsweep man [VERB]`: manual pages.
-/// `pointsweep operators [NAME...]`: the operators of pipelines, from their declarations.
+/// The verbs that print texts:
+/// - `pointsweep help [VERB]`: the help of a verb, or the listing of an operator;
+/// - `pointsweep completion SHELL`: a script for the shell;
+/// - `pointsweep man [VERB]`: manual pages;
+/// - `pointsweep operators [NAME...]`: the operators of pipelines, from their declarations.
 #include <filesystem>
 #include <fstream>
 #include <memory>

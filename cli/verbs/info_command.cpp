@@ -28,8 +28,8 @@ struct InfoCommand {
   bool recursive = false;
   bool json = false, table = false;
   bool spacing = true;
-  bool quick = false;  ///< read only headers
-  bool check = false;  ///< warnings are failures
+  bool quick = false;  ///< true to read only headers
+  bool check = false;  ///< true if warnings count as failures
   PointStatisticsOptions statistics;
 
   bool has_statistics() const { return !statistics.by.empty() || statistics.values || !statistics.histograms.empty(); }
@@ -46,15 +46,15 @@ class PrintedJson {
   }
   void finish(const nlohmann::ordered_json& all, const nlohmann::ordered_json& statistics) {
     begin();
-    print((files_ == 0 ? "],\n  \"all\": " : "\n  ],\n  \"all\": ") + text_of(all, "\n  ") + ",\n  \"statistics\": " +
-          text_of(statistics, "\n  ") + "\n}\n");
+    print((files_ == 0 ? "],\n  \"all\": " : "\n  ],\n  \"all\": ") + text_of(all, "\n  ") +
+          ",\n  \"statistics\": " + text_of(statistics, "\n  ") + "\n}\n");
   }
 
  private:
   void begin() {
     if (!std::exchange(begun_, true)) print("{\n  \"files\": [");
   }
-  /// `line`: a line feed, and the indentation of the value.
+  /// Returns a value as indented JSON. `line`: a line feed and the indentation of the value.
   static std::string text_of(const nlohmann::ordered_json& value, const std::string& line) {
     std::string text;
     for (const char c : value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace))
@@ -66,12 +66,12 @@ class PrintedJson {
   std::size_t files_ = 0;
 };
 
-/// The report about the files: each one, then all together.
+/// Prints the report about the files: about each file, then about all together.
 class InfoReport {
  public:
   explicit InfoReport(InfoStyle style) : style_(style) {}
 
-  /// `label`: name of the file in tables and in sentences about several files.
+  /// Adds a file. `label`: its name in tables and in sentences about several files.
   void add(FileSummary summary, const std::filesystem::path& label) {
     if (style_ == InfoStyle::json) json_.add(json_of(summary));
     if (style_ == InfoStyle::details) print(to_text(summary));
@@ -86,7 +86,7 @@ class InfoReport {
     if (style_ == InfoStyle::table) table_.add_unreadable(label);
     totals_.add_unreadable();
   }
-  /// `statistics`: statistics of the points of all readable files; absent if not requested.
+  /// Ends the report. `statistics`: statistics of the points of all readable files; absent if not requested.
   void finish(const std::optional<PointStatistics>& statistics) {
     if (style_ == InfoStyle::json)
       return json_.finish(all_as_json(), statistics ? json_of(*statistics) : nlohmann::ordered_json());
@@ -96,7 +96,7 @@ class InfoReport {
   }
   std::size_t files() const { return totals_.files(); }
   std::size_t failures() const { return totals_.unreadable(); }
-  /// Files with warnings.
+  /// Returns the number of files with warnings.
   std::size_t faulty() const { return faulty_; }
 
  private:
@@ -135,7 +135,7 @@ void look_at_file(const LabelledFile& file, const InfoCommand& options, bool spa
     stop_if_cancelled();
     progress.report("info", done, total);
   };
-  // Points of a URL are read if something is asked for that only they tell.
+  // The points of a URL are read only if the request needs more than the header.
   const bool headers_only = options.quick || (is_url(file.path) && !options.has_statistics() && !options.check);
   FileSummary summary =
       headers_only ? summarize_header(*reader) : summarize(*reader, {.spacing = spacing, .progress = show});
@@ -169,7 +169,7 @@ InfoStyle style_of(const InfoCommand& options) {
   return options.table || many ? InfoStyle::table : InfoStyle::details;
 }
 
-/// The statistics of the points of files that can be read.
+/// Returns the statistics of the points of the files, which must be readable.
 PointStatistics statistics_of(const std::vector<std::filesystem::path>& files, const InfoCommand& options,
                               ProgressDisplay& progress) {
   Cloud cloud = open_as_one(files, options);
@@ -210,7 +210,7 @@ void info(const InfoCommand& options) {
   }
   std::vector<std::filesystem::path> paths, readable;
   for (const LabelledFile& file : files) paths.push_back(file.path);
-  // First, so that a wrong name of an attribute is refused at once.
+  // Statistics come first, so that a wrong name of an attribute is refused at once.
   std::optional<PointStatistics> statistics = statistics_if_readable(paths, options, progress);
   for (const LabelledFile& file : files) {
     try {
@@ -231,7 +231,7 @@ void info(const InfoCommand& options) {
     fail("{} of {} files have the faults that the warnings name.", report.faulty(), report.files());
 }
 
-/// --by, --stats, --keep, --histogram and --bins
+/// Adds --by, --stats, --keep, --histogram and --bins.
 void add_statistics_options(CLI::App& verb, PointStatisticsOptions& asked, CLI::Option* quick) {
   verb.add_option("--by", asked.by, "Count the points of each value of this attribute, e.g. classification")
       ->type_name("ATTRIBUTE")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The files that a command names, and those that they stand for.
+/// The inputs and the output that a command names, and the files for which they stand.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -40,7 +40,7 @@ bool holds_point_files(const fs::path& folder) {
 /// Returns whether the last of several names may be an input, since a file of this name exists.
 bool may_be_input(const InputsAndOutput& named) {
   std::error_code error;
-  if (is_url(named.output())) return false;  // seen when it is written
+  if (is_url(named.output())) return false;  // an existing object is refused when the output is opened
   if (!named.named_output.empty() || named.inputs_named() <= 1 || is_standard_stream(named.output())) return false;
   if (fs::is_directory(named.output(), error)) return !named.resumes && holds_point_files(named.output());
   return fs::exists(fs::symlink_status(named.output(), error));
@@ -56,7 +56,7 @@ void require_input_and_output(const InputsAndOutput& named) {
         named.output().string(), named.files.size());
 }
 
-/// A folder of outputs among its inputs: a later run would take its files as inputs.
+/// Throws UsageError if the folder of outputs is a folder of inputs: a later run would take the outputs as inputs.
 void require_no_folder_of_inputs(const InputsAndOutput& named, const fs::path& folder) {
   std::error_code error;
   const fs::path output = fs::weakly_canonical(fs::absolute(folder / "", error), error);
@@ -82,7 +82,7 @@ void require_written_format(const fs::path& input, const fs::path& output) {
              input.string(), extension_of(output).empty() ? "without extension" : "*" + extension_of(output));
 }
 
-/// The folder of outputs is made, but not the folders that it is in.
+/// Throws Error if the folder in which the folder of outputs would be made does not exist.
 void require_place_of(const fs::path& folder) {
   std::error_code error;
   if (is_url(folder)) return;
@@ -91,8 +91,8 @@ void require_place_of(const fs::path& folder) {
     fail("{}: the folder {} does not exist; create it first.", folder.string(), parent.string());
 }
 
-/// Returns the paths of the files among which a run divides its output, with a * for their names: OUT if it has one,
-/// else all in the folder OUT.
+/// Returns the path of the files among which a run divides its output, with a * in the place of their names: OUT if it
+/// has a *, else a path in the folder OUT.
 fs::path divided_output(const InputsAndOutput& named, const std::vector<ListedFile>& inputs) {
   const fs::path& output = named.output();
   if (is_standard_stream(output)) fail_usage("-: many files are written; name a folder for them.");
@@ -138,11 +138,13 @@ void require_folder_for_format(const InputsAndOutput& named, bool is_folder) {
       named.output().string());
 }
 
-/// ".laz" for "laz" and ".LAZ".
+/// Returns the extension that --output-format states: ".laz" for "laz" and ".LAZ". Throws UsageError for an unknown
+/// one.
 std::string parse_output_format(const std::string& text) {
   std::string extension = extension_of("tile." + text.substr(text.starts_with('.') ? 1 : 0));
   const std::vector<std::string_view> known = writable_extensions();
-  const bool is_whole = extension == in_lower_case(text.starts_with('.') ? text : "." + text);  // not "copc.laz"
+  const bool is_whole =
+      extension == in_lower_case(text.starts_with('.') ? text : "." + text);  // refuses "copc.laz", which has two parts
   if (!is_whole || std::ranges::find(known, extension) == known.end())
     fail_usage("--output-format: '{}' is not one of {}.", text, fmt::join(known, ", "));
   return extension;

@@ -54,7 +54,7 @@ Arrays arrays_of(const NeighborsCommand& command) {
   return arrays;
 }
 
-/// An array has k columns, so there is always a k.
+/// Returns the neighbourhood of the request, always with a limit k, since the array has k columns.
 Neighborhood neighborhood_of(const NeighborsCommand& command) {
   StageText knn{neighborhood_declaration().name, command.neighborhood, "neighbors"};
   if (std::ranges::find(knn.options, "k", &OptionText::name) == knn.options.end())
@@ -73,7 +73,7 @@ Chain chain_of(const NeighborsCommand& command, const Arrays& arrays, std::uint6
 void neighbors(const NeighborsCommand& command) {
   InputsAndOutput paths = command.paths;
   paths.other_outputs.push_back(command.distances);
-  resolve(paths, command.common.format);  // an output that is an input is refused first
+  resolve(paths, command.common.format);  // refuses an output that is an input
   require_npy(paths.output());
   neighborhood_of(command);  // wrong options are refused before files are opened
   if (!command.distances.empty()) require_npy(command.distances);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// `pointsweep normals|curvature|splats|features|fair|denoise IN... OUT`: pipelines by one word each, most of them the
-/// paper's (its Section 4.3).
-/// `pointsweep run IN... OUT --pipeline ...`: any chain of operators in one sweep.
-/// `pointsweep convert IN... OUT`: the empty chain.
-/// `pointsweep transform IN... OUT --matrix FILE`: the points moved by a matrix.
-/// `pointsweep ground IN... OUT`: which points are ground, and how high the others are above it.
-///
-/// `pointsweep thin IN... OUT`: fewer points, by one of the operators voxel, poisson, decimate and sample.
+/// The verbs that run pipelines:
+/// - `pointsweep normals|curvature|splats|features|fair|denoise IN... OUT`: a fixed pipeline each, most of them from
+///   the paper (Section 4.3);
+/// - `pointsweep run IN... OUT --pipeline ...`: any chain of operators;
+/// - `pointsweep convert IN... OUT`: a chain without operators;
+/// - `pointsweep transform IN... OUT --matrix FILE`: moves the points by a matrix;
+/// - `pointsweep ground IN... OUT`: classifies ground points, and computes the heights of the others above the ground;
+/// - `pointsweep thin IN... OUT`: keeps fewer points, by one of the operators voxel, poisson, decimate and sample.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -33,8 +33,8 @@ struct ShortForm {
   const char* verb;
   const char* meaning;
   const char* output;        ///< contents of OUT, after "with the attributes of the input" in the help
-  const char* stages;        ///< after knn
-  const char* with_options;  ///< a second stage, after normals, whose options the verb has; empty: none
+  const char* stages;        ///< stages of the pipeline after knn
+  const char* with_options;  ///< stage after normals whose options the verb takes as flags; empty for none
   const char* remark;
   const char* example;
 };
@@ -82,7 +82,7 @@ std::vector<StageText> stages_of(const ShortForm& form, const ShortFormCommand& 
   return stages;
 }
 
-/// The number of neighbours that the stages of the verb want.
+/// Returns the default number of neighbours of the verb's stages.
 std::string default_k_of(const ShortForm& form) {
   const Chain chain = with_named_neighborhoods(build_chain(parse_pipeline(form.stages, form.verb), Facts{}));
   return fmt::format("{}", chain.neighborhood.k);
@@ -123,7 +123,8 @@ struct TransformCommand {
   std::vector<OptionText> options;
 };
 
-/// Throws UsageError where no flag moves the points: --scale is one of the outputs.
+/// Throws UsageError if no flag moves the points. The flag --scale sets the coordinate grid of the output and moves
+/// none.
 void require_move(const TransformCommand& command) {
   const auto moves = [](const OptionText& option) { return option.name != "inverse"; };
   if (std::ranges::any_of(command.options, moves)) return;
@@ -155,12 +156,12 @@ const OptionDeclaration& declared_option_of(const ThinningFlag& flag) {
   return *std::ranges::find(options, std::string(flag.option), &OptionDeclaration::name);
 }
 
-/// The flag that says that the points are thinned by the stage.
+/// Returns the flag that selects a thinning stage.
 const char* flag_of(const StageText& stage) {
   return std::ranges::find(kThinningFlags, stage.name, &ThinningFlag::stage)->flag;
 }
 
-/// Gives --seed, which is read as an option of decimate, to sample if points are sampled.
+/// Moves the option --seed, which is parsed as an option of decimate, to the stage sample if points are sampled.
 void move_seed(std::vector<StageText>& stages) {
   StageText& decimate = *std::ranges::find(stages, "decimate", &StageText::name);
   StageText& sample = *std::ranges::find(stages, "sample", &StageText::name);
@@ -263,10 +264,7 @@ void add_transform_command(CLI::App& app) {
     if (option.name != "inverse" && option.name != "scale")
       add_stage_option(verb, "--" + option.name, option, command->options);
   verb.add_flag_function(
-      "--inverse",
-      [command](std::int64_t) {
-        command->options.push_back({"inverse", "yes", "--inverse"});
-      },
+      "--inverse", [command](std::int64_t) { command->options.push_back({"inverse", "yes", "--inverse"}); },
       "Move the points back: by the inverse of the matrix");
   add_output_options(verb, command->run);
   verb.footer(

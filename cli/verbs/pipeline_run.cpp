@@ -49,7 +49,7 @@ std::string value_name(const OptionDeclaration& option) {
   return fmt::format("{}", fmt::join(option.choices, "|"));
 }
 
-/// "Number of neighbours, excluding the point (1 or more; default: 8)"
+/// Returns the help of an option: "Number of neighbours, excluding the point (1 or more; default: 8)".
 std::string help_of(const OptionDeclaration& option, const std::string& preset) {
   std::string meaning = option.meaning, range;
   if (!meaning.empty() && meaning[0] >= 'a' && meaning[0] <= 'z')
@@ -64,10 +64,7 @@ CLI::Option* add_option(CLI::App& verb, const std::string& flag, const OptionDec
                         const std::string& preset, std::vector<OptionText>& into) {
   return verb
       .add_option_function<std::string>(
-          flag,
-          [&into, flag, name = option.name](const std::string& value) {
-            into.push_back({name, value, flag});
-          },
+          flag, [&into, flag, name = option.name](const std::string& value) { into.push_back({name, value, flag}); },
           help_of(option, preset))
       ->type_name(value_name(option));
 }

@@ -13,11 +13,11 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kBarInterval = 0.1;                       // s
-constexpr double kLineInterval = 5;                        // s
-constexpr double kProgramInterval = 0.2;                   // s
-constexpr std::size_t kLongestBar = 24, kShortestBar = 4;  // characters
-constexpr int kNarrow = 60;                                // columns; below, only percent and time left
+constexpr double kBarInterval = 0.1;                       // seconds between two bars on a terminal
+constexpr double kLineInterval = 5;                        // seconds between two lines for people
+constexpr double kProgramInterval = 0.2;                   // seconds between two lines for programs
+constexpr std::size_t kLongestBar = 24, kShortestBar = 4;  // lengths of a bar in characters
+constexpr int kNarrow = 60;                                // columns of a terminal, below which there is no bar
 
 ProgressDisplay::Targets targets_of(const CommonOptions& options) {
   ProgressDisplay::Targets targets;
@@ -35,18 +35,18 @@ ProgressDisplay::Targets targets_of(const CommonOptions& options) {
 /// Progress of a phase in numbers.
 struct Figures {
   std::string_view phase;
-  std::uint64_t done, total;  // points
+  std::uint64_t done, total;  // numbers of points
   double seconds;
 
   double share() const { return total == 0 ? 1 : static_cast<double>(done) / static_cast<double>(total); }
   std::string percent() const { return fmt::format("{} %", static_cast<int>(100 * share())); }
   double rate() const { return seconds > 0 ? static_cast<double>(done) / seconds : 0; }
-  /// ", 0:02 left"; empty where nothing tells.
+  /// Returns ", 0:02 left"; empty if the remaining time is unknown.
   std::string time_left() const {
     if (rate() <= 0 || done >= total) return "";
     return fmt::format(", {} left", duration_text(static_cast<double>(total - done) / rate()));
   }
-  /// "8.40M of 20.0M points, 12.1M/s, 0:02 left"
+  /// Returns a text like "8.40M of 20.0M points, 12.1M/s, 0:02 left".
   std::string text(std::string_view unit) const {
     const std::string counts =
         fmt::format("{} of {}{}", count_text(static_cast<double>(done)), count_text(static_cast<double>(total)), unit);
@@ -98,7 +98,7 @@ void ProgressDisplay::report(std::string_view phase, std::uint64_t done, std::ui
   const double seconds = std::chrono::duration<double>(now - start_).count();
   if (targets_.programs >= 0 && due(now, next_for_programs_, kProgramInterval, first, last))
     print_for_programs(done, total, seconds);
-  // A phase of a moment is not worth a line.
+  // Without a terminal, a phase that ends within kLineInterval gets no line.
   if (first && !targets_.terminal) next_for_people_ = now + std::chrono::seconds(static_cast<int>(kLineInterval));
   if (targets_.people >= 0 &&
       due(now, next_for_people_, targets_.terminal ? kBarInterval : kLineInterval, false, false))
@@ -118,7 +118,7 @@ void ProgressDisplay::print_for_people(std::uint64_t done, std::uint64_t total, 
     return;
   }
   const std::string line = bar_line(figures, targets_.columns);
-  // Blanks take the rest of a longer bar away, for not every terminal knows an escape sequence that does.
+  // Blanks overwrite the rest of a longer bar, since not every terminal has an escape sequence for that.
   write(targets_.people, fmt::format("\r{:<{}}", line, shown_));
   shown_ = line.size();
 }
@@ -139,7 +139,7 @@ void ProgressDisplay::clear_bar() {
   shown_ = 0;
 }
 
-/// The terminal is gone: say nothing from now on.
+/// Writes a text to a descriptor. After a failure, for example of a closed terminal, the descriptor is not used again.
 void ProgressDisplay::write(int& descriptor, std::string_view text) {
   while (!text.empty() && descriptor >= 0) {
     const ssize_t written = ::write(descriptor, text.data(), text.size());

@@ -22,7 +22,7 @@ class ProgressDisplay {
  public:
   using Clock = std::function<std::chrono::steady_clock::time_point()>;
 
-  /// Descriptors of -1 get nothing.
+  /// The descriptors for progress and sentences; -1 for none.
   struct Targets {
     int people = -1;
     int errors = -1;  ///< receives errors, which --quiet does not suppress
@@ -33,12 +33,13 @@ class ProgressDisplay {
 
   explicit ProgressDisplay(const CommonOptions& options);
   explicit ProgressDisplay(const Targets& targets, Clock clock = &std::chrono::steady_clock::now);
-  ~ProgressDisplay();  ///< takes the bar away
+  ~ProgressDisplay();  ///< removes the bar from the terminal
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
-  /// `done` of `total` points have passed `phase`, e.g. "sort". Rate and time count from the first report of a phase.
-  /// Cheap and thread-safe: a report that comes while another is printed is dropped unless it completes the phase.
+  /// Reports that `done` of `total` points have passed `phase`, e.g. "sort". Rate and time count from the first report
+  /// of a phase. Thread-safe and cheap: a report that comes while another one is printed is dropped unless it completes
+  /// the phase.
   void report(std::string_view phase, std::uint64_t done, std::uint64_t total);
   /// Prints a sentence above the bar. The sentence is not overwritten.
   void say(Severity severity, std::string_view sentence);
@@ -56,7 +57,7 @@ class ProgressDisplay {
   Clock clock_;
   std::string phase_;
   bool complete_ = false;
-  std::size_t shown_ = 0;  ///< characters of the bar on the terminal
+  std::size_t shown_ = 0;  ///< number of characters of the bar on the terminal
   Time start_, next_for_people_, next_for_programs_;
 };
 

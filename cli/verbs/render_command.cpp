@@ -39,7 +39,8 @@ void parse_picture_size(const std::string& text, RenderOptions& options) {
   }
 }
 
-/// "wrote a.png: 5 points from azimuth 30, elevation 25 with z up, coloured by height, violet 0 to yellow 3"
+/// Returns a sentence like "wrote a.png: 5 points from azimuth 30, elevation 25 with z up, coloured by height, violet 0
+/// to yellow 3".
 std::string conclusion(const std::filesystem::path& output, const Rendering& r) {
   const std::string points =
       r.drawn < r.points ? fmt::format("{} of {}", r.drawn, r.points) : fmt::format("{}", r.points);
@@ -114,8 +115,7 @@ void add_render_command(CLI::App& app) {
           "--background", [command](const std::string& text) { command->options.background = parse_color(text); },
           "Background colour: white, black or RRGGBB in hexadecimal (default: white)")
       ->type_name("COLOR");
-  verb.add_flag_callback(
-      "--no-legend", [command] { command->options.legend = false; }, "Hide the legend");
+  verb.add_flag_callback("--no-legend", [command] { command->options.legend = false; }, "Hide the legend");
   add_crs_option(verb, command->common);
   add_format_option(verb, command->common.format);
   add_run_option(verb, command->common, "overwrite");

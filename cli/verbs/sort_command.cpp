@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// `pointsweep sort IN... OUT`: the ordered stream as a normal file.
+/// The verb `pointsweep sort IN... OUT`, which writes the points in order along an axis.
 #include "cli/console/console.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
