@@ -110,10 +110,9 @@ void add_output_option(CLI::App& verb, std::filesystem::path& output);
 
 /// Lists the files that a command reads and writes (pointsweep/files.h). `format`: value of --format, or "". If OUT is
 /// a folder or ends in '/', each input gets an output in it, unless the run names its files. Throws UsageError if no
-/// input or no output is named, if the last of several names is an existing file or folder of point files (a pattern
-/// such as
-/// *.las with a forgotten OUT), if an output is an input or another output, and if inputs have no format that can be
-/// written; Error for a folder without point files.
+/// input or no output is named, if the last of several names is an existing file or folder of point files (the user has
+/// probably forgotten OUT after a pattern), if an output is an input or another output, and if inputs have no format
+/// that can be written; Error for a folder without point files.
 ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format);
 
 /// Throws UsageError, with the reason, if the output of a verb that makes one output of all inputs is a folder.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The verbs `pointsweep tile IN... OUT/ --size S`, which cuts a cloud into square tiles, and `pointsweep split IN...
-/// OUT/
-/// --by A`, which writes a file for each value of an attribute.
+/// The verbs that divide an output:
+/// - `pointsweep tile IN... OUT/ --size S` cuts a cloud into square tiles;
+/// - `pointsweep split IN... OUT/ --by A` writes a file for each value of an attribute.
 #include <algorithm>
 #include <memory>
 #include <string>

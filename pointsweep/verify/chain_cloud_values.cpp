@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The part of ChainValues that depends on all points.
+/// The members of ChainValues for stages whose values depend on all points of the cloud.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,8 +24,8 @@ std::vector<const Operator*> ChainValues::makers_of_reads(const Contract& contra
   return makers;
 }
 
-/// Returns where the output has the attribute of a column, if it has it. It has only the last version of an attribute,
-/// and normals as orient() has turned them.
+/// Returns the fields of the output that hold the attribute of a column; nothing if it has none. The output holds only
+/// the last version of an attribute, and normals as orient() has turned them.
 std::optional<ColumnSource> ChainValues::source_of(std::uint16_t column, const OutputColumns& in_output) const {
   const Attribute& attribute = columns_[column];
   if (maker_[column] < 0) {
@@ -57,7 +57,7 @@ class SomePoints {
   explicit SomePoints(const SortedCloud& cloud) : cloud_(cloud) {}
   std::uint32_t first() const { return first_; }
   std::size_t size() const { return lists_.size(); }
-  /// Adds the next point. `list`: squared distances and numbers of its neighbours.
+  /// Adds the next point. `list`: squared distance and number of each neighbour of the point.
   void add(std::vector<std::pair<double, std::uint32_t>> list) {
     std::ranges::sort(list);
     lists_.push_back(std::move(list));
@@ -101,7 +101,7 @@ constexpr std::uint64_t kPointsAtOnce = 1 << 17;
 
 }  // namespace
 
-/// Numbers of points are those of the sorted cloud.
+/// Points are numbered as in the sorted cloud.
 std::vector<double> ChainValues::made_by_operators(const std::string& attribute, CloudRows& rows,
                                                    const NeighborRule& neighborhood) {
   const auto of_name = std::ranges::find(latest_, attribute, [](const auto& l) { return l.first; });
@@ -116,7 +116,7 @@ std::vector<double> ChainValues::made_by_operators(const std::string& attribute,
     if (!stage.cloud) stage.formula = nullptr, stage.applied = true;
   }
   const CloudInput in{.rows = rows, .reads = {}, .makes = {}, .neighborhood = neighborhood, .has_rule = false};
-  // If values of neighbours are read, too, all points are evaluated at once.
+  // If stages read values of neighbours, all points are evaluated at once.
   const std::uint64_t count = rows.count(), at_once = rings() <= 1 ? std::min(count, kPointsAtOnce) : count;
   const std::uint64_t k = neighborhood.k == NeighborRule::kUnlimited ? 64 : neighborhood.k;
   const std::uint64_t each = 2 * bytes_per_point() + 200 + 64 * k, components = a.fields.size();
@@ -150,7 +150,7 @@ std::vector<double> ChainValues::made_by_operators(const std::string& attribute,
   return values;
 }
 
-/// Returns the source of an attribute whose values the output does not have for all rows: they are computed again.
+/// Returns a source that computes the values of a made attribute again, because the output lacks them for some rows.
 std::optional<ColumnSource> ChainValues::source_again(std::uint16_t column, CloudRows& rows) const {
   const auto maker = static_cast<std::size_t>(maker_[column]);
   std::vector<StageOperator> before;

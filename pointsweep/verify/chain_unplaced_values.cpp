@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The part of ChainValues for points without a finite place.
+/// The members of ChainValues for points with non-finite coordinates.
 #include <algorithm>
 #include <cstring>
 
@@ -21,8 +21,8 @@ Surroundings without_neighbors(std::span<const KnownPoint> points, std::size_t r
 
 }  // namespace
 
-/// Keeps the position, and attributes that the stage both reads and makes. All other attributes become their value for
-/// "none".
+/// Keeps the position, and attributes that the stage both reads and makes. All other attributes that it makes get their
+/// value for "none".
 void ChainValues::leave_unchanged(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
                                   ColumnEstimates& estimates) const {
   const Contract contract = contract_of(stage.op);
@@ -47,7 +47,7 @@ void ChainValues::leave_unchanged(const Stage& stage, const Surroundings& points
   }
 }
 
-/// Returns false if the stage leaves such points unchanged.
+/// Evaluates a stage for points with non-finite coordinates. Returns false if the stage leaves such points unchanged.
 bool ChainValues::take_unplaced(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
                                 ColumnEstimates& estimates) const {
   for (const std::uint16_t column : stage.makes) estimates[column].clear();

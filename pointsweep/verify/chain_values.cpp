@@ -33,7 +33,7 @@ void store(Type type, formulas::Real number, std::byte* to) {
   set_value(field, to, static_cast<double>(number));
 }
 
-/// Stores an attribute, whose components come from one estimate, or from one estimate for each component.
+/// Stores an attribute. Its components come from one estimate, or, for more than three, from one estimate each.
 void store(const Attribute& a, const Estimate* estimates, std::byte* to) {
   const std::size_t components = a.fields.size(), size = size_of(a.type);
   for (std::size_t c = 0; c < components; ++c) {
@@ -46,7 +46,7 @@ bool is_kept(const std::vector<std::string>& keep, const Attribute& a) {
   return keep.empty() || ChainValues::is_selection(a) || std::find(keep.begin(), keep.end(), a.name) != keep.end();
 }
 
-/// Splits the points into pieces of kCellCapacity, so that the number of a point is a reference to it.
+/// Splits the points into pieces of kCellCapacity, so that the number of a point is its NeighborRef.
 std::vector<PointColumns> slots_of(const Surroundings& around, const std::vector<std::vector<std::byte>>& columns,
                                    const std::vector<Attribute>& attributes, std::vector<const std::byte*>& pointers) {
   const std::size_t count = (around.size() + kCellCapacity - 1) / kCellCapacity;
@@ -151,8 +151,8 @@ void ChainValues::make(const Attribute& attribute, Stage& stage) {
   known == made_.end() ? made_.push_back(attribute) : void(*known = attribute);
 }
 
-/// Finds the rings, from the last stage to the first: if a stage reads neighbours, their attributes are needed one ring
-/// farther out.
+/// Finds the rings of neighbours that each stage needs, from the last stage to the first: if a stage reads attributes
+/// of neighbours, these are needed one ring farther out.
 void ChainValues::find_rings() {
   for (const std::uint16_t column : made_columns_) need(column, 0);
   for (std::size_t s = stages_.size(); s-- > 0;) {
@@ -222,7 +222,8 @@ void ChainValues::apply(const Stage& stage, const Surroundings& around, ColumnBy
   }
 }
 
-/// An applied operator reads exact bits, so the operators that make these are applied as well.
+/// Finds the operators to apply themselves. An applied operator reads exact bits, so that the operators that make these
+/// bits are applied as well.
 void ChainValues::find_applied() {
   const auto apply_maker = [&](std::uint16_t column) {
     if (maker_[column] >= 0) stages_[static_cast<std::size_t>(maker_[column])].applied = true;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The values that a chain of operators gives chosen points, computed stage by stage from their surroundings in memory.
-/// Stages of the library use independent formulas; operators of users are applied themselves.
+/// The values that a chain of operators gives to chosen points, computed stage by stage from the surroundings of these
+/// points in memory. Stages of the library are evaluated by independent formulas; operators of users are applied
+/// themselves.
 #pragma once
 
 #include <cstddef>
@@ -23,8 +24,7 @@ using OutputColumns = std::function<std::optional<std::vector<FieldPair>>(const 
 /// The kept attributes of some points, point after point.
 struct ChainResults {
   std::vector<std::byte> values;              ///< result_bytes() for each point, in the types of the attributes
-  std::vector<formulas::Estimate> estimates;  ///< estimates_per_point() for each point: the same values with error
-                                              ///< bounds
+  std::vector<formulas::Estimate> estimates;  ///< estimates_per_point() for each point: its values with error bounds
 };
 
 class ChainValues {
@@ -38,7 +38,7 @@ class ChainValues {
   static std::string selection_name(std::size_t number);
   static bool is_selection(const Attribute& made);
 
-  /// The last version of each kept attribute, in the order first made.
+  /// Returns the last version of each kept attribute, in the order in which attributes were first made.
   const std::vector<Attribute>& made() const { return made_; }
   /// Prepares the stages that depend on all points. Must be called before evaluate(). Returns a sentence for each stage
   /// that cannot be checked fully, with the names of its attributes and the reason.
@@ -48,7 +48,7 @@ class ChainValues {
   bool is_told(std::size_t a) const;
   /// Returns whether made()[a] comes from a formula, and not from the operator that also made the output.
   bool is_independent(std::size_t a) const;
-  /// Bytes of a result: the values of made(), one after another.
+  /// Returns the bytes of the result of a point: the values of made(), one after another.
   std::size_t result_bytes() const;
   std::size_t estimates_per_point() const;
   /// Returns the number of rings of neighbours that need neighbours themselves: 0 without operators; 1 if stages read
@@ -62,7 +62,7 @@ class ChainValues {
   /// Evaluates the chain for points without a finite place, which have no neighbours. A stage that reads only the point
   /// itself treats such points as any other; every other stage leaves them unchanged.
   ChainResults evaluate_unplaced(std::span<const KnownPoint> points, RowSource& in) const;
-  /// Bytes of memory for each point of the surroundings, in addition to its list.
+  /// Returns the bytes of memory for each point of the surroundings, in addition to its list.
   std::size_t bytes_per_point() const;
   /// Returns an attribute of all rows, computed by the operators themselves, equal to a run bit by bit. Only for
   /// attributes of local stages that follow local stages. Order: row of the input, then component; NaN for a point
@@ -73,17 +73,18 @@ class ChainValues {
  private:
   struct Stage {
     StageOperator op;
-    std::shared_ptr<const StageFormula> formula = {};  ///< null, like the next: the operator itself is applied
-    std::shared_ptr<CloudFormula> cloud = {};
-    std::vector<std::optional<ColumnSource>> sources = {};  ///< of the values that the cloud formula reads
-    std::vector<std::optional<ColumnSource>> targets = {};  ///< of the values that the cloud formula makes
-    bool told = true;                                       ///< the made values can be evaluated
-    bool applied = false;                                   ///< the operator itself is applied, for its values or for a
-                                                            ///< later applied operator
+    /// Formula of the stage; null if it has a cloud formula. If both are null, the operator itself is applied.
+    std::shared_ptr<const StageFormula> formula = {};
+    std::shared_ptr<CloudFormula> cloud = {};               ///< formula over the whole cloud; null for a local stage
+    std::vector<std::optional<ColumnSource>> sources = {};  ///< sources of the values that the cloud formula reads
+    std::vector<std::optional<ColumnSource>> targets = {};  ///< sources of the values that the cloud formula makes
+    bool told = true;                                       ///< true if the made values can be evaluated
+    /// True if the operator itself is applied, for its own values or for a later applied operator.
+    bool applied = false;
     std::vector<std::uint16_t> reads, reads_neighbors, makes;
-    int position = -1;   ///< column of the moved positions that the stage reads; negative: none
-    bool alone = false;  ///< the stage reads only the point itself
-    int ring = -1;       ///< outermost ring on which its values are needed; negative: none
+    int position = -1;   ///< column of the moved positions that the stage reads; negative for positions of the input
+    bool alone = false;  ///< true if the stage reads only the point itself
+    int ring = -1;       ///< outermost ring on which the values of the stage are needed; negative if on none
   };
   struct FileColumn {
     std::uint16_t column;
@@ -131,11 +132,11 @@ class ChainValues {
   std::vector<Stage> stages_;
   std::vector<FileColumn> file_columns_;
   std::vector<Attribute> columns_;
-  std::vector<int> maker_;  ///< number of the stage that makes each column; -1: the input
+  std::vector<int> maker_;  ///< number of the stage that makes each column; -1 for a column of the input
   std::vector<Attribute> made_;
   std::vector<std::uint16_t> made_columns_;
-  std::vector<std::pair<std::string, std::uint16_t>> latest_;  ///< column of the last version of each attribute, by
-                                                               ///< name
+  /// Name of each attribute and the column of its last version.
+  std::vector<std::pair<std::string, std::uint16_t>> latest_;
 };
 
 }  // namespace pointsweep

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The stages of a run that `verify` can check, and the rows of the input on which it checks them; the run that a
-/// file's own record describes.
+/// The stages of a run that `verify` can check, and the rows of the input on which it checks them; and the run that the
+/// processing record of a file describes.
 #pragma once
 
 #include <filesystem>
@@ -20,9 +20,9 @@ namespace pointsweep {
 /// Returns the newest record of a point file; none for files without a record and for arrays.
 std::optional<ProvenanceRecord> recorded_run(const std::filesystem::path& file);
 
-/// Returns the inputs of the run in their order. Each is searched under its absolute path if the record has that, else
-/// in the folder of `file` and in the current folder. Throws Error if one is missing or has another size, UsageError if
-/// the record does not name all of them.
+/// Returns the paths of the inputs of a recorded run, in their order. An input is looked for under its absolute path if
+/// the record states it, else in the folder of `file` and in the current folder. Throws Error if an input is missing or
+/// has another size, UsageError if the record does not name all inputs.
 std::vector<std::filesystem::path> recorded_inputs(const ProvenanceRecord& record, const std::filesystem::path& file);
 
 /// Returns the attributes that the stages of a plan make, as far as they can be checked: up to the first new
@@ -36,9 +36,9 @@ void leave_selects(MadeBy& made);
 /// Adds to `made` the fields that --keep has excluded from the output.
 void leave_out(const KeptFields& named, const std::string& prefix, const Schema& input, MadeBy& made);
 
-/// Selects the rows that the first stages keep. If voxel(keep=centroid) follows, returns the cloud before it, which
-/// `open_again` opens. Throws UsageError for a thinning after other stages, and for any select after
-/// voxel(keep=centroid).
+/// Selects the rows that the first stages keep. If voxel(keep=centroid) follows, returns the cloud before this stage,
+/// opened by `open_again`; otherwise null. Throws UsageError for a thinning after other stages, and for any select
+/// after voxel(keep=centroid).
 std::shared_ptr<InputCloud> select_rows(const VerifyOptions& options, InputCloud& cloud, const ChainGraph& graph,
                                         const std::function<std::shared_ptr<InputCloud>()>& open_again);
 

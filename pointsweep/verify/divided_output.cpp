@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t kSentences = 10;
 constexpr const char* kBuffer = "buffer";
 
-/// The numbers of a tile, or the value of the attribute and 0.
+/// A part of a divided output: the two numbers of a tile, or the value of the dividing attribute and 0.
 using Part = std::array<double, 2>;
 
 /// Removes the last separator and the number after it from `name`, and returns the number.
@@ -37,7 +37,7 @@ std::optional<double> take_number(std::string_view& name) {
   return error == std::errc() && end == word.data() + word.size() ? std::optional(number) : std::nullopt;
 }
 
-/// Returns a hash of a point of a buffer. Sums of hashes do not depend on the order of points.
+/// Returns a hash of a point in the buffer of a part. Sums of hashes do not depend on the order of points.
 std::uint64_t word_of(const Part& part, Vec3 p) {
   std::uint64_t word = 0;
   for (const double value : {part[0], part[1], p.x, p.y, p.z}) {
@@ -70,7 +70,7 @@ class PlacesOfPoints {
       }
     }
     if (!buffer_) return;
-    // A tile without own points has no file and no buffer, and the tiles with own points are known at this place.
+    // A tile without own points has no file and no buffer. All tiles with own points are known by now.
     for (const auto& [part, sum] : wanted_)
       if (file_of_.contains(part) && sum.sum() != found_[part].sum())
         differ("{}: its buffer does not hold the points around its tile", file_of_.at(part));
@@ -79,7 +79,7 @@ class PlacesOfPoints {
         differ("{}: its buffer holds points that are not around its tile", file_of_.at(part));
   }
 
-  /// Returns for each row whether it is outside of buffers.
+  /// Returns for each row of the files whether its point belongs to the part itself, not to its buffer.
   const std::vector<bool>& own() const { return own_; }
   std::uint64_t misplaced() const { return misplaced_; }
   std::vector<std::string> sentences() { return std::move(sentences_); }

@@ -21,10 +21,9 @@ namespace pointsweep {
 OutputDivision recorded_division(const ProvenanceRecord& record);
 
 struct DividedOutput {
-  std::unique_ptr<Reader> own;         ///< points of all files without those of buffers, and without the attribute
-                                       ///< `buffer`
-  std::uint64_t misplaced = 0;         ///< points in the wrong file, and files with a wrong name or buffer
-  std::vector<std::string> sentences;  ///< messages about the first few of them
+  std::unique_ptr<Reader> own;  ///< points of all files, without points of buffers and without the attribute `buffer`
+  std::uint64_t misplaced = 0;  ///< number of points in the wrong file, and of files with a wrong name or buffer
+  std::vector<std::string> sentences;  ///< messages about the first few misplaced points and wrong files
 };
 
 /// Reads all files once. `folder`: the name of all files together in messages.

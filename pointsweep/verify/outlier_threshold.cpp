@@ -27,7 +27,8 @@ constexpr const char* kMeanDistance = "mean_distance";
 
 bool is_outlier(const StageOperator& op) { return name_of(op) == "outlier"; }
 
-/// `for_each(use)`: calls `use` with the finite mean distances. `type`: the type in which the distances are stored.
+/// Returns the threshold of the finite mean distances, which for_each(use) passes to `use`. `type`: the type in which
+/// the distances are stored.
 template <class ForEach>
 CloudThreshold threshold_of(ForEach for_each, Type type, const NamedOptions& options) {
   const std::string& definition = options.word("definition");
@@ -40,7 +41,7 @@ CloudThreshold threshold_of(ForEach for_each, Type type, const NamedOptions& opt
   });
   const Real by = definition == "cloudcompare" ? n : n - 1;
   const Real deviation = by > 0 ? std::sqrt(squares / by) : 0;
-  // The relative error of n additions in extended precision, and of distances that were rounded to text or float32.
+  // Relative error of n additions in extended precision, and of distances that were rounded to text or float32.
   const Real lost = type == Type::f64 ? n * 0x1p-63L + 8 * formulas::kDouble : 4 * formulas::kSingle;
   const Real threshold = mean + options.number("multiplier") * deviation;
   return {threshold, lost * threshold};

@@ -17,14 +17,15 @@ namespace pointsweep {
 /// distances that Outlier compared.
 bool makes_distances_again(const std::vector<StageOperator>& operators);
 
-/// Returns mean + multiplier * deviation, by the operator's definition, of the finite mean distances of all points of
-/// `out`, in extended precision, for the first Outlier among the operators. `prefix`: prefix of the names of made
-/// attributes. NaN if there is no Outlier, or if the output lacks its mean distances. Reads `out` twice.
+/// Returns the threshold for the first Outlier among the operators: mean + multiplier * deviation, by the operator's
+/// definition, of the finite mean distances of all points of `out`, in extended precision; NaN if no operator is an
+/// Outlier, or if the output lacks its mean distances. `prefix`: prefix of the names of made attributes. Reads `out`
+/// twice.
 CloudThreshold outlier_threshold(Reader& out, const std::vector<StageOperator>& operators, const std::string& prefix,
                                  const PhaseProgress& progress);
 
-/// Returns the threshold from the mean distances of all points of the input, for an output that lacks some of them. The
-/// operators themselves compute the distances. Throws NotTold.
+/// Returns the threshold from the mean distances of all points of the input, for an output that lacks some distances.
+/// The operators themselves compute the distances. Throws NotTold if the check cannot be made.
 CloudThreshold outlier_threshold_of_all(InputCloud& in, const std::vector<StageOperator>& operators,
                                         const SharedRule& rule, const NeighborRule& neighborhood,
                                         std::uint64_t memory_bytes);

@@ -44,16 +44,16 @@ struct OutputCheck {
   fs::path output;
   VerifyOptions options;
   std::vector<OptionText> neighborhood;
-  std::vector<fs::path> tiles;  ///< files of an output folder: one for each input, unless the run has divided its
-                                ///< output
-  bool recorded = false;        ///< the pipeline comes from the record, where omitted lengths are defaults in metres
-  bool without_stages = false;  ///< by its record, the run was a sort or a conversion
+  std::vector<fs::path> tiles;  ///< files of an output folder: one for each input, or those of a divided output
+  bool recorded = false;        ///< true if the pipeline comes from the record; omitted lengths are defaults in metres
+  bool without_stages = false;  ///< true if the run was a sort or a conversion, according to its record
 
   bool is_divided() const { return options.division.divides(); }
   bool says_how() const { return !options.pipeline.empty() || !neighborhood.empty() || !options.keep.empty(); }
 };
 
-/// Returns whether the order of the output's points is unknown: another order than the input's that nothing states.
+/// Returns whether the order of the output's points is unknown: it is not that of the input, and no option or record
+/// states it.
 bool is_in_any_order(const OutputCheck& check) {
   const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
   return check.is_divided() || (format != nullptr && format->reorders);
@@ -190,7 +190,7 @@ void refuse_resorted(const OutputCheck& check, const ChainGraph& graph) {
 
 StageText knn_of(const OutputCheck& check) { return {neighborhood_declaration().name, check.neighborhood, "verify"}; }
 
-/// Returns how an array of neighbours or of distances was made. The array itself tells this, except for a radius.
+/// Returns the run that made an array of neighbours or of distances, which follows from the array except for a radius.
 MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, const Reader& out) {
   const std::vector<Field>& columns = out.info().schema.fields;
   const bool distances = columns.front().type == Type::f64;
@@ -205,8 +205,7 @@ MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, cons
   return made_by(plan_chain(chain, cloud.schema()));
 }
 
-/// The attributes of an output that the run has made: new attributes, and attributes of the input whose values are
-/// `changed`.
+/// The attributes of an output that the run has made: new attributes, and attributes of the input with changed values.
 class MadeAttributes {
  public:
   MadeAttributes(const Schema& in, const Schema& out, const std::set<std::string>& changed)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A check of files: the record of an output tells its run, and which of its stages can be checked.
+/// A check of files: the processing record of an output gives the run, and so the stages that can be checked.
 #pragma once
 
 #include <filesystem>

@@ -15,14 +15,14 @@ std::string names_text(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Returns "10,000".
+/// Returns the number with commas between groups of three digits: "10,000".
 std::string grouped(std::uint64_t number) {
   std::string digits = std::to_string(number);
   for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, ",");
   return digits;
 }
 
-/// Returns "1 value", "10,000 values".
+/// Returns a number and its noun in the right form: "1 value", "10,000 values".
 std::string counted(std::uint64_t number, const char* what) {
   return fmt::format("{} {}{}", grouped(number), what, number == 1 ? "" : "s");
 }

@@ -97,7 +97,7 @@ class Verification {
   }
 
   void pair_made_value(const Schema& results, std::size_t first, std::size_t width, std::size_t estimate) {
-    std::vector<std::optional<FieldPair>> pairs(width);  // none for a component that was not written
+    std::vector<std::optional<FieldPair>> pairs(width);  // absent for a component that was not written
     for (std::size_t c = 0; c < width; ++c) {
       const std::string& name = results.fields[first + c].name;
       if (made_by_.left_out_made.contains(name)) continue;
@@ -121,7 +121,8 @@ class Verification {
       fail_usage("verify: {} holds nothing of the input, by which its rows are recognized.", out_.name());
   }
 
-  /// Returns false if rows of the output are not rows of the input in its order.
+  /// Matches the rows of the output with rows of the input. Returns false if some are not rows of the input in its
+  /// order.
   bool find_kept_rows() {
     pair_known_fields();
     alignment_ = align_rows(in_, out_, known_, options_.progress);
@@ -290,7 +291,7 @@ class Verification {
     std::erase_if(made_values_, [&](const auto& value) { return !told[value.first]; });
   }
 
-  /// Returns how many points with their surroundings fit in the memory, if neighbourhoods overlap as in a volume.
+  /// Returns the number of points that fit in memory with their surroundings, if neighbourhoods overlap as in a volume.
   std::size_t points_in_a_turn() const {
     const double k = made_by_.neighborhood.k == NeighborRule::kUnlimited
                          ? 256
@@ -305,8 +306,8 @@ class Verification {
     return std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(options_.memory_bytes) / bytes));
   }
 
-  /// Compares results with the output. `points`: a part of the sample in ascending rows, with one record of `results`
-  /// each.
+  /// Compares results with the output. `points`: a part of the sample in ascending order of rows; `results` has one
+  /// record for each point.
   void hold_against_output(std::span<const KnownPoint> points, const ChainResults& results,
                            const std::vector<std::uint64_t>& places) {
     struct Wanted {
@@ -370,8 +371,8 @@ class Verification {
 
   void suspect(std::uint64_t row, std::string difference) { suspects_.emplace_back(row, std::move(difference)); }
 
-  /// Judges the differences found. If two rows are equal in the output and only one was kept, the output does not tell
-  /// which one it is.
+  /// Decides which suspects are differences. If two rows are equal in the precision of the output and only one was
+  /// kept, the output does not show which of them it is, so that they are no difference.
   void judge_suspects() {
     std::ranges::stable_sort(suspects_, {}, [](const auto& s) { return s.first; });
     std::vector<std::uint64_t> rows, twins;
@@ -389,17 +390,16 @@ class Verification {
   const MadeBy& made_by_;
   const VerifyOptions& options_;
   ChainValues chain_;
-  std::vector<std::uint64_t> rows_;                              ///< rows of the sample, ascending
-  std::vector<KnownPoint> finite_, nonfinite_;                   ///< points of the sample
-  std::vector<KnownPoint> subset_;                               ///< points at evenly spaced rows of the cloud
-  std::vector<bool> replaced_;                                   ///< for each field of the input: it was computed again
-  std::vector<std::pair<std::size_t, MadeValue>> made_values_;   ///< with the number of the estimate
-  std::vector<std::size_t> selections_;                          ///< numbers of the estimates of conditions
-  std::optional<RowAlignment> alignment_;                        ///< present if the output lacks rows
-  std::vector<FieldPair> known_;                                 ///< fields that identify rows, if the output lacks
-                                                                 ///< rows
+  std::vector<std::uint64_t> rows_;             ///< rows of the sample, ascending
+  std::vector<KnownPoint> finite_, nonfinite_;  ///< points of the sample
+  std::vector<KnownPoint> subset_;              ///< points at evenly spaced rows of the cloud
+  std::vector<bool> replaced_;                  ///< for each field of the input, true if it was computed again
+  std::vector<std::pair<std::size_t, MadeValue>> made_values_;  ///< made values and the numbers of their estimates
+  std::vector<std::size_t> selections_;                         ///< numbers of the estimates of conditions
+  std::optional<RowAlignment> alignment_;                       ///< present if the output lacks rows
+  std::vector<FieldPair> known_;  ///< fields that identify rows of an output that lacks some
   std::vector<std::pair<std::uint64_t, std::string>> suspects_;  ///< rows that seem to be wrong, with the reason
-  int axis_ = -1;  ///< axis of the sweep in whose order the rows are; negative: input order
+  int axis_ = -1;  ///< axis along which the rows are ordered; negative if they are in the order of the input
   bool order_is_lost_ = false;
   Verdict verdict_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The check of one output whose run is known.
+/// The check of one output of a known run.
 #pragma once
 
 #include <memory>
@@ -17,14 +17,14 @@
 
 namespace pointsweep {
 
-/// The request of the run: its stages and its outputs.
+/// The stages of the run that made an output, and the facts about the output that the check needs.
 struct MadeBy {
   NeighborRule neighborhood = {};
   SharedRule rule = {};  ///< shortens the neighbourhood
   std::vector<StageOperator> operators = {};
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
-  /// Attributes that are not checked: they depend on neighbours of moved points, which a sample of the input does not
-  /// tell.
+  /// Attributes that are not checked, because they depend on neighbours of moved points, which do not follow from a
+  /// sample of the input.
   std::vector<Attribute> unchecked = {};
   /// All points of the cloud before voxel(keep=centroid). The input of the check then has one point of each voxel.
   std::shared_ptr<InputCloud> before_means = {};
@@ -36,7 +36,7 @@ struct MadeBy {
   bool in_any_order = false;
   std::vector<std::string> known_differences = {};  ///< differences found before the check
   std::uint64_t more_differences = 0;               ///< number of further differences
-  /// True if other stages drop rows as well, so that a row may be missing because of these.
+  /// True if stages that are not checked also drop rows, so that a row may be missing because of one of them.
   bool leaves_out_more = false;
   std::vector<std::string> untold = {};  ///< sentences about values that are not checked, with reasons
   /// Fields that were not written: of kept made attributes, and of the input under its own names.

@@ -5,7 +5,7 @@ namespace pointsweep::formulas {
 namespace {
 
 constexpr Real kSameScale = 1e-6L;
-constexpr Real kSteps = 32;  ///< roundings of a few float64 operations after one another
+constexpr Real kSteps = 32;  ///< bound of the relative error of a few float64 operations, in roundings
 
 }  // namespace
 
@@ -19,8 +19,8 @@ Affine::Affine(std::span<const double> rows, double scale, Vector translation) {
     }
 }
 
-/// An entry of A⁻¹ is a cofactor over the determinant: their rounding is relative to the magnitudes of the products in
-/// them. An error E of A changes A⁻¹ by A⁻¹ E A⁻¹.
+/// An entry of A⁻¹ is a cofactor divided by the determinant. The rounding of both is relative to the magnitudes of the
+/// products in them. An error E of A changes A⁻¹ by A⁻¹ E A⁻¹.
 Affine Affine::inverse() const {
   Affine back;
   const Real determinant = this->determinant();
@@ -66,8 +66,8 @@ Place Affine::moved(const Place& p) const {
   return {{sum[0], sum[1], sum[2]}, norm({error[0], error[1], error[2]})};
 }
 
-/// An error of the vector turns its image by at most the condition of the map times that error. An error of the map,
-/// whose numbers are right to within rounding, has the same effect.
+/// The error of the result: an error of the vector turns its image by at most this error times the condition number of
+/// the map. The rounding of the numbers of the map has an equal effect.
 Estimate Affine::of_same_length(Vector directed, const Estimate& before) const {
   Estimate after = before;
   const Real size = norm(directed), length = norm(before.value);

@@ -9,12 +9,12 @@
 
 namespace pointsweep::formulas {
 
-/// A map, and how far the float64 numbers of an operator may be from each of its numbers.
+/// An affine map whose numbers have error bounds: the distance of the operator's float64 numbers from them.
 class Affine {
  public:
-  /// The 12 numbers of the first three rows of a 4x4 matrix, times `scale`, then moved by `translation`.
+  /// Makes the map of the first three rows of a 4×4 matrix (12 numbers), times `scale`, then moved by `translation`.
   Affine(std::span<const double> rows, double scale, Vector translation);
-  /// The map that takes points back, by cofactors.
+  /// Returns the inverse map, computed from cofactors.
   Affine inverse() const;
 
   /// Returns A p + t; a point that is not finite is returned unchanged.
@@ -23,7 +23,7 @@ class Affine {
   Estimate tangent(const Estimate& v) const;
   /// Returns A⁻ᵀ n with the length of n.
   Estimate normal(const Estimate& n) const;
-  /// Returns √(trace(AᵀA) / 3), and 1 where that is within 1e-6 of 1.
+  /// Returns √(trace(AᵀA) / 3), but 1 if that is within 1e-6 of 1.
   Real scale() const;
 
  private:

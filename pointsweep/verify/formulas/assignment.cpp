@@ -10,7 +10,7 @@ namespace pointsweep::formulas {
 namespace {
 
 constexpr int kRankOfComparisons = 4, kRankOfFunctions = 8;
-constexpr const char* kOpenBetween = "between ";  ///< a `between` before its `and`
+constexpr const char* kOpenBetween = "between ";  ///< sign of a `between` whose `and` has not been read yet
 
 int rank_of(const std::string& sign) {
   if (sign == "||") return 1;
@@ -34,7 +34,7 @@ bool begins_operand(std::string_view text) {
   return continues_word(text[0]) || text[0] == '(' || text[0] == '-' || text[0] == '!';
 }
 
-/// Returns whether the innermost comparison that waits is a `between` before its `and`.
+/// Returns whether the innermost waiting comparison is a `between` whose `and` has not been read yet.
 template <class List>
 bool is_open_between(const List& waiting) {
   for (auto last = waiting.rbegin(); last != waiting.rend() && last->sign != "("; ++last)

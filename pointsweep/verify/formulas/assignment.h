@@ -18,7 +18,7 @@ namespace pointsweep::formulas {
 class PlainExpression {
  public:
   explicit PlainExpression(std::string_view text);
-  /// The names in the order in which they come in the text, each once.
+  /// Returns the names in the order in which they first occur in the text, each once.
   const std::vector<std::string>& names() const { return names_; }
   PossibleNumber number(std::span<const PossibleNumber> values) const;
   /// Returns whether the condition holds; nothing if the ranges do not decide.
@@ -27,7 +27,7 @@ class PlainExpression {
  private:
   struct Token {
     std::string sign;       ///< an operator or a function; "-1" for the unary minus; empty for a number or a name
-    std::size_t parts = 0;  ///< operands that the operator or function takes
+    std::size_t parts = 0;  ///< number of operands that the operator or function takes
     PossibleNumber value = {};
     bool is_name = false;
     std::size_t name = 0;
@@ -46,7 +46,8 @@ class PlainExpression {
   std::vector<Token> postfix_;
 };
 
-/// Returns the number as an attribute stores it: the nearest whole number, halves to even; float32; or float64.
+/// The ways in which an attribute stores a number: as the nearest whole number with halves to even, as float32, or as
+/// float64.
 enum class Storage : unsigned char { whole, single, real };
 Estimate stored_number(const PossibleNumber& number, Storage storage);
 

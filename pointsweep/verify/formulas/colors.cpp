@@ -13,7 +13,7 @@ constexpr int kClassColors[] = {0x969696, 0xbebebe, 0xa87038, 0xaad76e, 0x55b446
                                 0x787878, 0x3c82e6, 0x7846a0, 0x4b505f, 0x787878, 0xfae15a, 0xf5be1e, 0xf08714,
                                 0xc8a014, 0x00aab9, 0xff6eff, 0xffa08c, 0xd7af82, 0xcdebff, 0xebcdeb};
 constexpr int kOtherClasses[] = {0x4269d0, 0xefb118, 0x6cc5b0, 0xa463f2, 0x9c6b4e, 0xff8ab7};
-/// Coefficients from the highest power down.
+/// Coefficients of the polynomial for each channel of the scale turbo, from the highest power down.
 constexpr double kTurboChannels[3][6] = {
     {59.28637943, -152.94239396, 132.13108234, -42.66032258, 4.61539260, 0.13572138},
     {2.82956604, 4.27729857, -14.18503333, 4.84296658, 2.19418839, 0.09140261},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The colours that color() makes of values, by tables written for the check.
+/// The colours that the operator color() makes of values, by tables written for the check.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@ namespace pointsweep::formulas {
 
 enum class ColorScale : unsigned char { viridis, turbo, gray, classes };
 
-/// Red, green and blue of 8 bits. `lo`, `hi`: ends of the scale, where it has ends.
+/// Returns red, green and blue of 8 bits. `lo`, `hi`: ends of the scale, for scales that have ends.
 std::array<int, 3> color_of(double value, ColorScale scale, double lo, double hi);
 
 }  // namespace pointsweep::formulas

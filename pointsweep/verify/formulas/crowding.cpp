@@ -13,7 +13,7 @@ constexpr Real kMissing = std::numeric_limits<Real>::quiet_NaN();
 
 Estimate exactly(Real value) { return {.value = {value, 0, 0}}; }
 
-/// The number of neighbours within the radius, surely and at most.
+/// The number of neighbours that are certainly within the radius, and that may be within it.
 struct Within {
   std::size_t sure = 0, possible = 0;
 
@@ -32,7 +32,7 @@ struct Within {
 
 Real as_single(Real v) { return std::min<Real>(v, std::numeric_limits<float>::max()); }
 
-/// Points over a ball's size, `power` of the radius.
+/// Returns `points` divided by the size of a disc or a ball: `factor` times the radius to the power `power`.
 Estimate per_size(Real points, const Estimate& radius, int power, Real factor) {
   const Real r = radius.value.x;
   if (radius.error > 0.5L * r) return open();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Principal curvatures: Equation 2 of the paper, and from variances of normals to curvatures.
+/// Principal curvatures: Equation 2 of the paper, and the curvatures that follow from variances of normals.
 #include <vector>
 
 #include "pointsweep/verify/formulas/surface.h"
@@ -33,7 +33,7 @@ std::vector<Seen> seen_from(const Place& p, std::span<const Place> neighbors, st
   return seen;
 }
 
-/// S of the header.
+/// Returns the spectrum of S (curvature() in surface.h).
 Spectrum spectrum_of_normals(const std::vector<Seen>& seen) {
   const auto count = static_cast<Real>(seen.size());
   Matrix m;
@@ -45,8 +45,8 @@ Spectrum spectrum_of_normals(const std::vector<Seen>& seen) {
   });
 }
 
-/// √μ: the square roots of μ are singular values of the matrix of all u_j / √m, which move by at most the Frobenius
-/// norm of its error (Weyl).
+/// Returns the range of √μ for an eigenvalue μ. The roots are singular values of the matrix of all u_j / √m, which move
+/// by at most the Frobenius norm of the error of this matrix (Weyl).
 Range root_of(Real eigenvalue, const std::vector<Seen>& seen) {
   Real sum2 = 0;
   for (const Seen& s : seen) sum2 += s.u_error * s.u_error;
@@ -55,10 +55,11 @@ Range root_of(Real eigenvalue, const std::vector<Seen>& seen) {
   return not_negative({std::sqrt(rounded.low) - moved, std::sqrt(rounded.high) + moved});
 }
 
-/// D of the header within the tangent plane: variances along directions that may be turned.
+/// The matrix D (curvature() in surface.h) within the tangent plane: variances along directions that may be turned by
+/// an angle.
 class Spread {
  public:
-  /// Means are subtracted at the end: the operator sums squares of offsets from p_i.
+  /// Subtracts means at the end, since the operator sums squares of offsets from p_i.
   Spread(const Place& p, std::span<const Place> neighbors, const std::vector<Seen>& seen, Vector t1, Vector t2,
          Real angle)
       : angle_(angle) {
@@ -82,8 +83,8 @@ class Spread {
   Range second() const { return turned(two_); }
 
  private:
-  /// Turned by the angle in space, tᵀ D t changes by 2 angle |t'ᵀ D t| and second order, but never leaves the
-  /// eigenvalues of D.
+  /// Returns the range of tᵀ D t for a direction t that may be turned by the angle: it changes by 2 angle |t'ᵀ D t|
+  /// plus terms of second order, and stays between the eigenvalues of D.
   Range turned(Real value) const {
     const Real middle = trace() / 2, radius = std::hypot((one_ - two_) / 2, both_);
     const Real angle = std::min<Real>(angle_, 1);
@@ -124,7 +125,7 @@ void fill_principal(Curvatures& c, Vector n, const Estimate& t1, Real along, Ran
                std::min(along, across), {std::min(larger.low, smaller.low), std::min(larger.high, smaller.high)});
   c.k1_direction = single_direction(first ? t1.value : cross(n, t1.value), t1.error);
   c.k1_direction.either_sign = true;
-  if (larger.low <= smaller.high) c.k1_direction.error = kInfinity;  // either may be the larger
+  if (larger.low <= smaller.high) c.k1_direction.error = kInfinity;  // either curvature may be the larger one
 }
 
 void fill_weighted(Curvatures& c, const WeightedNeighbors& weighted, std::span<const Estimate> normals) {

@@ -24,7 +24,7 @@ Cylinder::Cylinder(Vector center, const Estimate& normal, Real diameter, Real de
 
 Real Cylinder::reach2() const { return (radius_ * radius_ + depth_ * depth_) * (1 + 1e-9L) + 1e-290L; }
 
-/// Adds a point if it is inside. The result is open if the distance of the point from the surface is less than the
+/// Adds a point if it is inside. is_open() becomes true if the distance of the point from the surface is less than the
 /// errors of the axis and of rounding.
 void Cylinder::add(Vector point) {
   const Vector offset = point - center_;
@@ -47,12 +47,12 @@ Estimate Cylinder::mean() const {
   return number(m, (error_ + rounding_of_sum(count_)) * largest_);
 }
 
-/// A change of each a_j by e changes their deviation by e sqrt(n / (n - 1)) at most.
+/// The error of the deviation: if each a_j changes by at most e, the deviation changes by at most e sqrt(n / (n - 1)).
 Estimate Cylinder::spread() const {
   if (count_ < 2) return not_a_number();
   const auto n = static_cast<Real>(count_);
   const Real variance = std::max<Real>(0, (squares_ - sum_ * sum_ / n) / (n - 1));
-  const Real lost = 0x1p-61L * n * squares_ / (n - 1);  // rounding error of these sums
+  const Real lost = 0x1p-61L * n * squares_ / (n - 1);  // rounding error of the sums
   const Real s = std::sqrt(variance), of_sums = lost / (s + std::sqrt(lost) + 1e-300L);
   return number(s, 2 * (error_ + rounding_of_sum(count_)) * largest_ + of_sums);
 }

@@ -23,18 +23,18 @@ class Cylinder {
   void add(Vector point);
 
   std::size_t count() const { return count_; }
-  Estimate mean() const;    ///< mean of the a_j; NaN without any
-  Estimate spread() const;  ///< standard deviation of the a_j, by n - 1; NaN with fewer than two
+  Estimate mean() const;    ///< returns the mean of the a_j; NaN without points
+  Estimate spread() const;  ///< returns the standard deviation of the a_j, by n - 1; NaN with fewer than two points
 
  private:
   Vector center_, axis_;
-  Real error_, radius_, depth_;  ///< error_: error of the axis
+  Real error_, radius_, depth_;  ///< `error_` is the error of the axis
   bool open_ = false;
   std::size_t count_ = 0;
-  Real first_ = 0, sum_ = 0, squares_ = 0, largest_ = 0;  ///< sums over a_j - first_; largest_: largest |a_j|
+  Real first_ = 0, sum_ = 0, squares_ = 0, largest_ = 0;  ///< sums over a_j - first_, and the largest |a_j|
 };
 
-/// Change, level of detection, two spreads, two counts.
+/// The results of M3C2 for a point: change, level of detection, and the spread and count of each cloud.
 struct Change {
   Estimate distance, level, spread1, spread2, samples1, samples2;
 };

@@ -10,14 +10,15 @@
 
 namespace pointsweep::formulas {
 
-/// |q - p|² as every exact comparison takes it: ((dx² + dy²) + dz²), every operation rounded to float64.
+/// Returns |q - p|² as exact comparisons of distances use it: ((dx² + dy²) + dz²), every operation rounded to float64.
 double squared_distance(const Place& p, const Place& q);
 
 /// Returns |q - p|, float64: the square root of the squared distance, rounded. For points that an operator has moved,
 /// the error includes the errors of their positions.
 Estimate distance(const Place& p, const Place& q);
 
-/// The farthest of `neighbors`, float64; 0 without any, NaN if one of them, moved, has no finite place.
+/// Returns the distance to the farthest of `neighbors`, float64; 0 without neighbours, NaN if a moved neighbour has
+/// non-finite coordinates.
 Estimate farthest(const Place& p, std::span<const Place> neighbors);
 
 /// The programs whose statistical outliers differ.
@@ -31,15 +32,16 @@ Estimate mean_distance(const Place& p, std::span<const Place> neighbors, bool of
 /// PDAL and Open3D also equal to the threshold; in Open3D also 0. Undecided if the threshold is NaN.
 Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_error, OutlierProgram program);
 
-/// A neighbour in the graph.
+/// A neighbour in a row of the neighbour graph.
 struct GraphNeighbor {
   Estimate distance;
   double distance2;
   std::size_t index;  ///< index in the given list
 };
 
-/// A row of the graph: neighbours ordered by ((dx² + dy²) + dz²) in float64, equal distances by x, y, z, then row;
-/// points without a finite place last, by row. `certain` is false if errors of positions may change the order.
+/// A row of the neighbour graph: neighbours ordered by ((dx² + dy²) + dz²) in float64, equal distances by x, y, z, then
+/// row; points with non-finite coordinates last, by row. `certain` is false if errors of positions may change the
+/// order.
 struct GraphRow {
   std::vector<GraphNeighbor> neighbors;
   bool certain = true;
@@ -52,10 +54,10 @@ struct Kept {
   bool certain = true;  ///< false if rounding decides between this and another count
 };
 
-/// Returns the smallest k from `least` to |neighbors| at which the eigenentropy E = -Σ e ln e is least. e are the
-/// eigenvalues of the covariance of the positions of p and its k nearest neighbours about their mean, over their sum
-/// (Weinmann et al. 2014). `neighbors` come nearest first. E is undefined for a k whose neighbours all coincide with p.
-/// All neighbours are kept if there are fewer than `least`, or if E is undefined for each k.
+/// Returns the smallest k from `least` to |neighbors| at which the eigenentropy E = -Σ e ln e is least, where e are the
+/// eigenvalues, divided by their sum, of the covariance of p and its k nearest neighbours about their mean (Weinmann et
+/// al. 2014). `neighbors` come nearest first. E is undefined for a k whose neighbours all coincide with p. All
+/// neighbours are kept if they are fewer than `least`, or if E is undefined for each k.
 Kept of_least_eigenentropy(const Place& p, std::span<const Place> neighbors, std::size_t least);
 
 /// Returns the neighbours within both limits: the first floor(k), and those with ((dx² + dy²) + dz²) <= radius · radius
@@ -71,16 +73,17 @@ Estimate core_point(const Place& p, std::span<const Place> neighbors, double eps
 struct Densities {
   Estimate surface, volume;
 };
-/// Returns m / (π R²) and m / (4/3 π R³), float32. With a radius: R is the radius, m the number of points within it, p
-/// included. Without: R is the distance of the farthest neighbour, m the number of neighbours. 0 if R is 0 or not
-/// finite.
+/// Returns m / (π R²) and m / (4/3 π R³), float32. With a radius, R is the radius and m the number of points within it,
+/// p included. Without a radius, R is the distance of the farthest neighbour and m the number of neighbours. Both are 0
+/// if R is 0 or not finite.
 Densities densities(const Place& p, std::span<const Place> neighbors, std::optional<double> radius);
 
-/// Distance to the farthest of the neighbours, float64; NaN without any, or if that is not finite.
+/// Returns the distance to the farthest of the neighbours, float64; NaN without neighbours, or if it is not finite.
 Estimate k_distance(const Place& p, std::span<const Place> neighbors);
-/// |N| / Σ_j max(k_distance of j, |q_j - p|), float64; infinite where the sum is 0, NaN where it is not finite.
+/// Returns |N| / Σ_j max(k_distance of j, |q_j - p|), float64; infinite if the sum is 0, NaN if it is not finite.
 Estimate reachability_density(const Place& p, std::span<const Place> neighbors, std::span<const Estimate> k_distances);
-/// 1/|N| Σ_j r_j / r, float64; the quotient of two infinite densities is 1.
+/// Returns 1/|N| Σ_j r_j / r, float64, where r and r_j are the densities of the point and its neighbours; the quotient
+/// of two infinite densities is 1.
 Estimate local_outlier_factor(const Estimate& density, std::span<const Estimate> of_neighbors);
 
 }  // namespace pointsweep::formulas

@@ -7,11 +7,11 @@
 namespace pointsweep::formulas {
 namespace {
 
-constexpr int kMostSweeps = 50;  ///< convergence is quadratic: five or six are usual
+constexpr int kMostSweeps = 50;  ///< most sweeps over the entries; usually five or six suffice
 
 using Entries = std::array<std::array<Real, 3>, 3>;
 
-/// Turns the plane of axes p and q so that entry (p, q) vanishes.
+/// Rotates the plane of the axes p and q so that the entry (p, q) of `a` becomes 0.
 void rotate(Entries& a, Entries& axes, std::size_t p, std::size_t q) {
   if (a[p][q] == 0) return;
   const Real cotangent = (a[q][q] - a[p][p]) / (2 * a[p][q]);

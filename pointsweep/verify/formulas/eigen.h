@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 /// Eigenvalues and eigenvectors of a symmetric matrix by Jacobi's rotations (C. G. J. Jacobi 1846; Golub and Van Loan,
-/// "Matrix Computations", Section 8.5), which need no case distinctions. Not the closed form that the operators use.
+/// "Matrix Computations", Section 8.5), which need no case distinctions. The operators use a closed form instead.
 #pragma once
 
 #include "pointsweep/verify/formulas/estimate.h"
 
 namespace pointsweep::formulas {
 
-/// value[i] belongs to the unit vector[i]; values ascend. The sign of each vector is arbitrary.
+/// Eigenvalues and unit eigenvectors: value[i] belongs to vector[i], and values ascend. Signs of vectors are arbitrary.
 struct Eigen {
   std::array<Real, 3> value{};
   std::array<Vector, 3> vector{};
@@ -18,10 +18,11 @@ Eigen eigen_of(const Matrix& symmetric);
 /// Eigenvalues and eigenvectors of a matrix whose entries are estimates, with error bounds.
 struct Spectrum : Eigen {
   std::array<Real, 3> value_error{};   ///< errors of the eigenvalues
-  std::array<Real, 3> vector_error{};  ///< sine of the angle by which an eigenvector may be off, or infinite
+  std::array<Real, 3> vector_error{};  ///< for each eigenvector, sine of its angular error, or infinite
 };
 
-/// `uncertainty(u, v)`: bound for the error of uᵀ M v, for unit vectors u and v.
+/// Returns the spectrum of M with error bounds. uncertainty(u, v) returns a bound for the error of uᵀ M v, for unit
+/// vectors u and v.
 template <class Uncertainty>
 Spectrum spectrum_of(const Matrix& m, Uncertainty uncertainty) {
   Spectrum s{eigen_of(m), {}, {}};
@@ -36,7 +37,7 @@ Spectrum spectrum_of(const Matrix& m, Uncertainty uncertainty) {
       s.value_error[a] += std::min(u[a][b], gap > 0 ? u[a][b] * u[a][b] / gap : kInfinity);
       s.vector_error[a] += sure > 0 ? u[a][b] / sure : kInfinity;
     }
-    // Beyond half a radian first order says nothing; below, an arc is at most a tenth longer than its sine.
+    // First-order bounds hold below half a radian, where an arc is at most a tenth longer than its sine.
     s.vector_error[a] = s.vector_error[a] < 0.5L ? 1.1L * s.vector_error[a] : kInfinity;
   }
   return s;

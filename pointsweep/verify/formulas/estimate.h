@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The value of a formula at a point, with a bound for the distance of any right evaluation from it.
+/// The value of a formula at a point, with a bound for its distance from every correct evaluation.
 ///
 /// Operators evaluate their formulas in a documented precision: the weights θ of Equations 1 and 2 in single, all else
 /// in double, results rounded to the type of the attribute. Each formula bounds what these roundings, and the errors of
@@ -36,7 +36,7 @@ inline Vector cross(Vector a, Vector b) {
 inline Real norm(Vector a) { return std::sqrt(dot(a, a)); }
 inline bool is_finite(Vector a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
-/// v / |v|; 0 for 0.
+/// Returns v / |v|; 0 if v is 0.
 inline Vector unit(Vector v) {
   const Real size = norm(v);
   return size > 0 ? (1 / size) * v : Vector{};
@@ -47,7 +47,7 @@ inline Real largest_component(Vector v) { return std::fmax(std::fabs(v.x), std::
 struct Matrix {
   std::array<std::array<Real, 3>, 3> entry{};
 
-  /// + s v vᵀ
+  /// Adds s v vᵀ to the matrix.
   void add_outer_product(Real s, Vector v) {
     const Real c[3] = {v.x, v.y, v.z};
     for (std::size_t a = 0; a < 3; ++a)
@@ -65,16 +65,17 @@ inline constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
 inline constexpr Real kSingle = 0x1p-24L;  ///< largest relative error of rounding to float32
 inline constexpr Real kDouble = 0x1p-53L;  ///< largest relative error of rounding to float64
 
-/// Relative error of a weight exp(-x) in single precision, of the exponential and of its argument: never more than
+/// Returns the relative error of a weight exp(-x) in single precision, from the exponential and its argument: at most
 /// 1.2e-7 of the largest weight.
 inline Real single_weight_error(Real x) { return 2 * kSingle * (1 + x); }
-/// Relative error of a weight exp(-x) in double precision.
+/// Returns the relative error of a weight exp(-x) in double precision.
 inline Real double_weight_error(Real x) { return 16 * kDouble * (1 + x); }
-/// The error of a sum of `terms` numbers, and of some twenty operations after it, in double, relative to the sum of
-/// magnitudes.
+/// Returns the error of a sum of `terms` numbers in double precision, and of some twenty operations after it, relative
+/// to the sum of the magnitudes of the numbers.
 inline Real rounding_of_sum(std::size_t terms) { return (static_cast<Real>(terms) + 64) * kDouble; }
 
-/// A position, and how far from it the operator's own may be: 0 unless an operator moved the point.
+/// A position, and a bound of its distance from the position that the operator reads: 0 unless an operator has moved
+/// the point.
 struct Place {
   Vector at;
   Real error = 0;
@@ -82,19 +83,20 @@ struct Place {
 
 /// An attribute of up to three components.
 struct Estimate {
-  Vector value;                   ///< a scalar is in x
-  Real error = 0;                 ///< length of the difference to any right value; infinite: the data do not tell
-  bool either_sign = false;       ///< the negative is as right
-  bool may_be_undefined = false;  ///< the data are so near to a limit that the value for undefined data, 0, is as right
+  Vector value;              ///< a scalar is in x
+  Real error = 0;            ///< bound of the distance from any correct value; infinite if the data leave it open
+  bool either_sign = false;  ///< true if the negative value is also correct
+  /// True if the data are so near to a limit that 0, the value for undefined data, is also correct.
+  bool may_be_undefined = false;
 
   bool is_open() const { return !(error < kInfinity); }
 };
 
-/// Returns whether a reader of the estimate can tell little: it is open, or may be 0.
+/// Returns whether the value of an estimate is uncertain: it is open or may be undefined.
 inline bool in_doubt(const Estimate& e) { return e.is_open() || e.may_be_undefined; }
-/// The documented value where the data define none.
+/// Returns the documented value, 0, for data that define none.
 inline Estimate undefined() { return {}; }
-/// The data do not tell which value is right.
+/// Returns an estimate for data that leave the correct value open.
 inline Estimate open() { return {.value = {}, .error = kInfinity, .either_sign = true, .may_be_undefined = true}; }
 
 /// The least and the greatest value that a number may have.
@@ -104,12 +106,12 @@ struct Range {
 inline Range around(Real value, Real error) { return {value - error, value + error}; }
 inline Range not_negative(Range r) { return {std::max<Real>(r.low, 0), std::max<Real>(r.high, 0)}; }
 
-/// Returns `value` as float32; right evaluations lie in `range`.
+/// Returns `value` as float32. Correct evaluations lie in `range`.
 inline Estimate single_scalar(Real value, Range range) {
   const Real error = std::max(range.high - value, value - range.low);
   return {.value = {value, 0, 0}, .error = error + kSingle * (std::fabs(value) + error) + 0x1p-149L};
 }
-/// A unit vector as three float32.
+/// Returns a unit vector as three float32.
 inline Estimate single_direction(Vector value, Real error) {
   return {.value = value, .error = error < 1 ? error + kSingle : kInfinity};
 }

@@ -12,12 +12,12 @@ struct Pull {
   Vector shift;  ///< Π_j(p_i) - p_i
   Real shift_error = 0;
   Real weight = 0;
-  Real weight_error = 0;  ///< relative
+  Real weight_error = 0;  ///< relative error of the weight
 };
 
 struct Area {
   Real value = 0;
-  Real error = 0;  ///< relative
+  Real error = 0;  ///< relative error of the value
 };
 
 Area area(const Surfel& s) {

@@ -13,9 +13,9 @@ namespace {
 
 constexpr Real kLargestSingle = std::numeric_limits<float>::max();
 constexpr Real kLogarithm = 1e-12L;  ///< relative error of logarithms and of values computed from them
-constexpr Real kTooFar = 0x1p1022L;  ///< offsets from here on may count as not finite
+constexpr Real kTooFar = 0x1p1022L;  ///< length from which an offset may count as not finite
 
-/// The points of P, as offsets from p.
+/// The points of P (Features in surface.h), as offsets from p.
 struct Cloud {
   std::vector<Vector> offset;
   std::vector<Real> error;  ///< error of each offset, with its rounding
@@ -93,7 +93,7 @@ struct Lambdas {
 
 Real entropy_term(Real v) { return v > 0 ? -v * std::log(v) : 0; }
 
-/// -v ln v has its only maximum at 1/e.
+/// Returns the range of -v ln v, whose only maximum is at 1/e.
 Range entropy_range(Range v) {
   const Real a = entropy_term(v.low), b = entropy_term(v.high), top = std::exp(Real{-1});
   const bool over_the_top = v.low < top && v.high > top;
@@ -146,7 +146,7 @@ Estimate verticality(const Place& p, const Spectrum& s) {
   return result;
 }
 
-/// The moments of the first and the second order about p, along an axis that may be off by the sine `turn`.
+/// The first and second moments about p along an axis, whose angular error has the sine `turn`.
 struct AxisMoments {
   Estimate first, second;
 

@@ -44,7 +44,7 @@ CellNumbers::CellNumbers(std::vector<double> numbers, std::size_t reach, std::si
     : numbers_(std::move(numbers)) {
   std::sort(numbers_.begin(), numbers_.end());
   numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
-  // Filled cells, cells that a disk needs between them, cells for slopes.
+  // The largest distance that matters between two cells: for filled cells, for cells that a disk needs, and for slopes.
   const auto apart = static_cast<double>(2 * reach + 2 * radius + 4);
   std::size_t place = reach + 3;
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
@@ -125,7 +125,7 @@ GroundRaster::Cells GroundRaster::least_of_disks(const Cells& cells, std::size_t
   return result;
 }
 
-/// The greatest is the least upside down.
+/// Computes an opening: the least value in each disk, then the greatest of these values in each disk.
 GroundRaster::Cells GroundRaster::opened(const Cells& cells, std::size_t radius) const {
   Cells least = least_of_disks(cells, radius);
   for (double& v : least) v = -v;
@@ -200,7 +200,7 @@ Estimate height_above(double z, std::span<const GroundPoint> nearest) {
   Real sum = 0, weights = 0, largest = 0;
   for (const GroundPoint& g : nearest) {
     const Real weight = 1 / static_cast<Real>(g.distance2);
-    if (weight > 0x1p900L) return open();  // its products leave float64
+    if (weight > 0x1p900L) return open();  // products of such weights overflow float64
     sum += weight * g.z, weights += weight;
     largest = std::max(largest, std::fabs(static_cast<Real>(g.z)));
   }

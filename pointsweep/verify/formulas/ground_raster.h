@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Heights above points of the ground, and the ground of a cloud by SMRF (Pingel, Clarke and McBride 2013) on a whole
-/// raster, as docs/operators.md has it.
+/// The ground of a cloud by SMRF (Pingel, Clarke and McBride 2013) on a raster of the whole cloud, as defined in
+/// docs/operators.md, and heights above points of the ground.
 #pragma once
 
 #include <cstddef>
@@ -37,10 +37,10 @@ class CellNumbers {
 
 class GroundRaster {
  public:
-  /// Bytes of a cell while the surface is made.
+  /// Bytes of memory for a cell while the surface is computed.
   static constexpr std::size_t kCellBytes = 56;
 
-  /// Cells of points that take part.
+  /// Makes the raster for cells with these numbers, which are those of all points that take part.
   GroundRaster(const GroundParameters& parameters, CellNumbers columns, CellNumbers rows);
   void add(double x, double y, double z);
   /// Computes the surface. Must be called after the last point.
@@ -49,7 +49,7 @@ class GroundRaster {
   std::optional<bool> is_ground(double x, double y, double z) const;
 
  private:
-  using Cells = std::vector<double>;  ///< NaN: absent
+  using Cells = std::vector<double>;  ///< value of each cell, row by row; NaN for a cell without a value
   std::size_t at(std::size_t column, std::size_t row) const { return row * columns_.count() + column; }
   double surface(std::size_t column, std::size_t row) const { return surface_[at(column, row)]; }
   double slope(std::size_t column, std::size_t row) const;
@@ -62,13 +62,14 @@ class GroundRaster {
   Cells lowest_, surface_;
 };
 
-/// Height above points of the ground.
+/// A point of the ground near another point.
 struct GroundPoint {
   double distance2;  ///< squared distance in x and y
   double z;
 };
 
-/// z - Σ w_j z_j / Σ w_j, w_j = 1 / d_j², of `nearest`, the nearest first; z - z_1 where d_1 = 0; NaN without any.
+/// Returns the height of z above the ground points `nearest`, nearest first: z - Σ w_j z_j / Σ w_j with w_j = 1 / d_j²;
+/// z - z_1 if d_1 = 0; NaN without ground points.
 Estimate height_above(double z, std::span<const GroundPoint> nearest);
 
 }  // namespace pointsweep::formulas

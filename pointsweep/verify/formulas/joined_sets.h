@@ -78,32 +78,33 @@ class Flatness {
   void measure(Vector p);
   void add(Vector p);
 
-  /// The root mean square distance to the plane for which it is least, as float32; 0 for fewer than four points. The
-  /// operator takes positions to 2^-40, and knows eigenvalues to some roundings of the largest.
+  /// Returns the root mean square distance of the points to their best-fitting plane, as float32; 0 for fewer than four
+  /// points. The operator rounds positions to 2^-40, and its eigenvalues have errors of some roundings of the largest.
   Estimate residual() const;
 
  private:
   Real points_ = 0;
-  Vector first_, sum_;  ///< sums are of offsets from the first point
-  Matrix covariance_;   ///< times the points
+  Vector first_, sum_;  ///< first point, and the sum of offsets from it
+  Matrix covariance_;   ///< covariance times the number of points
 };
 
-/// Takes the points of a component twice: first for centroid and extent, then with their signs for the votes.
+/// Decides whether the signs of a component are flipped. Takes its points twice: first for centroid and extent, then
+/// with their signs for the votes.
 class TurningVotes {
  public:
   void measure(Vector p);
   void vote(Vector p, Vector signed_normal, const std::optional<Vector>& viewpoint);
 
-  /// Returns whether all signs must be flipped. Without a viewpoint: if of Σ s n_z and Σ s n . (p - c) / e the one with
-  /// the larger absolute value is negative, with the centroid c and the mean extent e. With a viewpoint v: if Σ sign(s
-  /// n . (v - p)) is negative. Nothing if the data do not decide. The operator rounds normals in sums to multiples of
-  /// 2^-20.
+  /// Returns whether all signs must be flipped; nothing if the data do not decide. Without a viewpoint, the larger in
+  /// magnitude of Σ s n_z and Σ s n · (p - c) / e decides, with the centroid c and the mean extent e; with a viewpoint
+  /// v, Σ sign(s n · (v - p)) decides. Signs are flipped if the deciding sum is negative. The operator rounds normals
+  /// in sums to multiples of 2^-20.
   std::optional<bool> turns(bool has_viewpoint) const;
 
  private:
   Real points_ = 0;
   Vector sum_, low_{kInfinity, kInfinity, kInfinity}, high_{-kInfinity, -kInfinity, -kInfinity};
-  Real up_ = 0, out_ = 0, offsets_ = 0;  ///< offsets_: Σ |p - c|, all components
+  Real up_ = 0, out_ = 0, offsets_ = 0;  ///< `offsets_` is Σ |p - c| over all components
   Real facing_ = 0, in_doubt_ = 0;
 };
 

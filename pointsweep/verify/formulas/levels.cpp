@@ -18,7 +18,7 @@ using Steps = std::array<std::int64_t, 3>;
 constexpr std::size_t kMostOfLeaf = 100'000, kMostOfRoot = 100'000;
 constexpr int kDeepest = 31, kNone = -1;
 
-/// SplitMix64.
+/// Returns a hash of n by SplitMix64.
 std::uint64_t mixed(std::uint64_t n) {
   n += 0x9e3779b97f4a7c15u;
   n = (n ^ (n >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -75,13 +75,13 @@ class Levels {
         steps_[i][axis] = static_cast<std::int64_t>(std::nearbyint((points[i][axis] - lo[axis]) / step));
         most = std::max(most, steps_[i][axis]);
       }
-    // 8 to 16 times a power of two, or a multiple of 8 below 128.
+    // The width is 8 to 16 times a power of two; for a small extent, a multiple of 8 up to 128.
     std::int64_t unit = 8;
     while (unit * 16 <= most + 1) unit *= 2;
     width_ = static_cast<double>((most + unit) / unit * unit);
   }
 
-  /// The numbers of the octant of this depth around a point.
+  /// Returns the numbers of the octant of this depth that holds point `i`.
   Steps octant(std::size_t i, int depth) const {
     Steps at;
     for (std::size_t axis = 0; axis < 3; ++axis)

@@ -10,10 +10,11 @@
 
 namespace pointsweep::formulas {
 
-/// Bytes for each point while levels are found.
+/// Bytes of memory for each point while levels are found.
 inline constexpr std::uint64_t kLevelBytes = 160;
 
-/// Returns the level of each point, whose coordinates are finite. Points of one rounded place count in their order.
+/// Returns the level of each point. All coordinates must be finite. Points with equal rounded coordinates are taken in
+/// their order.
 std::vector<std::uint8_t> levels_of(const std::vector<Coordinates>& points);
 
 }  // namespace pointsweep::formulas

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Rules that decide how many of the neighbours found a point keeps.
+/// Rules that decide how many of its found neighbours a point keeps.
 
 #include "pointsweep/verify/formulas/distances.h"
 #include "pointsweep/verify/formulas/eigen.h"
@@ -7,7 +7,7 @@
 namespace pointsweep::formulas {
 namespace {
 
-/// E of a covariance, and how far a right evaluation may be from it.
+/// The eigenentropy E of a covariance, and a bound of its error.
 struct Entropy {
   Real value = kInfinity, error = 0;
 };
@@ -23,8 +23,8 @@ Entropy entropy(const Matrix& covariance, Real rounding) {
   return result;
 }
 
-/// Returns the entropies for k = least, least + 1, ...: E is infinite where p and its k nearest neighbours are all in
-/// one place.
+/// Returns the eigenentropies for k = least, least + 1, and so on; infinite for a k whose neighbours all coincide with
+/// p.
 std::vector<Entropy> entropies(const Place& p, std::span<const Place> neighbors, std::size_t least) {
   std::vector<Entropy> result;
   Matrix squares;

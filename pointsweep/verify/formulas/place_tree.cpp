@@ -68,8 +68,8 @@ void PlaceTree::descend(std::uint32_t b, const Place& p, const double& reach2, c
 }
 
 std::vector<PlaceTree::Near> PlaceTree::nearest(std::uint32_t place, std::size_t most, double reach2) const {
-  std::vector<Near> found;  // a heap, the farthest first
-  std::size_t points = 0;   // points at these places
+  std::vector<Near> found;  // heap of the nearest places, with the farthest of them in front
+  std::size_t points = 0;   // number of points at the places in `found`
   descend(0, places_[place], reach2, [&](const Near& near) {
     if (!(near.distance2 <= reach2)) return;
     if (points >= most && !(near < found.front())) return;

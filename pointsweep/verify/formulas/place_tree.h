@@ -11,7 +11,7 @@
 
 namespace pointsweep::formulas {
 
-/// Points stand at places, which ascend by x, y, z: a place with several points is there once.
+/// A tree over the different places of points, which ascend by x, y, z. A place may have several points.
 class PlaceTree {
  public:
   using Place = std::array<double, 3>;
@@ -24,11 +24,11 @@ class PlaceTree {
     }
   };
 
-  /// `points_at`: number of points at each place. Borrows both.
+  /// Builds the tree of `places`, with the number of points at each place in `points_at`. Borrows both.
   PlaceTree(std::span<const Place> places, std::span<const std::uint32_t> points_at);
 
-  /// Returns the nearest places, `place` first, until they hold `most` points together, within the squared distance
-  /// reach2. Fewer if there are no more. Equal distances are ordered by x, y, z.
+  /// Returns the nearest places within the squared distance reach2, `place` first, until they hold `most` points
+  /// together, or all if they hold fewer. Equal distances are ordered by x, y, z.
   std::vector<Near> nearest(std::uint32_t place, std::size_t most, double reach2) const;
   /// Calls `use` for all places within the squared distance reach2, including `place`, in any order.
   void within(std::uint32_t place, double reach2, const std::function<void(const Near&)>& use) const;
@@ -36,8 +36,8 @@ class PlaceTree {
  private:
   struct Box {
     Place low, high;
-    std::uint32_t begin, end;  ///< into order_
-    std::uint32_t children;    ///< index of the first of two children; 0: none
+    std::uint32_t begin, end;  ///< range of the box's places in `order_`
+    std::uint32_t children;    ///< index of the first of two children; 0 for a leaf
   };
   void build(std::uint32_t box);
   double distance2_to(const Box& box, const Place& p) const;

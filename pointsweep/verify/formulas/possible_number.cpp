@@ -14,7 +14,7 @@ double plain(char sign, double a, double b) {
   return sign == '+' ? a + b : sign == '-' ? a - b : sign == '*' ? a * b : a / b;
 }
 
-/// The range of numbers that the float64 of the tool may be where `value` is the true one.
+/// Returns the range in which the tool's float64 result lies if `value` is the exact result.
 PossibleNumber near(Real value) {
   if (!std::isfinite(value)) return single_number(value);
   const Real slack = 16 * kDouble * std::fabs(value) + 0x1p-1074L;
@@ -23,7 +23,7 @@ PossibleNumber near(Real value) {
   return {value - slack, value + slack > kMost ? kInfinity : value + slack, false};
 }
 
-/// The range of an increasing function on a range.
+/// Returns the range of an increasing function on a range.
 template <class Function>
 PossibleNumber increasing(const PossibleNumber& n, Function function) {
   return {function(static_cast<double>(n.low)), function(static_cast<double>(n.high)), false};
@@ -40,7 +40,7 @@ PossibleNumber root(const PossibleNumber& n) {
   return increasing(n, [](double v) { return std::sqrt(v); });
 }
 
-/// `sign` is 1 for the greatest number and -1 for the least one.
+/// Returns the greatest of the numbers if `sign` is 1, the least if it is -1.
 PossibleNumber extreme(std::span<const PossibleNumber> numbers, int sign) {
   PossibleNumber out = numbers[0];
   for (const PossibleNumber& n : numbers) {
@@ -126,7 +126,7 @@ PossibleNumber function_of(const std::string& name, std::span<const PossibleNumb
   for (const PossibleNumber& argument : arguments) {
     given.push_back(as_double(argument));
     const PossibleNumber& n = given.back();
-    // A value that is not known may be NaN.
+    // A value that is not known exactly may be NaN if its range is not finite.
     if (!n.is_exact() && !(std::isfinite(n.low) && std::isfinite(n.high))) return kAnything;
     is_exact = is_exact && n.is_exact();
   }

@@ -34,7 +34,7 @@ class PartsOfSum {
   std::vector<double> parts_;
 };
 
-/// Above (1), on (0) or below (-1) the line from a to b, a left of b.
+/// Returns whether p is above (1), on (0) or below (-1) the line from a to b, where a is to the left of b.
 int side_of(const Corner& p, Corner a, Corner b) {
   double most = 0;
   for (const double c : {p[0], p[1], a[0], a[1], b[0], b[1]}) most = std::max(most, std::fabs(c));
@@ -105,17 +105,18 @@ bool EdgesAlongX::hold(const Corner& p) const {
   const auto above = std::upper_bound(ends_.begin(), ends_.end(), p[0]);
   if (above == ends_.begin()) return false;
   const auto i = static_cast<std::size_t>(above - ends_.begin()) - 1;
-  std::vector<std::uint32_t> crossed;  // polygons, once for each edge above p
+  std::vector<std::uint32_t> crossed;  // numbers of polygons, one entry for each of their edges above p
   for (std::size_t node = stretches_ + 2 * i + (ends_[i] == p[0] ? 0 : 1); node > 0; node /= 2) {
     for (const std::uint32_t number : listed_[node]) {
       const Edge& e = edges_[number];
-      if (e.left[0] == e.right[0]) {  // upright: the ray from p straight up does not cross it
+      if (e.left[0] == e.right[0]) {  // a vertical edge, which the vertical ray from p does not cross
         if (p[1] >= std::min(e.left[1], e.right[1]) && p[1] <= std::max(e.left[1], e.right[1])) return true;
         continue;
       }
       const int side = quick_side_of(p, e.left, e.right);
       if (side == 0) return true;
-      // Two edges of a polygon that meet above p count once, or cancel each other.
+      // An edge counts if p is to the right of its left end. Of two edges that meet above p, one counts if they lie on
+      // different sides of p; else both or none, which leaves the parity.
       if (side < 0 && p[0] > e.left[0]) crossed.push_back(e.polygon);
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The regions of crop, from its definition.
+/// The regions of the operator crop, evaluated from its definition.
 #pragma once
 
 #include <array>
@@ -11,14 +11,14 @@
 namespace pointsweep::formulas {
 
 using Corner = std::array<double, 2>;
-/// Rings without the repeated first corner.
+/// The rings of a polygon, without the repeated first corner of each ring.
 using PolygonRings = std::vector<std::vector<Corner>>;
 
 /// Returns whether the first `bounds.size()` / 2 coordinates of p lie between the two corners of the box, or on its
 /// faces.
 bool is_in_box(const std::array<double, 3>& p, std::span<const double> bounds);
 
-/// Polygons whose edges are found by where they lie along x.
+/// Polygons with an index of their edges along x.
 class EdgesAlongX {
  public:
   explicit EdgesAlongX(std::span<const PolygonRings> polygons);
@@ -39,7 +39,7 @@ class EdgesAlongX {
   std::vector<double> ends_;
   std::vector<Edge> edges_;
   std::vector<std::vector<std::uint32_t>> listed_;
-  std::size_t stretches_ = 0;  ///< a power of two
+  std::size_t stretches_ = 0;  ///< number of leaves of the tree, a power of two, at least the number of stretches
   std::uint32_t polygons_ = 0;
 };
 

@@ -42,7 +42,7 @@ Form form_of_curvature(const CurvatureHere& c, const Estimate& n) {
 
 bool is_zero(const Estimate& e) { return !e.is_open() && norm(e.value) == 0; }
 
-/// q_j of the header, with its range.
+/// q_j (splat() in surface.h), with its range.
 struct Reach {
   Real q, low, high;
 };
@@ -50,7 +50,7 @@ struct Reach {
 Reach reach(const WeightedOffset& o, Vector n, const Estimate& n_estimate, const Form& f) {
   const Real x = dot(o.d, f.major.value), y = dot(o.d, cross(n, f.major.value)), h = dot(o.d, n), e = f.ratio;
   const auto q = [&](Real ratio) { return std::hypot(x, y / ratio); };
-  // Turning the axes by a small angle changes q by |x y| (1/e² - 1) / q times that.
+  // Turning the axes by a small angle changes q by |x y| (1/e² - 1) / q times the angle.
   const Real flattest = f.ratio_range.low, angle = std::min<Real>(f.major.error, 1);
   const Real turn = q(e) > 0 ? std::fabs(x * y) * (1 / (flattest * flattest) - 1) / q(e) * angle : 0;
   const Real tilt = n_estimate.error * (std::fabs(h) + n_estimate.error * norm(o.d)) / flattest;
@@ -69,7 +69,7 @@ Estimate length_of(const WeightedNeighbors& weighted, const Estimate& n, const F
   for (const WeightedOffset& o : weighted.offsets) {
     if (!(norm(o.d) > 0)) continue;
     const Reach r = reach(o, unit(n.value), n, f);
-    if (r.low <= 0) return open();  // straight above p_i, or nearly so
+    if (r.low <= 0) return open();  // a neighbour that may lie exactly above p_i, so that it may not count
     q.push_back(r.q), low.push_back(r.low), high.push_back(r.high);
   }
   return single_scalar(held(q), {held(low), held(high)});
@@ -85,7 +85,7 @@ Splat splat(const Place& p, const Estimate& n, std::span<const Place> neighbors,
   const WeightedNeighbors weighted = weigh(p, neighbors);
   if (!weighted.finite) return whole_splat(undefined());
   if (!(weighted.farthest > 0)) return whole_splat(undefined());
-  // A neighbour that may or may not lie on p_i counts or does not.
+  // It is uncertain whether a neighbour counts that may coincide with p_i.
   const bool unsure = std::any_of(weighted.offsets.begin(), weighted.offsets.end(),
                                   [](const WeightedOffset& o) { return o.error > 0 && norm(o.d) <= o.error; });
   if (unsure) return whole_splat(open());

@@ -18,7 +18,8 @@ struct Curvatures {
   Estimate normal_eigenvalues;  ///< eigenvalues of C_i, ascending
 };
 
-/// `normals` are the normals of `neighbors`. With u = n / |n|, sums over the m neighbours that have a normal, and
+/// Returns the curvatures at p. `n`: normal of p; `normals`: normals of `neighbors`. With u = n / |n|, sums over the m
+/// neighbours that have a normal, and
 ///   S = 1/m Σ_j u_j u_jᵀ with eigenvalues μ0 <= μ1 <= μ2 and eigenvectors e0, e1, e2,
 ///   D = 1/m Σ_j (p_j - p̄)(p_j - p̄)ᵀ,
 ///   t1 = e1 brought into the tangent plane of n_i (see tangent()), t2 = n_i × t1,
@@ -30,22 +31,22 @@ struct Curvatures {
 Curvatures curvature(const Place& p, const Estimate& n, std::span<const Place> neighbors,
                      std::span<const Estimate> normals);
 
-/// An ellipse, all in float32.
+/// An ellipse. All values are float32.
 struct Splat {
   Estimate axis;    ///< unit major axis, in the tangent plane
   Estimate length;  ///< major semi-axis
   Estimate ratio;   ///< minor over major semi-axis, in [1/8, 1]
 };
 
-/// The values that the variant from curvature reads of the point.
+/// The values of a point that splats from curvature read.
 struct CurvatureHere {
   Estimate k1, k2, k1_direction;
 };
 
-/// The ellipse in the tangent plane of n_i. Without `curvature`: the major axis is the eigenvector of the largest
-/// eigenvalue of M_i (Equation 1), brought into the plane (see tangent(); the other axis is that of λ1), and the ratio
-/// √(λ1/λ2). With `curvature`: the major axis is n_i × k1_direction and the ratio √(k2/k1), unless k1_direction or k1
-/// is 0. Ratios below 1/8 are 1/8.
+/// Returns the ellipse in the tangent plane of n_i. Without `curvature` (null, or if k1_direction or k1 is 0), the
+/// major axis is the eigenvector of the largest eigenvalue of M_i (Equation 1), brought into the plane (see tangent();
+/// the other axis is that of λ1), and the ratio is √(λ1/λ2). With `curvature`, the major axis is n_i × k1_direction and
+/// the ratio is √(k2/k1). Ratios below 1/8 become 1/8.
 ///
 /// The length is the 8th smallest of q_j = √(x² + (y/ratio)²) over the neighbours off p_i, with x and y the coordinates
 /// of p_j - p_i along the axes. With only m < 8 such neighbours it is √(8/m) times the largest q_j, so that the area
@@ -59,28 +60,28 @@ struct Surfel {
   Estimate normal, splat_length, splat_ratio;
 };
 
-/// p_i' = 1/w_i Σ_j Π_j(p_i) a_j f(|p_j - p_i|) g(|Π_j(p_i) - p_i|) over N_i and i itself, float64, with Π_j(p_i) the
-/// projection of p_i onto the tangent plane of p_j, f(r) = exp(-r²/2F²), g(r) = exp(-r²/2G²) with standard deviations F
-/// and G, a_j = π length² ratio of the splat of p_j, and w_i the sum of the weights. p_i projects to itself and weighs
-/// a_i. Neighbours without a normal, a splat or a finite place do not count; without a neighbour that counts, p_i is
-/// unchanged.
+/// Returns p_i' = 1/w_i Σ_j Π_j(p_i) a_j f(|p_j - p_i|) g(|Π_j(p_i) - p_i|) over N_i and i itself, float64, with
+/// Π_j(p_i) the projection of p_i onto the tangent plane of p_j, f(r) = exp(-r²/2F²), g(r) = exp(-r²/2G²) with standard
+/// deviations F and G, a_j = π length² ratio of the splat of p_j, and w_i the sum of the weights. p_i projects to
+/// itself with the weight a_i. Neighbours without a normal, without a splat or with non-finite coordinates do not
+/// count; without a neighbour that counts, p_i is unchanged.
 Estimate faired(const Surfel& point, std::span<const Surfel> neighbors, Real f, Real g);
 
-/// The definition of λ from the eigenvalues l.
+/// The ways in which features define λ from the eigenvalues l.
 enum class Lambda { raw, root, normalized };
 
 /// Features of P, in float32 except for number_of_neighbors. P contains the neighbours, and p if it counts; n = |P|. Σ
 /// = 1/n Σ_P (q - mean)(q - mean)ᵀ has eigenvalues l1 >= l2 >= l3 and unit eigenvectors e1, e2, e3.
 struct Features {
   Estimate linearity, planarity, sphericity, omnivariance, anisotropy, eigenentropy, eigenvalue_sum, surface_variation;
-  Estimate verticality;                   ///< 1 - |e3 · z|; 0 where l2 <= 1e-12 l1 + ρ², ρ as in normal()
+  Estimate verticality;                   ///< 1 - |e3 · z|; 0 if l2 <= 1e-12 l1 + ρ², with ρ as in normal()
   Estimate moment1_axis1, moment1_axis2;  ///< |Σ_P (q - p) · e|
   Estimate moment2_axis1, moment2_axis2;  ///< Σ_P ((q - p) · e)²
   Estimate height_range, number_of_neighbors;
 };
 
-/// All but number_of_neighbors and height_range are 0 if all points of P coincide. height_range is also 0 if an offset
-/// is not finite.
+/// Returns the features of P. All features except number_of_neighbors are 0 if all points of P coincide or an offset is
+/// not finite.
 Features features(const Place& p, std::span<const Place> neighbors, Lambda lambda, bool with_point);
 
 }  // namespace pointsweep::formulas

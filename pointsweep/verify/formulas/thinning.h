@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The choice of the point that is kept, from the definitions of decimate, parts and voxel, and the means of a voxel.
+/// The points that decimate, parts and voxel choose, from the definitions of these operators, and the means of a voxel.
 #pragma once
 
 #include <array>
@@ -11,42 +11,42 @@ namespace pointsweep::formulas {
 
 using Coordinates = std::array<double, 3>;
 
-/// The hash of the three coordinates, in [0, 2^64): three rounds of SplitMix64.
+/// Returns a hash of the three coordinates in [0, 2^64): three rounds of SplitMix64.
 std::uint64_t hash_of(const Coordinates& p, std::uint64_t seed);
 
-/// Returns whether `hash` / 2^64 < `share`, in the 53 bits that a float64 has.
+/// Returns whether `hash` / 2^64 < `share`, with 53 bits of the hash, as a float64 has them.
 bool is_in_share(std::uint64_t hash, double share);
 
 /// Returns ⌊hash * parts / 2^64⌋; `parts` below 2^32.
 std::uint64_t part_of(std::uint64_t hash, std::uint64_t parts);
 
-/// The numbers of the voxel of edge length `size` that holds p.
+/// Returns the numbers of the voxel with edge length `size` that holds p.
 Coordinates voxel_of(const Coordinates& p, double size);
 
-/// The squared distance of p to the centre of its voxel.
+/// Returns the squared distance of p to the centre of its voxel.
 double distance2_to_center(const Coordinates& p, double size);
 
-/// The mean of finite values, float64: their exact sum, rounded, over their number, not below the least nor above the
-/// greatest.
+/// The mean of finite values, float64: the rounded exact sum of the values divided by their number, clamped to the
+/// range of the values.
 class Mean {
  public:
   void add(double value);
-  /// The mean and how far it may be off; NaN without values.
+  /// Returns the mean with its error; NaN without values.
   Estimate real() const;
   /// Returns the mean as float32.
   Estimate single() const;
-  /// Returns the mean as a whole number, halves to even; open where rounding decides.
+  /// Returns the mean as a whole number, halves to even; open if rounding decides between two whole numbers.
   Estimate whole() const;
 
  private:
   Real sum_ = 0, magnitudes_ = 0, count_ = 0;
-  bool are_whole_ = true;  ///< all values are whole numbers
+  bool are_whole_ = true;  ///< true if all values are whole numbers
   double least_ = static_cast<double>(kInfinity), most_ = -static_cast<double>(kInfinity);
 };
 
-/// Three numbers as one estimate.
+/// Returns three means as one estimate.
 Estimate mean_vector(const std::array<Mean, 3>& components);
-/// The mean vector divided by its length, float32; 0 where that is 0 or not a number.
+/// Returns the mean vector divided by its length, float32; 0 if the length is 0 or not a number.
 Estimate mean_direction(const std::array<Mean, 3>& components);
 
 }  // namespace pointsweep::formulas

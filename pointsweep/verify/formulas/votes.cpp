@@ -18,7 +18,7 @@ std::optional<Estimate> voted(std::string_view vote, const std::vector<Real>& va
     sum += v;
   }
   if (finite.empty()) return std::nullopt;
-  const bool is_exact = are_whole && std::fabs(sum) < 0x1p63L;  // the sum of whole numbers is one then
+  const bool is_exact = are_whole && std::fabs(sum) < 0x1p63L;  // a sum of whole numbers below 2^63 is exact
   if (vote == "mean" && is_exact)
     return Estimate{.value = {static_cast<double>(sum) / static_cast<double>(finite.size()), 0, 0}};
   return statistic_of(vote, finite);

@@ -11,9 +11,9 @@
 
 namespace pointsweep::formulas {
 
-/// Returns the majority (the first if several are equally frequent), the mean, or the first of the values of the
-/// nearest points, nearest first. With several values, and for means, only finite values count. Nothing if no value
-/// counts. `are_whole`: the mean is computed from the exact sum.
+/// Returns the majority (the first value if several are equally frequent), the mean, or the first of the values of the
+/// nearest points, which come nearest first. With several values, and for means, only finite values count. Returns
+/// nothing if no value counts. `are_whole`: true to compute the mean from the exact sum.
 std::optional<Estimate> voted(std::string_view vote, const std::vector<Real>& values, bool are_whole);
 
 /// Returns the value as an attribute stores it: the nearest whole number, halves to even; float32; or float64.

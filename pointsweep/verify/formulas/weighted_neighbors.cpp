@@ -6,14 +6,15 @@
 namespace pointsweep::formulas {
 namespace {
 
-/// Turns `n` so that its product with something is positive; false where the product is 0 or may be.
+/// Flips `n` if `product`, its scalar product with another vector, is negative. Returns false if the product may be 0.
 bool turn(Estimate& n, Real product, Real error) {
   if (std::fabs(product) <= error) return false;
   if (product < 0) n.value = Real{-1} * n.value;
   return true;
 }
 
-/// Positive by the component of largest magnitude; components that may be as large must agree in sign.
+/// Flips `n` so that its component of largest magnitude is positive. The sign is uncertain if another component may be
+/// as large and has the other sign.
 void turn_by_largest(Estimate& n) {
   const Real c[3] = {n.value.x, n.value.y, n.value.z};
   std::size_t largest = 0;
@@ -103,7 +104,7 @@ Estimate tangent(Vector n, Vector along, Vector across, Real error) {
   const bool projected = std::fabs(lift) <= std::fabs(lift_across);
   const Vector chosen = projected ? flat : turned;
   Estimate t{.value = unit(chosen), .error = 2 * error / norm(chosen), .either_sign = true};
-  if (std::fabs(std::fabs(lift) - std::fabs(lift_across)) <= 4 * error) {  // either may decide
+  if (std::fabs(std::fabs(lift) - std::fabs(lift_across)) <= 4 * error) {  // either vector may be the chosen one
     const Vector other = unit(projected ? turned : flat);
     t.error += std::min(norm(t.value - other), norm(t.value + other));
   }

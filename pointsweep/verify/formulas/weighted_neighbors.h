@@ -16,26 +16,28 @@ struct WeightedOffset {
   Real weight_error = 0;  ///< absolute error of θ
 };
 
-/// N_i as Equations 1 and 2 see it: θ(r) = exp(-r²/2σ²) with σ² = π max_j |p_j - p_i|² / |N_i|, N_i without p_i.
+/// The neighbours N_i (without p_i) and their weights in Equations 1 and 2: θ(r) = exp(-r²/2σ²) with σ² = π max_j |p_j
+/// - p_i|² / |N_i|.
 struct WeightedNeighbors {
   std::vector<WeightedOffset> offsets;
   Real farthest = 0;        ///< max_j |p_j - p_i|
   Real farthest_error = 0;  ///< error of `farthest`
-  /// Weights are θ over θ of the nearest neighbour off p_i, which is this, so that they never vanish all together.
+  /// θ of the nearest neighbour that does not coincide with p_i. Weights are divided by it, so that they never all
+  /// vanish.
   Real theta_of_nearest = 1;
-  bool finite = true;  ///< no offset overflows double precision
+  bool finite = true;  ///< true if no offset overflows double precision
 
   Real mean_weight() const;
 };
 
 WeightedNeighbors weigh(const Place& p, std::span<const Place> neighbors);
 
-/// M_i of Equation 1 over theta_of_nearest, and its eigenvectors.
+/// Returns the eigenvalues and eigenvectors of M_i (Equation 1) divided by theta_of_nearest.
 Spectrum equation1(const WeightedNeighbors& neighbors);
 
 /// Returns a direction in the plane with unit normal n, from two orthogonal unit vectors: the projection of `along` if
-/// it is nearer to the plane than `across`, else the direction in the plane perpendicular to `across`. `error` bounds
-/// the angular error of the two vectors and n.
+/// `along` is nearer to the plane than `across`, else the direction in the plane perpendicular to `across`. `error`
+/// bounds the angular errors of the two vectors and of n.
 Estimate tangent(Vector n, Vector along, Vector across, Real error);
 
 /// The choice between the two directions of a normal.
@@ -51,10 +53,10 @@ struct Facing {
   Estimate like;  ///< the normal of the input
 };
 
-/// n_i, float32: the eigenvector of the smallest eigenvalue λ0 of
+/// Returns the normal n_i, float32: the eigenvector of the smallest eigenvalue λ0 of
 ///   M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)ᵀ θ(|p_j - p_i|).
-/// 0 with fewer than two neighbours, where an offset is not finite, and where they define no plane: λ1 <= 1e-12 λ2 + ρ²
-/// mean_j θ_j with ρ the 2^-51st part of the largest coordinate of p_i.
+/// The normal is 0 with fewer than two neighbours, if an offset is not finite, and if the neighbours define no plane:
+/// λ1 <= 1e-12 λ2 + ρ² mean_j θ_j, where ρ is 2^-51 times the largest coordinate of p_i.
 Estimate normal(const Place& p, std::span<const Place> neighbors, const Facing& facing);
 
 }  // namespace pointsweep::formulas

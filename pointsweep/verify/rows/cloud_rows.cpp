@@ -81,7 +81,8 @@ void CloudRows::require(std::span<const ColumnSource> columns) const {
     require_memory(count() * (sizeof(PlaceOfRow) + components_of(columns) * sizeof(double)), *this);
 }
 
-/// Finds the rows of the output by sorting all positions of the input.
+/// Returns the values of the columns for each row of the input. Sorts all positions of the input to find the rows of
+/// the output.
 std::vector<double> CloudRows::values_in_order_of_input(std::span<const ColumnSource> columns, std::size_t components) {
   require(columns);
   std::vector<PlaceOfRow> order;

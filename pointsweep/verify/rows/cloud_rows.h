@@ -19,7 +19,7 @@
 
 namespace pointsweep {
 
-/// The reason why a stage is not checked, without a full stop.
+/// An exception that tells why a stage is not checked. Its text has no full stop.
 class NotTold : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -31,21 +31,20 @@ class NeedsMemory : public NotTold {
   using NotTold::NotTold;
 };
 
-/// The source of the values of an attribute.
+/// The source of the values of an attribute: exactly one of `in_input`, `in_output` and `made_again`.
 struct ColumnSource {
   Attribute attribute;
-  std::vector<Field> in_input = {};         ///< fields of the input, by component; or
-  std::vector<FieldPair> in_output = {};    ///< fields of the output, by component
-  std::optional<FieldPair> turned_by = {};  ///< a field of the output: if it is not 0, the value in the output is
-                                            ///< negated
-  std::shared_ptr<const std::vector<double>> made_again = {};  ///< or values computed again, by row of the input, then
-                                                               ///< component
+  std::vector<Field> in_input = {};         ///< field of the input for each component
+  std::vector<FieldPair> in_output = {};    ///< field of the output for each component
+  std::optional<FieldPair> turned_by = {};  ///< field of the output that is not 0 if the output has the negated value
+  /// Values that were computed again: for each row of the input, one value for each component.
+  std::shared_ptr<const std::vector<double>> made_again = {};
 };
 
 class CloudRows {
  public:
-  /// `axis`: axis of the sweep in whose order the rows of `out` are; negative: input order. `has_all`: the output has
-  /// all rows of the input. Borrows both sources.
+  /// `axis`: axis along which the rows of `out` are ordered; negative if they are in the order of the input. `has_all`:
+  /// true if the output has all rows of the input. Borrows both sources.
   CloudRows(RowSource& in, RowSource& out, int axis, std::uint64_t memory_bytes, const PhaseProgress& progress,
             bool has_all = true)
       : in_(in), out_(out), axis_(axis), memory_bytes_(memory_bytes), progress_(progress), has_all_(has_all) {}
@@ -53,17 +52,17 @@ class CloudRows {
   std::uint64_t count() const { return in_.count(); }
   std::uint64_t memory_bytes() const { return memory_bytes_; }
   const PhaseProgress& progress() const { return progress_; }
-  /// Returns how often the whole input was read.
+  /// Returns how many times the whole input was read.
   std::uint64_t passes() const { return passes_; }
   RowSource& input() { return in_; }
-  /// Returns whether the output has all rows. If not, no column may be a column of the output.
+  /// Returns whether the output has all rows of the input. If it has not, no column may come from the output.
   bool output_has_all() const { return has_all_; }
 
   /// Throws NotTold if columns are in the output, the output has another order than the input, and the values do not
   /// fit in memory.
   void require(std::span<const ColumnSource> columns) const;
   /// Calls `use` for every row in the order of the input, with the components of the columns one after another. Throws
-  /// as require().
+  /// the error of require().
   void for_each(std::span<const ColumnSource> columns,
                 const std::function<void(std::uint64_t row, Vec3 position, std::span<const double> values)>& use);
 

@@ -59,7 +59,7 @@ std::optional<Place> exactly(const Schema& schema, const std::string& name, std:
   return std::nullopt;
 }
 
-/// Finds one component under all names that writers may have given it.
+/// Finds a component of an attribute under each name that a writer may have given it.
 class PlaceFinder {
  public:
   PlaceFinder(const Schema& from, std::size_t index, const Schema& to)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Pairs of a value in an input and its place in an output; made values with the estimates of their formulas.
+/// Comparison of values in records of an input and of an output, and of made values with the estimates of their
+/// formulas.
 #pragma once
 
 #include <cstddef>
@@ -17,14 +18,14 @@ namespace pointsweep {
 
 /// Compares a value of one record with its copy in another, with the precision of the copy's type. Values are equal if
 /// - both are stored alike and their bits are equal; or else
-/// - storing `from` at `to`, colours with the brightness of the type there, gives what is there: a format may round
-///   (LAS coordinates), and a value out of the range of its type equals nothing; integers on a decimal grid may be the
-///   decimal fractions that they mean; where `from` is float32 and `to` float64, the nearest float32 of `to` counts,
-///   since text files hold the fewest digits of a float.
+/// - storing the value of `from` in `to`, with colours scaled to the brightness of the type, gives the value of `to`: a
+///   format may round (LAS coordinates), and a value out of the range of its type equals no value. Integers on a
+///   decimal grid may be stored as the decimal fractions that they stand for. If `from` is float32 and `to` float64,
+///   the float32 nearest to `to` is compared, since text files hold the fewest digits that identify a float.
 class FieldPair {
  public:
-  /// Pairs one component of each field; `name` is used in messages.
-  /// `digits`: the values are written as text with as many digits after the decimal point.
+  /// Pairs one component of each field; `name` is used in messages. `digits`: number of digits after the decimal point
+  /// if the values are written as text with a fixed number of digits.
   FieldPair(std::string name, const Field& from, std::uint32_t from_component, const Field& to,
             std::uint32_t to_component, std::optional<int> digits = {});
 
@@ -43,21 +44,20 @@ class FieldPair {
   std::string name_;
   Field from_, to_;
   bool bitwise_;
-  GridDecimals decimals_;  ///< decimals of integers on a decimal grid, whose values text files hold as decimal
-                           ///< fractions
+  GridDecimals decimals_;  ///< decimal fractions of integers on a decimal grid, as text files hold them
   bool single_;
   std::optional<int> digits_;
 };
 
 /// Pairs all components of from.fields[index] with the fields of `to` in which a writer of any format may have stored
-/// them; nothing if one is missing. Writers change characters and lengths of names, number components, use the spelling
-/// of their format, and add an exact copy NAME_TYPE of rounded values, which then counts. `decimals`: digits of x, y
-/// and z after the decimal point in text.
+/// them. Returns nothing if a component is missing. Writers change characters and lengths of names, number components,
+/// use the spelling of their format, and add an exact copy NAME_TYPE of rounded values, which is then compared.
+/// `decimals`: digits of x, y and z after the decimal point in text.
 std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to,
                                                      std::optional<int> decimals = {});
 
-/// The sum of hashed values modulo 2^64, in any order: equal for equal multisets, and for different ones with
-/// probability 2^-64.
+/// The sum of the hashes of values modulo 2^64, which does not depend on their order. Equal multisets have equal sums;
+/// different multisets have equal sums with probability 2^-64.
 class MultisetSum {
  public:
   void add(std::uint64_t value) { sum_ += mix(value); }
@@ -67,11 +67,11 @@ class MultisetSum {
   std::uint64_t sum_ = 0;
 };
 
-/// The components of an attribute, one to three, that share one estimate, and their places in the output.
+/// The one to three components of an attribute that share one estimate, and their fields in the output.
 class MadeValue {
  public:
-  /// `pairs`: one for each component, from a result record to a record of the output; none for a component that was not
-  /// written.
+  /// `pairs`: for each component, the pair of a field of result records and a field of the output; absent for a
+  /// component that was not written.
   explicit MadeValue(std::vector<std::optional<FieldPair>> pairs) : pairs_(std::move(pairs)) {}
 
   /// Returns the first wrong component; nothing if the value is right. Estimates without error are compared by

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Values of the whole input for operators that need them, for use without a run.
+/// Values of the whole input for operators that need such values, computed without a run.
 #pragma once
 
 #include <vector>

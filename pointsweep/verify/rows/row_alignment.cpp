@@ -93,7 +93,7 @@ std::vector<std::uint64_t> sample_of_both(const RowAlignment& alignment, std::ui
   const std::uint64_t of_kept = std::min<std::uint64_t>(kept.size(), size - std::min(size / 2, left_out));
   std::vector<std::uint64_t> rows;
   for (const std::uint64_t i : sample_rows(kept.size(), of_kept, seed)) rows.push_back(kept[i]);
-  std::uint64_t before = 0;  // rows of the output before the i-th dropped row
+  std::uint64_t before = 0;  // number of rows of the output before the i-th dropped row
   for (const std::uint64_t i : sample_rows(left_out, size - of_kept, seed)) {
     while (before < kept.size() && kept[before] - before <= i) ++before;
     rows.push_back(i + before);

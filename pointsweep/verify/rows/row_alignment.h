@@ -17,7 +17,7 @@
 namespace pointsweep {
 
 struct RowAlignment {
-  std::vector<std::uint64_t> kept;            ///< for each row of the output its row of the input, ascending
+  std::vector<std::uint64_t> kept;            ///< for each row of the output, its row in the input; ascending
   std::optional<std::uint64_t> not_of_input;  ///< the first row of the output that is not a later row of the input
 
   bool has(std::uint64_t row) const { return place_of(row).has_value(); }
@@ -43,7 +43,7 @@ std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& al
 
 struct RowsWithValues {
   std::vector<std::uint64_t> rows;  ///< rows of the output
-  bool are_unique = true;           ///< no other row of the output has the values of one of these
+  bool are_unique = true;           ///< true if no other row of the output has the values of one of `rows`
 };
 
 /// Returns, for each of `rows` of the input, a row of the output with its values in the fields of `pairs`; nothing if a
@@ -53,18 +53,18 @@ std::optional<RowsWithValues> rows_with_values(RowSource& in, RowSource& out, st
 
 /// The ways in which the output may store the input's values.
 struct OutputWays {
-  OwnField own_field = nullptr;      ///< own fields of its format, which may be missing if all values are 0
-  std::optional<int> decimals = {};  ///< FileLayout::decimals
+  OwnField own_field = nullptr;      ///< fields of the output's format that it may lack if all values are 0
+  std::optional<int> decimals = {};  ///< FileLayout::decimals of the output
 };
 
-/// Reads both files once, at the same time. `replaced[f]`: field f of the input was computed again and is not compared.
-/// `look` is called with every row and position of the input.
+/// Compares all values of both files, which are read once, at the same time. `replaced[f]`: true if field f of the
+/// input was computed again, so that it is not compared. `look` is called with every row and position of the input.
 Arrivals compare_arrivals(RowSource& in, RowSource& out, const std::vector<bool>& replaced, const OutputWays& ways,
                           const PhaseProgress& progress,
                           const std::function<void(std::uint64_t row, Vec3 position)>& look);
 
-/// Returns `size` different rows of 0 ... count - 1, ascending, each set with the same probability; all rows if there
-/// are no more. The same seed gives the same rows.
+/// Returns `size` different rows of 0 ... count - 1, ascending, or all rows if `count` is not larger. Every set of rows
+/// has the same probability. Equal seeds give equal rows.
 std::vector<std::uint64_t> sample_rows(std::uint64_t count, std::uint64_t size, std::uint64_t seed);
 
 /// Returns, for each of `rows` of the input, its row in canonical order along `axis`: by the coordinate on the axis,

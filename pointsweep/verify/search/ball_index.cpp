@@ -51,7 +51,7 @@ BallIndex::BallIndex(const std::vector<Vec3>& centers, const std::vector<double>
 void BallIndex::fill(Grid& grid, const std::vector<std::uint32_t>& members, const std::vector<Vec3>& centers,
                      const std::vector<double>& radius) const {
   grid.mask = std::bit_ceil(static_cast<std::uint32_t>(members.size()) * 8) - 1;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> entries;  // bucket, ball
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> entries;  // number of a bucket and number of a ball
   std::vector<std::uint32_t> buckets;
   for (const std::uint32_t ball : members) {
     stop_if_cancelled();

@@ -33,7 +33,7 @@ class BallIndex {
   using Cell = std::array<std::uint32_t, 3>;
 
   struct Grid {
-    double per_length = 0;             ///< cells per unit of length
+    double per_length = 0;             ///< number of cells per unit of length
     double last = 0;                   ///< greatest number of a cell; points beyond are in that cell
     std::uint32_t mask = 0;            ///< number of buckets - 1
     std::vector<std::uint32_t> begin;  ///< first entry of each bucket in `balls`

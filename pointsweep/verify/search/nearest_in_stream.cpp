@@ -59,7 +59,7 @@ std::vector<NearPoint>& NearestInStream::nearest(std::size_t place) {
   return found_[place];
 }
 
-/// A few points give rough bounds; with these, all points give closer bounds.
+/// Finds the bounds in two rounds: a few points give rough bounds, with which all points then give closer bounds.
 std::vector<double> bounds_of_reach2(const std::vector<Vec3>& places, std::vector<double> reach2, std::size_t most,
                                      std::span<const KnownPoint> some, NearestInStream::Space space) {
   constexpr std::size_t kFew = 1024;

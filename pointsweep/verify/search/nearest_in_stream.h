@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The nearest points of chosen places by brute force: every point of a stream is compared with every place within
-/// whose bound it lies. Shares no code with the search of the engine.
+/// whose bound the point lies. The search of the engine shares no code with it.
 #pragma once
 
 #include <cstddef>
@@ -34,11 +34,11 @@ class NearestInStream {
  public:
   static constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
-  /// The space in which distances are measured. `plane`: only x and y count, and all places have z = 0.
+  /// The space in which distances are measured: in `plane`, only x and y count, and all places must have z = 0.
   enum class Space : std::uint8_t { all, plane };
 
-  /// Keeps the `most` nearest points of each place among those with distance2 <= reach2. A smaller reach2, where known,
-  /// saves work. About 40 bytes for each kept point.
+  /// Keeps the `most` nearest points of each place among those with distance2 <= reach2. A smaller reach2 saves work.
+  /// Memory: about 40 bytes for each kept point.
   NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most, Space space = Space::all);
 
   /// Takes one point of the stream; points come in any order. Points that are not finite are ignored.
@@ -53,12 +53,12 @@ class NearestInStream {
   std::vector<double> reach2_;
   std::size_t most_;
   Space space_;
-  std::vector<std::vector<NearPoint>> found_;  ///< heaps; once full, the first point is the farthest
+  std::vector<std::vector<NearPoint>> found_;  ///< points of each place; once full, a heap with the farthest in front
   BallIndex index_;
 };
 
-/// Returns for each place an upper bound, at most `reach2`, of the squared distance of its `most` nearest points. A
-/// bound found from some of the points holds for all.
+/// Returns for each place an upper bound, at most `reach2`, of the squared distances of its `most` nearest points. A
+/// bound that some points give holds for all points.
 std::vector<double> bounds_of_reach2(const std::vector<Vec3>& places, std::vector<double> reach2, std::size_t most,
                                      std::span<const KnownPoint> some,
                                      NearestInStream::Space space = NearestInStream::Space::all);

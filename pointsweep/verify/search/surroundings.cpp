@@ -101,8 +101,8 @@ class Finder {
     }
     out_.list_begin.push_back(out_.neighbors.size());
     if (out_.neighbors.size() - first < rule_.k) return;
-    // The neighbours of a neighbour j are bounded by the triangle inequality: k of them are this point and its other
-    // neighbours.
+    // The triangle inequality bounds the neighbourhood of each neighbour j, since this point and its other neighbours
+    // are k points near j.
     for (std::size_t n = first; n < out_.neighbors.size(); ++n) {
       const std::uint32_t j = out_.neighbors[n];
       reach2_[j] = std::min(reach2_[j], square_of_sum(distance2(position(i), position(j)), farthest2));
@@ -111,10 +111,10 @@ class Finder {
 
   RowSource& in_;
   const NeighborRule rule_;
-  const std::size_t most_;  ///< number of points to find per place, including a point of the place itself
+  const std::size_t most_;  ///< number of points to find for each place, including a point at the place itself
   const PhaseProgress& progress_;
   Surroundings out_;
-  std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  ///< by row
+  std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  ///< number of a point by its row
   std::vector<double> reach2_;                                ///< for each point, the squared bound of its neighbours'
                                                               ///< distances
 };

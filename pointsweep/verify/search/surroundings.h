@@ -13,7 +13,7 @@
 
 namespace pointsweep {
 
-/// The k nearest other points, the points within `radius` (inclusive), or the k nearest of these.
+/// The rule for neighbours: the k nearest other points within `radius` (inclusive); all of them without a limit k.
 struct NeighborRule {
   static constexpr std::size_t kUnlimited = NearestInStream::kAll;
   std::size_t k = 8;
@@ -25,8 +25,8 @@ struct NeighborRule {
 struct Surroundings {
   std::vector<double> x, y, z;
   std::vector<std::uint64_t> row;
-  std::vector<std::size_t> ring_end;     ///< points up to ring r are 0 ... ring_end[r] - 1
-  std::vector<std::size_t> list_begin;   ///< into neighbors, of points 0 ... ring_end[rings - 1] - 1, and the end
+  std::vector<std::size_t> ring_end;     ///< for each ring r, number of points in the rings up to r
+  std::vector<std::size_t> list_begin;   ///< index in `neighbors` at which the list of each point begins, and the end
   std::vector<std::uint32_t> neighbors;  ///< numbers of points, nearest first
 
   std::size_t size() const { return row.size(); }

@@ -13,7 +13,7 @@ namespace {
 using formulas::Estimate;
 using Estimates = std::vector<Estimate>;
 
-/// Coordinates are not transformed: the run has refused different reference systems.
+/// Opens another cloud without a transformation of coordinates: the run has refused different reference systems.
 std::unique_ptr<InputCloud> opened(const std::string& name) { return opened_cloud(name, true); }
 
 PointsOfCloud points_of(RowSource& source, const PhaseProgress& progress) {

@@ -27,26 +27,26 @@ struct CloudPoint {
 
 struct CloudInput {
   CloudRows& rows;
-  std::vector<std::optional<ColumnSource>> reads;  ///< sources of the values read for all rows, in the order of the
-                                                   ///< contract; none: there is no source
+  /// Sources of the values that are read for all rows, in the order of the contract; absent for a value without a
+  /// source.
+  std::vector<std::optional<ColumnSource>> reads;
   std::vector<std::optional<ColumnSource>> makes;  ///< sources in the output of the values that the stage makes
   NeighborRule neighborhood;
   bool has_rule;                       ///< true if a rule keeps a part of the neighbours
-  InputCloud* before_means = nullptr;  ///< all points of the cloud before voxel(keep=centroid); null without such a
-                                       ///< stage
+  InputCloud* before_means = nullptr;  ///< points before the stage voxel(keep=centroid); null without such a stage
 
-  /// Throws NotTold if the values of a read are nowhere.
+  /// Returns the source of a value that is read. Throws NotTold if it has none.
   const ColumnSource& source(std::size_t read) const;
 };
 
 class CloudFormula {
  public:
   virtual ~CloudFormula() = default;
-  /// Reads all points. Must be called once, before the first evaluate(). Throws NotTold.
+  /// Reads all points. Must be called once, before the first evaluate(). Throws NotTold if the stage cannot be checked.
   virtual void prepare(const CloudInput& in) = 0;
-  /// Returns which values are not checked, without a full stop; empty if all are.
+  /// Returns a clause, without a full stop, about the values that are not checked; empty if all are checked.
   virtual std::string limits() const { return {}; }
-  /// Returns the estimates of the values that the stage makes of each point, as StageFormula::evaluate().
+  /// Returns for each point the estimates of the values that the stage makes, in the form of StageFormula::evaluate().
   virtual std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
                                                                 const CloudInput& in) = 0;
   /// Returns the values of a point without a finite place; none if the stage leaves such points unchanged.
@@ -56,7 +56,7 @@ class CloudFormula {
   }
 };
 
-/// The formula of the operators of one name.
+/// The formula over the whole cloud of the operators with one name.
 struct NamedCloudFormula {
   std::string_view name;
   std::unique_ptr<CloudFormula> (*make)(const FormulaSetup& stage);
@@ -69,8 +69,8 @@ std::unique_ptr<CloudFormula> cloud_formula_made(const FormulaSetup& stage) {
 
 /// Returns whether the operator has a formula over the whole cloud.
 bool has_cloud_formula(const Operator& op);
-/// Returns null for local operators, and if no formula has the name of the operator. `makers`: the operator that makes
-/// each attribute of contract().reads, or null for attributes of the input.
+/// Returns the formula of an operator; null for local operators, and if no formula has the name of the operator.
+/// `makers`: the operator that makes each attribute of contract().reads, or null for attributes of the input.
 std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers);
 
 /// The formula of the classes that the ground filter gives.

@@ -20,16 +20,16 @@ struct HashedRow {
   auto key() const { return std::tuple(hash, at.x, at.y, at.z, row); }
 };
 
-/// Kept points, by cubes a little wider than the radius.
+/// Kept points in an index by cubes a little wider than the radius.
 class KeptPoints {
  public:
   explicit KeptPoints(double radius) : radius2_(radius * radius), width_(1.0001 * radius) {}
 
-  /// Keeps p unless a kept point lies within the radius.
+  /// Keeps p unless a kept point lies within the radius. Returns whether p is kept.
   bool offer(Vec3 p) {
     const auto from = cube_of({p.x - width_, p.y - width_, p.z - width_});
     const auto to = cube_of({p.x + width_, p.y + width_, p.z + width_});
-    // Keys ascend: the cells of equal x and y form one range of z.
+    // Keys ascend, so that the cells of equal x and y form one range of z.
     for (double x = from[0]; x <= to[0]; x = above(x))
       for (double y = from[1]; y <= to[1]; y = above(y))
         for (auto cube = cubes_.lower_bound({x, y, from[2]}); cube != cubes_.end(); ++cube) {
@@ -44,7 +44,7 @@ class KeptPoints {
  private:
   using Cube = std::array<double, 3>;
   Cube cube_of(Vec3 p) const { return {std::floor(p.x / width_), std::floor(p.y / width_), std::floor(p.z / width_)}; }
-  /// The next number of a cube; beyond 2^53 not every whole number is one.
+  /// Returns the next number of a cube. From 2^52 on, it is the next double.
   static double above(double number) {
     return std::abs(number) < 0x1p52 ? number + 1 : std::nextafter(number, HUGE_VAL);
   }

@@ -27,7 +27,7 @@ void require_plain_neighbors(const CloudInput& in) {
 
 Estimate exact(double value) { return {.value = {value, 0, 0}}; }
 
-/// Labels of points, or of the places of points, by row.
+/// The labels of points, or of the places of points, which are found by the row of a point.
 struct LabelsOfRows {
   std::vector<std::uint32_t> item_of_row;
   formulas::SetLabels labels;
@@ -66,8 +66,8 @@ LabelsOfRows labels_of_points(const SortedCloud& cloud, JoinedSets& sets, std::u
           formulas::labels_of(sets, cloud.size(), one, all)};
 }
 
-/// Numbers and sizes of components. The whole graph is used, or the labels of neighbours if the graph does not fit in
-/// memory.
+/// The formula of numbers and sizes of components. It uses the whole graph, or the labels of neighbours if the graph
+/// does not fit in memory.
 class LabelFormula : public CloudFormula, protected JoiningRule {
  public:
   void prepare(const CloudInput& in) final {
@@ -120,7 +120,7 @@ class ComponentFormula final : public LabelFormula {
   double most2_;
 };
 
-/// Points of one place are in one cluster, or all noise.
+/// The formula of clusters. Points at one place are in one cluster, or all are noise.
 class ClusterFormula final : public LabelFormula {
  public:
   explicit ClusterFormula(const FormulaSetup& stage) : eps2_(square(stage.options.number("eps"))) {
@@ -170,7 +170,7 @@ class ClusterFormula final : public LabelFormula {
   static double square(double v) { return v * v; }
 
   double eps2_;
-  std::optional<std::uint64_t> min_points_;  ///< absent: the core points are made by another stage
+  std::optional<std::uint64_t> min_points_;  ///< absent if another stage makes the core points
 };
 
 double product(const double* n, const double* m) { return n[0] * m[0] + n[1] * m[1] + n[2] * m[2]; }
@@ -193,8 +193,8 @@ std::map<std::int64_t, formulas::Flatness> flatness_of(std::map<std::int64_t, fo
   return segments;
 }
 
-/// Segments. If the whole graph does not fit in memory, the residual is computed from the points with the same number
-/// in the output.
+/// The formula of segments. If the whole graph does not fit in memory, the residual is computed from the points with
+/// the same number in the output.
 class SegmentFormula final : public LabelFormula {
  public:
   std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
@@ -243,12 +243,12 @@ class SegmentFormula final : public LabelFormula {
 
 struct WeightedEdge {
   double weight;
-  std::uint32_t low, high;  ///< its points
+  std::uint32_t low, high;  ///< numbers of the points of the edge
 
   auto key() const { return std::tuple(weight, low, high); }
 };
 
-/// Kruskal's algorithm over all edges.
+/// The formula of the signs of normals: Kruskal's algorithm over all edges.
 class SignFormula final : public CloudFormula {
  public:
   explicit SignFormula(const FormulaSetup& stage) {
@@ -308,7 +308,7 @@ class SignFormula final : public CloudFormula {
   }
 
   std::optional<Vec3> viewpoint_;
-  std::vector<std::int8_t> turned_;  ///< for each row; -1: undecided
+  std::vector<std::int8_t> turned_;  ///< for each row, 1 if the normal is turned and 0 if not; -1 if undecided
 };
 
 }  // namespace

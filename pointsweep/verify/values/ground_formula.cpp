@@ -87,7 +87,8 @@ class GroundFormula final : public CloudFormula {
     return std::clamp(std::floor(coordinate / parameters_.cell), -most, most);
   }
 
-  /// Last returns that are no noise, where the options and the attributes say so.
+  /// Returns whether a point takes part: it is a last return and not noise, as far as options and attributes require
+  /// it.
   bool takes_part(std::span<const double> values) const {
     if (class_ && !noise_ && (values[*class_] == 7 || values[*class_] == 18)) return false;
     return all_returns_ || !number_ || !returns_ || !(values[*number_] < values[*returns_]);

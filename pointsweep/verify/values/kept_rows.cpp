@@ -33,8 +33,8 @@ constexpr std::uint64_t kVoxelSeed = 0x766f78656c;  // "voxel" in ASCII
 /// A point that competes with the other points of its group; the least of a group is kept.
 struct Competitor {
   Vec3 group;
-  double first = 0;          ///< decides,
-  std::uint64_t second = 0;  ///< then this, then the position, then the row
+  double first = 0;          ///< value that decides first
+  std::uint64_t second = 0;  ///< value that decides between equal `first`, before the position and the row
   Vec3 at;
   std::uint64_t row = 0;
 
@@ -44,7 +44,7 @@ struct Competitor {
 /// Returns the group of a point, and the values by which it competes there.
 using Competes = std::function<Competitor(Vec3 p, std::uint64_t row)>;
 
-/// Returns the turn that processes a group. Equal groups have the same turn, also if they differ in -0 and 0.
+/// Returns the number of the turn that processes a group, in which -0 and 0 are equal.
 std::uint64_t turn_of(Vec3 p, std::uint64_t turns) {
   std::uint64_t hash = 0;
   for (const double v : {p.x, p.y, p.z}) {
@@ -92,8 +92,7 @@ Mask by_hash(InputCloud& cloud, const NamedOptions& options, const PhaseProgress
   return kept;
 }
 
-/// Keeps the points of the least hashes, in the bits that decide, or all but these. Takes 16 bytes for each of their
-/// number.
+/// Keeps the points with the least hashes, or all other points. Memory: 16 bytes for each point with such a hash.
 Mask by_least_hashes(InputCloud& cloud, const NamedOptions& options, const PhaseProgress& progress) {
   const std::uint64_t number = options.whole("number"), seed = options.whole("seed");
   const bool rest = options.word("rest") == "yes";
@@ -123,7 +122,7 @@ std::vector<formulas::PolygonRings> polygons_of(const std::string& option) {
   return polygons;
 }
 
-/// Decides about every row, also of points without a finite place.
+/// Decides by a region about every row, also of points with non-finite coordinates.
 Mask by_region(InputCloud& cloud, const NamedOptions& options, const PhaseProgress& progress) {
   std::vector<double> bounds;
   if (options.has("bounds")) bounds = options.numbers("bounds");
@@ -140,8 +139,8 @@ Mask by_region(InputCloud& cloud, const NamedOptions& options, const PhaseProgre
   return kept;
 }
 
-/// Evaluates the formula of a condition on each row. The operator itself decides where it has no formula, and where
-/// the formula leaves the row open.
+/// Evaluates the formula of a condition on each row. The operator itself decides if it has no formula, and for rows
+/// that the formula leaves open.
 Mask by_condition(InputCloud& cloud, const SelectOperator& op, const PhaseProgress& progress) {
   const Contract contract = op.contract();
   const PositionFields position = position_fields(cloud.schema(), "the input");

@@ -18,8 +18,8 @@ namespace pointsweep {
 std::size_t select_kept_rows(InputCloud& cloud, const std::vector<StageOperator>& operators, std::uint64_t memory_bytes,
                              const PhaseProgress& progress);
 
-/// Returns one entry for each selected row of `cloud`. The kept points and a share of the others are in memory; the
-/// number of turns follows from `memory_bytes`. Each turn reads the cloud once.
+/// Returns for each selected row of `cloud` whether poisson with this radius keeps it. The kept points and a share of
+/// the others are in memory; the number of turns follows from `memory_bytes`. Each turn reads the cloud once.
 std::vector<bool> rows_of_disks(InputCloud& cloud, double radius, std::uint64_t memory_bytes,
                                 const PhaseProgress& progress);
 

@@ -37,7 +37,7 @@ class LevelFormula final : public CloudFormula {
   }
 
  private:
-  std::vector<std::size_t> number_;  ///< for each row, its number among the points with a finite place
+  std::vector<std::size_t> number_;  ///< for each row, its number among the points with finite coordinates
   std::vector<std::uint8_t> levels_;
 };
 

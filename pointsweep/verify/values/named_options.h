@@ -14,17 +14,17 @@ namespace pointsweep {
 
 class NamedOptions {
  public:
-  /// `owner` begins messages, e.g. "density".
+  /// `owner`: the name of the operator or rule, which begins messages, e.g. "density".
   NamedOptions(std::string owner, Options all) : owner_(std::move(owner)), all_(std::move(all)) {}
 
   bool has(std::string_view name) const { return find(name) != nullptr; }
-  /// The four functions below throw UsageError where the option is absent or of another kind: the owner is then no
-  /// operator of the library, but has the name of one.
+  /// Each of the next four functions returns the value of an option. It throws UsageError if the option is absent or of
+  /// another kind: the owner then has the name of an operator of the library, but is another one.
   double number(std::string_view name) const;
   std::uint64_t whole(std::string_view name) const;
   const std::string& word(std::string_view name) const;
   Vec3 point(std::string_view name) const;
-  /// The numbers of "1,2.5"; "inf" and "nan" are numbers, too.
+  /// Returns the numbers of an option such as "1,2.5"; "inf" and "nan" are numbers, too.
   std::vector<double> numbers(std::string_view name) const;
 
   std::optional<double> number_if_given(std::string_view name) const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Lookup of the names in an expression: the attribute that each name stands for, and the range in which its value at a
-/// point is known to lie.
+/// The names in an expression: the attribute for which each name stands, and the range in which its value at a point is
+/// known to lie.
 #pragma once
 
 #include <vector>
@@ -12,14 +12,14 @@ namespace pointsweep {
 
 struct NamedRead {
   ReadValue value;
-  bool is_whole = false;  ///< it is a 64-bit integer
+  bool is_whole = false;  ///< true if the value is a 64-bit integer
 };
 
 /// Returns the read value of each name of the expression, in its order. `reads` are the attributes that the stage
 /// reads.
 std::vector<NamedRead> reads_of(const formulas::PlainExpression& expression, const std::vector<Attribute>& reads);
 
-/// The ranges of the values of a point.
+/// Returns the range of the value of each name at a point.
 std::vector<formulas::PossibleNumber> values_of(const std::vector<NamedRead>& names, const FormulaInput& in);
 
 }  // namespace pointsweep

@@ -29,7 +29,7 @@ std::vector<std::vector<Estimate>> labels_of_neighbors(std::span<const CloudPoin
       places, all, in.rows.count(),
       {.most = list.k == NeighborRule::kUnlimited ? list.k : list.k + 1, .reach2 = list.radius * list.radius});
 
-  std::unordered_map<std::uint64_t, std::vector<double>> values;  // of the points and their neighbours, by row
+  std::unordered_map<std::uint64_t, std::vector<double>> values;  // values of the points and their neighbours, by row
   for (std::size_t i = 0; i < points.size(); ++i) {
     values[points[i].at.row];
     for (const NearPoint& n : near[i]) values[n.row];

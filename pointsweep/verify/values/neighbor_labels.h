@@ -10,19 +10,19 @@
 
 namespace pointsweep {
 
-/// A rule that says which neighbours have the same label. Points are given by their values of more columns.
+/// A rule that decides which neighbours have the same label. It gets the values that a point and a neighbour have in
+/// the columns that the rule reads.
 class JoiningRule {
  public:
-  enum class Join { no, yes, as_first /**< the first neighbour of which this is said decides alone */ };
+  enum class Join { no, yes, as_first /**< the first neighbour with this answer decides alone */ };
   virtual ~JoiningRule() = default;
   virtual Join joined(std::span<const double> point, std::span<const double> neighbor, double distance2) const = 0;
-  /// The number of a point that is joined with none.
+  /// Returns the number of a point that is joined with no neighbour.
   virtual formulas::Estimate alone(std::span<const double> point) const = 0;
 };
 
-/// Returns for each point the number that its neighbours have in the output, and how many points of the output have
-/// the number of the point.
-/// `more`: columns that the rule reads.
+/// Returns for each point the number that its neighbours have in the output, and the number of points of the output
+/// that have the number of the point. `more`: columns that the rule reads.
 std::vector<std::vector<formulas::Estimate>> labels_of_neighbors(std::span<const CloudPoint> points,
                                                                  const CloudInput& in,
                                                                  std::span<const ColumnSource> more,

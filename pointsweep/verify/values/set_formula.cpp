@@ -13,7 +13,7 @@ namespace {
 using formulas::Estimate;
 using formulas::Real;
 
-/// The component of `target` that an assignment to `name` sets.
+/// Returns the component of `target` that an assignment to `name` sets.
 std::size_t component_named(const std::string& name, const Attribute& target) {
   if (target.name == position_attribute().name) return read_of(name, {}).component;
   return target.fields.size() == 1 ? 0 : read_of(name, {target}).component;
@@ -24,7 +24,7 @@ formulas::Storage storage_of(Type type) {
   return type == Type::f64 ? formulas::Storage::real : formulas::Storage::whole;
 }
 
-/// The place of the last attribute of a name.
+/// Returns the index of the last attribute with this name; nothing if no attribute has it.
 std::optional<std::size_t> last_of_name(const std::string& name, const std::vector<Attribute>& reads) {
   for (std::size_t r = reads.size(); r-- > 0;)
     if (reads[r].name == name) return r;
@@ -76,7 +76,7 @@ class AssignmentFormula final : public StageFormula {
   formulas::Storage storage_;
 };
 
-/// The condition of a `where`: 1 if it holds, else 0; undecided if the ranges do not decide.
+/// The formula of the condition of a `where`: 1 if it holds, else 0; open if the ranges do not decide.
 class ConditionFormula final : public StageFormula {
  public:
   explicit ConditionFormula(const FormulaSetup& stage)

@@ -14,7 +14,7 @@ namespace {
 using formulas::Estimate;
 using ShapeEstimates = std::vector<Estimate>;
 
-/// Place of an attribute in a list of a contract that has it.
+/// Returns the index of an attribute in a list that holds it.
 std::size_t place_in(const std::vector<Attribute>& list, std::string_view name) {
   return static_cast<std::size_t>(std::ranges::find(list, name, &Attribute::name) - list.begin());
 }
@@ -72,7 +72,7 @@ class SplatFormula final : public StageFormula {
 
  private:
   std::size_t normal_, k1_, k2_, direction_;
-  bool curved_;  ///< the axes come from the curvature
+  bool curved_;  ///< true if the axes come from the curvature
 };
 
 class FairFormula final : public StageFormula {
@@ -136,7 +136,7 @@ class FeaturesFormula final : public StageFormula {
   Lambda lambda_;
 };
 
-/// The normal that orient() makes of a normal.
+/// The formula of the normal that orient() makes of a normal.
 class TurnedFormula final : public StageFormula {
  public:
   ShapeEstimates evaluate(const FormulaInput& in) const override {

@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-/// Bytes for each point: itself while it is sorted, its place, numbers, and its part of the tree.
+/// Bytes of memory for each point: the point while points are sorted, its place, numbers, and its part of the tree.
 constexpr std::uint64_t kPointBytes = 32 + 24 + 6 * 4 + 20;
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// All finite points of a cloud in memory, with a search: the base of graphs over the whole cloud.
+/// All finite points of a cloud in memory, with a search for neighbours, for graphs over the whole cloud.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +13,13 @@
 
 namespace pointsweep {
 
-/// A cloud sorted in memory. Points are numbered by x, y, z, then row, so that points of one place follow one another.
+/// A cloud sorted in memory. Points are numbered by x, y, z, then row, so that points at one place follow one another.
 class SortedCloud {
  public:
   static constexpr std::uint32_t kNone = 0xffffffff;
 
-  /// Also holds the components of `columns`. Throws NotTold if the cloud does not fit in memory, with `more_bytes` more
-  /// per point.
+  /// Sorts the points of `in` and stores their values of `columns`. Throws NotTold if the cloud, with `more_bytes` of
+  /// additional memory for each point, does not fit in memory.
   SortedCloud(const CloudInput& in, std::span<const ColumnSource> columns, std::uint64_t more_bytes);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(place_of_.size()); }
@@ -33,7 +33,7 @@ class SortedCloud {
   const double* values(std::uint32_t point) const { return values_.data() + std::size_t{point} * components_; }
   const formulas::PlaceTree& tree() const { return *tree_; }
   std::uint64_t row_of(std::uint32_t point) const { return row_of_[point]; }
-  /// The point of a row of the input; kNone where it is not finite.
+  /// Returns the number of the point in a row of the input; kNone if it has non-finite coordinates.
   std::uint32_t point_of(std::uint64_t row) const { return point_of_row_[row]; }
 
   /// Calls use(i, j, squared distance) for each neighbour j of each point i.

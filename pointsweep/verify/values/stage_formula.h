@@ -27,8 +27,8 @@ struct FormulaInput {
   formulas::Place place;
   std::span<const formulas::Place> neighbors;
   std::span<const std::uint64_t> rows;                        ///< rows of the neighbours in the input
-  std::vector<formulas::Estimate> reads;                      ///< values of the point, by attribute
-  std::vector<std::vector<formulas::Estimate>> of_neighbors;  ///< values of neighbours, by attribute, then neighbour
+  std::vector<formulas::Estimate> reads;                      ///< for each attribute, the value of the point
+  std::vector<std::vector<formulas::Estimate>> of_neighbors;  ///< for each attribute, the value of each neighbour
 };
 
 /// A pure function of a point and its neighbourhood, like the operator, implemented in formulas/.
@@ -40,25 +40,26 @@ class StageFormula {
   virtual std::vector<formulas::Estimate> evaluate(const FormulaInput& in) const = 0;
 };
 
-/// Estimates that an attribute takes.
+/// Returns the number of estimates of an attribute's value.
 inline std::size_t estimates_of(const Attribute& a) { return a.fields.size() <= 3 ? 1 : a.fields.size(); }
 
-/// A value of the whole cloud that a stage needs, found independently; NaN: not found.
+/// A value of the whole cloud that a stage needs, found independently of the run; NaN if it has not been found.
 struct CloudThreshold {
   formulas::Real value = std::numeric_limits<formulas::Real>::quiet_NaN();
   formulas::Real error = 0;
 };
 
-/// The facts that a formula knows of its stage.
+/// The facts about a stage from which its formula is made.
 struct FormulaSetup {
   NamedOptions options;
   Contract contract;
-  CloudThreshold threshold = {};                 ///< threshold of "outlier", the only stage that needs one
-  std::span<const Operator* const> makers = {};  ///< makers of the attributes of contract.reads; null: the input has it
+  CloudThreshold threshold = {};  ///< threshold of "outlier", the only stage that needs one
+  std::span<const Operator* const> makers =
+      {};  ///< operator that makes each attribute of contract.reads; null for the input
 };
 FormulaSetup setup_of(const Operator& op);
 
-/// The formula of the operators of one name.
+/// The formula of the operators with one name.
 struct NamedFormula {
   std::string_view name;
   std::unique_ptr<StageFormula> (*make)(const FormulaSetup& stage);
@@ -75,10 +76,10 @@ std::unique_ptr<StageFormula> formula_made(const FormulaSetup& stage) {
 /// Returns the formula of an operator; null if no formula has its name.
 std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold = {});
 
-/// Returns how many of the neighbours found a rule keeps; `values` are the rule's reads() of the point.
+/// Returns how many of the found neighbours a rule keeps. `values`: the values of the point that the rule reads.
 using RuleFormula = std::function<formulas::Kept(const formulas::Place&, std::span<const formulas::Place> neighbors,
                                                  std::span<const double> values)>;
-/// Empty for rules that are not of this library.
+/// Returns the formula of a rule; empty for rules that do not belong to this library.
 RuleFormula formula_of(const NeighborhoodRule& rule);
 
 /// Formulas of the operators on surfaces, their shape and their normals.
@@ -95,15 +96,16 @@ std::vector<NamedFormula> statistics_formulas();
 
 /// The value that a name in an expression means: a component of an attribute that a stage reads, or of the position.
 struct ReadValue {
-  int attribute = -1;  ///< negative: the position
+  int attribute = -1;  ///< index of the attribute among those that the stage reads; negative for the position
   std::size_t component = 0;
 };
 
-/// Finds the meaning of `name`, in any spelling. `reads`: attributes that the stage reads.
+/// Returns the value that `name`, in any spelling, means. `reads`: attributes that the stage reads.
 ReadValue read_of(const std::string& name, const std::vector<Attribute>& reads);
 
 formulas::Estimate estimate_of(const ReadValue& value, const FormulaInput& in);
-/// Returns the component of an estimate. An estimate has three at most; a wider attribute has an estimate for each.
+/// Returns the component of an estimate to which `value` refers. An estimate has at most three components; a wider
+/// attribute has an estimate for each component.
 formulas::Real component_of(const formulas::Estimate& estimate, const ReadValue& value);
 
 }  // namespace pointsweep

@@ -42,7 +42,7 @@ class StatisticsFormula final : public StageFormula {
  private:
   struct Result {
     std::string statistic;
-    std::optional<ReadValue> of;  ///< absent: the neighbours themselves are counted
+    std::optional<ReadValue> of;  ///< value of the neighbours; absent if the neighbours themselves are counted
     bool is_whole;
   };
 

@@ -33,7 +33,7 @@ std::vector<std::string> names_in(const std::string& list) {
 
 class TakenValues final : public CloudFormula {
  public:
-  /// Coordinates are not transformed: the run has refused different reference systems.
+  /// Opens the other cloud without a transformation of coordinates: the run has refused different reference systems.
   explicit TakenValues(const FormulaSetup& stage)
       : other_(opened_cloud(stage.options.word("cloud"), true)),
         contract_(stage.contract),
@@ -70,10 +70,10 @@ class TakenValues final : public CloudFormula {
   struct Taken {
     std::size_t field;  ///< field of the other cloud
     Type type;
-    ReadValue target;  ///< its place among the made attributes
+    ReadValue target;  ///< component of a made attribute that gets the value
   };
 
-  /// The taken values of the rows that were found.
+  /// Returns the taken values of the rows that were found, by row.
   std::map<std::uint64_t, std::vector<Real>> values_of(const std::vector<std::vector<NearPoint>>& nearest,
                                                        RowSource& source) const {
     std::map<std::uint64_t, std::vector<Real>> values;

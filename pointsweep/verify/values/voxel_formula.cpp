@@ -16,7 +16,7 @@ struct VoxelHash {
   }
 };
 
-/// An attribute that becomes a mean, and how many of the attributes that the stage reads are its components.
+/// An attribute that becomes a mean, and the number of read attributes that are its components.
 struct MeanAttribute {
   Attribute made;
   std::size_t reads = 1;
@@ -67,7 +67,8 @@ class MeanFormula final : public CloudFormula {
     return made;
   }
 
-  /// Returns the position, then the averaged attributes, unchanged: each is read as a whole, or as its components.
+  /// Returns the position, then the averaged attributes, unchanged. An attribute is read as a whole or component by
+  /// component.
   std::optional<std::vector<Estimate>> unplaced(const CloudPoint& point) const override {
     const Vec3 p = point.at.position;
     std::vector<Estimate> made = {{.value = {p.x, p.y, p.z}}};
@@ -98,7 +99,7 @@ class MeanFormula final : public CloudFormula {
     for (std::size_t f = 0; f < fields_.size(); ++f) found->second[3 + f].add(value_of(fields_[f], record));
   }
 
-  /// The position, then each attribute.
+  /// Returns the mean position, then the mean of each attribute.
   std::vector<Estimate> estimates_of_means(const std::vector<formulas::Mean>& means) const {
     std::vector<Estimate> made = {formulas::mean_vector({means[0], means[1], means[2]})};
     std::size_t next = 3;
