@@ -25,8 +25,8 @@ class SortedRecords {
       : make_scratch_(make_scratch),
         most_(std::max<std::uint64_t>(kLeastRun, memory_bytes / sizeof(Record))),
         less_(less) {
-    records_.reserve(
-        static_cast<std::size_t>(std::min(most_, count)));  // growth would need up to three times this memory
+    // Reserved at once, because growth would need up to three times this memory.
+    records_.reserve(static_cast<std::size_t>(std::min(most_, count)));
   }
 
   void add(const Record& record) {
