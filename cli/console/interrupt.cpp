@@ -39,7 +39,7 @@ void end_at_once(int) {
 }
 
 void set_timer() {
-  struct sigaction action{};
+  struct sigaction action {};
   action.sa_handler = end_at_once;
   sigevent event{};
   event.sigev_notify = SIGEV_SIGNAL;
@@ -52,9 +52,9 @@ void set_timer() {
 void catch_interrupts() {
   set_timer();
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction present{};
+    struct sigaction present {};
     if (sigaction(signal, nullptr, &present) != 0 || present.sa_handler == SIG_IGN) continue;
-    struct sigaction action{};
+    struct sigaction action {};
     action.sa_handler = remember;
     action.sa_flags = static_cast<int>(SA_RESTART | SA_RESETHAND);
     sigaction(signal, &action, nullptr);

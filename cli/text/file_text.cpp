@@ -208,8 +208,8 @@ std::optional<double> FileTotals::density() const {
 }
 
 std::string FileTotals::text(const std::vector<std::string>& inconsistencies) const {
-  std::string text =
-      unreadable_ == 0 ? fmt::format("all {} files\n", readable_) : fmt::format("{} of {} files\n", readable_, files());
+  std::string text = unreadable_ == 0 ? fmt::format("all {} files\n", readable_)
+                                      : fmt::format("{} of {} files\n", readable_, files());
   text += to_text(points_, bounds_);
   if (const auto all = density()) text += fmt::format("  density     {:.4g} points per square unit of x and y\n", *all);
   if (of_headers_) text += "  read        the headers alone, which state the bounds\n";

@@ -160,9 +160,9 @@ Contract contract_of(const OperatorDeclaration& declaration) {
 
 std::string default_k_text(const ListedOperator& listed) {
   if (listed.contract.default_k == 0) return "";
-  return fmt::format("{} where neither k nor a radius is given", listed.contract.all_within > 0
-                                                                     ? "all within the distance that it needs"
-                                                                     : fmt::to_string(listed.contract.default_k));
+  return fmt::format("{} where neither k nor a radius is given",
+                     listed.contract.all_within > 0 ? "all within the distance that it needs"
+                                                    : fmt::to_string(listed.contract.default_k));
 }
 
 std::vector<ListedOperator> listed_operators(const std::vector<std::string>& names) {

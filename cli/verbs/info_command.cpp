@@ -46,8 +46,8 @@ class PrintedJson {
   }
   void finish(const nlohmann::ordered_json& all, const nlohmann::ordered_json& statistics) {
     begin();
-    print((files_ == 0 ? "],\n  \"all\": " : "\n  ],\n  \"all\": ") + text_of(all, "\n  ") +
-          ",\n  \"statistics\": " + text_of(statistics, "\n  ") + "\n}\n");
+    print((files_ == 0 ? "],\n  \"all\": " : "\n  ],\n  \"all\": ") + text_of(all, "\n  ") + ",\n  \"statistics\": " +
+          text_of(statistics, "\n  ") + "\n}\n");
   }
 
  private:

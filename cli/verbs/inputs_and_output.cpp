@@ -143,8 +143,8 @@ void require_folder_for_format(const InputsAndOutput& named, bool is_folder) {
 std::string parse_output_format(const std::string& text) {
   std::string extension = extension_of("tile." + text.substr(text.starts_with('.') ? 1 : 0));
   const std::vector<std::string_view> known = writable_extensions();
-  const bool is_whole =
-      extension == in_lower_case(text.starts_with('.') ? text : "." + text);  // refuses "copc.laz", which has two parts
+  // Refuses "copc.laz", which has two parts.
+  const bool is_whole = extension == in_lower_case(text.starts_with('.') ? text : "." + text);
   if (!is_whole || std::ranges::find(known, extension) == known.end())
     fail_usage("--output-format: '{}' is not one of {}.", text, fmt::join(known, ", "));
   return extension;

@@ -264,7 +264,10 @@ void add_transform_command(CLI::App& app) {
     if (option.name != "inverse" && option.name != "scale")
       add_stage_option(verb, "--" + option.name, option, command->options);
   verb.add_flag_function(
-      "--inverse", [command](std::int64_t) { command->options.push_back({"inverse", "yes", "--inverse"}); },
+      "--inverse",
+      [command](std::int64_t) {
+        command->options.push_back({"inverse", "yes", "--inverse"});
+      },
       "Move the points back: by the inverse of the matrix");
   add_output_options(verb, command->run);
   verb.footer(

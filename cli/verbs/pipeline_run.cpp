@@ -64,7 +64,10 @@ CLI::Option* add_option(CLI::App& verb, const std::string& flag, const OptionDec
                         const std::string& preset, std::vector<OptionText>& into) {
   return verb
       .add_option_function<std::string>(
-          flag, [&into, flag, name = option.name](const std::string& value) { into.push_back({name, value, flag}); },
+          flag,
+          [&into, flag, name = option.name](const std::string& value) {
+            into.push_back({name, value, flag});
+          },
           help_of(option, preset))
       ->type_name(value_name(option));
 }

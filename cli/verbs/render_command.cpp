@@ -115,7 +115,8 @@ void add_render_command(CLI::App& app) {
           "--background", [command](const std::string& text) { command->options.background = parse_color(text); },
           "Background colour: white, black or RRGGBB in hexadecimal (default: white)")
       ->type_name("COLOR");
-  verb.add_flag_callback("--no-legend", [command] { command->options.legend = false; }, "Hide the legend");
+  verb.add_flag_callback(
+      "--no-legend", [command] { command->options.legend = false; }, "Hide the legend");
   add_crs_option(verb, command->common);
   add_format_option(verb, command->common.format);
   add_run_option(verb, command->common, "overwrite");

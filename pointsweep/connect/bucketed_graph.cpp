@@ -24,8 +24,7 @@ std::uint64_t grow(SpanningForest& forest, const BucketedGraph& graph, const Gro
     edges.clear();
   };
   std::uint64_t points = 0;
-  std::map<std::uint64_t, std::vector<std::uint64_t>>
-      closing;  // for each bucket, rows of the points that close after it
+  std::map<std::uint64_t, std::vector<std::uint64_t>> closing;  // for each bucket, rows of points that close after it
   for (std::size_t b = 0; b < graph.buckets(); ++b) {
     RowTable<std::uint64_t> last;
     std::vector<std::uint64_t> rows;

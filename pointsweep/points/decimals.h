@@ -46,8 +46,8 @@ class GridDecimals {
   bool any() const { return decimals_[0] || decimals_[1]; }
 
  private:
-  std::array<std::optional<int>, 2>
-      decimals_;  ///< digits after the decimal point of the scale, and of scale and bias; absent without a scale
+  /// Digits after the decimal point of the scale, and of scale and bias; absent without a scale.
+  std::array<std::optional<int>, 2> decimals_;
   double bias_;
 };
 

@@ -52,10 +52,9 @@ class Canvas {
   };
   void put(std::int64_t x, std::int64_t y, double depth, Rgb color);
 
-  unsigned width_, height_,
-      fineness_;                 ///< size of the picture in pixels, and number of samples along a side of a pixel
-  std::int64_t columns_, rows_;  ///< size of the picture in samples
-  double longest_;               ///< longest semi-axis that is drawn, in samples
+  unsigned width_, height_, fineness_;  ///< size of the picture in pixels, samples along a side of a pixel
+  std::int64_t columns_, rows_;         ///< size of the picture in samples
+  double longest_;                      ///< longest semi-axis that is drawn, in samples
   std::vector<Sample> samples_;
 };
 

@@ -47,9 +47,9 @@ struct SurfaceElement {
 
 /// Radii of discs, in the unit of the cloud.
 struct DiscRadii {
-  double
-      largest_guess;  ///< limit of estimated radii, so that a few points in a sparse place do not look like a surface
-  double fixed = 0;   ///< radius of every point, drawn as a disc that faces the viewer; 0 for radii from the file
+  /// Limit of estimated radii, so that the few points of a sparse place do not look like a surface.
+  double largest_guess;
+  double fixed = 0;  ///< radius of every point, drawn as a disc that faces the viewer; 0 for radii of their own
 };
 
 class PointShape {

@@ -142,9 +142,9 @@ class GatheredSearch {
 
   /// Finds the leaves within sqrt(reach2) of a box in the cell, nearest first; unordered if there are more than `most`.
   void find_leaves(const Box& around, double reach2, std::size_t most) {
+    // Without a limit k, no later reach is larger than the radius; with one, twice the reach saves later look-ups.
     if (!(reach2 <= scratch_.near.reach2))
-      scratch_.near.find(
-          query_, unlimited() ? reach2 : 4 * reach2);  // without a limit k, no later reach is larger than the radius
+      scratch_.near.find(query_, unlimited() ? reach2 : 4 * reach2);
     const auto all = [](std::uint32_t, std::uint32_t) { return true; };
     collect_near_leaves(query_.directory, scratch_.near.cells, around, reach2, most, all, scratch_.leaves);
   }

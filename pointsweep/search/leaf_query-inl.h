@@ -73,7 +73,8 @@ inline constexpr Comparators kComparators;
 HWY_INLINE void sort_sixteen(Vec (&keys)[kLeafCapacity]) {
   [&]<std::size_t... C>(std::index_sequence<C...>) HWY_ATTR {
     (exchange(keys[kComparators.lower[C]], keys[kComparators.upper[C]]), ...);
-  }(std::make_index_sequence<Comparators::kCount>());
+  }
+  (std::make_index_sequence<Comparators::kCount>());
 }
 
 /// Performs the last steps of a bitonic merge of N keys per lane, which are `stride` apart, in registers.

@@ -31,7 +31,7 @@ struct Encoding {
 
 /// A number of fixed width.
 template <class T>
-concept Encodable = (std::integral<T> || std::floating_point<T>) && !std::same_as<T, bool> && sizeof(T) <= 8;
+concept Encodable = (std::integral<T> || std::floating_point<T>)&&!std::same_as<T, bool> && sizeof(T) <= 8;
 
 template <Encodable T>
 using EncodedBits =

@@ -31,8 +31,9 @@ SweepProgress progress_of(const Stream& stream, const SweepPlan& plan, const Fro
   p.peak_points = statistics.peak_points;
   for (std::uint32_t slab = 0; slab < p.slabs_read; ++slab)
     for (const DroppedCell& cell : frontier.dropped_of(slab)) p.dropped.push_back({slab, cell});
-  frontier.for_each_saturated_location(
-      [&](Vec3 place, std::uint64_t row) { p.saturated_locations.push_back({place, row}); });
+  frontier.for_each_saturated_location([&](Vec3 place, std::uint64_t row) {
+    p.saturated_locations.push_back({place, row});
+  });
   if (p.slabs_read == stream.slabs().size()) return p;  // the recall does not use the window
   for (const std::uint32_t slot : window.occupied()) {
     const WindowCell& cell = window.at(slot);

@@ -18,8 +18,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kGraphBytes =
-    160;  ///< bytes of a point in a stored graph with weights, with its ballot and 1.4 edges
+constexpr std::uint64_t kGraphBytes = 160;  ///< bytes of a point in a graph with weights, with ballot and 1.4 edges
 
 /// Throws UsageError for a run that needs all points in one process, so that it cannot be divided among tiles.
 void require_divisible(const ChainPlan& plan, const Outputs& outputs, const EngineOptions& options) {

@@ -240,11 +240,11 @@ SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output,
   out.output_bytes = OutputLayout(cloud.schema(), {}, kept).schema().stride;
   ChainPlan only_sorts;
   only_sorts.reorders = true;
-  RunMemory memory =
-      plan_run_memory(out.budget, only_sorts, out.points, seen, options, out.record_bytes,
-                      [&, inputs = open_input_bytes(cloud)](unsigned threads) {
-                        return inputs + codec_bytes(cloud, {.points = output}, options, out.output_bytes, threads);
-                      });
+  RunMemory memory = plan_run_memory(
+      out.budget, only_sorts, out.points, seen, options, out.record_bytes,
+      [&, inputs = open_input_bytes(cloud)](unsigned threads) {
+        return inputs + codec_bytes(cloud, {.points = output}, options, out.output_bytes, threads);
+      });
   out.memory = memory.reordering;
   out.note = std::move(memory.threads_note);
   return out;

@@ -32,8 +32,8 @@ class FileState {
   bool known_ = false;
   std::uint64_t device_ = 0, inode_ = 0, size_ = 0;
   std::int64_t seconds_ = 0, nanoseconds_ = 0;  ///< time of the last change of its content
-  std::shared_ptr<const RemoteObject>
-      object_;  ///< object of a URL, kept open so that readers need not open it again; null for a file
+  /// Object of a URL, kept open so that readers need not open it again; null for a file.
+  std::shared_ptr<const RemoteObject> object_;
 };
 
 }  // namespace pointsweep

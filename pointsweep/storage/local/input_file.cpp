@@ -100,7 +100,7 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   FileDescriptor file(is_stream ? ::fcntl(standard_input_descriptor(), F_DUPFD_CLOEXEC, 0)
                                 : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file) fail_to_open(path, errno);
-  struct stat status{};
+  struct stat status {};
   const bool known = ::fstat(file.number(), &status) == 0;
   if (known && S_ISREG(status.st_mode)) {
     size_ = static_cast<std::uint64_t>(status.st_size);
@@ -120,11 +120,12 @@ void InputFile::reopen() const {
   close_idle_files();
   FileDescriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file) fail_to_open(path_, errno);
-  struct stat status{};
+  struct stat status {};
   const bool known = ::fstat(file.number(), &status) == 0;
   if (!known || static_cast<std::uint64_t>(status.st_dev) != device_ ||
       static_cast<std::uint64_t>(status.st_ino) != inode_)
-    fail("{}: was replaced by another file while it was read; run again when no other program writes there.", path_);
+    fail("{}: was replaced by another file while it was read; run again when no other program writes there.",
+         path_);
   ::posix_fadvise(file.number(), 0, 0, POSIX_FADV_SEQUENTIAL);
   file_ = std::move(file);
   place_ = open_files().files.insert(open_files().files.begin(), this);
@@ -139,8 +140,8 @@ InputFile::~InputFile() {
 
 void InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
   if (read_some(offset, bytes) < bytes.size()) {
-    fail("{}: ends before byte {}; it has become shorter since it was opened, so run again once it is complete.", path_,
-         offset + bytes.size());
+    fail("{}: ends before byte {}; it has become shorter since it was opened, so run again once it is complete.",
+         path_, offset + bytes.size());
   }
 }
 

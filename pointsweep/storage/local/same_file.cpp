@@ -35,7 +35,7 @@ class KnownFiles {
  public:
   /// Returns the known path that leads to the same file as `path`; null if the set does not hold the file.
   const fs::path* find(const fs::path& path) const {
-    struct stat status{};
+    struct stat status {};
     if (::stat(path.c_str(), &status) == 0)
       if (const auto known = by_inode_.find({status.st_dev, status.st_ino}); known != by_inode_.end())
         return &known->second;
@@ -43,7 +43,7 @@ class KnownFiles {
     return known == by_path_.end() ? nullptr : &known->second;
   }
   void add(const fs::path& path) {
-    struct stat status{};
+    struct stat status {};
     if (::stat(path.c_str(), &status) == 0) by_inode_.try_emplace({status.st_dev, status.st_ino}, path);
     by_path_.try_emplace(canonical_form(path), path);
   }

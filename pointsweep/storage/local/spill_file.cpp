@@ -64,7 +64,7 @@ SpillFile::SpillFile(const SpillPlace& place, std::uint64_t bytes)
       option_("--resume"),
       file_(::open(place.file().c_str(), O_RDWR | O_CLOEXEC)),
       reserved_(bytes) {
-  struct stat status{};
+  struct stat status {};
   const bool found = file_ && ::fstat(file_.number(), &status) == 0;
   if (found && static_cast<std::uint64_t>(status.st_size) >= bytes) {
     // The file may be longer than the checkpoint states: the last bytes were written after the checkpoint.

@@ -67,7 +67,7 @@ void write_whole(int file, std::span<const std::byte> bytes, const fs::path& fol
 }
 
 bool is_regular(int descriptor) {
-  struct stat status{};
+  struct stat status {};
   return ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
 }
 

@@ -43,7 +43,7 @@ bool is_alive(pid_t pid) { return ::kill(pid, 0) == 0 || errno != ESRCH; }
 void remove_if_abandoned(const std::filesystem::path& path) {
   const FileDescriptor folder = open_folder(path, false);
   if (!folder) return;
-  struct stat status{};
+  struct stat status {};
   const bool ours = ::fstat(folder.number(), &status) == 0 && status.st_uid == ::geteuid();
   std::error_code ignored;
   if (ours && lock(folder) == 0) std::filesystem::remove_all(path, ignored);
@@ -60,7 +60,7 @@ void remove_abandoned_folders(const std::filesystem::path& parent) {
 }  // namespace
 
 void require_temp_parent(const std::filesystem::path& parent) {
-  struct stat status{};
+  struct stat status {};
   const char* why = nullptr;
   if (::stat(parent.c_str(), &status) != 0)
     why = std::strerror(errno);

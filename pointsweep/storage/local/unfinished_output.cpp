@@ -59,7 +59,8 @@ void remove_abandoned(const fs::path& folder, const IsOutput& is_output) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const auto part = parse_part(entry->path().filename().string());
     std::error_code ignored;
-    if (part && is_output(part->output) && is_abandoned(entry->path(), part->owner)) fs::remove(entry->path(), ignored);
+    if (part && is_output(part->output) && is_abandoned(entry->path(), part->owner))
+      fs::remove(entry->path(), ignored);
   }
 }
 

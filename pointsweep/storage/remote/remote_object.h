@@ -58,8 +58,7 @@ class RemoteObject {
   std::string url_;
   std::optional<RemoteVersion> version_;
   // The lock of the cache guards the members below.
-  std::map<std::uint64_t, std::shared_ptr<Block>>
-      blocks_;  ///< blocks by the offset of their first byte; blocks do not overlap
+  std::map<std::uint64_t, std::shared_ptr<Block>> blocks_;  ///< blocks, without overlap, by their first offset
   std::vector<Run> runs_;
   std::map<std::uint64_t, std::uint64_t> said_;  ///< ranges of will_read(): the end of each range by its begin
 };

@@ -54,8 +54,8 @@ struct FormulaSetup {
   NamedOptions options;
   Contract contract;
   CloudThreshold threshold = {};  ///< threshold of "outlier", the only stage that needs one
-  std::span<const Operator* const> makers =
-      {};  ///< operator that makes each attribute of contract.reads; null for the input
+  /// Operator that makes each attribute of contract.reads; null for an attribute of the input.
+  std::span<const Operator* const> makers = {};
 };
 FormulaSetup setup_of(const Operator& op);
 
