@@ -28,8 +28,8 @@
 
 namespace pointsweep {
 
-/// Coordinates of points: N×3 floats or doubles, x, y and z of a point side by side, or N arrays of three. The array is
-/// borrowed.
+/// A view of the coordinates of N points: an array of 3 N floats or doubles, x, y and z of a point side by side, or N
+/// arrays of three. Borrows the array.
 class PointsView {
  public:
   template <std::ranges::contiguous_range Range>
@@ -67,8 +67,8 @@ class POINTSWEEP_EXPORT ArrayResults {
   std::size_t size() const { return records_.size() / schema_.stride; }
   const Statistics& statistics() const { return statistics_; }
 
-  /// Copies a field ("k1", "nx", "x"), or an attribute of m values as T = std::array<U, m> ("normal"). Throws
-  /// UsageError for a name that is not among the results, and for another type than theirs.
+  /// Returns the values of a field ("k1", "nx", "x"), or of an attribute with m values ("normal") as T = std::array<U,
+  /// m>, by row. Throws UsageError if no result has this name, and if T does not match the type of the values.
   template <class T>
   std::vector<T> get(std::string_view name) const {
     std::vector<T> values(size());
@@ -89,7 +89,7 @@ class POINTSWEEP_EXPORT ArrayResults {
       return element_type<typename T::value_type>();
     }
   }
-  /// Copies `bytes` of each row, values of `type`, to `out`.
+  /// Copies the values of the result `name` to `out`: `bytes` for each row, of the type `type`.
   void copy(std::string_view name, Type type, std::size_t bytes, std::byte* out) const;
 
   Schema schema_;
@@ -98,11 +98,12 @@ class POINTSWEEP_EXPORT ArrayResults {
   Statistics statistics_;
 };
 
-/// Runs `chain` over points in an array. The results have the same bytes as those of run() to files. Throws like run().
+/// Runs `chain` over points in an array. The results have the same bytes as those of run() to files. Throws the errors
+/// of run() for a Cloud.
 POINTSWEEP_EXPORT ArrayResults run(PointsView points, const Chain& chain, const RunOptions& options = {});
 
-/// Returns the unit normals of the points, by row; (0, 0, 0) where undefined. The default neighbourhood is that of
-/// `pointsweep normals`. Throws like run().
+/// Returns the unit normal of each point, by row; (0, 0, 0) if it is undefined. The default neighbourhood is that of
+/// `pointsweep normals`. Throws the errors of run().
 POINTSWEEP_EXPORT std::vector<std::array<float, 3>> normals(PointsView xyz, const NormalsOptions& options = {},
                                                             const Neighborhood& neighborhood = {
                                                                 .k = Neighborhood::kOfOperators});

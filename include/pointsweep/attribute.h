@@ -19,7 +19,7 @@ enum class Type : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 
 
 /// Returns the bytes of one value.
 POINTSWEEP_EXPORT std::size_t size_of(Type type);
-/// Returns "int8", "uint8", ... "float64".
+/// Returns the name of a type: "int8", "uint8", ..., "float64".
 POINTSWEEP_EXPORT std::string_view name_of(Type type);
 
 /// The way in which a value changes when the cloud is rotated, translated or scaled.
@@ -31,11 +31,11 @@ struct Attribute {
   std::string name;
   Type type = Type::f32;
   Kind kind = Kind::scalar;
-  std::vector<std::string> fields;  ///< the library's name of each component in files
-  std::string unit;                 ///< "1", "length", "1/length", ...
-  std::string meaning;              ///< one phrase for people
-  /// Each byte of the value that a row gets without a result: for a point without a finite place, unless the stage
-  /// reads only the point itself, and for a row about which an in-order operator finds nothing.
+  std::vector<std::string> fields;  ///< for each component, the library's name of its field in files
+  std::string unit;                 ///< unit of the values: "1", "length", "1/length", ...
+  std::string meaning;              ///< meaning of the values, as a phrase for people
+  /// Value of each byte of the attribute in a row without a result: for a point with non-finite coordinates, unless the
+  /// stage reads only the point itself, and for a row about which an in-order operator finds nothing.
   std::byte fill{0};
 
   std::size_t bytes() const { return size_of(type) * fields.size(); }
@@ -59,8 +59,8 @@ inline Attribute position_attribute() {
   return {"position", Type::f64, Kind::position, {"x", "y", "z"}, "length", "moved position"};
 }
 
-/// One named value, or `count` equal ones side by side, inside a record. value = bits(raw) * scale + bias. bits() takes
-/// `bit_width` bits from `bit_shift` on, or all bits if `bit_width` is 0.
+/// A named value inside a record, or `count` values of one type side by side. value = bits(raw) * scale + bias, where
+/// bits() takes `bit_width` bits from `bit_shift` on, or all bits if `bit_width` is 0.
 struct Field {
   std::string name;  ///< name in the file
   Type type = Type::f32;
@@ -79,7 +79,7 @@ struct Field {
 /// outside of all fields are kept, too.
 struct POINTSWEEP_EXPORT Schema {
   std::vector<Field> fields;
-  std::uint32_t stride = 0;  ///< bytes of a record; may exceed the sum of the fields
+  std::uint32_t stride = 0;  ///< bytes of a record, at least the sum of the bytes of its fields
 
   /// Returns the index of the field that holds `name`, one of the library's own names ("x", "nx", "intensity", ...), in
   /// any spelling that files use ("normal_x", "NormalX"), ignoring case.

@@ -29,17 +29,17 @@ struct Reneighbor {
   /// Keeps the previous definition of a neighbourhood.
   Reneighbor() = default;
   explicit Reneighbor(Neighborhood next) : neighborhood(std::make_shared<const Neighborhood>(std::move(next))) {}
-  std::shared_ptr<const Neighborhood> neighborhood;  ///< null: the previous one
+  std::shared_ptr<const Neighborhood> neighborhood;  ///< new definition; null to keep the previous one
 };
 
-/// With Order::sweep the output has its rows in canonical order of the current positions, along the axis of their
-/// largest extent unless one is chosen, exactly as sort() of a file that holds these positions in float64. Without
-/// Resort the order is that of the input's positions, also after Reneighbor. Resort changes no value and no
-/// neighbourhood; with Order::input it is a no-op. The last Resort of a chain counts. Cost: none in the sweep, one more
-/// ordering of the output.
+/// Orders the rows of the output by the current positions. With Order::sweep, the rows are in canonical order along the
+/// axis of the largest extent of these positions, or along a chosen axis, exactly as after sort() of a file that holds
+/// the positions in float64. Without Resort, the order is that of the input's positions, also after Reneighbor. Resort
+/// changes no value and no neighbourhood; with Order::input it is a no-op. The last Resort of a chain counts. Cost:
+/// none in the sweep, one more ordering of the output.
 struct Resort {};
 
-/// Later stages do not see these attributes, and they are not written: attributes made before, or fields of the input
+/// Hides attributes from later stages and from the output: attributes that earlier stages make, or fields of the input
 /// in any spelling. x, y and z are always written.
 struct Drop {
   std::vector<std::string> attributes;
@@ -63,16 +63,16 @@ class POINTSWEEP_EXPORT CompositeOperator : public Operator {
   virtual std::vector<ChainStage> parts() const = 0;
 };
 
-/// A definition of neighbourhoods, and the stages in order. Built-in operators come from operators.h, or by name from
-/// the functions below:
+/// A definition of neighbourhoods, and the stages in order. Functions of operators.h make the built-in operators; the
+/// functions below make them by name:
 ///
 ///   Chain chain{.neighborhood = {.k = 16}, .stages = {operators::normals(), std::make_shared<Roughness>()}};
 struct Chain {
   Neighborhood neighborhood = {.k = Neighborhood::kOfOperators};
   std::vector<ChainStage> stages = {};
   /// Attributes to write, by the name of the attribute ("normal") or of a column ("nx"). If any made attribute is
-  /// named, only the named ones of these are written; the same holds for attributes of the input. Positions are always
-  /// written. Empty: all.
+  /// named, only the named made attributes are written, else all; the same holds for attributes of the input. Positions
+  /// are always written. Empty to write all attributes.
   std::vector<std::string> keep = {};
 };
 
@@ -86,8 +86,9 @@ POINTSWEEP_EXPORT Chain parse_chain(std::string_view pipeline, const Cloud& clou
 /// Appends the stages of a pipeline, which has no `knn`, to a chain for the same cloud.
 POINTSWEEP_EXPORT void append_stages(Chain& chain, std::string_view pipeline, const Cloud& cloud);
 
-/// Appends the built-in operator `name` with these options, e.g. "normals", {{"orient", "up"}}; a text is read as in a
-/// pipeline. Options that are not given have the defaults of docs/operators.md. Throws UsageError.
+/// Appends the built-in operator `name` with these options, e.g. "normals", {{"orient", "up"}}; a value that is a text
+/// is read as in a pipeline. Absent options have the defaults of docs/operators.md. Throws UsageError for an unknown
+/// name and for a value out of range.
 POINTSWEEP_EXPORT void append_stage(Chain& chain, const std::string& name, const Options& options, const Cloud& cloud);
 
 }  // namespace pointsweep

@@ -22,19 +22,20 @@ namespace pointsweep {
 class InputCloud;
 
 struct CloudOptions {
-  /// Ignores coordinate reference systems: inputs of different systems are merged without a transformation, with a
-  /// warning, degrees are treated as lengths, and default lengths are not converted from metres. If false, the first
-  /// two throw a UsageError.
+  /// True to ignore coordinate reference systems: inputs of different systems are merged without a transformation, with
+  /// a warning; degrees are treated as lengths; default lengths are not converted from metres. If false, different
+  /// systems and degrees throw a UsageError.
   bool ignore_crs = false;
-  /// The coordinate reference system of all inputs. Throws UsageError if an input states another system, or one that
-  /// cannot be compared, unless StatedCrs::replaces. Absent: the systems that the inputs state.
+  /// Coordinate reference system of all inputs; absent to use the systems that the inputs state. A UsageError if an
+  /// input states another system, or one that cannot be compared, unless StatedCrs::replaces.
   std::optional<StatedCrs> crs = {};
-  /// Format of files without a signature: "kitti" or "float32-xyz"; or "text:x,y,z,-,intensity", the columns of text
-  /// files; or "depth:3" or "spacing:0.5", levels of detail (open_reader).
+  /// The parameter `format` of open_reader(): the format of files without a signature, "kitti" or "float32-xyz"; the
+  /// columns of text files, "text:x,y,z,-,intensity"; or levels of detail, "depth:3" or "spacing:0.5". Empty for none.
   std::string format = "";
 };
 
-/// Rows run through the inputs in the order given. Opening reads headers; points are read by run().
+/// A cloud of points from one or several inputs. Its rows are those of the inputs, one input after another. Opening
+/// reads headers; run() reads the points.
 ///
 /// All inputs have one schema: their common schema if all are equal bit by bit; otherwise the union of their fields by
 /// name. Coordinates lose nothing: they are float64 unless all are float32, or LAS integers at the finest scale of all
@@ -55,16 +56,16 @@ class POINTSWEEP_EXPORT Cloud {
   Cloud& operator=(Cloud&&) noexcept;
   ~Cloud();
 
-  /// Points of all inputs.
+  /// Returns the number of points of all inputs.
   std::uint64_t count() const;
-  /// The attributes of a point, by the names of the inputs, and how a record holds them.
+  /// Returns the layout of the records of points, whose fields have the names that the inputs use.
   const Schema& schema() const;
   std::size_t input_count() const;
   /// Returns the facts known about input `i` < input_count().
   const FileInfo& input(std::size_t i) const;
   /// Returns the coordinate reference system in CloudOptions, or else that of the first input that states one.
   const std::optional<Crs>& crs() const;
-  /// Harmless faults in the combination of inputs, one sentence each. Faults of a single input are in its FileInfo.
+  /// Returns sentences about harmless faults in the combination of inputs. FileInfo::warnings has those of one input.
   const std::vector<std::string>& warnings() const;
 
   /// Reads the records `row`, `row+1`, ... into `records`: as many whole records of schema().stride bytes as fit, fewer

@@ -14,7 +14,7 @@ namespace pointsweep {
 
 /// The three GeoTIFF tags that LAS stores as VLRs 34735, 34736 and 34737.
 struct GeoTiffKeys {
-  /// Version, revision, minor revision, n, then n times key, place, count, value.
+  /// Version, revision, minor revision, number of keys, then for each key: key, place of its value, count, value.
   std::vector<std::uint16_t> directory;
   std::vector<double> doubles;
   std::string ascii;
@@ -25,18 +25,18 @@ struct GeoTiffKeys {
 enum class CrsKind : std::uint8_t { unknown, projected, geographic, geocentric };
 
 struct Crs {
-  std::string name;                 ///< name in the file, e.g. "NAD83 / UTM zone 10N"; may be empty
-  CrsKind kind = CrsKind::unknown;  ///< unit of the horizontal system: metres or feet, or degrees
-  int epsg = 0;                     ///< EPSG code of the horizontal system; 0: not stated
-  int vertical_epsg = 0;            ///< EPSG code of the heights; 0: not stated
-  std::string wkt;                  ///< on one line; empty if the file has only GeoTIFF keys
-  GeoTiffKeys geotiff;              ///< empty if the file has WKT only
+  std::string name;                 ///< name in the file, e.g. "NAD83 / UTM zone 10N"; empty if the file states none
+  CrsKind kind = CrsKind::unknown;  ///< kind of the horizontal system, and so its unit: lengths or degrees
+  int epsg = 0;                     ///< EPSG code of the horizontal system; 0 if it is not stated
+  int vertical_epsg = 0;            ///< EPSG code of the heights; 0 if it is not stated
+  std::string wkt;                  ///< well-known text on one line; empty if the file has only GeoTIFF keys
+  GeoTiffKeys geotiff;              ///< GeoTIFF keys; empty if the file has only WKT
 };
 
 /// A statement about the coordinate reference system of points. It changes no coordinate.
 struct StatedCrs {
-  std::optional<Crs> crs = {};  ///< absent: outputs state no system
-  bool replaces = false;        ///< inputs with another system are accepted, and their system is ignored
+  std::optional<Crs> crs = {};  ///< the stated system; if absent, outputs state no system
+  bool replaces = false;        ///< true to accept inputs with another system and to ignore their system
 };
 
 /// Returns the system that `text` names: "EPSG:2154", "EPSG:2154+5720" (with heights), WKT, or a file of WKT such as a
@@ -44,10 +44,10 @@ struct StatedCrs {
 /// UsageError, beginning with `where`, for anything else and for codes that GeoTIFF keys cannot state.
 POINTSWEEP_EXPORT std::optional<Crs> parse_crs(const std::string& text, std::string_view where = "--crs");
 
-/// Parses `wkt`, in one line or several. The result of a text that is not WKT has neither name nor kind nor codes.
+/// Parses well-known text of one or several lines. For a text that is not WKT, the result has no name, kind or codes.
 POINTSWEEP_EXPORT Crs crs_of_wkt(std::string_view wkt);
 
-/// Returns "EPSG:26910 (NAD83 / UTM zone 10N)", or the known part of it, in at most about 80 characters.
+/// Returns a text like "EPSG:26910 (NAD83 / UTM zone 10N)" with the known parts of it, in at most about 80 characters.
 POINTSWEEP_EXPORT std::string short_text(const Crs& crs);
 
 }  // namespace pointsweep

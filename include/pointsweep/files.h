@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The point files that are meant by paths, folders and patterns.
+/// Lists of the point files for which paths, folders and patterns stand.
 #pragma once
 
 #include <filesystem>
@@ -20,7 +20,7 @@ struct ListedFile {
 
 struct InputList {
   std::vector<ListedFile> files;
-  std::vector<std::string> notices;  ///< which files of folders and patterns are not listed: one sentence per argument
+  std::vector<std::string> notices;  ///< for each argument with files that are not listed, a sentence about these
 };
 
 /// Lists the files that arguments stand for: a folder for the point files in it, if `recursive` also in its
@@ -32,8 +32,9 @@ struct InputList {
 POINTSWEEP_EXPORT InputList list_inputs(const std::vector<std::filesystem::path>& named, bool recursive,
                                         const std::string& format = "");
 
-/// Returns the name of the output in a folder for an input (ListedFile::relative). `format`: an extension, or "" for
-/// that of the input. A COPC file becomes LAZ, with another extension, since programs recognise COPC by its name.
+/// Returns the path, below a folder of outputs, of the output for an input with the path `relative`
+/// (ListedFile::relative). `format`: an extension, or "" for that of the input. A COPC file becomes LAZ, with another
+/// extension, since programs recognise COPC by its name.
 POINTSWEEP_EXPORT std::filesystem::path tile_name(const std::filesystem::path& relative, const std::string& format);
 
 /// Returns whether the path stands for other files: a folder, a pattern or a .vpc file.

@@ -30,7 +30,7 @@ inline double distance2(Vec3 a, Vec3 b) {
   return (dx * dx + dy * dy) + dz * dz;
 }
 
-/// An axis-aligned box, closed; empty until it includes something.
+/// A closed axis-aligned box, which is empty until it includes a point or another box.
 struct Box {
   static constexpr double kInf = std::numeric_limits<double>::infinity();
   Vec3 lo{kInf, kInf, kInf};
@@ -48,7 +48,7 @@ struct Box {
     lo = {std::min(lo.x, b.lo.x), std::min(lo.y, b.lo.y), std::min(lo.z, b.lo.z)};
     hi = {std::max(hi.x, b.hi.x), std::max(hi.y, b.hi.y), std::max(hi.z, b.hi.z)};
   }
-  /// Returns 0, 1 or 2; the first of equally long axes.
+  /// Returns the number of the axis along which the box is longest: 0, 1 or 2, the first of equally long axes.
   int longest_axis() const {
     const Vec3 e = extent();
     return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;

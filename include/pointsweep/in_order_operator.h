@@ -24,19 +24,20 @@ class Scratch;
 /// A batch of points for an InOrderWork. All batches ascend by place along one axis, then by x, y and z of the place,
 /// then by row, so points of one place are consecutive.
 struct OrderedPoints {
-  std::span<const Vec3> places;
-  std::span<const Vec3> positions;      ///< finite
-  std::span<const std::uint64_t> rows;  ///< input rows, ascending for equal places
-  std::span<const double> values;       ///< the components of InOrderContract::reads, of one point after another
-  /// `values` in the types of their fields, each in the first of 8 bytes. Whole numbers of 64 bits are exact here.
+  std::span<const Vec3> places;         ///< places by which the points ascend (Places)
+  std::span<const Vec3> positions;      ///< positions, which are finite
+  std::span<const std::uint64_t> rows;  ///< rows in the input, ascending for equal places
+  std::span<const double> values;       ///< components of InOrderContract::reads, point after point
+  /// The values in the types of their fields, each in the first of its 8 bytes. Whole numbers of 64 bits are exact
+  /// here.
   std::span<const std::array<std::byte, 8>> words;
 };
 
 /// The results of a call to an InOrderWork. A run may name each row once. A row that is never named is kept, with
 /// Attribute::fill as the value of the made attributes.
 struct Findings {
-  std::vector<std::uint64_t> dropped;    ///< rows that are dropped from here on
-  std::vector<std::uint64_t> rows;       ///< rows whose values are known
+  std::vector<std::uint64_t> dropped;    ///< rows that later stages and the output lack
+  std::vector<std::uint64_t> rows;       ///< rows that are kept and whose made values are known
   std::vector<std::byte> values;         ///< made attributes of `rows`, row after row
   std::vector<std::uint64_t> undecided;  ///< rows whose result depends on points that may be missing (Reach::is_guess)
 };
@@ -46,7 +47,7 @@ struct Findings {
 class POINTSWEEP_EXPORT InOrderWork {
  public:
   virtual ~InOrderWork() = default;
-  /// Returns how often the work takes all points.
+  /// Returns the number of rounds, in each of which the work takes all points.
   virtual unsigned rounds() const { return 1; }
   /// Takes the next points of round `round`, which counts from 0. Appends all findings known by then, also about
   /// earlier points.
@@ -62,7 +63,7 @@ using MakeScratch = std::function<std::unique_ptr<Scratch>()>;
 struct OtherPoints {
   std::span<const Vec3> positions;
   std::span<const std::uint64_t> rows;
-  std::span<const std::byte> values;  ///< attributes InOrderOperator::other_reads(), point after point
+  std::span<const std::byte> values;  ///< values of InOrderOperator::other_reads(), point after point
 };
 
 /// Passes all finite points of another cloud to `take`, in their order.
@@ -82,19 +83,19 @@ struct InOrderSetup {
 /// An estimate of the cloud that an InOrderWork will take, from a survey.
 struct CloudEstimate {
   std::uint64_t points = 0;
-  std::span<const Vec3> sample;  ///< finite positions
-  int axis = 0;                  ///< along which places will ascend
-  unsigned threads = 1;          ///< that the run will use
+  std::span<const Vec3> sample;  ///< positions of a sample of the points, which are finite
+  int axis = 0;                  ///< axis along which places will ascend
+  unsigned threads = 1;          ///< number of threads of the run
   /// Estimates the largest number of points between two planes across the axis, `thickness` apart.
   std::function<std::uint64_t(double thickness)> slice_points;
 };
 
-/// Estimated time of an in-order operator without reading the points, within a factor of about two.
+/// The estimated time of an in-order operator, without the time for reading the points, within a factor of about two.
 struct InOrderEffort {
   double seconds = 0;       ///< CPU time on one core of 2.6 GHz
-  std::string cause = {};   ///< "The window"
-  std::string text = {};    ///< the cause in words: "disks of up to 100 cells"
-  std::string remedy = {};  ///< "larger cells take less"
+  std::string cause = {};   ///< cause of the effort, for a sentence: "The window"
+  std::string text = {};    ///< measure of the cause: "disks of up to 100 cells"
+  std::string remedy = {};  ///< advice to the user: "larger cells take less"
 };
 
 /// The places by which points ascend.
@@ -104,13 +105,14 @@ enum class Places : std::uint8_t {
   in_plane,     ///< InOrderOperator::place_of() of the positions, with z = 0: points ascend along x or y
 };
 
-/// The points that an operator needs for its finding about a point, if these are not all points. The cloud may then be
-/// divided into parts.
+/// The points that an operator needs for its finding about a point, if it does not need all points. The cloud may then
+/// be divided into parts.
 struct Reach {
-  double distance = 0;      ///< needs all points within this distance along each axis from the place of the point,
-  std::size_t nearest = 0;  ///< or, if not 0, this many nearest points within the distance, in the plane with
-                            ///< Places::in_plane
-  /// The distance suffices only in most cases. A part with Findings::undecided about its rows is repeated with twice
+  /// With `nearest` = 0, the operator needs all points whose places are within this distance of the place of the point
+  /// along each axis. Otherwise it is the largest distance of a nearest point that the operator needs.
+  double distance = 0;
+  std::size_t nearest = 0;  ///< number of nearest points that the operator needs (in the plane with in_plane), or 0
+  /// True if the distance does not suffice in all cases. A part that reports Findings::undecided is repeated with twice
   /// the distance.
   bool is_guess = false;
 };
@@ -118,19 +120,20 @@ struct Reach {
 struct InOrderContract {
   std::vector<Attribute> reads = {};  ///< attributes of the point itself, besides its position
   std::vector<Attribute> makes = {};
-  bool drops_rows = false;  ///< later stages and the output have only the rows that are not dropped
+  bool drops_rows = false;  ///< true if the operator may drop rows, which later stages and the output then lack
   Places places = Places::positions;
-  std::string arrival = {};  ///< order of the points in words, for the dry run: "equal ones together"
+  std::string arrival = {};  ///< order of the points as a phrase for the dry run: "equal ones together"
 };
 
-/// Takes all points with a finite place in order. A point without a finite place is kept. Its position, and attributes
-/// that the operator both reads and makes, stay unchanged; other made attributes are Attribute::fill.
+/// An operator that takes all points with finite coordinates in order. Points with non-finite coordinates are kept:
+/// their positions, and attributes that the operator both reads and makes, stay unchanged; other made attributes are
+/// Attribute::fill.
 class POINTSWEEP_EXPORT InOrderOperator : public Operator {
  public:
   virtual InOrderContract in_order_contract() const = 0;
   /// Returns a new work for one run over the cloud.
   virtual std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const = 0;
-  /// Returns where a point with a finite position comes in the order. Called from many threads at once.
+  /// Returns the place by which a point with this finite position is ordered. Called from many threads at once.
   virtual Vec3 place_of(Vec3 position) const { return position; }
   /// Returns the least memory of a work on such a cloud.
   virtual std::uint64_t least_bytes(const CloudEstimate& cloud) const {
@@ -142,19 +145,20 @@ class POINTSWEEP_EXPORT InOrderOperator : public Operator {
     (void)cloud;
     return {};
   }
-  /// Returns the points of the cloud that a finding depends on; empty: it may depend on any. If set, places must ascend
-  /// along each axis with the positions.
+  /// Returns the points of the cloud on which the finding about a point depends; nothing if it may depend on any point.
+  /// If a Reach is returned, places must ascend along each axis with the positions.
   virtual std::optional<Reach> reach() const { return std::nullopt; }
-  /// Returns which points of a batch the other parts of the cloud need although they do not contain them: at least all
-  /// that are needed; by number in the batch. Empty function: all points. Called from many threads at once.
+  /// A function that returns the numbers of the points of a batch that other parts of the cloud need, at least all of
+  /// them. Called from many threads at once.
   using ChoosePoints = std::function<std::vector<std::uint32_t>(const OrderedPoints& points)>;
+  /// Returns the function that chooses the points that other parts need; empty if they need all points.
   virtual ChoosePoints for_other_parts() const { return {}; }
   /// Returns the path, folder or pattern of the other cloud that the operator reads; empty if it reads none.
   virtual std::string other_cloud() const { return {}; }
   /// Returns the attributes that the operator reads of the points of the other cloud, besides their positions. After
   /// bound_to_other() they have the names and types of its fields.
   virtual std::vector<Attribute> other_reads() const { return {}; }
-  /// Returns the points of the other cloud that the operator needs; see reach().
+  /// Returns the points of the other cloud on which the finding about a point depends, like reach().
   virtual std::optional<Reach> other_reach() const { return std::nullopt; }
   /// Returns the operator for another cloud with these fields. Called before bound(), and only if other_reads() names
   /// attributes. Throws UsageError for a name that no field has.
@@ -162,7 +166,8 @@ class POINTSWEEP_EXPORT InOrderOperator : public Operator {
     (void)other;
     return nullptr;
   }
-  /// Returns the operator for such a cloud, or null; see LocalOperator::bound().
+  /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`, if its contract
+  /// depends on these; else null.
   virtual std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;

@@ -23,9 +23,9 @@ namespace pointsweep {
 
 /// The range of the values of one field of the records, all components together.
 struct FieldRange {
-  double lo = std::numeric_limits<double>::infinity(), hi = -lo;  ///< range of the finite values; lo > hi: there are
-                                                                  ///< none
-  std::uint64_t nonfinite = 0;                                    ///< NaN and infinite values
+  /// Least and greatest finite value; lo > hi if no value is finite.
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  std::uint64_t nonfinite = 0;  ///< number of NaN and infinite values
 };
 
 enum class GpsClock : std::uint8_t {
@@ -35,26 +35,28 @@ enum class GpsClock : std::uint8_t {
 };
 
 struct GpsTimes {
-  double lo, hi;  ///< seconds
+  double lo, hi;  ///< first and last time in seconds
   GpsClock clock;
 };
 
 struct FileSummary {
   /// The description by the reader, without extras. Its warnings include differences between the header and the points.
   FileInfo info;
-  Box bounds;                                       ///< bounds of the finite points
-  std::uint64_t nonfinite = 0;                      ///< points with a NaN or infinite coordinate
-  std::array<bool, 3> ascending{true, true, true};  ///< coordinates of finite points never decrease along x, y, z
+  Box bounds;                   ///< bounds of the finite points
+  std::uint64_t nonfinite = 0;  ///< number of points with a NaN or infinite coordinate
+  /// For x, y and z, true if the coordinates of finite points never decrease, or never increase, from row to row.
+  std::array<bool, 3> ascending{true, true, true};
   std::array<bool, 3> descending{true, true, true};
-  std::vector<FieldRange> ranges;            ///< ranges of the fields of the schema
-  std::array<std::uint64_t, 256> classes{};  ///< points of each class, if there is a field `classification`
-  std::array<std::uint64_t, 16> returns{};   ///< points of each return number, if there is such a field
-  std::uint64_t returns_beyond = 0;          ///< points whose return number is above their number of returns
+  std::vector<FieldRange> ranges;            ///< range of each field of the schema
+  std::array<std::uint64_t, 256> classes{};  ///< number of points of each class, if `has_classes`
+  std::array<std::uint64_t, 16> returns{};   ///< number of points of each return number, if `has_returns`
+  std::uint64_t returns_beyond = 0;          ///< number of points whose return number exceeds their number of returns
   double area = 0, cell_side = 0;            ///< area of the occupied cells in x and y, and the side of a cell
   std::vector<double> nearest;               ///< distances to the nearest neighbours of a sample, ascending
+  /// True if the file has the field `classification`, and if it has return numbers.
   bool has_classes = false, has_returns = false;
-  bool of_header = false;  ///< only the header was read: bounds are those that it states, and no facts about the points
-                           ///< are known
+  /// True if only the header was read: `bounds` are those that it states, and other facts about the points are unknown.
+  bool of_header = false;
 
   /// Returns the number of finite points per unit of occupied area; nothing without an area.
   std::optional<double> density() const;
@@ -65,7 +67,7 @@ struct FileSummary {
 };
 
 struct SummaryOptions {
-  bool spacing = true;  ///< measure `nearest`, which takes a second reading
+  bool spacing = true;  ///< true to measure FileSummary::nearest, which takes a second reading of the points
   /// Called after each piece of work; may throw to end it.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
 };
@@ -79,8 +81,8 @@ POINTSWEEP_EXPORT FileSummary summarize_header(const Reader& reader);
 /// Returns the range of the field `gps_time`, with the clock of the LAS header; none without the field or if all are 0.
 POINTSWEEP_EXPORT std::optional<GpsTimes> gps_times(const FileSummary& summary);
 
-/// Returns "2010-06-15T12:34:56": date and time of adjusted standard GPS time, on the GPS scale (ahead of UTC by leap
-/// seconds, 18 since 2017). Empty if it is not between the years 1980 and 2200.
+/// Returns the date and time of adjusted standard GPS time, such as "2010-06-15T12:34:56", on the GPS scale (ahead of
+/// UTC by leap seconds, 18 since 2017); empty if it is not between the years 1980 and 2200.
 POINTSWEEP_EXPORT std::string gps_date(double adjusted_standard_seconds);
 
 /// Returns a sentence for each respect in which files of one data set differ: formats, coordinate reference
@@ -113,30 +115,30 @@ using AttributeValue = std::variant<double, std::int64_t, std::uint64_t>;
 struct AttributeStatistics {
   std::string name;
   Type type = Type::f64;        ///< type in the records of the cloud
-  std::uint64_t count = 0;      ///< finite values
-  std::uint64_t nonfinite = 0;  ///< NaN and infinite values
+  std::uint64_t count = 0;      ///< number of finite values
+  std::uint64_t nonfinite = 0;  ///< number of NaN and infinite values
   std::optional<AttributeValue> min, max;
-  std::optional<double> mean;             ///< the exact sum, rounded, divided by the count; absent if beyond float64
-  std::optional<double> deviation;        ///< standard deviation, of count - 1; absent for fewer than two values, and
-                                          ///< if the sum of their squares is beyond float64
-  std::vector<AttributeValue> quantiles;  ///< one for each of PointStatistics::kPercent
+  std::optional<double> mean;  ///< the rounded exact sum divided by `count`; absent if it is beyond float64
+  /// Standard deviation, by `count` - 1; absent for fewer than two values, and if the sum of squares is beyond float64.
+  std::optional<double> deviation;
+  std::vector<AttributeValue> quantiles;  ///< a quantile for each of PointStatistics::kPercent
 };
 
 /// Counts of the finite values of one attribute: counts[i] is the number of values in [edges[i], edges[i + 1]). Edges
 /// are multiples of the bin width, which is 1, 2 or 5 times a power of ten, and at least 1 for whole numbers.
 struct AttributeHistogram {
   std::string name;
-  std::vector<double> edges;          ///< ascending, one more than counts; empty without finite values
-  std::vector<std::uint64_t> counts;  ///< the first and the last are not 0 where all points are one group
+  std::vector<double> edges;          ///< edges of bins, ascending, one more than counts; empty without finite values
+  std::vector<std::uint64_t> counts;  ///< counts of the bins; if all points are one group, the first and last are not 0
 };
 
 /// The points that have one value of an attribute, or all points.
 struct PointGroup {
-  std::optional<AttributeValue>
-      value;  ///< value of PointStatistics::by, a whole number; absent if all points are one group
+  /// Value of the attribute PointStatistics::by, a whole number; absent if all points are one group.
+  std::optional<AttributeValue> value;
   std::uint64_t points = 0;
   std::vector<AttributeStatistics> attributes;
-  std::vector<AttributeHistogram> histograms;  ///< all groups have the same edges
+  std::vector<AttributeHistogram> histograms;  ///< histograms, whose edges are equal in all groups
 };
 
 struct PointStatistics {
@@ -145,16 +147,16 @@ struct PointStatistics {
   static constexpr std::size_t kMostGroups = 10'000;
 
   std::uint64_t points = 0;
-  std::string by;                  ///< name of the attribute that groups points; empty: they are one group
-  std::vector<PointGroup> groups;  ///< ascending by value
+  std::string by;                  ///< name of the attribute that groups points; empty if they are one group
+  std::vector<PointGroup> groups;  ///< groups, ascending by value
 };
 
 struct PointStatisticsOptions {
-  std::string by;       ///< groups points by the values of this attribute, all whole numbers; empty: one group
-  bool values = false;  ///< make PointGroup::attributes
-  std::vector<std::string> keep;        ///< names of the attributes to evaluate; empty: all, coordinates included
-  std::vector<std::string> histograms;  ///< attributes that get one
-  std::uint64_t bins = 20;              ///< largest number of bins of a histogram; 2 to 1,000
+  std::string by;       ///< name of the attribute whose values, all whole numbers, group points; empty for one group
+  bool values = false;  ///< true to make PointGroup::attributes
+  std::vector<std::string> keep;        ///< names of the attributes to evaluate; empty for all, coordinates included
+  std::vector<std::string> histograms;  ///< names of the attributes that get a histogram
+  std::uint64_t bins = 20;              ///< largest number of bins of a histogram, 2 to 1,000
   /// Called after each piece of work of a reading of all points. Readings count from 1. May throw to end the work.
   std::function<void(unsigned reading, std::uint64_t done, std::uint64_t total)> progress = {};
 };
@@ -166,7 +168,8 @@ struct PointStatisticsOptions {
 /// number, more than kMostGroups values, or too many for that memory; Error for a file that cannot be read.
 POINTSWEEP_EXPORT PointStatistics point_statistics(Cloud& cloud, const PointStatisticsOptions& options);
 
-/// Returns the value of `statistics` in the JSON object of `info`; docs/info.md lists its keys.
+/// Returns the JSON value that the key `statistics` has in the output of `pointsweep info`; docs/info.md lists its
+/// keys.
 POINTSWEEP_EXPORT std::string to_json(const PointStatistics& statistics);
 
 /// Returns the JSON object of one file; docs/info.md lists its keys.

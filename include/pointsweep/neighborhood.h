@@ -23,8 +23,8 @@ namespace pointsweep {
 
 class NeighborhoodRule;
 
-/// A rule that several neighbourhoods may share, or no rule. A shared pointer with a destructor that is not inlined:
-/// with an inlined one GCC 12 wrongly warns of an uninitialized object where a chain is written in braces.
+/// A rule that several neighbourhoods may share, or no rule. It is a shared pointer whose destructor is not inlined:
+/// with an inlined destructor, GCC 12 wrongly warns of an uninitialized object if a chain is written in braces.
 class POINTSWEEP_EXPORT SharedRule {
  public:
   SharedRule() = default;
@@ -42,16 +42,16 @@ class POINTSWEEP_EXPORT SharedRule {
   std::shared_ptr<const NeighborhoodRule> rule_;
 };
 
-/// The definition of a neighbourhood: the `k` nearest points, those within `radius` (inclusive), or the k nearest of
-/// these, the point itself excluded. A rule shortens this list. Exact: distances are evaluated in double at the
-/// positions of the search; equal distances are ordered by x, y, z, then input row.
+/// The definition of a neighbourhood: the `k` nearest points within `radius` (inclusive), the point itself excluded; k
+/// may be unlimited, and the radius infinite. A rule shortens this list. Neighbourhoods are exact: distances are
+/// evaluated in double at the positions of the search, and equal distances are ordered by x, y, z, then input row.
 struct Neighborhood {
   static constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
   /// Stands for the default of the operators of a chain: their largest Contract::default_k, or all points within their
   /// largest Contract::all_within.
   static constexpr std::size_t kOfOperators = kUnlimited - 1;
-  std::size_t k = 8;                                        ///< 1 or more; kUnlimited: all points within the radius
-  double radius = std::numeric_limits<double>::infinity();  ///< > 0, in length units of the cloud
+  std::size_t k = 8;  ///< number of points, 1 or more; kUnlimited for all points within the radius
+  double radius = std::numeric_limits<double>::infinity();  ///< radius in the length unit of the cloud, above 0
   SharedRule rule = {};
 
   double radius2() const { return radius * radius; }
@@ -66,16 +66,16 @@ inline NeighborRef make_ref(std::uint32_t slot, std::uint32_t index) { return sl
 inline std::uint32_t slot_of(NeighborRef ref) { return ref >> kIndexBits; }
 inline std::uint32_t index_of(NeighborRef ref) { return ref & (kCellCapacity - 1); }
 
-/// The points of one slot: structure of arrays, owned by the engine.
+/// The points of one slot as a structure of arrays, which the engine owns.
 struct PointColumns {
-  const double* x = nullptr;  ///< coordinates as in the input, length units of the file
+  const double* x = nullptr;  ///< coordinates as in the input, in the length unit of the file
   const double* y = nullptr;
   const double* z = nullptr;
-  const std::uint64_t* row = nullptr;         ///< input rows
-  const std::byte* const* columns = nullptr;  ///< values by number of column of the plan
+  const std::uint64_t* row = nullptr;         ///< rows in the input
+  const std::byte* const* columns = nullptr;  ///< values of each column of the plan
 };
 
-/// Throws UsageError: an operator has asked for `asked` bytes of a value that has `bytes`.
+/// Throws the UsageError for an operator that has asked for `asked` bytes of a value that has `bytes`.
 [[noreturn]] POINTSWEEP_EXPORT void refuse_value_size(std::size_t bytes, std::size_t asked);
 
 /// A batch of at most kCellCapacity points, each with its neighbours, the point itself excluded. Valid only during
@@ -90,8 +90,8 @@ struct PointColumns {
 class Neighborhoods {
  public:
   /// Called by the engine. `position_column`: number of the column of moved positions, which replace those of the
-  /// search; negative: none. `moved`: the positions in `own` and `slots` are moved already. `column_bytes`: bytes of
-  /// values by number of column; null: types are not checked.
+  /// search; negative without one. `moved`: true if the positions in `own` and `slots` have been moved. `column_bytes`:
+  /// bytes of a value of each column; null if types are not checked.
   Neighborhoods(const PointColumns& own, std::size_t size, const PointColumns* slots, const std::uint32_t* begin,
                 const NeighborRef* refs, std::span<const std::uint16_t> reads,
                 std::span<const std::uint16_t> reads_neighbors, int position_column = -1, bool moved = false,
@@ -110,13 +110,13 @@ class Neighborhoods {
   std::size_t size() const { return size_; }
   Vec3 position(std::size_t i) const { return position_in(own_, i); }
   std::uint64_t row(std::size_t i) const { return own_.row[i]; }
-  /// Returns |N_i|.
+  /// Returns |N_i|, the number of neighbours of point i.
   std::size_t count(std::size_t i) const { return begin_[i + 1] - begin_[i]; }
 
   /// Returns whether positions are those of the search, so that distance2(i, j) never decreases as j grows.
   bool sorted_by_distance() const { return sorted_by_distance_; }
-  /// Returns max_j |p_j - p_i|² over N_i, at the current positions; 0 without neighbours, NaN if one of them has no
-  /// finite place.
+  /// Returns max_j |p_j - p_i|² over N_i at the current positions; 0 without neighbours, NaN if a neighbour has
+  /// non-finite coordinates.
   double farthest_distance2(std::size_t i) const {
     const std::size_t n = count(i);
     if (n == 0) return 0;
@@ -162,8 +162,8 @@ class Neighborhoods {
   T neighbor_value(std::size_t a, std::size_t i, std::size_t j) const {
     return value_of<T>(a, neighbors(i)[j]);
   }
-  /// Returns attribute `a` of contract().reads_neighbors at all points of a slot, by index_of(); std::byte is allowed
-  /// as T for any type.
+  /// Returns attribute `a` of contract().reads_neighbors of all points of a slot, indexed by index_of(); std::byte is
+  /// allowed as T for any type.
   template <class T>
   const T* values_of_slot(std::size_t a, std::uint32_t slot) const {
     if constexpr (!std::is_same_v<T, std::byte>) require_size<T>(reads_neighbors_[a]);
@@ -175,7 +175,7 @@ class Neighborhoods {
     require_size<T>(reads_neighbors_[a]);
     return load<T>(slots_[slot_of(ref)].columns[reads_neighbors_[a]], index_of(ref));
   }
-  /// Returns attributes of three floats as a vector, of a point and of any neighbour.
+  /// Returns an attribute of three floats as a vector: vector() of a point, vector_of() of any neighbour.
   Vec3 vector(std::size_t a, std::size_t i) const {
     require_size<std::array<float, 3>>(reads_[a]);
     return load_vector(own_.columns[reads_[a]], i);
@@ -228,14 +228,15 @@ class Neighborhoods {
 class POINTSWEEP_EXPORT NeighborhoodRule {
  public:
   virtual ~NeighborhoodRule() = default;
-  /// Returns a description of the neighbours that it keeps, which ends the sentence "of these ...".
+  /// Returns a description of the neighbours that the rule keeps, which ends a sentence that begins with "of these".
   virtual std::string meaning() const = 0;
   /// Returns the attributes of the point itself that the rule reads; the input has them.
   virtual std::vector<Attribute> reads() const = 0;
   /// Returns the options that distinguish rules of one class, e.g. {{"k_from", "scale"}}. They are part of the identity
   /// of a run.
   virtual Options options() const { return {}; }
-  /// Sets counts[i] to how many neighbours point i keeps, at most in.count(i). Called from many threads at once.
+  /// Sets counts[i] to the number of neighbours that point i keeps, at most in.count(i). Called from many threads at
+  /// once.
   virtual void choose(const Neighborhoods& in, std::span<std::uint32_t> counts) const = 0;
 };
 

@@ -39,17 +39,17 @@ namespace pointsweep {
 
 class DegeneratePoints;
 
-/// Takes the points of a part of the cloud. Its result depends only on the set of points that it and the accumulators
-/// merged into it took, not on their order or division. So results do not depend on threads; sums must be exact.
+/// Takes the points of a part of the cloud. Its result depends only on the set of points that it, and the accumulators
+/// merged into it, have taken, not on their order or division. So results do not depend on threads; sums must be exact.
 class POINTSWEEP_EXPORT Accumulator {
  public:
   virtual ~Accumulator() = default;
-  /// Takes `points` points; `values` holds the components of Reduction::reads() of one point after another, as float64.
+  /// Takes `points` points. `values` holds the components of Reduction::reads() as float64, point after point.
   virtual void add(const double* values, std::size_t points) = 0;
-  /// Takes what `other`, of the same reduction, took.
+  /// Adds all points that `other`, an accumulator of the same reduction, has taken.
   virtual void merge(const Accumulator& other) = 0;
-  /// Returns the state as bytes for load() in another process. Needed only for runs of several processes; without
-  /// overrides both functions throw Error.
+  /// Returns the state as bytes for load() in another process. Only runs of several processes call save() and load(),
+  /// which throw Error unless they are overridden.
   virtual std::vector<std::byte> save() const {
     throw Error("An accumulator is to be saved that does not override save().");
   }
@@ -67,10 +67,12 @@ class POINTSWEEP_EXPORT Accumulator {
 class POINTSWEEP_EXPORT Reduction {
  public:
   virtual ~Reduction() = default;
-  /// Returns its description, with its options. Reductions of one text over the same attributes are done once.
+  /// Returns a description of the value, with its options. Reductions with equal texts over equal attributes are
+  /// computed once.
   virtual std::string text() const = 0;
   virtual std::vector<Attribute> reads() const = 0;
-  /// Returns whether it reads the values of the input even if earlier stages have changed them. Then it needs no sweep.
+  /// Returns whether the reduction reads the values of the input even if earlier stages have changed them, so that it
+  /// needs no sweep.
   virtual bool of_input() const { return false; }
   virtual std::unique_ptr<Accumulator> start() const = 0;
 };
@@ -84,14 +86,14 @@ struct Contract {
   std::vector<Attribute> reads_neighbors = {};  ///< attributes of the points in N_i, besides their positions
   std::vector<Attribute> makes = {};
   std::vector<std::shared_ptr<const Reduction>> values = {};  ///< values of the whole cloud, passed to with_values()
-  /// The default number of neighbours, for chains that state none (Neighborhood::kOfOperators). 0: the operator reads
-  /// no neighbour, not even its position. It then does not wait for neighbours that moved, and also gets the points
-  /// without a finite place. Other operators do not get such points: their position, and attributes that the operator
-  /// both reads and makes, stay unchanged; other made attributes are Attribute::fill.
+  /// The default number of neighbours, for chains that state none (Neighborhood::kOfOperators). 0 if the operator reads
+  /// no neighbours, not even their positions: it then does not wait for neighbours that move, and also gets points with
+  /// non-finite coordinates. Other operators do not get such points: the positions of these, and attributes that the
+  /// operator both reads and makes, stay unchanged; other made attributes are Attribute::fill.
   std::size_t default_k = 8;
-  /// The radius within which the operator reads all neighbours, in units of the coordinates; 0: there is no such
-  /// radius. The largest of these is the neighbourhood of a chain that states none and has no other operators that read
-  /// neighbours.
+  /// The radius within which the operator reads all neighbours, in units of the coordinates; 0 if it has no such
+  /// radius. A chain that states no neighbourhood, and whose operators that read neighbours all have such a radius,
+  /// uses the largest of them.
   double all_within = 0;
 };
 
@@ -100,11 +102,11 @@ inline Attribute selection_attribute() {
   return {"row is kept", Type::u8, Kind::scalar, {"row is kept"}, "1", "0: the row is left out", std::byte{1}};
 }
 
-/// The columns an operator fills for a batch, in the order of its contract().makes. The engine makes them.
+/// The columns that an operator fills for a batch, in the order of its contract().makes. The engine makes the columns.
 class POINTSWEEP_EXPORT Columns {
  public:
-  /// `degenerate` receives the marked points. `unwanted`: by number, true for columns that are never read; may be
-  /// shorter. `bytes`: bytes of a value, by number; empty: types are not checked.
+  /// `degenerate` receives the marked points. `unwanted`: for each column, true if it is never read; missing entries
+  /// are false. `bytes`: for each column, bytes of a value; empty if types are not checked.
   Columns(std::span<std::byte* const> made, std::size_t size, DegeneratePoints& degenerate,
           std::vector<bool> unwanted = {}, std::vector<std::size_t> bytes = {})
       : made_(made), size_(size), degenerate_(&degenerate), unwanted_(std::move(unwanted)), bytes_(std::move(bytes)) {}
@@ -142,21 +144,21 @@ class POINTSWEEP_EXPORT Columns {
 class POINTSWEEP_EXPORT Operator {
  public:
   virtual ~Operator() = default;
-  /// Returns its name in plans, statistics and the records in outputs.
+  /// Returns the name of the operator in plans, statistics and the records in outputs.
   virtual std::string name() const = 0;
   virtual Contract contract() const = 0;
 
   /// Returns the options that distinguish objects of this class: the declared options, else own_options(). Name and
   /// options are part of a run: `resume_folder` refuses a run with other options, and outputs record them.
   Options declared_options() const { return declared_ ? *declared_ : own_options(); }
-  /// Sets the declared options, unless they are set: the first call counts, which comes from the class with the
-  /// options.
+  /// Sets the declared options. Only the first call has an effect, which comes from the class with the options.
   void declare_options(Options options) {
     if (!declared_) declared_ = std::move(options);
   }
 
  protected:
-  /// Override this in a class whose objects can differ, e.g. return {{"width", width_}}.
+  /// Returns the options of the object. Must be overridden in a class whose objects can differ, e.g. to return
+  /// {{"width", width_}}.
   virtual Options own_options() const { return {}; }
 
  private:
@@ -173,13 +175,13 @@ class POINTSWEEP_EXPORT LocalOperator : public Operator {
   virtual void apply(const Neighborhoods& in, Columns& out) const = 0;
 
   /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`, if its contract
-  /// depends on these; else null. Throws UsageError.
+  /// depends on these; else null. Throws UsageError for a cloud that does not fit.
   virtual std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;
   }
-  /// Returns the operator with the values of the whole cloud, by number in contract().values. Called before apply() if
-  /// there are any.
+  /// Returns the operator with the values of the whole cloud, in the order of contract().values. Called before apply()
+  /// if contract().values is not empty.
   virtual std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const {
     (void)values;
     return nullptr;
@@ -201,8 +203,8 @@ class POINTSWEEP_EXPORT PointOperator : public LocalOperator {
   virtual void apply_to(std::size_t i, const Neighborhoods& in, Columns& out) const = 0;
 };
 
-/// A condition on a point. The rows that it does not keep are dropped: later stages, the output and neighbourhoods do
-/// not contain them. Points without a finite place are tested, too.
+/// A condition on a point. Rows that it does not keep are dropped: later stages, the output and neighbourhoods do not
+/// contain them. Points with non-finite coordinates are tested, too.
 class POINTSWEEP_EXPORT SelectOperator : public Operator {
  public:
   /// Returns the attributes of the point that the condition reads, besides its position.
@@ -210,12 +212,13 @@ class POINTSWEEP_EXPORT SelectOperator : public Operator {
   /// Sets kept[i] to 1 for every point i of the batch whose row is kept; all values are 0 before the call. `points`
   /// have no neighbours. Called from many threads at once.
   virtual void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const = 0;
-  /// Returns the operator for such a cloud, or null; see LocalOperator::bound().
+  /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`, if its contract
+  /// depends on these; else null.
   virtual std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;
   }
-  /// Returns a box in x and y, with z = 0, that contains all kept points; absent: unknown.
+  /// Returns a box in x and y, with z = 0, that contains all kept points; nothing if such a box is unknown.
   virtual std::optional<Box> extent() const { return std::nullopt; }
 
   Contract contract() const final { return {.reads = reads(), .makes = {selection_attribute()}, .default_k = 0}; }

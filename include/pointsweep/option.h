@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Typed values of options, as operators and rules have them.
+/// Typed values of the options of operators and rules.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// The value of an option: a whole number, a number, a word or text, or a point; std::monostate: no value.
+/// The value of an option: a whole number, a number, a word or text, or a point; std::monostate if it has no value.
 using OptionValue = std::variant<std::monostate, std::uint64_t, double, std::string, Vec3>;
 
 inline bool has_value(const OptionValue& value) { return !std::holds_alternative<std::monostate>(value); }

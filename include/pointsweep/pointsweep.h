@@ -3,16 +3,16 @@
 ///   attribute.h     attributes of points, and the layout of records
 ///   reader.h        inputs: files, arrays, readers of your own
 ///   files.h         lists of the files in folders and patterns
-///   url.h           URLs in place of their paths
+///   url.h           URLs in place of paths of files
 ///   cloud.h         several inputs as one cloud
 ///   neighborhood.h  which points are neighbours, and a batch of points as operators see it
 ///   operator.h      operators of your own; in_order_operator.h: those that take all points in order
 ///   chain.h         operators in order, from C++, text or JSON
 ///   operators.h     the built-in operators
 ///   writer.h        outputs: files, arrays, writers of your own
-///   arrays.h        points and results in arrays, without files: the shortest way
+///   arrays.h        points and results in arrays, without files, for short programs
 ///   run.h           running a chain: outputs, options, resources, observation
-///   statistics.h    what a run did
+///   statistics.h    statistics of a run
 ///   error.h         exceptions
 /// crs.h, geometry.h, option.h and export.h have types that several of these headers use. info.h (contents of files)
 /// and verify.h (checks of results) belong to separate libraries.

@@ -29,47 +29,47 @@ struct LasOrigin;
 /// PLY: comments and obj_info). A writer of another format ignores it.
 struct POINTSWEEP_EXPORT FormatExtras {
   virtual ~FormatExtras() = default;
-  /// Returns the name of the format, "las". Each name belongs to one class.
+  /// Returns the name of the format, e.g. "las". Each name belongs to one class.
   virtual std::string_view format() const = 0;
-  /// Returns whether the extras mean the same for a writer as `other`. Both belong to inputs of this format after the
-  /// first. A writer gets only one of several such extras.
+  /// Returns whether a writer would treat these extras like `other`. Both belong to inputs of this format after the
+  /// first input; of several extras that are alike, a writer gets only one.
   virtual bool is_like(const FormatExtras& other) const { return this == &other; }
 };
 
 /// Statements of a header about the points. They may be wrong.
 struct HeaderClaims {
-  Box bounds;                               ///< the ends may be in any order, or NaN
-  std::vector<std::uint64_t> returns = {};  ///< number of points of return number 1, 2, ...; empty: not stated
+  Box bounds;                               ///< stated bounds, whose ends may be in any order, or NaN
+  std::vector<std::uint64_t> returns = {};  ///< numbers of points with return number 1, 2, ...; empty if not stated
 };
 
 /// The facts known about an open input.
 struct FileInfo {
-  std::filesystem::path path;  ///< for messages; any name if there is no file
-  std::string format;          ///< for messages: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
+  std::filesystem::path path;  ///< path for messages; any name for an input that is not a file
+  std::string format;          ///< format for messages: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
   Schema schema;
-  std::uint64_t count = 0;             ///< points in the file, even if its header states another number
-  std::uint64_t left_out = 0;          ///< points of the file that `count` excludes and read() skips
-  std::uint64_t bytes = 0;             ///< size of the file
-  bool decode_once = false;            ///< decoding costs much more than writing and reading its records
-  std::uint64_t decoder_bytes = 0;     ///< memory of each decoding thread, besides the records
+  std::uint64_t count = 0;             ///< number of points in the file, even if its header states another number
+  std::uint64_t left_out = 0;          ///< number of points of the file that `count` excludes and read() skips
+  std::uint64_t bytes = 0;             ///< size of the file in bytes
+  bool decode_once = false;            ///< true if decoding takes much longer than writing and reading the records
+  std::uint64_t decoder_bytes = 0;     ///< memory in bytes of each decoding thread, besides the records
   std::optional<Box> bounds;           ///< bounds in the header; they may be wrong
   std::optional<double> root_spacing;  ///< spacing of the points of depth 0, if chunks are nodes of levels of detail
   std::optional<HeaderClaims> claims;  ///< set if the header states more about the points than their number
-  bool z_is_up = false;                ///< the format says that z is the height
+  bool z_is_up = false;                ///< true if z is the height in this format
   std::vector<std::string> warnings;   ///< harmless faults, one sentence each
   std::shared_ptr<const FormatExtras> extras;
   std::optional<Crs> crs;                ///< the coordinate reference system, if the file states one
   std::shared_ptr<const LasOrigin> las;  ///< set if the file is LAS, or was made from LAS; for LAS writers
   std::vector<std::string> provenance;   ///< lines that say how the file was made; may be empty
-  std::string asked_for_as;  ///< the `format` of open_reader() that matches the file; empty if it has a signature
+  std::string asked_for_as;  ///< value of `format` in open_reader() that applied; empty for a file with a signature
 };
 
 /// Rows of a file that can be decoded without the rows before them.
 struct Chunk {
   std::uint64_t first_row = 0, rows = 0;
-  std::uint64_t begin = 0, end = 0;  ///< its bytes in the file; 0 and 0 if they are scattered or unknown
-  std::optional<Box> bounds;         ///< bounds of its points in the file; they may be wrong
-  std::optional<int> depth = {};     ///< depth of its node, if chunks are nodes of levels of detail
+  std::uint64_t begin = 0, end = 0;  ///< range of its bytes in the file; 0 and 0 if they are scattered or unknown
+  std::optional<Box> bounds;         ///< bounds that the file states for its points; they may be wrong
+  std::optional<int> depth = {};     ///< depth of the node of the octree, if chunks are nodes of levels of detail
 
   std::uint64_t end_row() const { return first_row + rows; }
 };
@@ -85,14 +85,14 @@ class POINTSWEEP_EXPORT RowDecoder {
   virtual std::size_t read(std::uint64_t row, std::span<std::byte> records) = 0;
 };
 
-/// Indices of fields of a schema. Empty: all fields.
+/// Indices of fields of a schema; empty for all fields.
 using WantedFields = std::vector<std::size_t>;
 
 /// An input that returns points by rows, from row 0 on.
 class POINTSWEEP_EXPORT Reader {
  public:
   Reader() = default;
-  /// Copies the facts, not the decoder: each reader makes its own decoder for read().
+  /// Copies the facts about the input, but not the decoder: each reader makes its own decoder for read().
   Reader(const Reader& other) : info_(other.info_) {}
   Reader& operator=(const Reader& other) {
     info_ = other.info_;
@@ -106,10 +106,11 @@ class POINTSWEEP_EXPORT Reader {
   virtual Chunk chunk_of(std::uint64_t row) const;
   /// Returns whether decoder() returns decoders. If not, only read() reads rows, on one thread at a time. Thread-safe.
   virtual bool has_decoders() const { return false; }
-  /// Returns whether any range of rows is a chunk, as where all records have one size. Thread-safe.
+  /// Returns whether any range of rows can be decoded without other rows, e.g. because all records have one size.
+  /// Thread-safe.
   virtual bool decodes_any_range() const { return false; }
-  /// Returns a decoder for one thread; other threads may decode at the same time. Thread-safe. In its records only the
-  /// `wanted` fields have their values; the bytes of the others are unspecified. Null if not has_decoders().
+  /// Returns a decoder for one thread; null if not has_decoders(). Other threads may decode at the same time. In its
+  /// records, only the `wanted` fields have values; the bytes of other fields are unspecified. Thread-safe.
   virtual std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const;
 
   /// Reads records as RowDecoder::read does, through the reader's own decoder. Not thread-safe.
@@ -130,22 +131,22 @@ class POINTSWEEP_EXPORT Reader {
   std::unique_ptr<RowDecoder> own_decoder_;  ///< decoder of read(), between the first row and the last
 };
 
-/// Opens a point file. Its content tells the format. `format` names a format without a signature ("kitti",
-/// "float32-xyz"), which applies unless the extension of the file belongs to another format. "depth:3" and
-/// "spacing:0.5" choose levels of detail: depths 0 to 3, or all depths up to the first with this spacing or less; only
-/// their bytes are read. Throws Error for a file without levels. "text:x,y,z,-,intensity" names the columns of a text
-/// file, "-" for those to skip, and replaces its header. Throws Error if the file cannot be opened, UsageError for an
-/// unknown `format`.
+/// Opens a point file, whose content decides its format. `format` is empty or one of these:
+/// - a format without a signature ("kitti", "float32-xyz"), unless the extension of the file belongs to another format;
+/// - levels of detail, of which alone the bytes are read: "depth:3" for the depths 0 to 3, "spacing:0.5" for all depths
+///   up to the first with this spacing or less. An Error for a file without levels;
+/// - the columns of a text file, which replace its header: "text:x,y,z,-,intensity", with "-" for columns to skip.
+/// Throws Error if the file cannot be opened, UsageError for an unknown `format`.
 POINTSWEEP_EXPORT std::unique_ptr<Reader> open_reader(const std::filesystem::path& path, std::string_view format = "");
 
 /// Points from arrays, which are borrowed and must outlive the reader.
 class POINTSWEEP_EXPORT ArrayReader final : public Reader {
  public:
-  /// `xyz`: N×3, x y z of one point side by side. Throws UsageError if its size is no multiple of 3.
+  /// `xyz`: N×3 values, x, y and z of a point side by side. Throws UsageError if its size is not a multiple of 3.
   explicit ArrayReader(std::span<const float> xyz);
   explicit ArrayReader(std::span<const double> xyz);
 
-  /// Adds an attribute: N×names.size() values, those of one point side by side, e.g. {"nx", "ny", "nz"}.
+  /// Adds fields with these names, e.g. {"nx", "ny", "nz"}: N×names.size() values, those of a point side by side.
   void add(const std::vector<std::string>& names, std::span<const float> values);
   void add(const std::vector<std::string>& names, std::span<const double> values);
 

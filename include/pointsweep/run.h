@@ -25,31 +25,34 @@ namespace pointsweep {
 /// The order of the output's rows. It never changes a value.
 enum class Order : std::uint8_t {
   input,  ///< row i of the output is row i of the input
-  sweep,  ///< canonical order along the sweep axis: coordinate on it, ties by x, y, z, row; not finite points last, by
-          ///< row; at the positions of the input, or of the last Resort of the chain
+  /// Canonical order along the axis of the sweep: by the coordinate on the axis, ties by x, y, z, then row; non-finite
+  /// points last, by row. Coordinates are those of the input, or those at the last Resort of the chain.
+  sweep,
 };
 
 /// The engine, which finds the neighbourhoods and applies the operators. The library itself has only `exact`.
 enum class Engine : std::uint8_t {
-  exact,      ///< the engine of this library: exact, in parallel, within the memory budget
-  reference,  ///< the paper's own algorithm, point by point, on one thread: neighbourhoods may lack a point, and counts
-              ///< of these are in Statistics::reference. Error if its active set outgrows the budget on the way.
+  exact,  ///< the engine of this library: exact, in parallel, within the memory budget
+  /// The paper's own algorithm, point by point, on one thread. Neighbourhoods may lack points; Statistics::reference
+  /// counts such neighbourhoods. An Error if its active set outgrows the memory budget during the run.
+  reference,
 };
 
 /// The treatment of points whose coordinates are NaN or infinite. They are neighbours of no other point in any case.
 enum class Nonfinite : std::uint8_t {
-  by_format,  ///< `drop` for LAS, which cannot hold them, `keep` for all other formats
-  keep,       ///< they are written; made attributes have the value that is documented for undefined results
-  drop,       ///< their rows are dropped from all outputs; row numbers (Order::input, neighbours) do not count them
-  refuse,     ///< the first one ends the run
+  by_format,  ///< `drop` for LAS, which cannot hold such points, `keep` for all other formats
+  keep,       ///< such points are written, with made attributes as documented for undefined results
+  drop,       ///< such points are dropped from all outputs; row numbers (Order::input, neighbours) do not count them
+  refuse,     ///< the first such point ends the run with an Error
 };
 
 struct Progress {
-  const char* phase;   ///< "checking" (for nonfinite points), "decoding", "ordering", "sweeping", "updating" (from one
-                       ///< sweep to the next), "writing" or "completing" (of an output that is divided among files)
-  std::uint64_t done;  ///< points
-  std::uint64_t total;
-  std::uint64_t active;  ///< points in the window, while sweeping
+  /// Name of the phase: "checking" (for nonfinite points), "decoding", "ordering", "sweeping", "updating" (from one
+  /// sweep to the next), "writing" or "completing" (of an output that is divided among files).
+  const char* phase;
+  std::uint64_t done;    ///< number of points that have passed the phase
+  std::uint64_t total;   ///< number of all points
+  std::uint64_t active;  ///< number of points in the window while sweeping; 0 in other phases
 };
 
 /// Observes a run, and can stop it. An exception thrown by an override ends the run, which then leaves no files.
@@ -81,10 +84,10 @@ class POINTSWEEP_EXPORT Observer {
 
 /// The resources of the machine that a run may take. No result depends on them.
 struct Resources {
-  std::uint64_t memory_bytes = 0;  ///< memory budget of the whole process; 0: half of the available memory
-  unsigned threads = 0;            ///< most threads; 0: one for each core. Fewer are used if the budget is too small
-  /// Folder for data that do not fit the budget. Must exist and be writable, even if nothing is spilled; empty: the
-  /// folder of the system.
+  std::uint64_t memory_bytes = 0;  ///< memory budget of the whole process in bytes; 0 for half of the available memory
+  unsigned threads = 0;            ///< most threads; 0 for one thread per core. A small budget may allow fewer threads
+  /// Folder for data that do not fit in the budget. Must exist and be writable, even if nothing is spilled; empty for
+  /// the temporary folder of the system.
   std::filesystem::path temp_folder = {};
 };
 
@@ -92,19 +95,21 @@ struct Resources {
 /// an attribute. Each point is in exactly one file, and points keep their order. All files have the same layout, grid
 /// and header, except for counts and bounds. Files without points are not written.
 struct OutputDivision {
-  /// Length of the edge of a tile, above 0; absent: no tiles. Tile (i, j) holds origin.x + i * tile <= x < origin.x +
-  /// (i + 1) * tile, and y likewise, in float64, of the coordinates that a reader of the output gets. Its name is
-  /// `X_Y`, its lower corner. Points whose x or y is not finite are in the file `unplaced`.
+  /// Length of the edge of a tile, above 0; absent to make no tiles. Tile (i, j) holds the points with l(i) <= x <
+  /// l(i + 1), where l(i) = tile_origin[0] + i * tile in float64 and x is the coordinate that a reader of the output
+  /// gets, and y likewise. The name of a file is `X_Y`, the lower corner of its tile. Points whose x or y is not finite
+  /// are in the file `unplaced`.
   std::optional<double> tile = {};
-  std::array<double, 2> tile_origin = {0, 0};  ///< a corner of tiles
-  /// Width of a buffer around each tile, from 0 to `tile`. A tile also contains the points of the eight adjacent tiles
-  /// that are less than this outside of it in x and in y; on its lower sides, at most this. All points have the
-  /// attribute `buffer`, which is 1 for these.
+  std::array<double, 2> tile_origin = {0, 0};  ///< x and y of a corner of tiles
+  /// Width of a buffer around each tile, from 0 to `tile`. The file of a tile also contains the points of the eight
+  /// adjacent tiles that are less than this width outside of the tile in x and in y; on its lower sides, at most this
+  /// width. All points get the attribute `buffer`, which is 1 for points of buffers.
   double tile_buffer = 0;
-  /// Name of an attribute of the output, of whole numbers. The name of a file is `ATTRIBUTE_VALUE`. Empty: none.
+  /// Name of an attribute of the output, of whole numbers, whose values divide the points; empty to divide by none. The
+  /// name of a file is `ATTRIBUTE_VALUE`.
   std::string split = {};
 
-  /// Returns whether there is more than one file.
+  /// Returns whether the output is divided among files.
   bool divides() const { return tile.has_value() || !split.empty(); }
   friend bool operator==(const OutputDivision&, const OutputDivision&) = default;
 };
@@ -112,63 +117,63 @@ struct OutputDivision {
 /// Options of a run: first the options that the results depend on, then its resources, then its observer.
 struct RunOptions {
   Order order = Order::input;
-  std::optional<int> axis = {};  ///< axis of the sweep: 0, 1, 2; absent: the longest
+  std::optional<int> axis = {};  ///< axis of the sweep, 0, 1 or 2; absent for the longest
   Engine engine = Engine::exact;
   Nonfinite nonfinite = Nonfinite::by_format;
-  bool overwrite = false;  ///< outputs may replace existing files
-  /// Type of x, y and z in the output, Type::f64 or Type::f32. Positions are rounded to it, while normals and other
-  /// results belong to the positions before rounding. Absent: the type of the input, or Type::f64 if the chain moves
-  /// points. A UsageError for LAS, which stores integers.
+  bool overwrite = false;  ///< true if outputs may replace existing files
+  /// Type of x, y and z in the output, Type::f64 or Type::f32; absent for the type of the input, or Type::f64 if the
+  /// chain moves points. Positions are rounded to this type, while normals and other results belong to the positions
+  /// before rounding. A UsageError for LAS, which stores integers.
   std::optional<Type> positions = {};
   FileLayout layout = {};  ///< layout of the point files
-  /// Divides Outputs::points, whose path must have a * for the names of the files. More than 10,000 files are an error
-  /// before the first is written, unless `overwrite`. Not with resume_folder.
+  /// Division of Outputs::points, whose path must have a * for the names of the files. More than 10,000 files are an
+  /// error before the first file is written, unless `overwrite`. Cannot be combined with resume_folder.
   OutputDivision division = {};
   /// Attributes of the input that made attributes may overwrite although their meanings may differ, such as
   /// `curvature`, which programs define differently. Attributes with exactly the name of a made one (nx, ny, nz) are
   /// always overwritten.
   std::vector<std::string> replace = {};
-  std::string prefix = {};  ///< before the names of made attributes in outputs, except positions
-  /// Outputs contain a record of this run: its operators with their options, and the inputs. Records of the inputs are
-  /// always kept.
+  std::string prefix = {};  ///< prefix of the names of made attributes in outputs, except positions
+  /// True if outputs get a record of this run: its operators with their options, and the inputs. Records that the
+  /// inputs contain are always kept.
   bool provenance = true;
-  bool input_paths = false;  ///< the record has the absolute paths of the inputs instead of their file names
+  bool input_paths = false;  ///< true if the record has the absolute paths of the inputs instead of their file names
 
   Resources resources = {};
-  /// A folder for checkpoints, used instead of the temporary folder. If the process ends before the run is complete,
-  /// the same run with the same folder continues from the last checkpoint. The folder of another run is an error; it is
-  /// removed when the run is complete. All intermediate data go to files. Needs inputs that are files, and
-  /// Engine::exact. Empty: no checkpoints.
+  /// A folder for checkpoints, used instead of the temporary folder; empty for a run without checkpoints. If the
+  /// process ends before the run is complete, the same run with the same folder continues from the last checkpoint. The
+  /// folder of another run is an error. The folder is removed when the run is complete. All intermediate data go to
+  /// files. Needs inputs that are files, and Engine::exact.
   std::filesystem::path resume_folder = {};
-  Observer* observer = nullptr;  ///< borrowed; null: no observer
+  Observer* observer = nullptr;  ///< borrowed observer of the run; null for none
 };
 
 /// Destinations of the results: any of the first three, e.g. {.points = "out.ply"}, or tiles. A run without a
 /// destination is refused.
 struct Outputs {
-  /// Point file with the attributes of the input and the made ones; its extension tells the format. With
-  /// RunOptions::division: the point files, e.g. out/*.laz, where * stands for their names. Missing folders are made.
+  /// Point file with the attributes of the input and the made attributes; its extension decides its format. With
+  /// RunOptions::division, the point files, e.g. out/*.laz, where * stands for their names; missing folders are made.
   std::filesystem::path points = {};
-  /// Made attribute -> .npy file; needs Order::input.
+  /// Names of made attributes, and the .npy file for each. Needs Order::input.
   std::vector<std::pair<std::string, std::filesystem::path>> arrays = {};
-  /// Makes a writer for the same records as `points` would get: an ArrayWriter, or one of your own.
+  /// Function that makes a writer for the records that `points` would get: an ArrayWriter, or a writer of your own.
   std::function<std::unique_ptr<Writer>(const OutputPlan&)> writer = {};
-  /// Used instead of the members above: a point file for each input of the cloud, in their order. It has the input's
-  /// rows, attributes, types, header and grid, and the attributes made from the whole cloud. Each file is complete or
-  /// absent. Needs Order::input. Missing folders are made.
+  /// A point file for each input of the cloud, in the order of the inputs, instead of the members above. Each file has
+  /// the rows, attributes, types, header and grid of its input, and the attributes made from the whole cloud. Each file
+  /// is complete or absent. Needs Order::input. Missing folders are made.
   std::vector<std::filesystem::path> tiles = {};
 };
 
-/// Runs `chain` over `cloud`: all outputs are complete, or there are none and an exception; tiles that were complete
-/// before the exception remain. The bytes of the outputs depend on the points, the chain and the options above
-/// `resources` alone. Throws UsageError for a chain that does not fit and for an output that is an input or another
-/// output, by whatever path; Error for files, memory and disk, and for a budget that is too small, before the work
-/// starts; Cancelled.
+/// Runs `chain` over `cloud`. Either all outputs are complete, or an exception is thrown and no output is left, except
+/// tiles that were complete before. The bytes of the outputs depend only on the points, the chain and the options
+/// before RunOptions::resources. Throws UsageError for a chain that does not fit the cloud and for an output that is an
+/// input or another output, by whatever path; Error for failures of files, memory and disk, and, before the work, for a
+/// budget that is too small; Cancelled after Observer::cancel().
 POINTSWEEP_EXPORT Statistics run(Cloud& cloud, const Chain& chain, const Outputs& outputs,
                                  const RunOptions& options = {});
 
-/// Writes the cloud in canonical order along the axis: the attributes that `keep` names (as Chain::keep), unchanged, or
-/// all of them if it is empty. Throws as run() does.
+/// Writes the cloud in canonical order along the axis of `options`, with the attributes that `keep` names (like
+/// Chain::keep), or all attributes if it is empty, unchanged. Throws the errors of run().
 POINTSWEEP_EXPORT Statistics sort(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options = {},
                                   const std::vector<std::string>& keep = {});
 

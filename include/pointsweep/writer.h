@@ -24,24 +24,26 @@ namespace pointsweep {
 struct KnownValues;
 class Scratch;
 
-/// A place that the user states, or that a writer chooses near the middle of the points.
+/// A position that the user states, or that a writer chooses near the middle of the points.
 struct Anchor {
-  std::optional<Vec3> at = {};  ///< absent: it is chosen
+  std::optional<Vec3> at = {};  ///< stated position; absent if the writer chooses one
   friend bool operator==(const Anchor&, const Anchor&) = default;
 };
 
 /// Options of a user for the way in which a file stores points. The writer chooses absent options. Only some formats
 /// support each option; for other formats a run throws UsageError.
 struct FileLayout {
-  /// LAS: length of a step of the integer coordinates on each axis, above 0. Coordinates are rounded to the nearest
-  /// step. Absent: the scale of the inputs, or the finest that reaches all points.
+  /// For LAS: length of a step of the integer coordinates on each axis, above 0. Coordinates are rounded to the nearest
+  /// step. If absent, the scale of the inputs, or the finest scale with which integers reach all points.
   std::optional<Vec3> scale = {};
-  /// LAS: the coordinates that integers 0 stand for. A chosen offset is the multiple of 1,000 steps nearest to the
-  /// middle. Absent: the offset of the inputs if it reaches all points, else another one, a whole number of steps away.
+  /// For LAS: the coordinates for which the integers 0 stand. A chosen offset is the multiple of 1,000 steps nearest to
+  /// the middle. If absent, the offset of the inputs if it reaches all points, else an offset a whole number of steps
+  /// away from it.
   std::optional<Anchor> offset = {};
-  std::optional<int> point_format = {};  ///< LAS: 0 to 10. Attributes without a field there become extra bytes
-  std::optional<int> las_version = {};   ///< LAS: 0 to 4 for LAS 1.0 to 1.4
-  std::optional<int> decimals = {};      ///< text: digits of x, y and z after the decimal point, 0 to 15
+  /// For LAS: point format, 0 to 10. Attributes for which the format has no field become extra bytes.
+  std::optional<int> point_format = {};
+  std::optional<int> las_version = {};  ///< for LAS: minor version, 0 to 4 for LAS 1.0 to 1.4
+  std::optional<int> decimals = {};     ///< for text: number of digits of x, y and z after the decimal point, 0 to 15
   friend bool operator==(const FileLayout&, const FileLayout&) = default;
 };
 
@@ -49,48 +51,52 @@ struct FileLayout {
 /// fields that operators made ("nx", "ny", "nz", ...). The writer maps them to names and types of its format.
 struct OutputPlan {
   std::filesystem::path path;
-  Schema schema;                               ///< lists the fields in the order of columns
+  Schema schema;                               ///< layout of the records, with fields in the order of columns
   std::uint64_t count = 0;                     ///< exact number of records to be written
-  std::shared_ptr<const FormatExtras> extras;  ///< extras of the (first) input; null if there are none
+  std::shared_ptr<const FormatExtras> extras;  ///< extras of the first input; null if it has none
   bool overwrite = false;                      ///< if false, an existing file is an error
-  /// Box of the finite coordinates. Formats that store integers (LAS) need it where the input is not of that format,
-  /// for their scale has to be known before the first record.
+  /// Box of the finite coordinates. Formats that store integers (LAS) need it if the input has another format, since
+  /// their scale must be known before the first record.
   std::optional<Box> bounds = std::nullopt;
   /// Coordinate reference system of the points. Not needed if `extras` have it for a writer of the same format.
   std::optional<Crs> crs = std::nullopt;
-  /// `crs`, or no system if it is absent, replaces the system in `extras`.
+  /// True if `crs`, or no system if `crs` is absent, replaces the system in `extras`.
   bool replaces_crs = false;
   /// The meaning of coordinates and times in an input that is or was LAS.
   std::shared_ptr<const LasOrigin> las = nullptr;
-  /// Known ranges of the values of the input's fields, which come first in `schema`; null: only types are known.
+  /// Known ranges of the values of the input's fields, which come first in `schema`; null if only types are known.
   std::shared_ptr<const KnownValues> values = nullptr;
-  /// The extras of the inputs after the first; one of several alike (FormatExtras::is_like) may represent all.
+  /// The extras of the inputs after the first. One of several extras that are alike (FormatExtras::is_like) may stand
+  /// for all of them.
   std::vector<std::shared_ptr<const FormatExtras>> other_extras = {};
   /// The attributes in `schema` that operators made. Formats that describe attributes use their meaning.
   std::vector<Attribute> made = {};
-  /// Lines about how the file was made, which the file stores; those of `extras` come first. Formats without a place
-  /// for them ignore them.
+  /// Lines about the making of the file, which it stores after the lines of `extras`. Formats that cannot store such
+  /// lines ignore them.
   std::vector<std::string> provenance = {};
   FileLayout layout = {};
-  /// Memory for encoding several pieces at once; 0: enough for a few.
+  /// Memory in bytes for encoding several pieces at once; 0 for enough memory for a few pieces.
   std::uint64_t encoder_bytes = 0;
-  /// Makes files for a writer that stores all points until it knows their order. Null: they stay in memory.
+  /// Function that makes temporary files for a writer that stores all points until it knows their order; empty to keep
+  /// them in memory.
   std::function<std::unique_ptr<Scratch>()> scratch = {};
-  /// Folder in which an output to a URL is stored until it is complete; empty: the system's folder for temporary files.
+  /// Folder in which an output to a URL is stored until it is complete; empty for the system's folder for temporary
+  /// files.
   std::filesystem::path temp_folder = {};
 };
 
 /// Takes the records of an output. The library's writers write a hidden file beside its destination, which finish()
-/// renames. Destruction without finish() removes it, so that no half-written output is ever visible. A writer of your
-/// own should do the same.
+/// renames. Destruction without finish() removes this file, so that no half-written output is ever visible. A writer of
+/// your own should do likewise.
 class POINTSWEEP_EXPORT Writer {
  public:
   virtual ~Writer() = default;
 
-  /// Appends whole records. Large calls run at disk speed. Throws Error (no space left, ...).
+  /// Appends whole records. Large calls run at disk speed. Throws Error if the records cannot be written, e.g. because
+  /// no space is left.
   virtual void write(std::span<const std::byte> records) = 0;
 
-  /// Returns true for formats whose records have a fixed size in the file, so that write_at() works.
+  /// Returns whether write_at() works, as in formats whose records have a fixed size in the file.
   virtual bool can_write_at() const { return false; }
   /// Writes whole records at `row`; every row must be written at least once, in any order. A caller uses either write()
   /// or write_at(). Not thread-safe.
@@ -110,15 +116,15 @@ class POINTSWEEP_EXPORT Writer {
   std::vector<std::string> warnings_;
 };
 
-/// Chooses the format by the extension of the path. Throws Error before anything is written: unknown extension, output
-/// exists, folder missing or read-only.
+/// Makes a writer for the format that the extension of the path means. Throws Error, before anything is written, for an
+/// unknown extension, an output that exists, and a folder that is missing or read-only.
 POINTSWEEP_EXPORT std::unique_ptr<Writer> create_writer(const OutputPlan& plan);
 
 /// Returns the extensions that create_writer() knows, e.g. ".ply".
 POINTSWEEP_EXPORT std::vector<std::string_view> writable_extensions();
 
-/// Collects the fields `names` of the plan into `values`, N×names.size(), those of one point side by side.
-/// T is float, double, std::uint32_t or std::uint64_t. The path of the plan is not used.
+/// Collects the fields `names` of the plan into `values`, N×names.size() values, those of a point side by side. T is
+/// float, double, std::uint32_t or std::uint64_t. The path of the plan is not used.
 template <class T>
 class POINTSWEEP_EXPORT ArrayWriter final : public Writer {
  public:
@@ -131,7 +137,7 @@ class POINTSWEEP_EXPORT ArrayWriter final : public Writer {
   void finish() override;
 
  private:
-  std::vector<Field> fields_;  ///< fields of one component each, for the columns of values
+  std::vector<Field> fields_;  ///< for each column of values, a field with one component
   std::size_t stride_;
   std::span<T> values_;
   std::uint64_t count_;
