@@ -14,7 +14,7 @@ namespace pointsweep {
 /// The kind of completions that a shell can offer for a value.
 enum class Offer : std::uint8_t {
   nothing,  ///< no proposals: numbers and names that only the user knows
-  words,    ///< DeclaredOption::words
+  words,    ///< the words in DeclaredOption::words
   files,
   folders,
   pipeline,  ///< names of operators, or a file

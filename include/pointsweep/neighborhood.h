@@ -58,7 +58,8 @@ struct Neighborhood {
 };
 
 /// The memory layout of a batch begins here; class Neighborhoods hides it from operators.
-/// Largest number of points in a cell. A neighbour is referred to by the slot of its cell and its index in the cell.
+/// Bits of the index of a point in its cell. A NeighborRef consists of the slot of a cell and the index of a point in
+/// it.
 inline constexpr std::uint32_t kIndexBits = 11;
 inline constexpr std::uint32_t kCellCapacity = 1u << kIndexBits;
 using NeighborRef = std::uint32_t;  ///< slot << kIndexBits | index; valid as long as the batch

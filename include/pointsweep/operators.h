@@ -21,7 +21,7 @@ namespace pointsweep {
 /// The choice between the two directions of a normal. If a rule cannot decide (a dot product of 0), `none` is used.
 enum class Orient {
   none,       ///< the component of largest magnitude (the first of equal ones) is positive
-  up,         ///< nz >= 0
+  up,         ///< the normal points up: nz >= 0
   viewpoint,  ///< the normal points towards NormalsOptions::viewpoint, which is required
   input,      ///< the normal agrees with the normal in the file
 };

@@ -56,7 +56,7 @@ struct FileInfo {
   std::optional<double> root_spacing;  ///< spacing of the points of depth 0, if chunks are nodes of levels of detail
   std::optional<HeaderClaims> claims;  ///< set if the header states more about the points than their number
   bool z_is_up = false;                ///< true if z is the height in this format
-  std::vector<std::string> warnings;   ///< harmless faults, one sentence each
+  std::vector<std::string> warnings;   ///< sentences about harmless faults of the file
   std::shared_ptr<const FormatExtras> extras;
   std::optional<Crs> crs;                ///< the coordinate reference system, if the file states one
   std::shared_ptr<const LasOrigin> las;  ///< set if the file is LAS, or was made from LAS; for LAS writers
@@ -155,7 +155,7 @@ class POINTSWEEP_EXPORT ArrayReader final : public Reader {
  private:
   struct Column {
     const std::byte* values;
-    std::size_t bytes;  ///< bytes per point
+    std::size_t bytes;  ///< bytes of the values of one point
   };
   void add_column(const std::vector<std::string>& names, Type type, std::span<const std::byte> values);
 

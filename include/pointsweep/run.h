@@ -92,8 +92,8 @@ struct Resources {
 };
 
 /// The division of the points of an output among several point files: by square tiles in x and y, or by the values of
-/// an attribute. Each point is in exactly one file, and points keep their order. All files have the same layout, grid
-/// and header, except for counts and bounds. Files without points are not written.
+/// an attribute. Each point belongs to exactly one file (buffers of tiles repeat points), and points keep their order.
+/// All files have the same layout, grid and header, except for counts and bounds. Files without points are not written.
 struct OutputDivision {
   /// Length of the edge of a tile, above 0; absent to make no tiles. Tile (i, j) holds the points with l(i) <= x <
   /// l(i + 1), where l(i) = tile_origin[0] + i * tile in float64 and x is the coordinate that a reader of the output

@@ -32,9 +32,9 @@ struct AlongAxis {
 /// An edge of a forest. `weight` and `flips` depend on the two points alone, so that an edge that is added twice counts
 /// once.
 struct ForestEdge {
-  double weight = 0;   ///< not NaN
-  PointKey a, b;       ///< a < b
-  bool flips = false;  ///< the signs of a and b differ
+  double weight = 0;   ///< weight of the edge, which is not NaN
+  PointKey a, b;       ///< ends of the edge, with a < b
+  bool flips = false;  ///< true if the edge asks for different signs of a and b
 };
 
 /// Compares edges by weight, then by their points: a total order.

@@ -40,7 +40,7 @@ struct OpenForest {
   };
   std::vector<FinishedComponent> supernodes;  ///< first point and number of points of each supernode, so far
   std::vector<std::byte> votes;               ///< votes of the supernodes, one after another
-  std::vector<Point> points;                  ///< open points
+  std::vector<Point> points;                  ///< open points and the supernodes that hold them
   std::vector<Candidate> candidates;          ///< candidates, ascending by edge
 };
 

@@ -18,7 +18,7 @@ struct TileBorder {
     std::uint64_t row;
     std::uint64_t last;  ///< greatest number among the tile of the point and the tiles to which its edges lead
   };
-  std::vector<Point> points;      ///< ascending by row
+  std::vector<Point> points;      ///< points at which edges between tiles end, ascending by row
   std::vector<ForestEdge> edges;  ///< edges between this tile and earlier tiles
 
   void encode(Encoder& out) const;

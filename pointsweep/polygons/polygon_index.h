@@ -37,7 +37,7 @@ class PolygonIndex {
 
  private:
   struct Edge {
-    Point2 low, high;  ///< low.y <= high.y
+    Point2 low, high;  ///< ends of the edge, with low.y <= high.y
     std::uint32_t polygon = 0;
   };
   std::size_t strip_of(double y) const;

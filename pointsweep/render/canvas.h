@@ -21,7 +21,7 @@ struct Picture {
 /// An ellipse in space as the camera sees it: x to the right, y down, z towards the viewer, in pixels.
 struct ProjectedEllipse {
   Vec3 center;
-  Vec3 u, v;  ///< semi-axes
+  Vec3 u, v;  ///< semi-axes of the ellipse
   /// Distance by which the rim is farther from the viewer than the center, so that overlapping discs meet half-way.
   double bulge = 0;
 };

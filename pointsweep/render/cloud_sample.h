@@ -20,7 +20,7 @@ struct RowStretch {
 };
 
 struct RowStretches {
-  std::vector<RowStretch> stretches;  ///< ascending
+  std::vector<RowStretch> stretches;  ///< stretches of rows, ascending and without overlap
   std::uint64_t count = 0;            ///< number of rows in all stretches
 };
 

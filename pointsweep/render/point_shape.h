@@ -41,7 +41,7 @@ class SpacingTree {
 
 /// An ellipse in space.
 struct SurfaceElement {
-  Vec3 u, v;    ///< semi-axes
+  Vec3 u, v;    ///< semi-axes of the ellipse
   Vec3 normal;  ///< unit vector, or 0 if the normal is unknown
 };
 

@@ -14,8 +14,8 @@ namespace pointsweep {
 
 /// The direction that points up: an axis, or its opposite.
 struct Up {
-  int axis = 2;  ///< 0, 1, 2 for x, y, z
-  int sign = 1;  ///< 1 or -1
+  int axis = 2;  ///< number of the axis: 0, 1 or 2 for x, y or z
+  int sign = 1;  ///< 1 for the axis, -1 for its opposite
   /// Returns the coordinate of `p` along this direction.
   double height(Vec3 p) const { return sign * p[axis]; }
   friend bool operator==(const Up&, const Up&) = default;

@@ -48,7 +48,7 @@ std::string line_plot(const PlotText& text, const std::vector<Series>& series);
 
 struct Bar {
   std::string name;
-  double value;       ///< not negative
+  double value;       ///< length of the bar, not negative
   std::string label;  ///< text after the bar
 };
 /// Returns a plot of horizontal bars, one below another.

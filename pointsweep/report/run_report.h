@@ -35,7 +35,7 @@ std::vector<ValueSummary> value_summaries(const Schema& schema, std::span<const 
 
 struct RunSummary {
   std::string title;           ///< e.g. "normals of scan.ply"
-  std::string inputs, output;  ///< names of files
+  std::string inputs, output;  ///< names of the input files and of the output file
   std::string crs;             ///< coordinate reference system in words; empty if the cloud states none
   std::string unit;            ///< unit of the cloud's lengths; empty if unknown
   std::string command;         ///< the command line, as a shell takes it

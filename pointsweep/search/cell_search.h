@@ -35,7 +35,7 @@ struct CellNeighbors {
 struct GatheredPoints {
   std::vector<double> x, y, z;
   std::vector<NeighborRef> ref;
-  std::vector<std::uint32_t> end;  ///< for each leaf: end of its points
+  std::vector<std::uint32_t> end;  ///< for each gathered leaf, the number of gathered points up to its end
   std::vector<std::uint64_t> key;
   std::vector<std::uint32_t> bin_key, spare_key;  ///< keys and scratch of BinSort
   std::vector<Candidate> run;

@@ -71,7 +71,7 @@ class Terrain final : public Shape {
 
  private:
   struct Wave {
-    Vec2 frequency;  ///< turns per metre
+    Vec2 frequency;  ///< periods per metre along x and y
     double phase, amplitude;
   };
 

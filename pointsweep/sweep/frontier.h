@@ -75,7 +75,7 @@ class Frontier {
   BoxTree beyond_;  ///< the boxes of the slabs that only the recall reads
   std::size_t read_ = 0;
   std::vector<std::uint32_t> dropping_slabs_;      ///< numbers of the slabs with dropped cells
-  std::vector<std::vector<DroppedCell>> dropped_;  ///< for each slab
+  std::vector<std::vector<DroppedCell>> dropped_;  ///< dropped cells of each slab
   std::map<std::array<double, 3>, std::uint64_t> saturated_locations_;
 };
 

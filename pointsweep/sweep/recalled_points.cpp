@@ -129,7 +129,8 @@ bool RecalledPoints::collect(WantedPoints wanted) {
 
 /// Finds the deferred points in their cells.
 void RecalledPoints::place(std::span<const DeferredPoint> points, std::span<const Ball> balls) {
-  std::map<std::uint32_t, std::map<std::uint32_t, std::size_t>> by_place;  // by slab and place in the slab
+  // Numbers of `points` by slab and index in the slab.
+  std::map<std::uint32_t, std::map<std::uint32_t, std::size_t>> by_place;
   for (std::size_t n = 0; n < points.size(); ++n) by_place[points[n].slab][points[n].index_in_slab] = n;
   std::size_t placed = 0;
   for (std::uint32_t slot = 0; slot < region_.slot_count(); ++slot) {

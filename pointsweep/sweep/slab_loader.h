@@ -19,8 +19,8 @@ namespace pointsweep {
 struct LoadScratch;
 
 struct LoadedSlab {
-  std::vector<std::unique_ptr<WindowCell>> cells;  ///< ascending by number
-  std::vector<std::byte> records;                  ///< empty unless requested
+  std::vector<std::unique_ptr<WindowCell>> cells;  ///< cells of the slab, ascending by number
+  std::vector<std::byte> records;  ///< records of the slab, if the caller has asked for them; else empty
 };
 
 /// Reads slabs and cuts them into cells. A slab gives equal cells every time, so that a resumed run finds the cells of

@@ -60,7 +60,7 @@ struct StageTally {
 
 /// A batch as the stages see it. `own_columns` are the columns of the batch itself, which a stage both reads and fills.
 struct Batch {
-  PointColumns own;  ///< own.columns = own_columns.data()
+  PointColumns own;  ///< points of the batch and their columns
   std::size_t size = 0;
   const PointColumns* slots = nullptr;
   const std::uint32_t* begin = nullptr;

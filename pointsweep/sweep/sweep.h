@@ -23,10 +23,10 @@ namespace pointsweep {
 /// The state of a point during a sweep.
 enum class PointState : std::uint8_t {
   unread,
-  waiting,   ///< in the window, waiting for unread slabs near it
-  searched,  ///< its neighbourhood is known; waits for values of its neighbours
-  kept,      ///< finished (or deferred), but other points still need it
-  gone,      ///< has left the window
+  waiting,   ///< the point is in the window and waits for unread slabs near it
+  searched,  ///< the neighbourhood of the point is known; it waits for values of its neighbours
+  kept,      ///< the point is finished or deferred, but other points still need it
+  gone,      ///< the point has left the window
 };
 
 /// A cell of the window in a stored progress. Its slab and its number identify it, since a slab is always cut into
@@ -59,7 +59,8 @@ struct SweepProgress {
   std::vector<DeferredPoint> deferred;  ///< points of finished cells that are not yet recalled
   /// Counts over finished cells and recalled points, with the meaning that they have in SweepStatistics.
   std::uint64_t certified = 0, recalled = 0, recalled_slabs = 0, peak_points = 0;
-  std::vector<DegenerateRows> degenerate;  ///< for each stage; may have fewer entries than the chain has stages
+  /// For each stage, rows whose data define no result. Entries for the last stages may be missing.
+  std::vector<DegenerateRows> degenerate;
 
   void encode(Encoder& out) const;
   static SweepProgress decode(Decoder& in);
@@ -85,7 +86,7 @@ struct SweepOptions {
   /// Memory for the lists that each thread uses at a time. Cells with larger lists are processed in runs of points, at
   /// least one point each.
   std::uint64_t lists_bytes = 16u << 20;
-  bool count_distances = false;  ///< fill SweepStatistics::distances
+  bool count_distances = false;  ///< true to fill SweepStatistics::distances
   /// If not null, receives the PointState of every input row when half of the points have been read. Its size must be
   /// the number of rows of the input.
   std::vector<PointState>* half_way = nullptr;
@@ -96,7 +97,8 @@ struct SweepOptions {
   /// Stream, plan and `cell_points` must be equal to those of that sweep, and the sink must contain the results
   /// delivered by then. Not together with half_way.
   const SweepProgress* resume_from = nullptr;
-  /// Called by the sweep's thread after each turn with the points read and finished so far; may throw to end the run.
+  /// Called by the thread of the sweep after each turn with the number of points read so far and the number of points
+  /// in the window; may throw to end the run.
   std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
 };
 
@@ -106,16 +108,17 @@ struct SweepStatistics {
   std::uint64_t recalled = 0;  ///< certified points that were finished in the recall
   std::uint64_t recalled_slabs = 0;
   std::uint64_t recalled_bytes = 0;        ///< bytes of the slabs that the recall of this process has read
-  std::vector<DegenerateRows> degenerate;  ///< for each stage
+  std::vector<DegenerateRows> degenerate;  ///< for each stage, rows whose data define no result
   double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads (recall: wall)
   std::vector<double> stage_seconds;                                ///< for each stage, summed over threads
   std::uint64_t peak_points = 0;
   double mean_points = 0;
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active; one entry per turn
+  /// For each turn, the number of points read so far and the number of points in the window.
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;
   /// A series for each step, named after its operators: points read, and points in the window that have not taken this
   /// step. The last series counts the points of finished cells that stay in the window for other cells.
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
-  double lifespan_mean = 0, lifespan_max = 0;  ///< seconds
+  double lifespan_mean = 0, lifespan_max = 0;  ///< seconds that points have stayed in the window
   NeighborDistances distances;                 ///< one count for each finite point, if requested
 };
 

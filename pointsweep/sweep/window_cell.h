@@ -43,13 +43,13 @@ struct WindowCell {
   double reach = 0;                      ///< reach of most neighbourhoods of the cell, known after the search
   std::vector<CellNeighbors> lists;      ///< lists of runs of points, if a later step needs them and memory allows
   std::vector<std::uint32_t> refers_to;  ///< slots of the cells that the lists name
-  /// Points that the sweep could not finish, which the recall will; empty if there are none. A cell marks its own
-  /// points in `deferred` while cells are processed in parallel; other cells read `deferred_before`, the state before
-  /// the step.
+  /// For each point, 1 if the sweep could not finish it, so that the recall will; empty if it is 0 for all. A cell
+  /// marks its own points in `deferred` while cells are processed in parallel; other cells read `deferred_before`, the
+  /// state before the step.
   std::vector<std::uint8_t> deferred, deferred_before;
   /// Counts and points that the cell adds to the counts and the deferred points of the run when it is finished.
   std::uint64_t certified = 0;
-  std::vector<DegeneratePoints> degenerate;  ///< marked points of each stage; empty if there are none
+  std::vector<DegeneratePoints> degenerate;  ///< marked points of each stage; empty if no point is marked
   std::vector<DeferredPoint> left_to_recall;
   /// True if the cell was finished before the run was resumed, or belongs to a halo: its results are not delivered.
   bool is_only_looked_at = false;

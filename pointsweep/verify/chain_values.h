@@ -29,7 +29,7 @@ struct ChainResults {
 
 class ChainValues {
  public:
-  /// `keep`: names of the made attributes to evaluate; empty: all. `rule`: shortens the lists of neighbours. Throws
+  /// `keep`: names of the made attributes to evaluate; empty for all. `rule`: shortens the lists of neighbours. Throws
   /// UsageError if an operator reads an attribute that neither the input nor an earlier stage has, or the rule one that
   /// the input does not have. A select makes the attribute selection_name(), which is always evaluated.
   ChainValues(std::vector<StageOperator> operators, const std::vector<std::string>& keep, const Schema& input,

@@ -72,7 +72,7 @@ MadeBy made_by(const ChainPlan& plan) {
               .rule = first.rule,
               .keep = plan.chain.keep};
   bool is_told = true, others = false;
-  std::set<std::size_t> unknown;  // versions of attributes
+  std::set<std::size_t> unknown;  // versions of attributes that cannot be evaluated
   for (std::size_t n = 1; n < plan.graph.nodes.size(); ++n) {
     const GraphNode& node = plan.graph.nodes[n];
     is_told &= node.neighborhood() == nullptr;

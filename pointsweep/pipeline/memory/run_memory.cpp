@@ -323,7 +323,8 @@ std::uint64_t once_decoder_bytes(const InputCloud& cloud, unsigned threads) {
 }
 
 unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget) {
-  constexpr std::uint64_t kThreadBytes = 512 << 10;  // its stack, which is not freed, and a block of rows
+  // Bytes of a thread: its stack, which is not freed, and a block of rows.
+  constexpr std::uint64_t kThreadBytes = 512 << 10;
   std::uint64_t decoder = 0;
   for (const auto& reader : cloud.readers())
     if (reader->has_decoders() && !reader->info().decode_once)

@@ -39,7 +39,7 @@ class RunPlaces {
  private:
   std::filesystem::path temp_folder_;
   std::optional<Checkpoints> checkpoints_;
-  std::mutex making_;  ///< guards folder_
+  std::mutex making_;  ///< mutex that guards `folder_`
   std::optional<TempFolder> folder_;
 };
 
@@ -62,7 +62,7 @@ struct PartOfRun {
 };
 
 struct Context {
-  InputCloud& cloud;  ///< the selected rows are those that passes have not dropped so far
+  InputCloud& cloud;  ///< input, in which the rows that no pass has dropped so far are selected
   const Outputs& outputs;
   const EngineOptions& options;
   const ChainPlan& plan;

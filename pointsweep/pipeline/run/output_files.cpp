@@ -24,7 +24,7 @@ namespace {
 /// The facts that determine the result of a run, for its processing record.
 struct RunRecord {
   std::vector<std::string> stages;  ///< canonical_stages() with presets left out, {"sort"} or {"convert"}
-  std::vector<std::string> keep;    ///< recorded_keep()
+  std::vector<std::string> keep;    ///< result of recorded_keep()
   const EngineOptions& options;
   int axis = 0;  ///< axis of the sweep
   bool drops_nonfinite = false;

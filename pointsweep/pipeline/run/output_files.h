@@ -25,8 +25,8 @@ std::vector<std::string> recorded_stages(const ChainPlan& plan);
 
 /// The output of a run that only copies rows (copies_rows()), and memory for dividing it.
 struct CopyPlan {
-  OutputPlan output;             ///< of one file with all rows
-  std::uint64_t division_bytes;  ///< DivisionRoom::bytes
+  OutputPlan output;             ///< plan of one file with all rows
+  std::uint64_t division_bytes;  ///< memory for dividing the output (DivisionRoom::bytes)
 };
 CopyPlan plan_copy(const Context& context, const WorkPlan& work);
 
@@ -46,13 +46,13 @@ class OutputFiles {
 
   /// Writes the next rows of the cloud with their results.
   void write_results(InputCloud& cloud, std::uint64_t first, std::span<const std::byte> results);
-  /// Writes the next rows of the cloud without results. For tiles only.
+  /// Writes the next rows of the cloud without results. Must be called for tiles only.
   void write_tiled_inputs(std::uint64_t first, std::uint64_t rows) { tiles_->write_inputs(first, rows); }
-  /// Writes the next records of the input without results. For one set only.
+  /// Writes the next records of the input without results. Must not be called for tiles.
   void write_inputs(std::uint64_t first, std::span<const std::byte> records) { files_->write_inputs(first, records); }
-  /// Writes the next records of the input as one piece (OutputSet::write_piece). For one set only.
+  /// Writes the next records of the input as one piece (OutputSet::write_piece). Must not be called for tiles.
   void write_piece(std::uint64_t first, std::vector<std::byte>& records) { files_->write_piece(first, records); }
-  /// Writes the next whole output records. For one set only.
+  /// Writes the next whole output records. Must not be called for tiles.
   void write_records(std::span<const std::byte> records) { files_->write_records(records); }
 
   /// Completes the outputs and renames them to their destinations.

@@ -70,7 +70,7 @@ struct Ordered {
 
 /// Values that earlier passes leave to a pass, besides the selection of the cloud.
 struct Rows {
-  std::unique_ptr<RowFile> carried;  ///< null before the first pass
+  std::unique_ptr<RowFile> carried;  ///< records carried from the last pass; null before the first pass
   CloudValues values;                ///< known values of the whole cloud
   /// In a part: PassValues::save() of the last pass, instead of its values.
   std::vector<std::vector<std::byte>> saved_values = {};

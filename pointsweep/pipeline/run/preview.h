@@ -19,10 +19,10 @@ namespace pointsweep {
 struct Preview {
   ChainPlan planned;
   OutputNames names;
-  std::string system_warning;  ///< kept_system_warning()
+  std::string system_warning;  ///< result of kept_system_warning(): a sentence, or empty
   std::uint64_t points = 0;
   std::vector<std::string> others;  ///< for each pass, the name of the other cloud that it reads, or an empty text
-  std::vector<std::string> notes;   ///< about the request, one sentence each
+  std::vector<std::string> notes;   ///< sentences about the request
   std::size_t tiles = 0;            ///< number of tiles, one for each input; 0 if one output holds all points
   bool is_divided = false;          ///< true if RunOptions::division divides the output among files
   std::optional<int> axis;          ///< axis that the user has stated, if any
@@ -43,7 +43,7 @@ std::string to_text(const Preview& preview);
 /// A description of a sort(), made without running it.
 struct SortPreview {
   std::uint64_t points = 0;
-  std::uint64_t budget = 0;  ///< bytes
+  std::uint64_t budget = 0;  ///< memory budget in bytes
   int axis = 0;
   std::uint32_t record_bytes = 0, output_bytes = 0;  ///< per point: in the input, in the output before encoding
   std::uint64_t decoded_bytes = 0;                   ///< result of decoded_input_bytes()

@@ -156,7 +156,8 @@ OutputNames check_request(const Request& request, const RunReport& report) {
 
 std::uint64_t bytes_aside(const Request& request, const OutputNames& names) {
   const auto& [cloud, outputs, options, plan] = request;
-  if (!outputs.tiles.empty() || options.division.divides()) return 0;  // files are written one after another
+  // Files that are written one after another need no such memory at once.
+  if (!outputs.tiles.empty() || options.division.divides()) return 0;
   const OutputLayout layout(cloud.schema(), names.made, names.kept,
                             type_of_positions(names.made, outputs.points, options));
   return aside_bytes(outputs, cloud.count(), layout.schema().stride, memory_budget(options.resources.memory_bytes),

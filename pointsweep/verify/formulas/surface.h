@@ -9,7 +9,7 @@ namespace pointsweep::formulas {
 /// Curvatures of a point, all in float32.
 struct Curvatures {
   Estimate k1, k2;              ///< k1 >= k2 >= 0
-  Estimate k1_direction;        ///< unit tangent; the component of largest magnitude positive
+  Estimate k1_direction;        ///< unit tangent vector, whose component of largest magnitude is positive
   Estimate mean;                ///< (k1 + k2) / 2
   Estimate gaussian;            ///< k1 k2
   Estimate rms;                 ///< √((k1² + k2²) / 2)

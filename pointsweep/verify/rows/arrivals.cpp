@@ -130,7 +130,7 @@ class Comparison {
   std::vector<FieldPair> pairs_;
   std::vector<Field> absent_;  ///< fields of the input that the output lacks; all values must be 0
   Arrivals result_;
-  std::vector<MultisetSum> sums_in_, sums_out_;  ///< for each pair of fields
+  std::vector<MultisetSum> sums_in_, sums_out_;  ///< sums over the values of each pair of fields
   MultisetSum points_in_, points_out_;
   std::vector<std::uint64_t> words_in_, words_out_;  ///< hashes of the current row, for each pair
   std::vector<double> x_, y_, z_;
