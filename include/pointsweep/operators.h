@@ -179,7 +179,7 @@ struct M3c2Options {
   double registration = 0;  ///< error of the registration of the two clouds, length; >= 0
 };
 
-/// The value that the k points of another cloud give.
+/// The choice of the value that the k nearest points of another cloud give to a point.
 enum class TakeVote {
   majority,  ///< the most frequent value; of equally frequent values that of the nearest point
   mean,      ///< the mean of the values

@@ -54,7 +54,7 @@ struct WorkPlan {
   RunMemory memory;
 };
 
-/// Points that are not in order yet.
+/// The survey of points that an order phase has still to put in order.
 struct Surveyed {
   Survey survey;
   std::vector<RowBox> boxes;  ///< boxes for slabs on demand, for the first pass that puts points in order

@@ -19,7 +19,7 @@ class NamedOptions {
 
   bool has(std::string_view name) const { return find(name) != nullptr; }
   /// Each of the next four functions returns the value of an option. It throws UsageError if the option is absent or of
-  /// another kind: the owner then has the name of an operator of the library, but is another one.
+  /// another kind, which shows that the owner only shares its name with an operator of the library.
   double number(std::string_view name) const;
   std::uint64_t whole(std::string_view name) const;
   const std::string& word(std::string_view name) const;
