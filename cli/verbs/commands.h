@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The verbs of the tool. A new verb is a function in a file of its own, with a line here and a line in commands.cpp.
+/// Declares a function for each verb of the tool. To add a verb, define its function in a new source file, declare it
+/// here, and call it in add_commands().
 #pragma once
 
 #include <CLI/App.hpp>

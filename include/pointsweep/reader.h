@@ -51,7 +51,7 @@ struct FileInfo {
   std::uint64_t left_out = 0;          ///< number of points of the file that `count` excludes and read() skips
   std::uint64_t bytes = 0;             ///< size of the file in bytes
   bool decode_once = false;            ///< true if decoding takes much longer than writing and reading the records
-  std::uint64_t decoder_bytes = 0;     ///< memory in bytes of each decoding thread, besides the records
+  std::uint64_t decoder_bytes = 0;     ///< memory that one decoding thread takes, in bytes, without the records
   std::optional<Box> bounds;           ///< bounds in the header; they may be wrong
   std::optional<double> root_spacing;  ///< spacing of the points of depth 0, if chunks are nodes of levels of detail
   std::optional<HeaderClaims> claims;  ///< set if the header states more about the points than their number

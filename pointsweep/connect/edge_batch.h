@@ -60,7 +60,7 @@ class EdgeSink {
   /// Returns whether weights and signs of edges matter.
   virtual bool weighted() const = 0;
   /// Takes the edges of a batch, and its first `own` points with their ballots (the values from which votes are made).
-  /// The same point may come in several batches. Thread-safe.
+  /// Several batches may contain the same point. Thread-safe.
   virtual void put(const EdgeBatch& batch, std::size_t own, std::span<const std::byte> ballots) = 0;
 };
 

@@ -18,8 +18,8 @@ inline constexpr std::uint64_t kNoLabel = ~std::uint64_t{0};
 inline constexpr Encoding kSegmentsEncoding{"joined components of a tile", 1};
 inline constexpr std::size_t kLabelsAtOnce = 4096;
 
-/// Keeps the votes of a tile's component as they are, so that components of several tiles can still be joined. A null
-/// rule makes no votes. Signs of points are ignored: a graph without weights turns none.
+/// A rule that sums votes and decides nothing, so that components of several tiles can be joined later. If its rule is
+/// null, there are no votes. It ignores the signs of points, since a graph without weights changes no signs.
 class OpenVotes final : public VoteRule {
  public:
   explicit OpenVotes(const VoteRule* rule) : rule_(rule) {}

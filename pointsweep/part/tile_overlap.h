@@ -15,8 +15,8 @@ struct TileExtent {
   std::uint64_t points = 0;
 };
 
-/// Returns the mean number of boxes in which a point lies, the box of its own tile included, if points are spread
-/// evenly over the box of their tile: 1 for tiles side by side. Cost: some nanoseconds for each pair of tiles.
+/// Returns the mean number of tile boxes that contain a point: 1 for tiles side by side. Assumes that the points of a
+/// tile are spread evenly over its box. Cost: some nanoseconds for each pair of tiles.
 double mean_tiles_of_a_point(std::span<const TileExtent> tiles);
 
 }  // namespace pointsweep

@@ -165,8 +165,8 @@ class CellSearch {
                                       : std::numeric_limits<double>::infinity();
   }
 
-  /// Collects the leaves that a query may need, nearest first, except leaves [begin, end) of its own cell, which have
-  /// been searched.
+  /// Collects the leaves that a query may need, nearest first. Skips leaves [begin, end) of the query's own cell, which
+  /// the caller has already searched.
   void find_leaves(std::uint32_t begin, std::uint32_t end) {
     const double reach2 = unscaled(farthest_reach2());
     if (reach2 > scratch_.near.reach2) scratch_.near.find(query_, 4 * reach2);

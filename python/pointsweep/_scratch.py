@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The scratch of a run of many processes: a folder, or a part of a bucket, that all processes can access. Besides the
-results of tasks, it holds the lease of the process that distributes the work, and the list of finished tasks."""
+"""The shared storage of a run of many processes, called scratch: a folder, or a prefix in a bucket, that all processes can
+access. It holds the results of tasks, the list of finished tasks, and the lease of the process that distributes the work."""
 
 from __future__ import annotations
 

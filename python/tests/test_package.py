@@ -36,8 +36,8 @@ MODULES = sorted(path.stem for path in Path(ps.__file__).parent.glob("*.py"))
 
 
 def test_each_module_is_imported_alone():
-    """The package's own __init__ is replaced by an empty module, so that no other module is there before this one. Each module has a
-    process of its own, forked from one that has imported NumPy alone."""
+    """Imports each module of the package in a new process, with an empty module in place of the package's __init__, so that no
+    other module has been imported. The processes are forks of one that has imported only NumPy."""
     code = f"""
 import importlib, os, sys, traceback, types
 import numpy

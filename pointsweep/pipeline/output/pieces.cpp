@@ -26,7 +26,7 @@ DividedFile get_file(Decoder& in) {
   file.key.second = in.get<std::int64_t>();
   file.own = in.get<std::uint64_t>();
   file.all = in.get<std::uint64_t>();
-  if (file.own > file.all) fail("a file has {} points, and {} of its own.", file.all, file.own);
+  if (file.own > file.all) fail("a piece counts {} points of a tile, but only {} in all.", file.own, file.all);
   return file;
 }
 

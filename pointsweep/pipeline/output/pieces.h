@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What processes that divide the points of a cloud among files leave for each other.
+/// Values that processes exchange through shared storage while they divide the points of a cloud among files.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,8 @@
 
 namespace pointsweep {
 
-/// What a range of the rows has of each file, in the order of its records.
+/// The pieces of one range of rows: for each file, the number of its points in the range, in the order of the stored
+/// records.
 struct PiecesOfRange {
   std::vector<DividedFile> pieces;
 

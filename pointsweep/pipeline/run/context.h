@@ -46,7 +46,7 @@ class RunPlaces {
 /// Passes warnings and notes to the observer and the statistics of a run.
 struct RunReport {
   Statistics& statistics;
-  Observer* observer;  ///< null if nobody observes the run
+  Observer* observer;  ///< receives progress and sentences; may be null
 
   /// Adds the sentence to Statistics::warnings, unless it is empty, and tells the observer of it as a warning.
   void warn(const std::string& sentence) const;

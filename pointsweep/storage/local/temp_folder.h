@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A folder of its own for the temporary data of one run.
+/// A temporary folder that only one run uses.
 #pragma once
 
 #include <filesystem>
