@@ -50,19 +50,20 @@ int descriptor_of(const std::string& text) {
 
 nlohmann::json request_of(const std::vector<std::string>& stages, const PipelineRun& run, const ResolvedFiles& files) {
   const CommonOptions& common = run.common;
-  nlohmann::json request = {{"client", common.cluster.dask},
-                            {"scratch", common.cluster.scratch.string()},
-                            {"take_over", common.cluster.take_over},
-                            {"output", files.output.string()},
-                            {"stages", stages},
-                            {"keep", common.keep},
-                            {"format", common.format},
-                            {"crs", stated_text(common)},
-                            {"replace_crs", common.replace_crs},
-                            {"ignore_crs", common.ignore_crs},
-                            {"quiet", common.quiet},
-                            {"stats", common.stats.string()},
-                            {"options", nlohmann::json::object()}};
+  nlohmann::json request = {
+      {"client", common.cluster.dask},
+      {"scratch", common.cluster.scratch.string()},
+      {"take_over", common.cluster.take_over},
+      {"output", files.tiles.empty() ? (files.output.parent_path() / "").string() : files.output.string()},
+      {"stages", stages},
+      {"keep", common.keep},
+      {"format", common.format},
+      {"crs", stated_text(common)},
+      {"replace_crs", common.replace_crs},
+      {"ignore_crs", common.ignore_crs},
+      {"quiet", common.quiet},
+      {"stats", common.stats.string()},
+      {"options", nlohmann::json::object()}};
   for (const auto& path : files.inputs) request["inputs"].push_back(path.string());
   for (const auto& path : files.tiles) request["outputs"].push_back(path.string());
   if (files.tiles.empty()) request["outputs"] = {files.output.string()};

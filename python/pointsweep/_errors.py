@@ -27,9 +27,18 @@ _OTHER_NAMES = {"temp-dir": "temp_folder", "force": "overwrite=True", "ignore-cr
 _SAME_NAMES = ("axis", "bins", "by", "columns", "depth", "format", "histogram", "keep", "memory", "nonfinite", "order", "positions", "prefix", "replace", "resolution", "resume", "split", "threads", "tile", "tile_origin", "tile_buffer")
 
 
+_of_tool = False
+
+
+def keep_names_of_tool() -> None:
+    """Leaves the options in sentences as the command-line tool names them, in a process that the tool has started."""
+    global _of_tool
+    _of_tool = True
+
+
 def with_names_of_python(sentence: str) -> str:
     """Converts a sentence of the library, which names options like the command-line tool, to the names of this package."""
-    if "--" not in sentence:
+    if "--" not in sentence or _of_tool:
         return sentence
     import re
 

@@ -13,7 +13,7 @@ import warnings
 from typing import Any
 
 from ._cluster import run_on_cluster
-from ._errors import Error, UsageError
+from ._errors import Error, UsageError, keep_names_of_tool
 from ._files import open as open_files
 from ._options import run_options
 from ._stage_list import stages_of
@@ -60,6 +60,7 @@ def _silence_distributed() -> None:
 def main(request: dict[str, Any]) -> int:
     """Performs the request of the tool. Returns its status."""
     told = _Told(request["quiet"])
+    keep_names_of_tool()
     _silence_distributed()
     warnings.showwarning = lambda message, *_, **__: told.say("warning", str(message))
     try:

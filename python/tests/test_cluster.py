@@ -372,6 +372,8 @@ def test_the_tool_starts_it(tiles: Path, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "note: wrote" in done.stderr and "9 files" in done.stderr
     assert_same(tmp_path / "one", tmp_path / "many")
+    again = subprocess.run([*command, "--scratch", tmp_path / "scratch"], capture_output=True, text=True, env=environment)
+    assert again.returncode == 1 and "--force" in again.stderr, "options have the names of the tool"
     missing = subprocess.run(
         [*command, "--scratch", tmp_path / "scratch"], capture_output=True, text=True, env={**environment, "POINTSWEEP_PYTHON": "/nowhere/python"}
     )

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/fail.h"
+#include "pointsweep/extended_errors.h"
 #include "pointsweep/storage/local/output_file.h"
 #include "pointsweep/threads.h"
 
@@ -33,26 +33,17 @@ DividedFiles::DividedFiles(const Divider& divider, const std::vector<DividedFile
   for (const DividedFile& file : files_) all_ += file.all;
 }
 
-/// Extends errors by the number of complete files.
-template <class Work>
-void DividedFiles::counting_complete(Work work) {
-  try {
-    work();
-  } catch (const UsageError&) {
-    throw;
-  } catch (const Cancelled&) {
-    throw;
-  } catch (const Error& error) {
-    if (complete_ == 0) throw;
-    const auto with_points = std::ranges::count_if(files_, [](const DividedFile& file) { return file.own > 0; });
-    fail("{} {} of {} outputs are complete and stay.", error.what(), complete_.load(), with_points);
-  }
+/// Returns a sentence for errors about how many files are complete. Empty if none is complete.
+std::string DividedFiles::state() const {
+  if (complete_ == 0) return "";
+  const auto with_points = std::ranges::count_if(files_, [](const DividedFile& file) { return file.own > 0; });
+  return fmt::format(" {} of {} outputs are complete and stay.", complete_.load(), with_points);
 }
 
 void DividedFiles::take(std::uint32_t file, std::span<const std::byte> records) {
   taken_ += records.size() / divider_.plan().schema.stride;
   if (progress_) progress_(static_cast<double>(taken_) / static_cast<double>(all_));
-  if (files_[file].own > 0) counting_complete([&] { put(file, records); });
+  if (files_[file].own > 0) extending_errors([&] { put(file, records); }, [&] { return state(); });
 }
 
 void DividedFiles::put(std::uint32_t number, std::span<const std::byte> records) {
@@ -106,7 +97,7 @@ void DividedFiles::write_together() {
 }
 
 void DividedFiles::finish() {
-  counting_complete([&] { write_together(); });
+  extending_errors([&] { write_together(); }, [&] { return state(); });
 }
 
 std::vector<std::string> DividedFiles::warnings() const {

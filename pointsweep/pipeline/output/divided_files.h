@@ -49,8 +49,7 @@ class DividedFiles {
     std::uint32_t file;
     std::vector<std::byte> records;
   };
-  template <class Work>
-  void counting_complete(Work work);
+  std::string state() const;
   void begin(std::uint32_t number);
   void put(std::uint32_t number, std::span<const std::byte> records);
   void write_together();

@@ -120,10 +120,7 @@ void OutputSet::write_results(InputCloud& cloud, std::uint64_t first_row, std::s
       assembled_.resize(n * layout_.schema().stride);
       if (!input_rows_) input_rows_.emplace(source_of(cloud, [](std::size_t) {}));
       input_rows_->read(first_row + done, inputs_);
-      for_each_task(n, [&](std::size_t row, std::size_t m) {
-        layout_.assemble(inputs_.data() + row * input_stride_, from + row * result_bytes_, m,
-                         assembled_.data() + row * layout_.schema().stride, {first_row + done + row});
-      });
+      layout_.assemble_all(inputs_.data(), from, n, assembled_.data(), first_row + done);
       write_assembled();
     }
     for (Array& array : arrays_) {
@@ -165,11 +162,9 @@ void OutputSet::write_piece(std::uint64_t first_row, std::vector<std::byte>& rec
 
 void OutputSet::assemble_inputs(std::uint64_t first_row, std::span<const std::byte> records,
                                 std::vector<std::byte>& to) const {
-  const std::size_t rows = records.size() / input_stride_, stride = layout_.schema().stride;
-  to.resize(rows * stride);
-  for_each_task(rows, [&](std::size_t row, std::size_t n) {
-    layout_.assemble(records.data() + row * input_stride_, nullptr, n, to.data() + row * stride, {first_row + row});
-  });
+  const std::size_t rows = records.size() / input_stride_;
+  to.resize(rows * layout_.schema().stride);
+  layout_.assemble_all(records.data(), nullptr, rows, to.data(), first_row);
 }
 
 void OutputSet::write_filled() {

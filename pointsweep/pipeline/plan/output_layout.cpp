@@ -9,6 +9,7 @@
 #include <string>
 
 #include "pointsweep/order/fixed_copy.h"
+#include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/points/input_row.h"
 #include "pointsweep/row_error.h"
 
@@ -191,6 +192,14 @@ void OutputLayout::assemble(const std::byte* inputs, const std::byte* results, s
     assemble_block(inputs, results, std::min(kBlock, n - i), outputs);
     inputs += kBlock * input_stride_, results += kBlock * result_stride_, outputs += kBlock * schema_.stride;
   }
+}
+
+void OutputLayout::assemble_all(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs,
+                                std::uint64_t first) const {
+  for_each_task(n, [&](std::size_t row, std::size_t m) {
+    assemble(inputs + row * input_stride_, results == nullptr ? nullptr : results + row * result_stride_, m,
+             outputs + row * schema_.stride, {first + row});
+  });
 }
 
 void OutputLayout::assemble_block(const std::byte* inputs, const std::byte* results, std::size_t n,

@@ -41,6 +41,9 @@ class OutputLayout {
   /// Throws RowError for the lowest row with a value that its field cannot hold.
   void assemble(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs,
                 RowNumbers rows = {}) const;
+  /// Assembles successive records on all threads. `results` is null if nothing is made. `first`: the first row.
+  void assemble_all(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs,
+                    std::uint64_t first) const;
 
  private:
   struct Copy {

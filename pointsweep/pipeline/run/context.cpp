@@ -86,6 +86,12 @@ std::vector<std::uint64_t> Context::rows_of_cloud(std::vector<std::uint64_t> of_
   return of_rows;
 }
 
+RowError Context::located(const RowError& error) const {
+  const auto [input, row] = cloud.place_of_row(rows_of_cloud({error.row()}).front());
+  if (cloud.readers().size() == 1) return error.numbered(row);
+  return error.named(fmt::format("{} of {}", row, cloud.readers()[input]->info().path.string()));
+}
+
 void Context::number_degenerate_rows(std::size_t first) const {
   auto& results = statistics().degenerate_results;
   for (std::size_t r = first; r < results.size(); ++r) results[r].rows = rows_of_cloud(std::move(results[r].rows));

@@ -109,10 +109,7 @@ void divide_rows(const DivisionRun& run, RowRange range, DividedRecords& records
     const std::uint64_t n = std::min(at_once, range.rows - done);
     inputs.resize(n * before), outputs.resize(n * after);
     rows.read(range.first + done, inputs);
-    for_each_task(n, [&](std::size_t row, std::size_t m) {
-      layout.assemble(inputs.data() + row * before, nullptr, m, outputs.data() + row * after,
-                      {range.first + done + row});
-    });
+    layout.assemble_all(inputs.data(), nullptr, n, outputs.data(), range.first + done);
     rounding.see(outputs);
     records.write(outputs);
     done += n;
@@ -185,9 +182,7 @@ Statistics cut_range(const DivisionRequest& request, RowRange range, Storage& sc
     try {
       divide_rows(run, range, records);
     } catch (const RowError& error) {
-      const auto [input, row] = request.cloud.place_of_row(error.row());
-      const std::string file = request.cloud.readers()[input]->info().path.string();
-      throw Error(error.named(fmt::format("{} of {}", row, file)).what());
+      throw Error(run.context().located(error).what());
     }
     request.cloud.require_unchanged();
     RecordListWriter list(scratch, name + ".pieces", run.divider().plan().schema.stride);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/extended_errors.h"
 #include "pointsweep/free_memory.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
@@ -72,23 +73,14 @@ void give_notice(const RunMemory& memory, Observer* observer) {
 /// Extends errors by the number of complete tiles. Converts row numbers from selected rows to rows of the input.
 template <class Work>
 void with_progress_of_tiles(const Context& context, OutputFiles& files, Work work) {
-  try {
-    work();
-  } catch (const UsageError&) {
-    throw;
-  } catch (const Cancelled&) {
-    throw;
-  } catch (const RowError& error) {
-    InputCloud& cloud = context.cloud;
-    const auto [input, row] = cloud.place_of_row(context.rows_of_cloud({error.row()}).front());
-    const RowError named =
-        cloud.readers().size() == 1
-            ? error.numbered(row)
-            : error.named(fmt::format("{} of {}", row, cloud.readers()[input]->info().path.string()));
-    throw Error(named.what() + files.progress());
-  } catch (const Error& error) {
-    throw Error(error.what() + files.progress());
-  }
+  const auto work_on_rows = [&] {
+    try {
+      work();
+    } catch (const RowError& error) {
+      throw Error(context.located(error).what());
+    }
+  };
+  extending_errors(work_on_rows, [&] { return files.progress(); });
 }
 
 /// Performs the phases after the survey, and owns the values passed between phases.
