@@ -208,7 +208,7 @@ TEST(RealScans, HaveExactNeighbors) {
     const bool is_large = cloud.count() > 400'000;
     const Truth truth(cloud, std::numeric_limits<double>::infinity(), is_large ? 25 : 100);
     expect_exact(cloud, truth, {.k = 8}, small(0, 1024, 2, 64ull << 20));
-    // Lists of 64 neighbours of a cloud that large show what those of the smaller ones show.
+    // Brute force over large clouds takes seconds; the smaller scans check lists of 64 neighbours.
     if (!is_large) expect_exact(cloud, truth, {.k = 64}, small(5000, 256, 2, 2ull << 30));
     if (HasFatalFailure()) return;
   }

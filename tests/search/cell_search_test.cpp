@@ -166,7 +166,7 @@ std::vector<std::pair<std::string, Shape>> shapes() {
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
-/// `expected` may have more neighbours than `what.k`.
+/// Checks the lists of all points against the first `what.k` neighbours of `expected`, which may have more.
 void expect_lists(const std::vector<Vec3>& points, const Lists& expected, const Neighborhood& what,
                   std::uint32_t cell_points) {
   const Lists found = Cells(points, cell_points).search(what);
@@ -310,7 +310,7 @@ TEST(CellSearch, SomePointsOfACellHaveTheListsTheyHaveInTheWholeCell) {
       search(query, query.cell(), kAllLists, scratch, whole);
       for (const double share : {0.01, 0.3, 0.9, 1.0}) {
         for (const std::uint64_t most : {1, 20'000}) {
-          if (share > 0.5 && most == 1) continue;  // run by run as of 0.3
+          if (share > 0.5 && most == 1) continue;  // the test RunsOfPoints checks single lists of most points
           SCOPED_TRACE(name + ", k " + std::to_string(what.k) + ", share " + std::to_string(share));
           std::vector<std::uint32_t> chosen = {3};
           for (std::uint32_t i = 4; i < whole.size(); ++i)
