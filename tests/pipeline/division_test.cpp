@@ -315,6 +315,42 @@ TEST_F(Division, OfManyProcessesHasTheBytesOfOne) {
   }
 }
 
+TEST_F(Division, OfManyProcessesHasTheBytesOfOneInEveryFormatOrIsRefused) {
+  const fs::path ply = input(false), las = folder_ / "in/all.las";
+  InputCloud whole({ply});
+  run(whole, {}, {.points = las}, {});
+  std::set<std::string> same, refused;
+  for (const fs::path& from : {ply, las})
+    for (const std::string_view extension : writable_extensions()) {
+      const std::string out = fmt::format("out/*{}", extension), name = from.extension().string() + " " + out;
+      SCOPED_TRACE(name);
+      const EngineOptions options = tiles(kSize);
+      InputCloud cloud({from});
+      const Chain chain;
+      const Outputs outputs{.points = folder_ / out};
+      try {
+        plan_ranges({cloud, chain, outputs, options});
+      } catch (const UsageError& error) {
+        EXPECT_NE(std::string(error.what()).find("in one process"), std::string::npos) << error.what();
+        refused.insert(name);
+        continue;
+      }
+      divide(from, out, options);
+      const auto of_one = bytes_in(folder_ / "out");
+      fs::remove_all(folder_ / "out");
+      fs::create_directory(folder_ / "scratch");
+      divide_in_tasks({from}, folder_ / out, options, folder_ / "scratch", 3);
+      EXPECT_TRUE(bytes_in(folder_ / "out") == of_one);
+      same.insert(name);
+      fs::remove_all(folder_ / "out");
+      fs::remove_all(folder_ / "scratch");
+    }
+  EXPECT_EQ(same.size() + refused.size(), 2 * writable_extensions().size());
+  for (const char* one : {".las out/*.laz", ".las out/*.copc.laz", ".las out/*.csv", ".ply out/*.ply"})
+    EXPECT_TRUE(same.contains(one)) << one;
+  EXPECT_TRUE(refused.contains(".ply out/*.las"));
+}
+
 TEST_F(Division, OfManyProcessesRefusesWhatNeedsAllPointsBeforeTheWork) {
   const fs::path ply = input(false), las = folder_ / "in/all.las";
   InputCloud whole({ply});
