@@ -106,9 +106,9 @@ int run_tool(int argc, char** given) {
       "error of the command line; 3 'verify' could not check everything; 128 + N stopped by signal N.\n"
       "\nExample:\n"
       "  pointsweep normals scan.ply normals.ply -k 12 --memory 2G");
-  add_commands(app);
   KnownArguments arguments(argc, given);
   char** const argv = arguments.argv();
+  add_verbs(app, argc > 1 ? argv[1] : "");
   keep_command_line(argc, argv);
 
   catch_interrupts();

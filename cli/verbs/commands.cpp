@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "cli/verbs/commands.h"
 
+#include <algorithm>
+#include <iterator>
 #include <string>
 
 #include "cli/text/help.h"
@@ -19,31 +21,32 @@ void refuse_empty_values(CLI::App& verb) {
     if (option->get_items_expected_max() > 0) option->check(not_empty);
 }
 
+/// Verbs that print the options of other verbs.
+constexpr const char* kVerbsOfVerbs[] = {"help", "completion", "man"};
+
+std::vector<Verb> all_verbs() {
+  std::vector<Verb> verbs = {kConvertVerb};
+  std::ranges::copy(short_form_verbs(), std::back_inserter(verbs));
+  for (const Verb& verb :
+       {kThinVerb, kTransformVerb, kTileVerb, kSplitVerb, kGroundVerb, kNeighborsVerb, kSortVerb, kRunVerb,
+        kOperatorsVerb, kVerifyVerb, kInfoVerb, kGenerateVerb, kRenderVerb, kCompletionVerb, kManVerb, kHelpVerb})
+    verbs.push_back(verb);
+  return verbs;
+}
+
 }  // namespace
 
-void add_commands(CLI::App& app) {
-  add_convert_command(app);
-  add_pipeline_commands(app);
-  add_thin_command(app);
-  add_transform_command(app);
-  add_tile_command(app);
-  add_split_command(app);
-  add_ground_command(app);
-  add_neighbors_command(app);
-  add_sort_command(app);
-  add_run_command(app);
-  add_operators_command(app);
-  add_verify_command(app);
-  add_info_command(app);
-  add_generate_command(app);
-  add_render_command(app);
-  add_completion_command(app);
-  add_man_command(app);
-  add_help_command(app);
-  for (CLI::App* verb : app.get_subcommands({})) {
-    verb->group("Verbs");
-    verb->get_help_ptr()->group(kOtherGroup);
-    refuse_empty_values(*verb);
+void add_verbs(CLI::App& app, std::string_view asked) {
+  const std::vector<Verb> verbs = all_verbs();
+  const auto is_asked = [&](const Verb& verb) { return verb.name == asked; };
+  const bool declare_all = std::ranges::none_of(verbs, is_asked) || std::ranges::count(kVerbsOfVerbs, asked) > 0;
+  for (const Verb& verb : verbs) {
+    CLI::App& added = *app.add_subcommand(verb.name, verb.meaning);
+    added.group("Verbs");
+    added.get_help_ptr()->group(kOtherGroup);
+    if (!declare_all && !is_asked(verb)) continue;
+    verb.declare(added);
+    refuse_empty_values(added);
   }
 }
 

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "cli/console/console.h"
 #include "cli/verbs/cloud_run.h"
@@ -88,8 +89,8 @@ std::string default_k_of(const ShortForm& form) {
   return fmt::format("{}", chain.neighborhood.k);
 }
 
-void add_short_form(CLI::App& app, const ShortForm& form) {
-  CLI::App& verb = *app.add_subcommand(form.verb, form.meaning);
+void declare_short_form(CLI::App& verb) {
+  const ShortForm& form = *std::ranges::find(kShortForms, verb.get_name(), &ShortForm::verb);
   auto command = std::make_shared<ShortFormCommand>();
   const std::string k = default_k_of(form);
   const std::string output =
@@ -191,126 +192,134 @@ std::vector<StageText> thinning_stages(const ThinCommand& command) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("run", "Run a pipeline of operators over the points");
-  auto command = std::make_shared<RunCommand>();
-  add_inputs_and_output(verb, command->run.paths,
-                        "with the attributes of the input, and the computed ones (in a folder, one for each input)");
-  add_output_option(verb, command->run.paths.named_output);
-  verb.add_option("--pipeline", command->pipeline,
-                  "Stages such as 'knn(k=12) | normals', or a .json file of them (default: none, which is 'pointsweep "
-                  "convert')")
-      ->type_name("TEXT|FILE");
-  add_pipeline_options(verb, command->run);
-  verb.footer(
-      "'pointsweep operators' lists the operators and their options. As JSON, a pipeline is an array of stages:\n"
-      "  [{\"type\": \"knn\", \"k\": 12}, {\"type\": \"normals\", \"orient\": \"viewpoint\", \"viewpoint\": [0, 0, "
-      "1.7]}]\n"
-      "\nExamples:\n"
-      "  pointsweep run scan.ply out.ply --pipeline 'knn(k=12) | normals(orient=up)' --memory 2G\n"
-      "  pointsweep run scan.ply out.ply --pipeline 'normals(orient=viewpoint, viewpoint=[0,0,1.7])'");
-  verb.callback([command] {
-    if (command->pipeline.empty()) return run_stages({}, command->run);
-    if (command->pipeline.ends_with(".json")) command->run.paths.other_inputs.emplace_back(command->pipeline);
-    run_stages(parse_pipeline_or_file(command->pipeline), command->run);
-  });
+const Verb kRunVerb = {
+    "run", "Run a pipeline of operators over the points", [](CLI::App& verb) {
+      auto command = std::make_shared<RunCommand>();
+      add_inputs_and_output(
+          verb, command->run.paths,
+          "with the attributes of the input, and the computed ones (in a folder, one for each input)");
+      add_output_option(verb, command->run.paths.named_output);
+      verb.add_option(
+              "--pipeline", command->pipeline,
+              "Stages such as 'knn(k=12) | normals', or a .json file of them (default: none, which is 'pointsweep "
+              "convert')")
+          ->type_name("TEXT|FILE");
+      add_pipeline_options(verb, command->run);
+      verb.footer(
+          "'pointsweep operators' lists the operators and their options. As JSON, a pipeline is an array of stages:\n"
+          "  [{\"type\": \"knn\", \"k\": 12}, {\"type\": \"normals\", \"orient\": \"viewpoint\", \"viewpoint\": [0, 0, "
+          "1.7]}]\n"
+          "\nExamples:\n"
+          "  pointsweep run scan.ply out.ply --pipeline 'knn(k=12) | normals(orient=up)' --memory 2G\n"
+          "  pointsweep run scan.ply out.ply --pipeline 'normals(orient=viewpoint, viewpoint=[0,0,1.7])'");
+      verb.callback([command] {
+        if (command->pipeline.empty()) return run_stages({}, command->run);
+        if (command->pipeline.ends_with(".json")) command->run.paths.other_inputs.emplace_back(command->pipeline);
+        run_stages(parse_pipeline_or_file(command->pipeline), command->run);
+      });
+    }};
+
+const Verb kConvertVerb = {
+    "convert", "Copy, merge or compress: write the points into another format", [](CLI::App& verb) {
+      auto command = std::make_shared<PipelineRun>();
+      add_inputs_and_output(verb, command->paths,
+                            "with the attributes of the input, in its order (in a folder, one for each input)");
+      add_output_option(verb, command->paths.named_output);
+      add_output_options(verb, *command);
+      verb.footer(
+          "Points of several inputs follow one another. Nothing is searched, so any number of points streams through a "
+          "few "
+          "megabytes. Same as 'pointsweep run' without a pipeline.\n"
+          "\nExamples: a scan as LAZ with steps of a millimetre, tiles as one file, and a folder of E57 as LAZ:\n"
+          "  pointsweep convert scan.ply scan.laz --scale 0.001\n"
+          "  pointsweep convert tiles/ merged.laz\n"
+          "  pointsweep convert scans/ out/ --output-format laz");
+      verb.callback([command] { run_stages({}, *command); });
+    }};
+
+std::vector<Verb> short_form_verbs() {
+  std::vector<Verb> verbs;
+  for (const ShortForm& form : kShortForms) verbs.push_back({form.verb, form.meaning, declare_short_form});
+  return verbs;
 }
 
-void add_convert_command(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("convert", "Copy, merge or compress: write the points into another format");
-  auto command = std::make_shared<PipelineRun>();
-  add_inputs_and_output(verb, command->paths,
-                        "with the attributes of the input, in its order (in a folder, one for each input)");
-  add_output_option(verb, command->paths.named_output);
-  add_output_options(verb, *command);
-  verb.footer(
-      "Points of several inputs follow one another. Nothing is searched, so any number of points streams through a few "
-      "megabytes. Same as 'pointsweep run' without a pipeline.\n"
-      "\nExamples: a scan as LAZ with steps of a millimetre, tiles as one file, and a folder of E57 as LAZ:\n"
-      "  pointsweep convert scan.ply scan.laz --scale 0.001\n"
-      "  pointsweep convert tiles/ merged.laz\n"
-      "  pointsweep convert scans/ out/ --output-format laz");
-  verb.callback([command] { run_stages({}, *command); });
-}
+const Verb kGroundVerb = {
+    "ground", "Find the points of the ground by a morphological filter (SMRF)", [](CLI::App& verb) {
+      auto command = std::make_shared<GroundCommand>();
+      add_inputs_and_output(verb, command->run.paths,
+                            "with the attributes of the input, and classification (in a folder, one for each input)");
+      add_output_option(verb, command->run.paths.named_output);
+      add_stage_options(verb, declaration_of("ground")->options, command->options);
+      verb.add_flag("--height", command->height,
+                    "Also make height, above the nearest point of the ground in the plane");
+      add_output_options(verb, command->run);
+      verb.footer(
+          "Same as 'pointsweep run' with the pipeline 'ground' or 'ground | height'. Lengths are in the unit of the "
+          "cloud; "
+          "the defaults are in metres, and converted where the coordinate system says that the unit is feet.\n"
+          "\nExample: ground of a folder of tiles, without seams, and heights above it:\n"
+          "  pointsweep ground tiles/ out/ --cell 0.5 --window 15 --height");
+      verb.callback([command] { run_stages(ground_stages(*command), command->run); });
+    }};
 
-void add_pipeline_commands(CLI::App& app) {
-  for (const ShortForm& form : kShortForms) add_short_form(app, form);
-}
+const Verb kTransformVerb = {
+    "transform", "Move the points by a matrix, and turn their normals", [](CLI::App& verb) {
+      auto command = std::make_shared<TransformCommand>();
+      add_inputs_and_output(
+          verb, command->run.paths,
+          "with the attributes of the input and the moved coordinates (in a folder, one for each input)");
+      add_output_option(verb, command->run.paths.named_output);
+      for (const OptionDeclaration& option : declaration_of("transform")->options)
+        if (option.name != "inverse" && option.name != "scale")
+          add_stage_option(verb, "--" + option.name, option, command->options);
+      verb.add_flag_function(
+          "--inverse", [command](std::int64_t) { command->options.push_back({"inverse", "yes", "--inverse"}); },
+          "Move the points back: by the inverse of the matrix");
+      add_output_options(verb, command->run);
+      verb.footer(
+          "Same as 'pointsweep run' with the pipeline 'transform(FILE)'. The file has 4 lines of 4 numbers, the last "
+          "one 0 "
+          "0 "
+          "0 1, as CloudCompare, Open3D and numpy.savetxt write them. 'pointsweep operators transform' has the "
+          "formula.\n"
+          "\nExample: a scan into the place of another one, as a registration has found it, and back:\n"
+          "  pointsweep transform scan.ply placed.ply --matrix registration.txt\n"
+          "  pointsweep transform placed.ply back.ply --matrix registration.txt --inverse");
+      verb.callback([command] {
+        require_move(*command);
+        run_stages({{"transform", command->options, "transform"}}, command->run);
+      });
+    }};
 
-void add_ground_command(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("ground", "Find the points of the ground by a morphological filter (SMRF)");
-  auto command = std::make_shared<GroundCommand>();
-  add_inputs_and_output(verb, command->run.paths,
-                        "with the attributes of the input, and classification (in a folder, one for each input)");
-  add_output_option(verb, command->run.paths.named_output);
-  add_stage_options(verb, declaration_of("ground")->options, command->options);
-  verb.add_flag("--height", command->height, "Also make height, above the nearest point of the ground in the plane");
-  add_output_options(verb, command->run);
-  verb.footer(
-      "Same as 'pointsweep run' with the pipeline 'ground' or 'ground | height'. Lengths are in the unit of the cloud; "
-      "the defaults are in metres, and converted where the coordinate system says that the unit is feet.\n"
-      "\nExample: ground of a folder of tiles, without seams, and heights above it:\n"
-      "  pointsweep ground tiles/ out/ --cell 0.5 --window 15 --height");
-  verb.callback([command] { run_stages(ground_stages(*command), command->run); });
-}
-
-void add_transform_command(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("transform", "Move the points by a matrix, and turn their normals");
-  auto command = std::make_shared<TransformCommand>();
-  add_inputs_and_output(verb, command->run.paths,
-                        "with the attributes of the input and the moved coordinates (in a folder, one for each input)");
-  add_output_option(verb, command->run.paths.named_output);
-  for (const OptionDeclaration& option : declaration_of("transform")->options)
-    if (option.name != "inverse" && option.name != "scale")
-      add_stage_option(verb, "--" + option.name, option, command->options);
-  verb.add_flag_function(
-      "--inverse",
-      [command](std::int64_t) {
-        command->options.push_back({"inverse", "yes", "--inverse"});
-      },
-      "Move the points back: by the inverse of the matrix");
-  add_output_options(verb, command->run);
-  verb.footer(
-      "Same as 'pointsweep run' with the pipeline 'transform(FILE)'. The file has 4 lines of 4 numbers, the last one 0 "
-      "0 "
-      "0 1, as CloudCompare, Open3D and numpy.savetxt write them. 'pointsweep operators transform' has the formula.\n"
-      "\nExample: a scan into the place of another one, as a registration has found it, and back:\n"
-      "  pointsweep transform scan.ply placed.ply --matrix registration.txt\n"
-      "  pointsweep transform placed.ply back.ply --matrix registration.txt --inverse");
-  verb.callback([command] {
-    require_move(*command);
-    run_stages({{"transform", command->options, "transform"}}, command->run);
-  });
-}
-
-void add_thin_command(CLI::App& app) {
-  CLI::App& verb =
-      *app.add_subcommand("thin", "Keep fewer points: one in each voxel, at a distance, a share, or a number");
-  auto command = std::make_shared<ThinCommand>();
-  add_inputs_and_output(verb, command->run.paths,
-                        "with the attributes of the input, of fewer points (in a folder, one for each input)");
-  add_output_option(verb, command->run.paths.named_output);
-  for (const char* name : {"voxel", "poisson", "decimate", "sample"}) command->stages.push_back({name, {}, "thin"});
-  for (const ThinningFlag& flag : kThinningFlags) {
-    StageText& stage = *std::ranges::find(command->stages, std::string(flag.stage), &StageText::name);
-    add_stage_option(verb, flag.flag, declared_option_of(flag), stage.options);
-  }
-  verb.add_option_function<std::string>(
-          "--choose",
-          [command](const std::string& keep) {
-            report(Severity::note, "--choose is called --voxel-keep now; the next release does not know the old name.");
-            command->stages.front().options.push_back({"keep", keep, "--choose"});
-          })
-      ->group("");
-  add_output_options(verb, command->run);
-  verb.footer(
-      "Same as 'pointsweep run' with the pipeline 'voxel(SIZE)', 'poisson(RADIUS)', 'decimate(SHARE)' or 'sample(N)'. "
-      "All but the last give of tiles the points of the merged cloud; a number is that of all inputs together.\n"
-      "\nExample: one point in each cube of half a metre:\n"
-      "  pointsweep thin scan.ply thin.ply --voxel 0.5\n"
-      "\nExample: no two points within 20 cm, of a folder of tiles, into another one:\n"
-      "  pointsweep thin tiles/ out/ --poisson 0.2");
-  verb.callback([command] { run_stages(thinning_stages(*command), command->run); });
-}
+const Verb kThinVerb = {
+    "thin", "Keep fewer points: one in each voxel, at a distance, a share, or a number", [](CLI::App& verb) {
+      auto command = std::make_shared<ThinCommand>();
+      add_inputs_and_output(verb, command->run.paths,
+                            "with the attributes of the input, of fewer points (in a folder, one for each input)");
+      add_output_option(verb, command->run.paths.named_output);
+      for (const char* name : {"voxel", "poisson", "decimate", "sample"}) command->stages.push_back({name, {}, "thin"});
+      for (const ThinningFlag& flag : kThinningFlags) {
+        StageText& stage = *std::ranges::find(command->stages, std::string(flag.stage), &StageText::name);
+        add_stage_option(verb, flag.flag, declared_option_of(flag), stage.options);
+      }
+      verb.add_option_function<std::string>(
+              "--choose",
+              [command](const std::string& keep) {
+                report(Severity::note,
+                       "--choose is called --voxel-keep now; the next release does not know the old name.");
+                command->stages.front().options.push_back({"keep", keep, "--choose"});
+              })
+          ->group("");
+      add_output_options(verb, command->run);
+      verb.footer(
+          "Same as 'pointsweep run' with the pipeline 'voxel(SIZE)', 'poisson(RADIUS)', 'decimate(SHARE)' or "
+          "'sample(N)'. "
+          "All but the last give of tiles the points of the merged cloud; a number is that of all inputs together.\n"
+          "\nExample: one point in each cube of half a metre:\n"
+          "  pointsweep thin scan.ply thin.ply --voxel 0.5\n"
+          "\nExample: no two points within 20 cm, of a folder of tiles, into another one:\n"
+          "  pointsweep thin tiles/ out/ --poisson 0.2");
+      verb.callback([command] { run_stages(thinning_stages(*command), command->run); });
+    }};
 
 }  // namespace pointsweep

@@ -24,7 +24,7 @@ constexpr Fate kFates[] = {Fate::closed_pipe, Fate::full, Fate::closed};
 
 std::vector<std::string> every_verb() {
   CLI::App app;
-  add_commands(app);
+  add_verbs(app);
   std::vector<std::string> names;
   for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
     names.push_back(verb->get_name());

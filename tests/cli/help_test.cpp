@@ -89,7 +89,7 @@ TEST_F(Help, LinesOfFormulasAreWhole) {
 
 TEST_F(Help, FlagsOfAVerbStandInGroups) {
   CLI::App app;
-  add_commands(app);
+  add_verbs(app);
   for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
     for (const CLI::Option* option : verb->get_options())
       EXPECT_TRUE(!option->nonpositional() || option->get_group().empty() ||

@@ -25,7 +25,7 @@ TEST_F(OutputName, OfCopcGivesLevelsByEveryVerbThatWritesPoints) {
   const std::set<std::string> of_other_files = {"neighbors", "render", "generate", "split", "tile", "sort"};
   const auto has_output = [](const CLI::App* verb) { return verb->get_option_no_throw("-o") != nullptr; };
   CLI::App app;
-  add_commands(app);
+  add_verbs(app);
   std::size_t verbs = 0;
   for (const CLI::App* verb : app.get_subcommands(has_output)) {
     if (of_other_files.contains(verb->get_name())) continue;

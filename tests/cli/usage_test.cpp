@@ -125,7 +125,7 @@ TEST_F(Usage, TwoOutputsAreNotOneFile) {
 /// The command line "VERB FLAG ''", or "VERB ''" for an argument, as the parser takes it.
 void expect_no_empty_value(const std::string& verb, const std::string& flag) {
   CLI::App app;
-  add_commands(app);
+  add_verbs(app);
   std::vector<std::string> words = {"", verb};  // from the last to the first
   if (!flag.empty()) words.insert(words.begin() + 1, flag);
   try {
@@ -141,7 +141,7 @@ void expect_no_empty_value(const std::string& verb, const std::string& flag) {
 
 TEST_F(Usage, NoOptionOfAnyVerbTakesAnEmptyValue) {
   CLI::App app;
-  add_commands(app);
+  add_verbs(app);
   for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
     for (const CLI::Option* option : verb->get_options())
       if (option->get_items_expected_max() > 0)
