@@ -13,6 +13,8 @@ struct Scan {
   const char* file;
   const char* meaning;
   double radius;  ///< of the smaller neighbourhoods
+
+  friend void PrintTo(const Scan& scan, std::ostream* out) { *out << scan.file; }
 };
 
 constexpr Scan kScans[] = {
