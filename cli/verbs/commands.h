@@ -1,31 +1,39 @@
 // SPDX-License-Identifier: MIT
-/// The verbs of the tool. To add a verb, define it in a new source file, declare it here, and name it in add_verbs().
+/// The verbs of the tool. To add a verb, define its function in a new source file, declare it here, and give it a row
+/// in the table of commands.cpp.
 #pragma once
 
 #include <CLI/App.hpp>
 #include <string_view>
-#include <vector>
 
 #include "pointsweep/error.h"
 
 namespace pointsweep {
 
-/// A verb of the tool. `declare` gives it its options and what it does: it runs while the command line is parsed, and
+/// Each function declares the options of a verb and what it does. The verb runs while the command line is parsed, and
 /// throws its errors.
-struct Verb {
-  const char* name;
-  const char* meaning;
-  void (*declare)(CLI::App& verb);
-};
-
-extern const Verb kConvertVerb, kThinVerb, kTransformVerb, kTileVerb, kSplitVerb, kGroundVerb, kNeighborsVerb,
-    kSortVerb, kRunVerb, kOperatorsVerb, kVerifyVerb, kInfoVerb, kGenerateVerb, kRenderVerb, kCompletionVerb, kManVerb,
-    kHelpVerb;
-std::vector<Verb> short_form_verbs();  // normals, curvature, splats, features, fair, denoise
+void declare_convert_verb(CLI::App& verb);
+void declare_short_form(CLI::App& verb);  // normals, curvature, splats, features, fair, denoise
+void declare_thin_verb(CLI::App& verb);
+void declare_transform_verb(CLI::App& verb);
+void declare_tile_verb(CLI::App& verb);
+void declare_split_verb(CLI::App& verb);
+void declare_ground_verb(CLI::App& verb);
+void declare_neighbors_verb(CLI::App& verb);
+void declare_sort_verb(CLI::App& verb);
+void declare_run_verb(CLI::App& verb);
+void declare_operators_verb(CLI::App& verb);
+void declare_verify_verb(CLI::App& verb);
+void declare_info_verb(CLI::App& verb);
+void declare_generate_verb(CLI::App& verb);
+void declare_render_verb(CLI::App& verb);
+void declare_completion_verb(CLI::App& verb);
+void declare_man_verb(CLI::App& verb);
+void declare_help_verb(CLI::App& verb);
 
 /// Adds all verbs, in the order of the help. Where the command line begins with the verb `asked`, the others get their
-/// names alone, because declaring all options takes half of the time in which the tool starts; help, completion and man
-/// show the options of other verbs, and so declare all.
+/// names alone, because the tool starts a third sooner without their options; of help, completion and man, which show
+/// other verbs, all are declared.
 void add_verbs(CLI::App& app, std::string_view asked = "");
 
 /// Error of `verify` if it found no difference but could not check everything. Its exit status is 3.

@@ -109,24 +109,23 @@ void add_sampling_options(CLI::App& verb, Sampling& sampling) {
 
 }  // namespace
 
-const Verb kGenerateVerb = {
-    "generate", "Generate a point cloud of a known shape, of any size", [](CLI::App& verb) {
-      auto options = std::make_shared<GenerateOptions>();
-      verb.add_option("SHAPE", options->shape, "Name of a shape (see below)")->required()->type_name("");
-      verb.add_option("OUT", options->positional, "File to write, in the format of its extension")->type_name("");
-      add_output_option(verb, options->output);
-      add_sampling_options(verb, options->sampling);
-      add_stated_crs_option(verb, options->common);
-      add_named_options(verb, options->common, {"threads", "overwrite"});
-      add_progress_options(verb, options->common);
-      verb.footer("");  // removes the footer of the tool, which the parser would add
-      verb.footer(footer);
-      verb.callback([options] {
-        if (options->positional.empty() == options->output.empty())
-          fail_usage("OUT: name one file to write, last or with --output.");
-        if (options->output.empty()) options->output = options->positional;
-        generate(*options);
-      });
-    }};
+void declare_generate_verb(CLI::App& verb) {
+  auto options = std::make_shared<GenerateOptions>();
+  verb.add_option("SHAPE", options->shape, "Name of a shape (see below)")->required()->type_name("");
+  verb.add_option("OUT", options->positional, "File to write, in the format of its extension")->type_name("");
+  add_output_option(verb, options->output);
+  add_sampling_options(verb, options->sampling);
+  add_stated_crs_option(verb, options->common);
+  add_named_options(verb, options->common, {"threads", "overwrite"});
+  add_progress_options(verb, options->common);
+  verb.footer("");  // removes the footer of the tool, which the parser would add
+  verb.footer(footer);
+  verb.callback([options] {
+    if (options->positional.empty() == options->output.empty())
+      fail_usage("OUT: name one file to write, last or with --output.");
+    if (options->output.empty()) options->output = options->positional;
+    generate(*options);
+  });
+}
 
 }  // namespace pointsweep

@@ -78,65 +78,59 @@ void list_operators(const OperatorsCommand& command) {
 
 }  // namespace
 
-const Verb kHelpVerb = {
-    "help", "Show this help, or the help of a verb or an operator", [](CLI::App& verb) {
-      const CLI::App* const app = verb.get_parent();
-      auto name = std::make_shared<std::string>();
-      verb.add_option("VERB", *name, "Verb or operator to explain (default: list all verbs)")->type_name("");
-      verb.footer("Example:\n  pointsweep help normals");
-      verb.callback([app, name] { print(help_of(*app, *name)); });
-    }};
+void declare_help_verb(CLI::App& verb) {
+  const CLI::App& app = *verb.get_parent();
+  auto name = std::make_shared<std::string>();
+  verb.add_option("VERB", *name, "Verb or operator to explain (default: list all verbs)")->type_name("");
+  verb.footer("Example:\n  pointsweep help normals");
+  verb.callback([&app, name] { print(help_of(app, *name)); });
+}
 
-const Verb kCompletionVerb = {"completion", "Print a script that completes commands in a shell", [](CLI::App& verb) {
-                                const CLI::App* const app = verb.get_parent();
-                                auto shell = std::make_shared<std::string>();
-                                verb.add_option("SHELL", *shell, "bash, zsh or fish")->required()->type_name("");
-                                verb.footer(
-                                    "An installed pointsweep has these scripts where the shells look for them. "
-                                    "Otherwise source the script, e.g. in\n"
-                                    "~/.bashrc:\n"
-                                    "  source <(pointsweep completion bash)\n"
-                                    "\nExample:\n"
-                                    "  pointsweep completion bash > pointsweep.bash");
-                                verb.callback([app, shell] { print(completion_for(*app, *shell)); });
-                              }};
+void declare_completion_verb(CLI::App& verb) {
+  const CLI::App& app = *verb.get_parent();
+  auto shell = std::make_shared<std::string>();
+  verb.add_option("SHELL", *shell, "bash, zsh or fish")->required()->type_name("");
+  verb.footer(
+      "An installed pointsweep has these scripts where the shells look for them. Otherwise source the script, e.g. in\n"
+      "~/.bashrc:\n"
+      "  source <(pointsweep completion bash)\n"
+      "\nExample:\n"
+      "  pointsweep completion bash > pointsweep.bash");
+  verb.callback([&app, shell] { print(completion_for(app, *shell)); });
+}
 
-const Verb kManVerb = {
-    "man", "Print a manual page, or write all of them", [](CLI::App& verb) {
-      const CLI::App* const app = verb.get_parent();
-      auto command = std::make_shared<ManCommand>();
-      verb.add_option("VERB", command->verb, "Verb of the page (default: the page of the tool)")->type_name("");
-      verb.add_option("--folder", command->folder,
-                      "Write the pages of the tool and of all verbs into this existing folder")
-          ->type_name("DIR");
-      add_run_option(verb, command->common, "overwrite");
-      verb.footer(
-          "Pages are roff with the macros of man(7).\n"
-          "\nExample:\n"
-          "  pointsweep man normals > pointsweep-normals.1");
-      verb.callback([app, command] {
-        if (command->folder.empty()) return print_page(*app, command->verb);
-        if (!command->verb.empty()) fail_usage("man: --folder writes all pages; leave out '{}'.", command->verb);
-        write_pages(*app, *command);
-      });
-    }};
+void declare_man_verb(CLI::App& verb) {
+  const CLI::App& app = *verb.get_parent();
+  auto command = std::make_shared<ManCommand>();
+  verb.add_option("VERB", command->verb, "Verb of the page (default: the page of the tool)")->type_name("");
+  verb.add_option("--folder", command->folder, "Write the pages of the tool and of all verbs into this existing folder")
+      ->type_name("DIR");
+  add_run_option(verb, command->common, "overwrite");
+  verb.footer(
+      "Pages are roff with the macros of man(7).\n"
+      "\nExample:\n"
+      "  pointsweep man normals > pointsweep-normals.1");
+  verb.callback([&app, command] {
+    if (command->folder.empty()) return print_page(app, command->verb);
+    if (!command->verb.empty()) fail_usage("man: --folder writes all pages; leave out '{}'.", command->verb);
+    write_pages(app, *command);
+  });
+}
 
-const Verb kOperatorsVerb = {
-    "operators", "List the operators, their options, inputs and outputs", [](CLI::App& verb) {
-      auto command = std::make_shared<OperatorsCommand>();
-      verb.add_option("NAME", command->names, "Operators to list (default: all)")->type_name("");
-      CLI::Option* json = verb.add_flag("--json", command->json, "Print a JSON array");
-      CLI::Option* markdown = verb.add_flag("--markdown", command->markdown, "Print docs/operators.md");
-      verb.add_flag("--attributes", command->attributes, "Print the table of docs/attributes.md")
-          ->excludes(json)
-          ->excludes(markdown);
-      json->excludes(markdown);
-      verb.footer(
-          "'needs' and 'makes' are those of an operator without options. The examples are stages for 'pointsweep "
-          "run'.\n"
-          "\nExample:\n"
-          "  pointsweep operators knn normals");
-      verb.callback([command] { list_operators(*command); });
-    }};
+void declare_operators_verb(CLI::App& verb) {
+  auto command = std::make_shared<OperatorsCommand>();
+  verb.add_option("NAME", command->names, "Operators to list (default: all)")->type_name("");
+  CLI::Option* json = verb.add_flag("--json", command->json, "Print a JSON array");
+  CLI::Option* markdown = verb.add_flag("--markdown", command->markdown, "Print docs/operators.md");
+  verb.add_flag("--attributes", command->attributes, "Print the table of docs/attributes.md")
+      ->excludes(json)
+      ->excludes(markdown);
+  json->excludes(markdown);
+  verb.footer(
+      "'needs' and 'makes' are those of an operator without options. The examples are stages for 'pointsweep run'.\n"
+      "\nExample:\n"
+      "  pointsweep operators knn normals");
+  verb.callback([command] { list_operators(*command); });
+}
 
 }  // namespace pointsweep

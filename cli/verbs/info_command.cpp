@@ -46,8 +46,8 @@ class PrintedJson {
   }
   void finish(const nlohmann::ordered_json& all, const nlohmann::ordered_json& statistics) {
     begin();
-    print((files_ == 0 ? "],\n  \"all\": " : "\n  ],\n  \"all\": ") + text_of(all, "\n  ") +
-          ",\n  \"statistics\": " + text_of(statistics, "\n  ") + "\n}\n");
+    print((files_ == 0 ? "],\n  \"all\": " : "\n  ],\n  \"all\": ") + text_of(all, "\n  ") + ",\n  \"statistics\": " +
+          text_of(statistics, "\n  ") + "\n}\n");
   }
 
  private:
@@ -259,44 +259,41 @@ void add_statistics_options(CLI::App& verb, PointStatisticsOptions& asked, CLI::
 
 }  // namespace
 
-const Verb kInfoVerb = {
-    "info", "Show format, coordinate system, bounds and attributes of point files", [](CLI::App& verb) {
-      auto options = std::make_shared<InfoCommand>();
-      verb.add_option("FILE", options->files, "Point files, folders of them or quoted patterns")
-          ->required()
-          ->type_name("");
-      add_recursive_option(verb, options->recursive);
-      CLI::Option* json = verb.add_flag("--json", options->json, "Write one JSON object; docs/info.md lists its keys");
-      verb.add_flag("--table", options->table,
-                    "Write one line for each file, read once (default for folders, patterns and .vpc files)")
-          ->excludes(json);
-      CLI::Option* no_spacing = verb.add_flag_callback(
-          "--no-spacing", [options] { options->spacing = false; },
-          "Read files once instead of twice, without the distances between points");
-      CLI::Option* quick = verb.add_flag("--quick", options->quick,
-                                         "Read headers only: counts, bounds and attributes as these state them")
-                               ->excludes(no_spacing);
-      add_statistics_options(verb, options->statistics, quick);
-      verb.add_flag(
-          "--check", options->check,
-          "End with status 1 where a warning names a fault of a file, such as bounds that are not those of the points");
-      add_format_option(verb, options->common.format);
-      add_progress_options(verb, options->common);
-      verb.footer(
-          "Without --quick files are read to their end: bounds, counts and ranges are those of the points, not of a "
-          "header.\n"
-          "A file that cannot be read is reported; the others are still read, and the exit status is 1.\n"
-          "Several files are compared: formats, coordinate reference systems, attributes and their types.\n"
-          "Statistics are those of the points of all files together.\n"
-          "\nExamples:\n"
-          "  pointsweep info scan.ply\n"
-          "  pointsweep info tiles/\n"
-          "  pointsweep info --quick --recursive survey/\n"
-          "  pointsweep info --check delivery/\n"
-          "  pointsweep info --by classification --stats --keep z,intensity scan.laz\n"
-          "  pointsweep info --histogram z tiles/\n"
-          "  pointsweep info --table tile_*.las");
-      verb.callback([options] { info(*options); });
-    }};
+void declare_info_verb(CLI::App& verb) {
+  auto options = std::make_shared<InfoCommand>();
+  verb.add_option("FILE", options->files, "Point files, folders of them or quoted patterns")->required()->type_name("");
+  add_recursive_option(verb, options->recursive);
+  CLI::Option* json = verb.add_flag("--json", options->json, "Write one JSON object; docs/info.md lists its keys");
+  verb.add_flag("--table", options->table,
+                "Write one line for each file, read once (default for folders, patterns and .vpc files)")
+      ->excludes(json);
+  CLI::Option* no_spacing = verb.add_flag_callback(
+      "--no-spacing", [options] { options->spacing = false; },
+      "Read files once instead of twice, without the distances between points");
+  CLI::Option* quick =
+      verb.add_flag("--quick", options->quick, "Read headers only: counts, bounds and attributes as these state them")
+          ->excludes(no_spacing);
+  add_statistics_options(verb, options->statistics, quick);
+  verb.add_flag(
+      "--check", options->check,
+      "End with status 1 where a warning names a fault of a file, such as bounds that are not those of the points");
+  add_format_option(verb, options->common.format);
+  add_progress_options(verb, options->common);
+  verb.footer(
+      "Without --quick files are read to their end: bounds, counts and ranges are those of the points, not of a "
+      "header.\n"
+      "A file that cannot be read is reported; the others are still read, and the exit status is 1.\n"
+      "Several files are compared: formats, coordinate reference systems, attributes and their types.\n"
+      "Statistics are those of the points of all files together.\n"
+      "\nExamples:\n"
+      "  pointsweep info scan.ply\n"
+      "  pointsweep info tiles/\n"
+      "  pointsweep info --quick --recursive survey/\n"
+      "  pointsweep info --check delivery/\n"
+      "  pointsweep info --by classification --stats --keep z,intensity scan.laz\n"
+      "  pointsweep info --histogram z tiles/\n"
+      "  pointsweep info --table tile_*.las");
+  verb.callback([options] { info(*options); });
+}
 
 }  // namespace pointsweep

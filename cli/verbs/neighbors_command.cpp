@@ -91,32 +91,28 @@ void neighbors(const NeighborsCommand& command) {
 
 }  // namespace
 
-const Verb kNeighborsVerb = {
-    "neighbors", "Find the exact k nearest neighbours of every point", [](CLI::App& verb) {
-      auto command = std::make_shared<NeighborsCommand>();
-      add_inputs_and_output(verb, command->paths, ".npy array: n rows of k input rows, nearest first");
-      add_output_option(verb, command->paths.named_output);
-      add_neighborhood_options(verb, default_k(), command->neighborhood);
-      verb.get_option("-k")->description(
-          fmt::format("Number of neighbours, excluding the point, and of columns (default: {})", default_k()));
-      verb.add_option("--distances", command->distances, "Write the distances, float64, to this .npy file")
-          ->type_name("FILE")
-          ->group(kOutputGroup);
-      add_keep_option(
-          verb, command->common.keep,
-          "Arrays to write: neighbors, distances or both; distances alone go to OUT (default: neighbors, and "
-          "distances with --distances)");
-      add_run_option(verb, command->common, "engine");
-      add_run_options(verb, command->common);
-      verb.footer(
-          "Row numbers count through the inputs in the order given, from 0. Equal distances are ordered by x, y, z, "
-          "then "
-          "by row. The array has k columns, also with --radius. Where a point has fewer than k neighbours, the rest of "
-          "its "
-          "row is the largest value of the type, and NaN in the distances.\n"
-          "\nExample:\n"
-          "  pointsweep neighbors scan.ply graph.npy -k 16 --distances distances.npy");
-      verb.callback([command] { neighbors(*command); });
-    }};
+void declare_neighbors_verb(CLI::App& verb) {
+  auto command = std::make_shared<NeighborsCommand>();
+  add_inputs_and_output(verb, command->paths, ".npy array: n rows of k input rows, nearest first");
+  add_output_option(verb, command->paths.named_output);
+  add_neighborhood_options(verb, default_k(), command->neighborhood);
+  verb.get_option("-k")->description(
+      fmt::format("Number of neighbours, excluding the point, and of columns (default: {})", default_k()));
+  verb.add_option("--distances", command->distances, "Write the distances, float64, to this .npy file")
+      ->type_name("FILE")
+      ->group(kOutputGroup);
+  add_keep_option(verb, command->common.keep,
+                  "Arrays to write: neighbors, distances or both; distances alone go to OUT (default: neighbors, and "
+                  "distances with --distances)");
+  add_run_option(verb, command->common, "engine");
+  add_run_options(verb, command->common);
+  verb.footer(
+      "Row numbers count through the inputs in the order given, from 0. Equal distances are ordered by x, y, z, then "
+      "by row. The array has k columns, also with --radius. Where a point has fewer than k neighbours, the rest of its "
+      "row is the largest value of the type, and NaN in the distances.\n"
+      "\nExample:\n"
+      "  pointsweep neighbors scan.ply graph.npy -k 16 --distances distances.npy");
+  verb.callback([command] { neighbors(*command); });
+}
 
 }  // namespace pointsweep

@@ -85,54 +85,51 @@ void render_picture(RenderCommand& command) {
 
 }  // namespace
 
-const Verb kRenderVerb = {
-    "render", "Draw a cloud as a picture", [](CLI::App& verb) {
-      auto command = std::make_shared<RenderCommand>();
-      add_inputs_and_output(verb, command->paths, "picture (.png)");
-      add_output_option(verb, command->paths.named_output);
-      verb.add_option("--color", command->options.color,
-                      "Colour points by rgb, normal, height, curvature, classification, an attribute, or not at all "
-                      "(plain) (default: rgb if it varies, else plain with normals, else height)")
-          ->type_name("WHAT");
-      verb.add_option(
-              "--view", command->view,
-              "Direction to look from: front, top, iso or AZIMUTH,ELEVATION in degrees (default: top for flat clouds, "
-              "else 30,25)")
-          ->type_name("VIEW");
-      verb.add_option("--up", command->up,
-                      "Axis that points up: x, y, z, -x, -y or -z (default: z for LAS, else found from the shape)")
-          ->type_name("AXIS");
-      verb.add_option_function<std::string>(
-              "--size", [command](const std::string& text) { parse_picture_size(text, command->options); },
-              "Width and height of the picture in pixels (default: 1200x900)")
-          ->type_name("WxH");
-      verb.add_option(
-              "--point-size", command->options.point_size,
-              "Diameter of every point in pixels (default: splats or radii of the file, else as the points around "
-              "lie apart)")
-          ->type_name("PIXELS")
-          ->check(CLI::Range(0.1, 1000.0).description(""));
-      verb.add_option_function<std::string>(
-              "--background", [command](const std::string& text) { command->options.background = parse_color(text); },
-              "Background colour: white, black or RRGGBB in hexadecimal (default: white)")
-          ->type_name("COLOR");
-      verb.add_flag_callback("--no-legend", [command] { command->options.legend = false; }, "Hide the legend");
-      add_crs_option(verb, command->common);
-      add_format_option(verb, command->common.format);
-      add_run_option(verb, command->common, "overwrite");
-      add_progress_options(verb, command->common);
-      verb.footer(
-          "Points are drawn as their splats where the file has them (nx.., splat_x.., splat_length, splat_ratio), else "
-          "as "
-          "discs "
-          "with the file's radius or one as large as points lie apart (1.5 times as large with normals). "
-          "Numbers are coloured from their 5 % to their 95 % quantile. "
-          "The cloud is read twice and never held in memory; of COPC files no finer levels than pixels show (--depth "
-          "31 "
-          "draws all points).\n"
-          "\nExample:\n"
-          "  pointsweep render splats.ply picture.png --color curvature --view 30,20");
-      verb.callback([command] { render_picture(*command); });
-    }};
+void declare_render_verb(CLI::App& verb) {
+  auto command = std::make_shared<RenderCommand>();
+  add_inputs_and_output(verb, command->paths, "picture (.png)");
+  add_output_option(verb, command->paths.named_output);
+  verb.add_option("--color", command->options.color,
+                  "Colour points by rgb, normal, height, curvature, classification, an attribute, or not at all "
+                  "(plain) (default: rgb if it varies, else plain with normals, else height)")
+      ->type_name("WHAT");
+  verb.add_option(
+          "--view", command->view,
+          "Direction to look from: front, top, iso or AZIMUTH,ELEVATION in degrees (default: top for flat clouds, "
+          "else 30,25)")
+      ->type_name("VIEW");
+  verb.add_option("--up", command->up,
+                  "Axis that points up: x, y, z, -x, -y or -z (default: z for LAS, else found from the shape)")
+      ->type_name("AXIS");
+  verb.add_option_function<std::string>(
+          "--size", [command](const std::string& text) { parse_picture_size(text, command->options); },
+          "Width and height of the picture in pixels (default: 1200x900)")
+      ->type_name("WxH");
+  verb.add_option("--point-size", command->options.point_size,
+                  "Diameter of every point in pixels (default: splats or radii of the file, else as the points around "
+                  "lie apart)")
+      ->type_name("PIXELS")
+      ->check(CLI::Range(0.1, 1000.0).description(""));
+  verb.add_option_function<std::string>(
+          "--background", [command](const std::string& text) { command->options.background = parse_color(text); },
+          "Background colour: white, black or RRGGBB in hexadecimal (default: white)")
+      ->type_name("COLOR");
+  verb.add_flag_callback(
+      "--no-legend", [command] { command->options.legend = false; }, "Hide the legend");
+  add_crs_option(verb, command->common);
+  add_format_option(verb, command->common.format);
+  add_run_option(verb, command->common, "overwrite");
+  add_progress_options(verb, command->common);
+  verb.footer(
+      "Points are drawn as their splats where the file has them (nx.., splat_x.., splat_length, splat_ratio), else as "
+      "discs "
+      "with the file's radius or one as large as points lie apart (1.5 times as large with normals). "
+      "Numbers are coloured from their 5 % to their 95 % quantile. "
+      "The cloud is read twice and never held in memory; of COPC files no finer levels than pixels show (--depth 31 "
+      "draws all points).\n"
+      "\nExample:\n"
+      "  pointsweep render splats.ply picture.png --color curvature --view 30,20");
+  verb.callback([command] { render_picture(*command); });
+}
 
 }  // namespace pointsweep

@@ -34,23 +34,22 @@ void sort_points(const SortCommand& command) {
 
 }  // namespace
 
-const Verb kSortVerb = {
-    "sort", "Write the points in ascending order along an axis", [](CLI::App& verb) {
-      auto command = std::make_shared<SortCommand>();
-      add_inputs_and_output(verb, command->paths, "with the attributes of the input, unchanged");
-      add_output_option(verb, command->paths.named_output);
-      add_keep_option(verb, command->common.keep,
-                      "Attributes to write, e.g. intensity,classification; x, y and z always are (default: all)");
-      add_named_options(verb, command->common,
-                        {"scale", "offset", "point_format", "las_version", "decimals", "provenance", "no_provenance"});
-      add_stated_crs_options(verb, command->common);
-      add_run_options(verb, command->common);
-      verb.footer(
-          "Equal coordinates are ordered by x, y, z, then by input row. Points with NaN or infinite coordinates come "
-          "last.\n"
-          "\nExample:\n"
-          "  pointsweep sort tile_1.las tile_2.las sorted.las --axis x --memory 1G");
-      verb.callback([command] { sort_points(*command); });
-    }};
+void declare_sort_verb(CLI::App& verb) {
+  auto command = std::make_shared<SortCommand>();
+  add_inputs_and_output(verb, command->paths, "with the attributes of the input, unchanged");
+  add_output_option(verb, command->paths.named_output);
+  add_keep_option(verb, command->common.keep,
+                  "Attributes to write, e.g. intensity,classification; x, y and z always are (default: all)");
+  add_named_options(verb, command->common,
+                    {"scale", "offset", "point_format", "las_version", "decimals", "provenance", "no_provenance"});
+  add_stated_crs_options(verb, command->common);
+  add_run_options(verb, command->common);
+  verb.footer(
+      "Equal coordinates are ordered by x, y, z, then by input row. Points with NaN or infinite coordinates come "
+      "last.\n"
+      "\nExample:\n"
+      "  pointsweep sort tile_1.las tile_2.las sorted.las --axis x --memory 1G");
+  verb.callback([command] { sort_points(*command); });
+}
 
 }  // namespace pointsweep

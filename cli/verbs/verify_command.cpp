@@ -90,40 +90,35 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
 
 }  // namespace
 
-const Verb kVerifyVerb = {
-    "verify", "Check a result by brute force, or compare two files", [](CLI::App& verb) {
-      auto command = std::make_shared<VerifyCommand>();
-      add_inputs_and_output(verb, command->paths, "file or folder that a run has written from them");
-      add_neighborhood_options(verb, "", command->neighborhood);
-      verb.add_option("--pipeline", command->check.pipeline,
-                      "The pipeline of the run (default: the record in the output, or guessed from its attributes)")
-          ->type_name("TEXT|FILE");
-      add_keep_option(verb, command->check.keep, "The --keep of the run (default: all attributes)");
-      add_check_options(verb, *command);
-      add_run_option(
-          verb, command->common, "memory",
-          "Memory for the neighbours of the sample; a larger sample is checked in several passes (default: 1G)");
-      add_crs_option(verb, command->common);
-      add_format_option(verb, command->common.format);
-      add_progress_options(verb, command->common);
-      verb.footer(
-          "Compares every point and attribute of the input with the output. For a sample of points, finds the "
-          "neighbours "
-          "by\n"
-          "brute force and recomputes the computed attributes by formulas that the run does not use. An output with a\n"
-          "record of its run (see info) needs no options, and no inputs if these are in its folder or in the current "
-          "one.\n"
-          "Otherwise give the options of the run; --pipeline if normals were oriented, points moved or attributes "
-          "replaced.\n"
-          "Without computed attributes, two files are compared, whatever their formats and orders.\n"
-          "Exit status: 0 if all was checked and is right, 1 if the output differs, 3 if not all could be checked and "
-          "the\n"
-          "rest is right.\n"
-          "\nExample:\n"
-          "  pointsweep verify normals.ply\n"
-          "  pointsweep verify scan.ply normals.ply -k 12\n"
-          "  pointsweep verify scan.ply out.las --pipeline 'knn(k=12) | normals(orient=up)' --sample 1000");
-      verb.callback([command] { run_check(*command); });
-    }};
+void declare_verify_verb(CLI::App& verb) {
+  auto command = std::make_shared<VerifyCommand>();
+  add_inputs_and_output(verb, command->paths, "file or folder that a run has written from them");
+  add_neighborhood_options(verb, "", command->neighborhood);
+  verb.add_option("--pipeline", command->check.pipeline,
+                  "The pipeline of the run (default: the record in the output, or guessed from its attributes)")
+      ->type_name("TEXT|FILE");
+  add_keep_option(verb, command->check.keep, "The --keep of the run (default: all attributes)");
+  add_check_options(verb, *command);
+  add_run_option(verb, command->common, "memory",
+                 "Memory for the neighbours of the sample; a larger sample is checked in several passes (default: 1G)");
+  add_crs_option(verb, command->common);
+  add_format_option(verb, command->common.format);
+  add_progress_options(verb, command->common);
+  verb.footer(
+      "Compares every point and attribute of the input with the output. For a sample of points, finds the neighbours "
+      "by\n"
+      "brute force and recomputes the computed attributes by formulas that the run does not use. An output with a\n"
+      "record of its run (see info) needs no options, and no inputs if these are in its folder or in the current one.\n"
+      "Otherwise give the options of the run; --pipeline if normals were oriented, points moved or attributes "
+      "replaced.\n"
+      "Without computed attributes, two files are compared, whatever their formats and orders.\n"
+      "Exit status: 0 if all was checked and is right, 1 if the output differs, 3 if not all could be checked and the\n"
+      "rest is right.\n"
+      "\nExample:\n"
+      "  pointsweep verify normals.ply\n"
+      "  pointsweep verify scan.ply normals.ply -k 12\n"
+      "  pointsweep verify scan.ply out.las --pipeline 'knn(k=12) | normals(orient=up)' --sample 1000");
+  verb.callback([command] { run_check(*command); });
+}
 
 }  // namespace pointsweep

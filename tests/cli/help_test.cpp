@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
@@ -84,6 +85,32 @@ TEST_F(Help, LinesOfFormulasAreWhole) {
       const bool is_plain_word = std::ranges::all_of(word, [](char c) { return c >= 'a' && c <= 'z'; });
       EXPECT_TRUE(!is_plain_word || lines[i].ends_with('.') || lines[i].ends_with(';')) << lines[i];
     }
+  }
+}
+
+/// Returns the names of the options of every verb.
+std::map<std::string, std::vector<std::string>> options_of_verbs(const CLI::App& app) {
+  std::map<std::string, std::vector<std::string>> options;
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
+    for (const CLI::Option* option : verb->get_options()) options[verb->get_name()].push_back(option->get_name());
+  return options;
+}
+
+TEST_F(Help, AVerbAloneHasItsOptionsAndTheOthersTheirNames) {
+  CLI::App all;
+  add_verbs(all);
+  const auto of_all = options_of_verbs(all);
+  EXPECT_GE(of_all.size(), 23u);
+  for (const auto& [name, options] : of_all) {
+    CLI::App one;
+    add_verbs(one, name);
+    const auto of_one = options_of_verbs(one);
+    EXPECT_EQ(of_one.at(name), options) << name;
+    EXPECT_EQ(of_one.size(), of_all.size()) << name;
+    if (name == "help" || name == "completion" || name == "man")
+      EXPECT_EQ(of_one, of_all) << name;
+    else
+      EXPECT_EQ(of_one.at(name == "info" ? "normals" : "info"), std::vector<std::string>{"--help"}) << name;
   }
 }
 
