@@ -7,16 +7,6 @@ target_compile_options(pointsweep_flags INTERFACE -ffp-contract=off -Wall -Wextr
 # In a unity build GCC takes the anonymous namespaces of included sources for those of headers.
 target_compile_options(pointsweep_flags INTERFACE "$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-subobject-linkage>")
 set(CMAKE_CXX_EXTENSIONS OFF)
-# GCC looks for garbage whenever 128 MB have come to what it kept, which is a tenth of its work on a unity build. It does so from 1 GB on
-# where a machine has the memory for that; a source then takes up to 2.4 GB.
-if(PROJECT_IS_TOP_LEVEL AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-  cmake_host_system_information(RESULT megabytes QUERY TOTAL_PHYSICAL_MEMORY)
-  cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
-  math(EXPR megabytes_of_a_core "${megabytes} / ${cores}")
-  if(megabytes_of_a_core GREATER_EQUAL 3000)
-    add_compile_options($<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-heapsize=1048576>)
-  endif()
-endif()
 set(POINTSWEEP_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 if(POINTSWEEP_SANITIZE)
   add_compile_options(-fsanitize=${POINTSWEEP_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
