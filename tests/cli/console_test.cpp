@@ -70,7 +70,7 @@ class Console : public Tool {
   }
 
   int status_in_shell(const std::string& arguments) {
-    const std::string command = "cd '" + folder_.string() + "' && exec '" POINTSWEEP_TOOL "' " + arguments;
+    const std::string command = "cd '" + folder_.string() + "' && exec " + program() + " " + arguments;
     return WEXITSTATUS(std::system(command.c_str()));
   }
 
@@ -179,7 +179,7 @@ TEST_F(Console, ATerminalGetsNoEscapeSequence) {
   if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0)
     GTEST_SKIP() << "this system gives no pseudo-terminal";
   made("generate sphere scan.ply -n 100");
-  const std::string command = "'" POINTSWEEP_TOOL "' sort scan.ply out.ply --force";
+  const std::string command = program() + " sort scan.ply out.ply --force";
   for (const std::string terminal : {"TERM=dumb", "TERM=xterm NO_COLOR=1", "TERM=xterm"}) {
     const std::string text = terminal_gets(master, "cd '" + folder_.string() + "' && " + terminal + " " + command);
     EXPECT_NE(text.find("wrote out.ply"), text.npos) << terminal << text;

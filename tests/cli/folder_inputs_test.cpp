@@ -184,7 +184,7 @@ TEST_F(FolderInputs, FilesWithoutASignatureAreInAFolderIfTheirFormatIsAskedFor) 
 }
 
 TEST_F(FolderInputs, StandardInputMayBeOneOfThemAndHasNoPlaceInAFolderOfOutputs) {
-  const std::string begin = "cd '" + folder_.string() + "' && '" POINTSWEEP_TOOL "' ";
+  const std::string begin = "cd '" + folder_.string() + "' && " + program() + " ";
   EXPECT_EQ(std::system((begin + "normals tiles/deep - -o out.ply <tiles/b.ply 2>/dev/null").c_str()), 0);
   EXPECT_EQ(points_in("out.ply"), 350u);
   refused(2, "normals - out/", "standard input has no name for its output in a folder");

@@ -344,7 +344,7 @@ TEST_F(FolderOutputs, AfterASuddenDeathResumeLeavesFinishedOnesAndRemovesWhatWas
   made("normals tiles whole/ -k 3");
   const std::string arguments = "normals tiles out/ -k 3 --resume kept --checkpoint-seconds 0 ";
   const std::string command =
-      "cd '" + folder_.string() + "' && { '" POINTSWEEP_TOOL "' " + arguments +
+      "cd '" + folder_.string() + "' && { " + program() + " " + arguments +
       " 2>/dev/null & } && while kill -0 $! && ! { [ -e out/a.ply ] && [ -e out/b.ply ]; }; do :; done; kill -9 $!; "
       "wait $!";
   std::system(command.c_str());

@@ -23,7 +23,7 @@ class Interrupt : public Tool {
     if (child != 0) return child;
     std::signal(SIGINT, SIG_DFL);  // a shell's background jobs ignore it, and so would the tool
     const std::string command =
-        "cd '" + folder_.string() + "' && exec '" POINTSWEEP_TOOL "' " + arguments + " >/dev/null 2>/dev/null";
+        "cd '" + folder_.string() + "' && exec " + program() + " " + arguments + " >/dev/null 2>/dev/null";
     execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
     _exit(98);
   }

@@ -7,6 +7,7 @@
 #include "pointsweep/pipeline/language/quantities.h"
 #include "tests/cli/tool.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/sanitizers.h"
 
 namespace pointsweep {
 namespace {
@@ -95,11 +96,8 @@ constexpr Outcome kOutcomes[] = {
     {"point-cloud-utils/bunny_duplicates.ply", 2895},
 };
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr const char* kLimited = "exec timeout 60";  // its shadow memory is larger than any limit
-#else
-constexpr const char* kLimited = "ulimit -v 400000 && exec timeout 60";  // KB: no count of a header is believed
-#endif
+/// KB: no count of a header is believed. The shadow memory of a sanitizer is larger than any limit.
+const std::string limited = has_sanitizer() ? "exec timeout 60" : "ulimit -v 400000 && exec timeout 60";
 
 class MalformedFiles : public Tool {
  protected:
@@ -110,7 +108,7 @@ class MalformedFiles : public Tool {
     const std::string in = "'" + (data_ / outcome.file).string() + "'";
     const std::string_view name = outcome.file;
     const std::string out = name.ends_with(".las") ? "out.las" : name.ends_with(".laz") ? "out.laz" : "out.ply";
-    const Result run = tool_under(kLimited, "normals " + in + " " + out + " --force --memory 200M --threads 1 --quiet");
+    const Result run = tool_under(limited, "normals " + in + " " + out + " --force --memory 200M --threads 1 --quiet");
     if (outcome.sentence == nullptr) {
       EXPECT_EQ(run.status, 0) << run.err;
       const Result check = tool("verify " + in + " " + out + " --sample 200 --pipeline normals");

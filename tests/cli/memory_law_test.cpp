@@ -5,6 +5,7 @@
 
 #include "tests/cli/tool.h"
 #include "tests/support/examples.h"
+#include "tests/support/sanitizers.h"
 
 namespace pointsweep {
 namespace {
@@ -40,9 +41,7 @@ class MemoryLaw : public Tool, public testing::WithParamInterface<std::string> {
 };
 
 TEST_P(MemoryLaw, TheLeastMemoryIsNeverExceeded) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers take memory of their own";
-#endif
+  if (has_sanitizer()) GTEST_SKIP() << "sanitizers take memory of their own";
   const std::uint64_t least = least_mega();
   for (const std::uint64_t mega : {least, mega_for_all_threads(least)}) {
     made(command(mega));

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/cli/tool.h"
+#include "tests/support/sanitizers.h"
 
 namespace pointsweep {
 namespace {
@@ -19,7 +20,7 @@ class StandardStreams : public Tool {
 
   /// A script in the folder of the test, in which $T is the tool; its status is that of the whole pipe.
   Result script(const std::string& text) {
-    write(".script", "set -o pipefail\nT='" POINTSWEEP_TOOL "'\n" + text + "\n");
+    write(".script", "set -o pipefail\nT=" + program() + "\n" + text + "\n");
     const int state = std::system(("cd '" + folder_.string() + "' && exec bash .script >.out 2>.err").c_str());
     return {WIFEXITED(state) ? WEXITSTATUS(state) : 128 + WTERMSIG(state), contents(folder_ / ".out"),
             contents(folder_ / ".err")};
@@ -188,9 +189,7 @@ TEST_F(StandardStreams, AnErrorBeforeTheFirstPointLeavesStandardOutputEmpty) {
 
 /// The copy of a pipe takes no memory.
 TEST_F(StandardStreams, APipeLargerThanTheBudgetIsRead) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers take memory themselves";
-#endif
+  if (has_sanitizer()) GTEST_SKIP() << "sanitizers take memory of their own";
   made("generate statue large.ply -n 3M --double");  // 72 MB without normals
   const Result piped =
       script("cat large.ply | $T normals - out.ply --memory 60M --temp-dir temp --stats s.json --quiet");

@@ -25,6 +25,11 @@ struct Result {
 
 class Tool : public testing::Test {
  protected:
+  /// The tool of the build folder in which this test stands, in quotes for the shell.
+  static std::string program() {
+    return "'" + (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "../cli/pointsweep").string() + "'";
+  }
+
   Tool() {
     std::string name = (std::filesystem::temp_directory_path() / "pointsweep-cli-test-XXXXXX").string();
     folder_ = mkdtemp(name.data());
@@ -36,7 +41,7 @@ class Tool : public testing::Test {
   /// `how` the shell is to start the tool, e.g. "ulimit -f 10 && exec".
   Result tool_under(const std::string& how, const std::string& arguments) {
     const std::string command =
-        "cd '" + folder_.string() + "' && " + how + " '" POINTSWEEP_TOOL "' " + arguments + " >.out 2>.err </dev/null";
+        "cd '" + folder_.string() + "' && " + how + " " + program() + " " + arguments + " >.out 2>.err </dev/null";
     const int state = std::system(command.c_str());
     return {WIFEXITED(state) ? WEXITSTATUS(state) : 128 + WTERMSIG(state), contents(folder_ / ".out"),
             contents(folder_ / ".err")};

@@ -4,14 +4,12 @@
 
 #include <cstddef>
 
+#include "tests/support/sanitizers.h"
+
 namespace pointsweep {
 
-#if defined(__SANITIZE_THREAD__)
-constexpr std::size_t sized(std::size_t points) { return points / 4; }
-#elif defined(__SANITIZE_ADDRESS__)
-constexpr std::size_t sized(std::size_t points) { return points / 2; }
-#else
-constexpr std::size_t sized(std::size_t points) { return points; }
-#endif
+inline std::size_t sized(std::size_t points) {
+  return has_thread_sanitizer() ? points / 4 : has_address_sanitizer() ? points / 2 : points;
+}
 
 }  // namespace pointsweep
