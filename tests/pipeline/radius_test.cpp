@@ -163,12 +163,13 @@ TEST(Radius, NeighborsAreEstimatedWithinAFactorOfTwoFromASampleOfThem) {
     for (const double radius : {0.01, 0.03, 0.1, 0.3}) {
       const double truth = mean_neighbors(points, radius, 100);
       if (truth < 4) continue;
-      const RadiusEstimate estimate = estimate_radius(survey, points.size(), radius, 2 * radius);
+      const RadiusEstimate estimate = estimate_radius(survey, points.size(), radius);
       EXPECT_LT(estimate.neighbors, 2 * truth) << radius << ", volume: " << volume;
       EXPECT_GT(estimate.neighbors, truth / 2) << radius << ", volume: " << volume;
       EXPECT_GE(estimate.most_neighbors, estimate.neighbors);
-      EXPECT_GE(estimate.slice_points, static_cast<std::uint64_t>(100'000 * 2 * radius * 0.98));
-      EXPECT_LE(estimate.slice_points, static_cast<std::uint64_t>(100'000 * 2 * radius * 1.5 + 2000));
+      const std::uint64_t slice = estimate_slice(survey, points.size(), 2 * radius);
+      EXPECT_GE(slice, static_cast<std::uint64_t>(100'000 * 2 * radius * 0.98));
+      EXPECT_LE(slice, static_cast<std::uint64_t>(100'000 * 2 * radius * 1.5 + 2000));
     }
   }
 }

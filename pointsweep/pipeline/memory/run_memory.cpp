@@ -44,8 +44,8 @@ Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& sur
   const Neighborhood& n = plan.neighborhood;
   if (n.k != Neighborhood::kUnlimited) return {};
   const double width = n.radius * static_cast<double>(plan.step_count() + 1);
-  const RadiusEstimate estimate = estimate_radius(survey, demand.points, n.radius, width);
-  demand.slice_points = estimate.slice_points;
+  const RadiusEstimate estimate = estimate_radius(survey, demand.points, n.radius);
+  demand.slice_points = estimate_slice(survey, demand.points, width);
   demand.most_neighbors = static_cast<std::uint64_t>(estimate.most_neighbors);
   const double all = estimate.neighbors * static_cast<double>(demand.points);
   return {neighbor_seconds(plan, all) / demand.threads, "The radius", neighbors_text(estimate.neighbors),
@@ -65,9 +65,7 @@ void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& s
                   Effort& effort) {
   const InOrderOperator* op = pass.in_order();
   if (op == nullptr) return;
-  const auto slice_points = [&](double thickness) {
-    return estimate_radius(survey, demand.points, thickness / 2, thickness).slice_points;
-  };
+  const auto slice_points = [&](double thickness) { return estimate_slice(survey, demand.points, thickness); };
   const CloudEstimate cloud{.points = demand.points,
                             .sample = survey.sample,
                             .axis = axis_of_places(survey, options),

@@ -23,22 +23,30 @@ constexpr std::size_t kNearest = 8;  ///< number of nearest sample points from w
 /// `script/bench radius` at about 1,000 neighbours.
 constexpr double kSearchCost = 20, kOtherCost = 10;
 
-/// Returns the estimated number of points within the radius of sample point `q`.
-double neighbors_of(const Survey& survey, std::size_t q, double radius, double points_per_sample) {
+/// Returns the distance of the kNearest-th of the other sample points from sample point `q`, or infinity.
+double distance_of_nearest(const std::vector<Vec3>& sample, std::size_t q) {
   std::array<double, kNearest> nearest2;
   nearest2.fill(Box::kInf);
-  std::size_t within = 0;
-  for (std::size_t i = 0; i < survey.sample.size(); ++i) {
-    if (i == q) continue;
-    const double d2 = distance2(survey.sample[i], survey.sample[q]);
-    within += d2 <= radius * radius;
-    if (d2 >= nearest2.back()) continue;
+  for (std::size_t i = 0; i < sample.size(); ++i) {
+    const double d2 = distance2(sample[i], sample[q]);
+    if (d2 >= nearest2.back() || i == q) continue;
     *std::prev(nearest2.end()) = d2;
     std::inplace_merge(nearest2.begin(), std::prev(nearest2.end()), nearest2.end());
   }
-  const double farthest = std::sqrt(nearest2.back());
-  if (within >= kNearest || points_per_sample == 1 || !(farthest > radius) || !std::isfinite(farthest))
-    return static_cast<double>(within) * points_per_sample;
+  return std::sqrt(nearest2.back());
+}
+
+/// Returns the estimated number of points within the radius of sample point `q`.
+double neighbors_of(const Survey& survey, std::size_t q, double radius, double points_per_sample) {
+  const Vec3 center = survey.sample[q];
+  const double radius2 = radius * radius;
+  std::size_t within = 0;
+  for (const Vec3& p : survey.sample) within += distance2(p, center) <= radius2;  // no branch, so that it becomes vector code
+  --within;                                                                       // the point itself
+  const auto counted = static_cast<double>(within) * points_per_sample;
+  if (within >= kNearest || points_per_sample == 1) return counted;
+  const double farthest = distance_of_nearest(survey.sample, q);
+  if (!(farthest > radius) || !std::isfinite(farthest)) return counted;
   return kNearest * points_per_sample * std::pow(radius / farthest, std::clamp(survey.dimension, 1.0, 3.0));
 }
 
@@ -50,6 +58,10 @@ std::size_t most_within(const std::vector<double>& coordinates, double width) {
     most = std::max(most, end - begin + 1);
   }
   return most;
+}
+
+double points_per_sample(const Survey& survey, std::uint64_t points) {
+  return std::max(1.0, static_cast<double>(points) / static_cast<double>(survey.sample.size()));
 }
 
 double cost_of(const std::string& name) {
@@ -134,25 +146,29 @@ std::size_t most_open(const std::vector<Vec3>& places, const std::vector<Offsets
 
 }  // namespace
 
-RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, double radius, double width) {
+RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, double radius) {
   RadiusEstimate result;
   if (survey.sample.empty()) return result;
-  const double sampled = static_cast<double>(survey.sample.size()), all = static_cast<double>(points);
-  const double each = std::max(1.0, all / sampled);
+  const double all = static_cast<double>(points);
   const std::size_t queries = std::min(kQueries, survey.sample.size());
   for (std::size_t q = 0; q < queries; ++q) {
     stop_if_cancelled();
-    const double n = std::min(neighbors_of(survey, q * survey.sample.size() / queries, radius, each), all - 1);
+    const std::size_t at = q * survey.sample.size() / queries;
+    const double n = std::min(neighbors_of(survey, at, radius, points_per_sample(survey, points)), all - 1);
     result.neighbors += n / static_cast<double>(queries);
     result.most_neighbors = std::max(result.most_neighbors, n);
   }
+  return result;
+}
+
+std::uint64_t estimate_slice(const Survey& survey, std::uint64_t points, double width) {
+  if (survey.sample.empty()) return 0;
   std::vector<double> coordinates;
   for (const Vec3& p : survey.sample) coordinates.push_back(p[survey.axis]);
   std::ranges::sort(coordinates);
-  const double most = static_cast<double>(most_within(coordinates, width));
+  const double most = static_cast<double>(most_within(coordinates, width)), each = points_per_sample(survey, points);
   const double chance = each == 1 ? 0 : 2 * std::sqrt(most);  // two standard deviations of a count
-  result.slice_points = static_cast<std::uint64_t>(std::min((most + chance) * each, all));
-  return result;
+  return static_cast<std::uint64_t>(std::min((most + chance) * each, static_cast<double>(points)));
 }
 
 double neighbor_seconds(const SweepPlan& plan, double neighbors) {

@@ -14,15 +14,17 @@
 namespace pointsweep {
 
 struct RadiusEstimate {
-  double neighbors = 0;            ///< average number per point
-  double most_neighbors = 0;       ///< number for a point in the densest place of the sample
-  std::uint64_t slice_points = 0;  ///< most points between two planes across the axis, `width` apart
+  double neighbors = 0;       ///< average number per point
+  double most_neighbors = 0;  ///< number for a point in the densest place of the sample
 };
 
 /// Estimates neighbours within a radius, for a cloud of `points` points. If fewer than 8 points of the sample lie
 /// within the radius, the number follows from the distance of the 8th point and the survey's dimension, within a factor
 /// of about two. Takes at most 0.1 s.
-RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, double radius, double width);
+RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, double radius);
+
+/// Estimates, for a cloud of `points` points, the most points between two planes across the axis, `width` apart.
+std::uint64_t estimate_slice(const Survey& survey, std::uint64_t points, double width);
 
 /// Returns the CPU seconds of search and operators for a total of `neighbors` neighbours, within a factor of about two
 /// on one core of 2.6 GHz.
