@@ -8,15 +8,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 
-namespace pointsweep {
+#include "tests/support/contents.h"
 
-inline std::string contents(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+namespace pointsweep {
 
 struct Result {
   int status;  ///< of the process; 128 + number if a signal ended it

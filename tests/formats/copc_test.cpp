@@ -58,7 +58,7 @@ class Copc : public testing::Test {
     const auto writer = create_laz_writer(plan);
     writer->write(records);
     writer->finish();
-    bytes_ = content_of(folder_ / "a.laz");
+    bytes_ = contents(folder_ / "a.laz");
     const std::size_t name = bytes_.find("cop_");
     ASSERT_NE(name, std::string::npos);
     bytes_[name + 3] = 'c';

@@ -252,7 +252,7 @@ TEST(CrsThroughPly, ComesBackToLasAsItWas) {
     run_copy({in}, folder / "a.ply", &warnings);
     EXPECT_TRUE(warnings.empty());
     run_copy({folder / "a.ply"}, folder / "b.ply");
-    EXPECT_EQ(content_of(folder / "a.ply"), content_of(folder / "b.ply"));
+    EXPECT_EQ(contents(folder / "a.ply"), contents(folder / "b.ply"));
     run_copy({folder / "b.ply"}, folder / "out.las");
     const auto before = open_reader(in), after = open_reader(folder / "out.las");
     ASSERT_TRUE(after->info().crs.has_value());
@@ -267,7 +267,7 @@ TEST(CrsThroughPly, LinesAreShortEnoughForOtherReaders) {
   wkt.insert(wkt.size() - 1, ",REMARK[\"" + std::string(5000, 'x') + "\"]");
   run_copy({las_with(folder, "in.las", {wkt_vlr(wkt)}, 6)}, folder / "out.ply");
   std::size_t longest = 0, length = 0;
-  const std::string ply = content_of(folder / "out.ply");
+  const std::string ply = contents(folder / "out.ply");
   for (const char c : ply.substr(0, ply.find("end_header")))
     longest = std::max(longest, c == '\n' ? length : ++length), length = c == '\n' ? 0 : length;
   EXPECT_LE(longest, 1000u);
@@ -281,7 +281,7 @@ TEST(CrsThroughPly, CommentsThatAreNoWktStayComments) {
   const auto in = folder.write("in.ply", header);
   EXPECT_FALSE(open_reader(in)->info().crs.has_value());
   run_copy({in}, folder / "out.ply");
-  EXPECT_NE(content_of(folder / "out.ply").find("comment crs EPSG:2154\ncomment crs_geotiff_keys 1 x\n"),
+  EXPECT_NE(contents(folder / "out.ply").find("comment crs EPSG:2154\ncomment crs_geotiff_keys 1 x\n"),
             std::string::npos);
 }
 

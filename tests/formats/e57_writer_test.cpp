@@ -148,10 +148,10 @@ TEST_F(E57Writing, SaysHowItWasMadeAndTheSameRunGivesTheSameBytes) {
   OutputPlan again = one;
   again.path = folder_ / "again.e57";
   write_all(again, record);
-  EXPECT_EQ(content_of(one.path), content_of(again.path));
+  EXPECT_EQ(contents(one.path), contents(again.path));
   again.provenance.clear();
   write_all(again, record);
-  EXPECT_NE(content_of(one.path), content_of(again.path)) << "and another identifier";
+  EXPECT_NE(contents(one.path), contents(again.path)) << "and another identifier";
 }
 
 TEST_F(E57Writing, WarnsOfACoordinateSystemThatItCannotState) {

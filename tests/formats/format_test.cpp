@@ -133,9 +133,8 @@ TEST(Format, ItsOutputsAreRecognisedByTheirFirstBytes) {
 
 /// The table of the formats, which a change of a descriptor changes: put the printed one into docs/formats.md.
 TEST(Format, TheDocumentationHasTheTableOfAllFormats) {
-  std::ifstream file(std::filesystem::path(POINTSWEEP_SOURCE_DIR) / "docs/formats.md");
-  const std::string page{std::istreambuf_iterator<char>(file), {}};
-  EXPECT_THAT(page, ::testing::HasSubstr(formats_table()));
+  const std::filesystem::path page = std::filesystem::path(POINTSWEEP_SOURCE_DIR) / "docs/formats.md";
+  EXPECT_THAT(contents(page), ::testing::HasSubstr(formats_table()));
 }
 
 /// The least and most value of a type and what is hardest to hold between them.

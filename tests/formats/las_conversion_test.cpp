@@ -198,7 +198,7 @@ TEST(LasConversion, OfAnotherLasLayoutKeepsHeaderVlrsAndWhatLiesBehind) {
   OutputPlan plan = cloud.plan(folder / "out.las");
   plan.extras = reader->info().extras;
   const Written out = write_and_read(plan, cloud.records);
-  const std::string bytes = content_of(folder / "out.las");
+  const std::string bytes = contents(folder / "out.las");
   EXPECT_EQ(out.info.format, "LAS 1.4 point format 6");
   EXPECT_EQ(bytes.substr(8, 16), in.substr(8, 16));  // project GUID
   EXPECT_EQ(bytes.substr(375, 57), file.vlrs[0]);
@@ -247,7 +247,7 @@ TEST(LasConversion, EqualRunsGiveEqualBytes) {
   writer->write_at(500, part.subspan(500 * cloud.schema.stride));
   writer->write_at(0, part.first(500 * cloud.schema.stride));
   writer->finish();
-  EXPECT_TRUE(content_of(folder / "a.las") == content_of(folder / "b.las"));
+  EXPECT_TRUE(contents(folder / "a.las") == contents(folder / "b.las"));
 }
 
 }  // namespace

@@ -170,7 +170,7 @@ TEST(LasData, EveryFileHasItsPointsOrItsSentence) {
       EXPECT_NE(warnings[0].find(row.sentence), std::string::npos) << warnings[0];
     }
     copy(*reader, folder / "copy.las");
-    check_copy(content_of(path), content_of(folder / "copy.las"), row.outcome);
+    check_copy(contents(path), contents(folder / "copy.las"), row.outcome);
     std::filesystem::remove(folder / "copy.las");
   }
 }

@@ -3,13 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "tests/formats/las_test_file.h"
+#include "tests/support/contents.h"
 
 namespace las_test {
 
@@ -115,9 +114,6 @@ struct Decoded {
   }
 };
 
-inline Decoded decoded(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {{std::istreambuf_iterator<char>(stream), {}}};
-}
+inline Decoded decoded(const std::string& path) { return {pointsweep::contents(path)}; }
 
 }  // namespace las_test

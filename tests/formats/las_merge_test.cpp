@@ -309,7 +309,7 @@ TEST(LasThroughPly, IsTheSamePointFormatScaleAndValues) {
     const auto in = folder.write("in.las", las_bytes(kind, 1));
     copy_points({in}, folder / "a.ply");
     copy_points({folder / "a.ply"}, folder / "b.ply");
-    ASSERT_EQ(content_of(folder / "a.ply"), content_of(folder / "b.ply"));
+    ASSERT_EQ(contents(folder / "a.ply"), contents(folder / "b.ply"));
     copy_points({folder / "b.ply"}, folder / "out.las");
     const Decoded out = decoded(folder / "out.las");
     ASSERT_EQ(out.format(), format);
@@ -347,7 +347,7 @@ TEST(LasThroughPly, MeetsLasAgainAtTheFinestScale) {
 /// Replaces `from` by `to` in the header, and the x of all points by x + 0.0037 where `move`.
 fs::path moved_ply(const TemporaryFolder& folder, const fs::path& las) {
   copy_points({las}, folder / "still.ply");
-  std::string ply = content_of(folder / "still.ply");
+  std::string ply = contents(folder / "still.ply");
   const std::size_t at = ply.find("end_header\n") + 11;
   las_test::put(ply, at, las_test::get<double>(ply, at) + 0.0037);
   return folder.write("moved.ply", ply);
@@ -401,7 +401,7 @@ TEST(LasThroughPly, CommentsThatMakeNoSenseStayComments) {
                                                "property float z\nend_header\n1 2 3\n");
     EXPECT_FALSE(open_reader(in)->info().las != nullptr) << line;
     copy_points({in}, folder / "out.ply");
-    EXPECT_NE(content_of(folder / "out.ply").find(line), std::string::npos);
+    EXPECT_NE(contents(folder / "out.ply").find(line), std::string::npos);
   }
 }
 

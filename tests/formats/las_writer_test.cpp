@@ -41,7 +41,7 @@ std::string copy_of(const TemporaryFolder& folder, const std::string& file) {
   const auto writer = create_las_writer(plan);
   writer->write(text_bytes(record_text(*reader)));
   writer->finish();
-  return content_of(folder / "out.las");
+  return contents(folder / "out.las");
 }
 
 /// Records with `made` random bytes behind each.
@@ -123,7 +123,7 @@ TEST(LasWriter, AppendsMadeFieldsAsExtraBytesAndMovesWhatLiesBehind) {
     writer->write(text_bytes(records));
     writer->finish();
 
-    const std::string out = content_of(folder / "out.las");
+    const std::string out = contents(folder / "out.las");
     std::string expected_vlr = vlr(
         "LASF_Spec", 4,
         descriptor("NormalX", 9) + descriptor("NormalY", 9) + descriptor("NormalZ", 9) + descriptor("Curvature", 10));
@@ -173,7 +173,7 @@ TEST(LasWriter, ContinuesTheExtraBytesOfTheInput) {
   writer->finish();
   const auto again = open_las(folder / "out.las");
   const Schema& schema = again->info().schema;
-  EXPECT_EQ(get<std::uint32_t>(content_of(folder / "out.las"), 100), 4u);
+  EXPECT_EQ(get<std::uint32_t>(contents(folder / "out.las"), 100), 4u);
   ASSERT_EQ(schema.fields.size(), reader->info().schema.fields.size() + 5);
   const Field& width = schema.fields[*schema.find("width")];
   EXPECT_EQ(width.offset, 34u);
@@ -261,7 +261,7 @@ TEST(LasWriter, AcceptsRowsInAnyOrderAndMoreThanOnce) {
       }
       writer->write_at(30, text_bytes(file.points().substr(30 * stride, 10 * stride)));
       writer->finish();
-      EXPECT_TRUE(content_of(folder / "out.las") == file.bytes()) << minor << twice;
+      EXPECT_TRUE(contents(folder / "out.las") == file.bytes()) << minor << twice;
       std::filesystem::remove(folder / "in.las");
     }
   }
@@ -276,7 +276,7 @@ TEST(LasWriter, MayReplaceItsOwnInput) {
   const auto writer = create_las_writer(plan);
   writer->write(text_bytes(record_text(*reader)));
   writer->finish();
-  EXPECT_TRUE(content_of(folder / "in.las") == file.bytes());
+  EXPECT_TRUE(contents(folder / "in.las") == file.bytes());
 }
 
 TEST(LasWriter, LeavesNothingBehindWhenRowsAreMissingOrTooMany) {

@@ -71,7 +71,7 @@ class Laz : public testing::Test {
     file.count = kLazChunkPoints + 1000;
     write_file(folder_ / "two.las", file.bytes());
     copy_points(folder_ / "two.las", folder_ / "two.laz", create_laz_writer);
-    return content_of(folder_ / "two.laz");
+    return contents(folder_ / "two.laz");
   }
 
   const TemporaryFolder folder_;
@@ -94,8 +94,8 @@ TEST_F(Laz, HoldsAllOfALasFileOfEveryPointFormat) {
         copy_points(folder_ / "a.las", folder_ / "b.laz", create_laz_writer);
         copy_points(folder_ / "b.laz", folder_ / "c.las", create_las_writer);
         EXPECT_TRUE(record_text_of(folder_ / "b.laz") == file.points());
-        EXPECT_TRUE(content_of(folder_ / "c.las") == file.bytes()) << "header, VLRs, padding, points, EVLRs";
-        const std::string laz = content_of(folder_ / "b.laz");
+        EXPECT_TRUE(contents(folder_ / "c.las") == file.bytes()) << "header, VLRs, padding, points, EVLRs";
+        const std::string laz = contents(folder_ / "b.laz");
         EXPECT_EQ(laz[104], static_cast<char>(0x80 | format));
         EXPECT_EQ(las_test::get<std::uint32_t>(laz, 100), file.vlrs.size() + 1);
         for (const char* name : {"b.laz", "c.las"}) std::filesystem::remove(folder_ / name);
@@ -140,7 +140,7 @@ TEST_F(Laz, IsTheSameFileHoweverManyPointsComeAtOnce) {
     for (std::size_t at = 0; at < all.size(); at += rows * stride)
       writer->write(std::as_bytes(std::span(all)).subspan(at, std::min(rows * stride, all.size() - at)));
     writer->finish();
-    EXPECT_TRUE(content_of(folder_ / "again.laz") == expected) << rows;
+    EXPECT_TRUE(contents(folder_ / "again.laz") == expected) << rows;
   }
 }
 

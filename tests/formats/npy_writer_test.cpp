@@ -38,7 +38,7 @@ TEST(NpyWriter, WritesATableInRowOrder) {
   const std::uint32_t values[] = {1, 2, 3, 0xffffffff};
   writer.write(std::as_bytes(std::span(values)));
   writer.finish();
-  expect_array(content_of(folder / "out.npy"), "{'descr': '<u4', 'fortran_order': False, 'shape': (2, 2), }",
+  expect_array(contents(folder / "out.npy"), "{'descr': '<u4', 'fortran_order': False, 'shape': (2, 2), }",
                std::string(reinterpret_cast<const char*>(values), sizeof values));
 }
 
@@ -50,7 +50,7 @@ TEST(NpyWriter, WritesAColumnInAnyOrderOfRows) {
   writer.write_at(1, std::as_bytes(std::span(values).subspan(1)));
   writer.write_at(0, std::as_bytes(std::span(values).first(1)));
   writer.finish();
-  expect_array(content_of(folder / "out.npy"), "{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }",
+  expect_array(contents(folder / "out.npy"), "{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }",
                std::string(reinterpret_cast<const char*>(values), sizeof values));
 }
 
@@ -65,14 +65,14 @@ TEST(NpyWriter, AListOfOneValueIsATableAndANumberIsNot) {
     writer.write(std::as_bytes(std::span(values)));
     writer.finish();
   }
-  EXPECT_THAT(content_of(folder / "list.npy"), HasSubstr("'shape': (2, 1), }"));
-  EXPECT_THAT(content_of(folder / "n.npy"), HasSubstr("'shape': (2,), }"));
+  EXPECT_THAT(contents(folder / "list.npy"), HasSubstr("'shape': (2, 1), }"));
+  EXPECT_THAT(contents(folder / "n.npy"), HasSubstr("'shape': (2,), }"));
 }
 
 TEST(NpyWriter, WritesAnEmptyTable) {
   const TemporaryFolder folder;
   NpyWriter(plan_of(folder / "out.npy", Type::u8, 8, 0)).finish();
-  expect_array(content_of(folder / "out.npy"), "{'descr': '|u1', 'fortran_order': False, 'shape': (0, 8), }", "");
+  expect_array(contents(folder / "out.npy"), "{'descr': '|u1', 'fortran_order': False, 'shape': (0, 8), }", "");
 }
 
 TEST(NpyWriter, RefusesMoreThanOneAttribute) {

@@ -44,7 +44,7 @@ TEST(ParallelWriters, WriteTheBytesOfOneThread) {
     for (const unsigned threads : {1u, 2u, 8u}) {
       const OutputPlan plan = plan_of_cloud(folder / fmt::format("{}{}", threads, name), kWrittenRows);
       with_threads(threads, [&] { write_all(plan, records_of_cloud(plan.schema, kWrittenRows)); });
-      const std::string bytes = content_of(plan.path);
+      const std::string bytes = contents(plan.path);
       if (threads == 1) of_one = bytes;
       EXPECT_TRUE(bytes == of_one) << name << ", " << threads << " threads";
     }

@@ -18,11 +18,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-std::string bytes_in(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 /// Records of `schema` with these values, field by field, component by component.
 std::vector<std::byte> records_of_rows(const Schema& schema, const std::vector<std::vector<double>>& rows) {
   std::vector<std::byte> records(rows.size() * schema.stride);
@@ -37,7 +32,7 @@ std::vector<std::byte> records_of_rows(const Schema& schema, const std::vector<s
 
 std::string written(const OutputPlan& plan, const std::vector<std::vector<double>>& rows) {
   write_all(plan, records_of_rows(plan.schema, rows));
-  return bytes_in(plan.path);
+  return contents(plan.path);
 }
 
 Schema xyz_and(std::initializer_list<std::pair<const char*, Type>> more) {

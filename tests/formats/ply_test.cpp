@@ -253,7 +253,7 @@ TEST(PlyWriter, KeepsCommentsObjInfoAnd64BitIntegersOfAPlyInput) {
   OutputPlan plan = plan_for(folder / "out.ply", info.count, info.schema);
   plan.extras = info.extras;
   write_all(plan, all_records(*reader));
-  EXPECT_THAT(content_of(folder / "out.ply"),
+  EXPECT_THAT(contents(folder / "out.ply"),
               HasSubstr("1.0\ncomment TextureFile a.png\nobj_info  is_mesh 0\nelement vertex"));
   const auto again = open_ply(folder / "out.ply");
   EXPECT_EQ(again->info().schema, info.schema);

@@ -215,7 +215,7 @@ TEST(TextWriter, WritesEachTypeInItsShortestForm) {
   set_value(plan.schema.fields[4], record.data(), -7);
   set_value(plan.schema.fields[5], record.data(), 1e300, 1);
   write_all(plan, record);
-  EXPECT_EQ(content_of(plan.path), "x,y,z,id,class__old,v_0,v_1\n0.1,-2,0,18446744073709551615,-7,0,1e+300\n");
+  EXPECT_EQ(contents(plan.path), "x,y,z,id,class__old,v_0,v_1\n0.1,-2,0,18446744073709551615,-7,0,1e+300\n");
 }
 
 TEST(TextWriter, StartsAsProgramsExpectOfTheExtension) {
@@ -225,7 +225,7 @@ TEST(TextWriter, StartsAsProgramsExpectOfTheExtension) {
     plan.overwrite = true;
     for (const std::string& field : fields) plan.schema.append(field, Type::u8);
     write_all(plan, std::vector<std::byte>(plan.schema.stride));
-    return content_of(plan.path);
+    return contents(plan.path);
   };
   EXPECT_EQ(text_of("a.xyz", {"x", "y", "z", "nx"}), "# x y z nx\n0 0 0 0\n");
   EXPECT_EQ(text_of("a.CSV", {"x", "y", "z"}), "x,y,z\n0,0,0\n");

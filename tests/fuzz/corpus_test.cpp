@@ -2,8 +2,6 @@
 /// The kept corpus of the fuzzers, read once more in every run of the tests, also under sanitizers.
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "pointsweep/formats/e57/e57_format.h"
@@ -15,6 +13,7 @@
 #include "pointsweep/formats/text/text_format.h"
 #include "pointsweep/pipeline/language/parse.h"
 #include "tests/fuzz/read_everything.h"
+#include "tests/support/contents.h"
 
 namespace pointsweep {
 namespace {
@@ -25,9 +24,7 @@ void for_each_kept(const std::string& fuzzer, Use use) {
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(POINTSWEEP_SOURCE_DIR "/tests/fuzz/corpus/" + fuzzer)) {
     SCOPED_TRACE(entry.path().filename().string());
-    std::ifstream in(entry.path(), std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-    EXPECT_NO_THROW(use(bytes));
+    EXPECT_NO_THROW(use(contents(entry.path())));
     ++files;
   }
   EXPECT_GT(files, 0u);

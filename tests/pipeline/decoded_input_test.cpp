@@ -98,7 +98,7 @@ class InputDecodedOnce : public testing::Test {
     Outputs outputs;
     outputs.points = folder_ / (std::string("out") + format);
     run(cloud, build_chain(parse_pipeline(pipeline), Facts{}), outputs, overwriting);
-    return content_of(outputs.points);
+    return contents(outputs.points);
   }
 
   TemporaryFolder folder_;
@@ -148,7 +148,7 @@ TEST_F(InputDecodedOnce, IsRefusedBeforeItIsDecoded) {
   outputs.points = folder_.write("out.ply", "precious");
   EXPECT_THROW(run(slow, build_chain(parse_pipeline("normals"), Facts{}), outputs, {}), Error);
   EXPECT_EQ(counts.decoded, 0u);
-  EXPECT_EQ(content_of(outputs.points), "precious");
+  EXPECT_EQ(contents(outputs.points), "precious");
 }
 
 TEST_F(InputDecodedOnce, ThatIsDamagedEndsTheRunAndLeavesTheCloudAsItWas) {
@@ -249,7 +249,7 @@ TEST_F(InputDecodedOnce, IsNotPutAsideWhereItsRowsAreOnlyCopied) {
       run(plain, Chain{}, of_plain, options);
       EXPECT_EQ(copied.bytes_spilled_decoding, 0u);
       EXPECT_EQ(once.decoded, 2 * kRows);
-      EXPECT_EQ(content_of(of_slow.points), content_of(of_plain.points));
+      EXPECT_EQ(contents(of_slow.points), contents(of_plain.points));
       EXPECT_EQ(to_text(preview(slow, Chain{}, options, of_slow)).find("decoding"), std::string::npos);
     }
 }

@@ -67,7 +67,7 @@ std::map<std::string, std::vector<Row>> files_in(const fs::path& folder) {
 std::map<std::string, std::string> bytes_in(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::directory_iterator(folder))
-    files[entry.path().filename().string()] = content_of(entry.path());
+    files[entry.path().filename().string()] = contents(entry.path());
   return files;
 }
 

@@ -81,7 +81,7 @@ TEST(Observation, HalfWayHalfOfThePointsHaveBeenReadAndResultsAreTheSame) {
   options.half_way_states = folder / "states.npy";
   const RunResult watched = run_in_memory(points, curvatures(), options);
   EXPECT_EQ(watched.records, plain.records);
-  const std::string file = content_of(folder / "states.npy");
+  const std::string file = contents(folder / "states.npy");
   ASSERT_EQ(file.size(), 128 + points.size());
   const auto state_of = [&](std::size_t row) { return static_cast<PointState>(file[128 + row]); };
   std::size_t read = 0;

@@ -287,7 +287,7 @@ TEST(OnDemandOrder, OfFilesWithAFileForEachHasNoSeamsAndSpillsNothingForIt) {
       EXPECT_THAT(statistics.ordering,
                   StartsWith(ordering == Ordering::on_demand ? "by the boxes of the inputs" : "by distribution"));
       std::string all;
-      for (const auto& tile : outputs.tiles) all += content_of(tile);
+      for (const auto& tile : outputs.tiles) all += contents(tile);
       bytes.push_back(all);
     }
     EXPECT_EQ(bytes[0], bytes[1]) << pipeline;

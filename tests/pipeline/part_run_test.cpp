@@ -168,7 +168,7 @@ class PartRun : public testing::Test {
     RunInParts parts(inputs_, pipeline, folder_ / "parts", given);
     EXPECT_NO_THROW(parts.perform());
     for (const auto& input : inputs_)
-      EXPECT_TRUE(content_of(folder_ / "parts" / input.filename()) == content_of(folder_ / "whole" / input.filename()))
+      EXPECT_TRUE(contents(folder_ / "parts" / input.filename()) == contents(folder_ / "whole" / input.filename()))
           << input;
     std::filesystem::remove_all(folder_ / "parts");
     return parts.points_swept();

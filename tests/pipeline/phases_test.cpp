@@ -84,7 +84,7 @@ TEST_P(PhasesOf, AreProcessesThatGiveTheSameBytes) {
   for (; status == kMorePhases && processes < 30; ++processes) status = run_process();
   EXPECT_EQ(status, 0);
   EXPECT_GE(processes, 3);  // order, sweep, write
-  EXPECT_TRUE(content_of(folder / "phases.ply") == content_of(folder / "whole.ply"));
+  EXPECT_TRUE(contents(folder / "phases.ply") == contents(folder / "whole.ply"));
   EXPECT_FALSE(std::filesystem::exists(folder / "done"));
 }
 

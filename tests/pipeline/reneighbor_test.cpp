@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <fstream>
-#include <iterator>
 #include <tuple>
 
 #include "tests/pipeline/moving_clouds.h"
 #include "tests/pipeline/whole_cloud.h"
+#include "tests/support/contents.h"
 #include "tests/support/sized.h"
 
 namespace pointsweep {
@@ -260,8 +259,7 @@ TEST(Reneighbor, ArraysHoldTheKeptAttributesByInputRow) {
   EngineOptions options = tiny(100, true);
   options.overwrite = true;
   run(*cloud, chain, {.points = {}, .arrays = {{"normal", path}}, .writer = {}}, options);
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::string bytes = contents(path);
   std::filesystem::remove(path);
   const std::vector<float> expected = WholeCloud(points, chain).values<float>("normal");
   ASSERT_GT(bytes.size(), expected.size() * sizeof(float));

@@ -83,7 +83,7 @@ class ResumeLaw : public testing::Test {
     std::size_t processes = 0;
     ASSERT_NO_THROW(processes = run_killed_in_every_phase(example, "killed.ply", options("killed.ply", memory)));
     EXPECT_GT(processes, 1u);
-    EXPECT_TRUE(content_of(folder_ / "killed.ply") == content_of(folder_ / "whole.ply"));
+    EXPECT_TRUE(contents(folder_ / "killed.ply") == contents(folder_ / "whole.ply"));
   }
 
   TemporaryFolder folder_;

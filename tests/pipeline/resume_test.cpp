@@ -104,7 +104,7 @@ class Resume : public testing::Test {
   }
 
   void expect_as_uninterrupted(const Work& work, const Statistics& got) {
-    EXPECT_TRUE(content_of(folder_ / work.output) == bytes_);
+    EXPECT_TRUE(contents(folder_ / work.output) == bytes_);
     std::filesystem::remove(folder_ / work.output);
     EXPECT_EQ(got.certified, whole_.certified);
     EXPECT_EQ(got.degenerate, whole_.degenerate);
@@ -116,7 +116,7 @@ class Resume : public testing::Test {
 
   void run_uninterrupted(const Work& work) {
     whole_ = run_all(work, options(work));
-    bytes_ = content_of(folder_ / work.output);
+    bytes_ = contents(folder_ / work.output);
     EXPECT_FALSE(bytes_.empty());
     std::filesystem::remove(folder_ / work.output);
   }
@@ -396,7 +396,7 @@ TEST_F(Refused, IfTheColumnsOfTheTextAreOthers) {
 TEST_F(Resume, RefusesAnInputThatWasWrittenTo) {
   const Work work = works().front();
   EXPECT_FALSE(run_until(15, work, resuming(work)));
-  folder_.write("a.xyz", content_of(folder_ / "a.xyz") + "1 2 3\n");
+  folder_.write("a.xyz", contents(folder_ / "a.xyz") + "1 2 3\n");
   const std::string sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
   EXPECT_NE(sentence.find("a.xyz"), std::string::npos) << sentence;
 }
@@ -404,7 +404,7 @@ TEST_F(Resume, RefusesAnInputThatWasWrittenTo) {
 TEST_F(Resume, RefusesAnInputThatHasAsManyPointsAsBeforeButOthers) {
   const Work work = works().front();
   const std::filesystem::path input = folder_ / "a.xyz";
-  std::string text = content_of(input);
+  std::string text = contents(input);
   EXPECT_FALSE(run_until(15, work, resuming(work)));
   const auto digit = text.find_last_of("012345678");
   ++text[digit];
@@ -437,13 +437,13 @@ TEST_F(Resume, RefusesAFolderOfOtherThings) {
   const Work work = works().front();
   const std::string sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
   EXPECT_NE(sentence.find("thesis.tex"), std::string::npos) << sentence;
-  EXPECT_EQ(content_of(folder_ / "done/thesis.tex"), "years of work");
+  EXPECT_EQ(contents(folder_ / "done/thesis.tex"), "years of work");
 }
 
 TEST_F(Resume, RefusesADamagedCheckpoint) {
   const Work work = works().front();
   EXPECT_FALSE(run_until(15, work, resuming(work)));
-  const std::string right = content_of(folder_ / "done/checkpoint");
+  const std::string right = contents(folder_ / "done/checkpoint");
   for (const std::size_t at : {std::size_t{3}, std::size_t{20}, right.size() / 2, right.size() - 1}) {
     std::string wrong = right;
     wrong[at] = static_cast<char>(wrong[at] ^ 1);

@@ -335,7 +335,7 @@ TEST(Select, ArraysHoldTheRowsThatAreLeft) {
     over.overwrite = true;
     run(cloud, build_chain(parse_pipeline(pipeline), cloud),
         {{}, {{"normal", folder / "n.npy"}, {"splat_length", folder / "l.npy"}}, {}}, over);
-    return content_of(folder / "n.npy") + content_of(folder / "l.npy");
+    return contents(folder / "n.npy") + contents(folder / "l.npy");
   };
   for (const EngineOptions& options : ways_to_run(Order::input)) {
     const std::string got = arrays(input, "where(classification < 3) | normals | splats", options);

@@ -180,7 +180,7 @@ class Tiles : public testing::Test {
     std::map<std::string, std::string> all;
     if (fs::exists(folder_ / below))
       for (const auto& entry : fs::recursive_directory_iterator(folder_ / below))
-        if (entry.is_regular_file()) all[fs::relative(entry.path(), folder_ / below)] = content_of(entry.path());
+        if (entry.is_regular_file()) all[fs::relative(entry.path(), folder_ / below)] = contents(entry.path());
     return all;
   }
 
@@ -268,7 +268,7 @@ TEST_F(Tiles, AreTheFilesThatRunsOverEachInputAloneWriteIfStagesLookAtNoNeighbou
     EngineOptions replacing = plain;
     replacing.overwrite = true;
     run_cloud(alone, "where(x < 0.3)", {.points = output}, replacing);
-    EXPECT_TRUE(content_of(output) == content_of(tiles().tiles[t])) << names_[t];
+    EXPECT_TRUE(contents(output) == contents(tiles().tiles[t])) << names_[t];
   }
 }
 
@@ -279,7 +279,7 @@ TEST_F(Tiles, KeepTheHeadersOfTheirInputs) {
   for (const std::size_t t : {0, 1}) {
     InputCloud alone({inputs()[t]});
     run_cloud(alone, "normals", {.points = folder_ / fmt::format("alone{}.las", t)}, plain);
-    const std::string one = content_of(folder_ / fmt::format("alone{}.las", t)), tile = content_of(tiles().tiles[t]);
+    const std::string one = contents(folder_ / fmt::format("alone{}.las", t)), tile = contents(tiles().tiles[t]);
     ASSERT_EQ(one.size(), tile.size());
     std::uint32_t points_at = 0;
     std::memcpy(&points_at, one.data() + 96, 4);
@@ -507,7 +507,7 @@ TEST_F(ResumedTiles, ThatAreNoLongerThoseOfTheRunAreNotTakenForThem) {
   };
   unlink_and_write("precious");
   EXPECT_THAT(sentence_of<Error>([&] { run_all("normals", tiles(), resuming()); }), HasSubstr("a.las: exists already"));
-  EXPECT_EQ(content_of(folder_ / "out/a.las"), "precious");
+  EXPECT_EQ(contents(folder_ / "out/a.las"), "precious");
   fs::remove(folder_ / "out/a.las");
   run_all("normals", tiles(), resuming());
   run_all("normals", tiles("whole"), options());

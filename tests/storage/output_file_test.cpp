@@ -35,7 +35,7 @@ TEST(OutputFile, AppearsOnlyWhenCommitted) {
     EXPECT_FALSE(std::filesystem::exists(folder / "out"));
     file.seal();
   }
-  EXPECT_EQ(content_of(folder / "out"), "hello world");
+  EXPECT_EQ(contents(folder / "out"), "hello world");
   EXPECT_EQ(files_in(folder.path()), 1);
 }
 
@@ -51,7 +51,7 @@ TEST(OutputFile, WritesAtAnyPlace) {
   file.write_at(3, text_bytes("def"));
   file.write_at(0, text_bytes("abc"));
   file.seal();
-  EXPECT_EQ(content_of(folder / "out"), "abcdef");
+  EXPECT_EQ(contents(folder / "out"), "abcdef");
 }
 
 TEST(OutputFile, RefusesAnExistingFileUnlessToldToReplaceIt) {
@@ -60,9 +60,9 @@ TEST(OutputFile, RefusesAnExistingFileUnlessToldToReplaceIt) {
   EXPECT_THAT(sentence_of<Error>([&] { OutputFile(path, false); }), HasSubstr("exists already"));
   OutputFile file(path, true);
   file.append(text_bytes("new"));
-  EXPECT_EQ(content_of(path), "old");
+  EXPECT_EQ(contents(path), "old");
   file.seal();
-  EXPECT_EQ(content_of(path), "new");
+  EXPECT_EQ(contents(path), "new");
 }
 
 TEST(OutputFile, DoesNotReplaceAFileThatAppearedMeanwhile) {
@@ -72,7 +72,7 @@ TEST(OutputFile, DoesNotReplaceAFileThatAppearedMeanwhile) {
     folder.write("out", "somebody else's");
     EXPECT_THAT(sentence_of<Error>([&] { file.seal(); }), HasSubstr("exists already"));
   }
-  EXPECT_EQ(content_of(folder / "out"), "somebody else's");
+  EXPECT_EQ(contents(folder / "out"), "somebody else's");
   EXPECT_EQ(files_in(folder.path()), 1);
 }
 
@@ -84,7 +84,7 @@ TEST(OutputFile, ReplacesWhatALinkPointsTo) {
   file.append(text_bytes("new"));
   file.seal();
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
-  EXPECT_EQ(content_of(target), "new");
+  EXPECT_EQ(contents(target), "new");
 }
 
 TEST(OutputFile, SaysWhatIsWrongWithTheDestination) {
@@ -175,7 +175,7 @@ TEST(OutputFile, IsNotTakenFromAWriterThatIsStillAtWork) {
   first.append(text_bytes("first"));
   EXPECT_THAT(sentence_of<Error>([&] { OutputFile(folder / "out", false); }), HasSubstr("is being written already"));
   first.seal();
-  EXPECT_EQ(content_of(folder / "out"), "first");
+  EXPECT_EQ(contents(folder / "out"), "first");
 }
 
 }  // namespace

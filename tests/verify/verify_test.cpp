@@ -408,7 +408,7 @@ TEST_F(Verify, NeighborsAndDistancesAreCheckedToTheLastOne) {
   };
   EXPECT_TRUE(checked("n.npy").same()) << to_text(checked("n.npy"));
   EXPECT_TRUE(checked("d.npy").same()) << to_text(checked("d.npy"));
-  std::string bytes = content_of(folder_ / "n.npy");
+  std::string bytes = contents(folder_ / "n.npy");
   char* const row = bytes.data() + bytes.size() - 100 * 6 * 4;
   std::swap_ranges(row, row + 4, row + 4);  // the nearest two of one point
   folder_.write("n.npy", bytes);
