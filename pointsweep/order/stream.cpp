@@ -8,6 +8,7 @@
 #include <cassert>
 #include <optional>
 
+#include "pointsweep/fail.h"
 #include "pointsweep/order/distribution.h"
 #include "pointsweep/order/piece_counts.h"
 #include "pointsweep/order/slab_store.h"

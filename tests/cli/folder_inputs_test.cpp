@@ -69,7 +69,8 @@ TEST_F(FolderInputs, AFileWhoseNameLooksLikeAPatternIsItself) {
 }
 
 TEST_F(FolderInputs, AFolderWhoseNameLooksLikeAPatternIsItselfWithinAPattern) {
-  for (const char* folder : {"scan [2]", "scan 2", "deep [ab]/a"}) std::filesystem::create_directories(folder_ / folder);
+  for (const char* folder : {"scan [2]", "scan 2", "deep [ab]/a"})
+    std::filesystem::create_directories(folder_ / folder);
   made("generate statue 'scan [2]/a.ply' -n 20");
   made("generate statue 'scan 2/a.ply' -n 30");
   made("generate statue 'deep [ab]/a/[c].ply' -n 40");

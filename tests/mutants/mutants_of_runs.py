@@ -96,10 +96,10 @@ MUTANTS = [
 
     # Memory and time
     Mutant("the radius estimate takes the sample for the cloud", "budget", PIPELINE + "memory/sample_estimates.cpp",
-           "return static_cast<double>(within) * points_per_sample;", "return static_cast<double>(within);",
+           "const auto counted = static_cast<double>(within) * points_per_sample;", "const auto counted = static_cast<double>(within);",
            ("pipeline:Radius.*", "pipeline:MemoryPlan.*")),
     Mutant("the memory plan does not count what the radius keeps", "budget", PIPELINE + "memory/run_memory.cpp",
-           "demand.slice_points = estimate.slice_points;", "", ("pipeline:Radius.*", "pipeline:MemoryPlan.*")),
+           "demand.slice_points = estimate_slice(survey, demand.points, width);", "static_cast<void>(width);", ("pipeline:Radius.*", "pipeline:MemoryPlan.*")),
     Mutant("the memory plan forgets what threads have in hand", "budget", PIPELINE + "memory_plan.cpp",
            "threads * thread_bytes(plan_, out_.slab_points, budget_, demand_);",
            "0 * threads * thread_bytes(plan_, out_.slab_points, budget_, demand_);", ("pipeline:MemoryPlan.*",)),

@@ -153,7 +153,8 @@ TEST(GeneratedClouds, FillLittleOfTheWindowHoweverUnevenTheirDensity) {
   };
   const Statistics clean = run_on("statue", {});
   EXPECT_LT(clean.peak_points, kPoints * 55 / 1000);
-  // None in most runs and about ten in the others: which points share a cell depends on which thread partitioned them first.
+  // None in most runs and about ten in the others: which points share a cell depends on which thread partitioned them
+  // first.
   EXPECT_LT(clean.recalled, kPoints / 10'000);
   for (const auto& [share, box] : {std::pair(0.00001, 1000.0), {0.001, 10.0}, {0.01, 10.0}, {0.01, 1000.0}}) {
     SCOPED_TRACE(testing::Message() << share << " of the points in a box " << box << " times larger");

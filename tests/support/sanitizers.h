@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Which sanitizer watches this program. It is asked while tests run: the same objects of the tests are linked with the library of a
-/// release and with that of the address sanitizer (tests/CMakeLists.txt).
+/// Which sanitizer watches this program. It is asked while tests run: the same objects of the tests are linked with the
+/// library of a release and with that of the address sanitizer (tests/CMakeLists.txt).
 #pragma once
 
 extern "C" {

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "pointsweep/fail.h"
 #include "pointsweep/order/waiting_estimate.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/output/divided_writer.h"

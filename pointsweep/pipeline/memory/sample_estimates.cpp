@@ -40,9 +40,9 @@ double distance_of_nearest(const std::vector<Vec3>& sample, std::size_t q) {
 double neighbors_of(const Survey& survey, std::size_t q, double radius, double points_per_sample) {
   const Vec3 center = survey.sample[q];
   const double radius2 = radius * radius;
-  std::size_t within = 0;
-  for (const Vec3& p : survey.sample) within += distance2(p, center) <= radius2;  // no branch, so that it becomes vector code
-  --within;                                                                       // the point itself
+  std::size_t with_itself = 0;
+  for (const Vec3& p : survey.sample) with_itself += distance2(p, center) <= radius2;
+  const std::size_t within = with_itself - 1;
   const auto counted = static_cast<double>(within) * points_per_sample;
   if (within >= kNearest || points_per_sample == 1) return counted;
   const double farthest = distance_of_nearest(survey.sample, q);

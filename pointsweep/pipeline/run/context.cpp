@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/pipeline/run/context.h"
 
+#include <fmt/format.h>
+
 #include <atomic>
 #include <memory>
 #include <utility>
