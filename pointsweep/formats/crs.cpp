@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/points/text_file.h"
 
 namespace pointsweep {
 namespace {
@@ -288,7 +289,7 @@ std::optional<Crs> parse_crs(const std::string& text, std::string_view where) {
     std::ifstream file(text);
     wkt.assign(std::istreambuf_iterator<char>(file), {});
   }
-  Crs crs = crs_of_wkt(wkt);
+  Crs crs = crs_of_wkt(without_byte_order_mark(wkt));
   if (crs.kind == CrsKind::unknown && crs.name.empty())
     fail_usage("{}: '{}' is neither EPSG:CODE, nor a file with WKT, nor none.", where, text.substr(0, kLongestName));
   return crs;

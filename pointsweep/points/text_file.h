@@ -7,6 +7,13 @@
 
 namespace pointsweep {
 
+/// With these bytes some editors begin a file in UTF-8.
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+inline std::string_view without_byte_order_mark(std::string_view text) {
+  return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
+}
+
 /// Returns the whole content of a file. `holds` tells in messages what the file should hold: "polygons as WKT or
 /// GeoJSON". Throws Error if the file cannot be read or has more than 256 MB.
 std::string read_text_file(const std::string& path, std::string_view holds);

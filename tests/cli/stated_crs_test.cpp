@@ -27,6 +27,7 @@ class StatedSystem : public Tool {
                           i % 7 / 2.0, i);
     write("a.xyz", text);
     write("l93.prj", kWkt);
+    write("marked.prj", fmt::format("\xEF\xBB\xBF{}", kWkt));
   }
   std::optional<Crs> system(const std::string& file) const { return open_reader(folder_ / file)->info().crs; }
   std::string format(const std::string& file) const { return open_reader(folder_ / file)->info().format; }
@@ -51,8 +52,10 @@ TEST_F(StatedSystem, ACodeBecomesGeoTiffKeysAndAFileItsWkt) {
     EXPECT_EQ(system(out)->kind, CrsKind::projected);
     run("a.xyz", out, "--crs EPSG:2154+5720");
     EXPECT_EQ(system(out)->vertical_epsg, 5720);
-    run("a.xyz", out, "--crs l93.prj");
-    expect_code(out, 2154, true);
+    for (const char* file : {"l93.prj", "marked.prj"}) {
+      run("a.xyz", out, fmt::format("--crs {}", file));
+      expect_code(out, 2154, true);
+    }
     run("a.xyz", out, "--crs EPSG:4326");
     EXPECT_EQ(system(out)->kind, CrsKind::geographic);
     EXPECT_EQ(values(out, "x"), values("a.xyz", "x"));

@@ -95,6 +95,8 @@ TEST(Parse, AJsonFileIsReadAndNamedInMessages) {
   EXPECT_NE(sentence.find(path.string() + ", stage 2"), std::string::npos) << sentence;
   std::ofstream(path) << R"([{"type": "knn", "k": 8}])";
   EXPECT_EQ(parse_pipeline_or_file(path.string()), parse_pipeline("knn(k=8)"));
+  std::ofstream(path) << "\xEF\xBB\xBF" << R"([{"type": "knn", "k": 8}])";
+  EXPECT_EQ(parse_pipeline_or_file(path.string()), parse_pipeline("knn(k=8)")) << "an editor began it with a byte order mark";
   std::filesystem::remove(path);
   EXPECT_THROW(parse_pipeline_or_file(path.string()), Error);
 }

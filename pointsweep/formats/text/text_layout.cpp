@@ -10,6 +10,7 @@
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/points/text_file.h"
 
 namespace pointsweep {
 namespace {
@@ -51,7 +52,6 @@ bool is_word(std::string_view word, std::string_view lower_case) {
 }
 
 constexpr std::size_t kRowsLookedAt = 100;
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 using Cells = std::vector<std::string_view>;
 

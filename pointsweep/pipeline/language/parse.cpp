@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/points/text_file.h"
 
 namespace pointsweep {
 namespace {
@@ -205,7 +206,7 @@ std::string content_of(const std::string& path) {
   if (file.bad() || !file.is_open()) fail("{}: the pipeline cannot be read; check the name and its permissions.", path);
   text.resize(static_cast<std::size_t>(file.gcount()));
   if (text.size() > kMostBytes) fail_usage("{}: is larger than 1 MB, so it is hardly a pipeline.", path);
-  return text;
+  return std::string(without_byte_order_mark(text));
 }
 
 }  // namespace
