@@ -15,8 +15,8 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kMega = 1u << 20;
-/// The reciprocal of the share of the memory for cells that is lost to fragmentation.
-constexpr std::uint64_t kLostBetweenAllocations = 8;
+/// Returns what cells may fill of their memory: an eighth is lost between allocations.
+std::uint64_t without_what_is_lost(std::uint64_t bytes) { return bytes / 8 * 7; }
 
 // Bytes of structures that grow slowly with the cloud. Each constant is the size of the structure named in its comment
 // on a 64-bit machine. Vectors that grow count with half of their capacity unused.
@@ -284,9 +284,10 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
     out.most_waiting = *demand.waiting_points + more / demand.working_record_bytes;
     others += more;
   }
-  out.cells_bytes = (budget - std::min(budget, others)) / kLostBetweenAllocations * (kLostBetweenAllocations - 1);
+  const std::uint64_t cells = budget - std::min(budget, others);
+  out.cells_bytes = without_what_is_lost(cells);
   // In the recall, the memory of the window and of the distribution pass is free.
-  out.recall_bytes = std::max(kMega, out.cells_bytes + (out.on_demand ? 0 : out.stream_buffer_bytes));
+  out.recall_bytes = std::max(kMega, without_what_is_lost(cells + (out.on_demand ? 0 : out.stream_buffer_bytes)));
   out.in_order_bytes = demand.in_order_bytes + (budget - std::min(budget, out.expected_bytes));
   add_slabs_to_turns(out, plan, demand, lists);
   return out;
