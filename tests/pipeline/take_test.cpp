@@ -234,6 +234,17 @@ TEST_F(TakeOf, LaterStagesReadWhatWasTakenAndDropsLetANewTypeIn) {
   expect(fresh.field("label"), {2.5}, "");
 }
 
+TEST_F(TakeOf, AWholeNumberThatItsTypeCannotHoldIsRefused) {
+  const std::vector<Vec3> places = {{0, 0, 0}, {1, 0, 0}};
+  const Records points = with_columns(places, {{"label", Type::u8, {1, 2}}});
+  for (const auto& [type, value] : {std::pair(Type::u16, 300.0), {Type::i16, -1.0}, {Type::i64, 4294967296.0}}) {
+    const Records other = with_columns(places, {{"label", type, {255, value}}});
+    const std::string got = said_by([&] { run_text(points, taking(other, "attributes=label"), tiny(700)); });
+    EXPECT_NE(got.find(fmt::format("row 1: 'label' would be {:.0f}, which is not uint8", value)), std::string::npos)
+        << got;
+  }
+}
+
 TEST_F(TakeOf, LengthsOfTheOtherCloudHaveTheirUnit) {
   const std::vector<Vec3> places = {{0, 0, 0}, {1, 0, 0}};
   const Records other = with_columns(places, {{"mean_distance", Type::f64, {1, 2}}, {"share", Type::f64, {3, 4}}});
