@@ -34,9 +34,8 @@ void declare_tile_verb(CLI::App& verb) {
   add_file_options(verb, *run);
   verb.footer(
       "The inputs are one cloud, of which each point comes into one tile. Its file is called X_Y after its lower "
-      "corner, "
-      "and the tile holds X <= x < X + size and Y <= y < Y + size of the coordinates in that file. Same as 'pointsweep "
-      "run' with --tile, which any command can take that runs a pipeline.\n"
+      "corner, and the tile holds X <= x < X + size and Y <= y < Y + size of the coordinates in that file. Same as "
+      "'pointsweep run' with --tile, which any command can take that runs a pipeline.\n"
       "A buffer is for other programs: pointsweep itself needs none, since it finds neighbours in other tiles. "
       "where(buffer == 0) leaves it out again.\n"
       "\nExample: flight lines as tiles of 500 m, in LAZ:\n"

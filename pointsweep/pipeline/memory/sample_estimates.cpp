@@ -149,12 +149,12 @@ std::size_t most_open(const std::vector<Vec3>& places, const std::vector<Offsets
 RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, double radius) {
   RadiusEstimate result;
   if (survey.sample.empty()) return result;
-  const double all = static_cast<double>(points);
+  const double all = static_cast<double>(points), each = points_per_sample(survey, points);
   const std::size_t queries = std::min(kQueries, survey.sample.size());
   for (std::size_t q = 0; q < queries; ++q) {
     stop_if_cancelled();
     const std::size_t at = q * survey.sample.size() / queries;
-    const double n = std::min(neighbors_of(survey, at, radius, points_per_sample(survey, points)), all - 1);
+    const double n = std::min(neighbors_of(survey, at, radius, each), all - 1);
     result.neighbors += n / static_cast<double>(queries);
     result.most_neighbors = std::max(result.most_neighbors, n);
   }
