@@ -18,8 +18,7 @@
 #include "cli/verbs/commands.h"
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
-#include "pointsweep/free_memory.h"
-#include "pointsweep/storage/local/output_file.h"
+#include "pointsweep/program/process.h"
 #include "pointsweep/url.h"
 #include "reference/engine.h"
 
@@ -58,14 +57,15 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
     report(Severity::warning, remainder.what());
     return 3;
   } catch (const Cancelled&) {
-    const char* const outputs = OutputFile::any_is_complete()   ? "outputs that were complete by then stay"
-                                : OutputFile::any_is_streamed() ? "what standard output has got is incomplete"
-                                                                : "no output was written";
-    return fail_with(128 + interrupting_signal(), fmt::format("stopped; {}", outputs));
+    const OutputsSoFar outputs = outputs_so_far();
+    return fail_with(128 + interrupting_signal(),
+                     fmt::format("stopped; {}", outputs.any_is_complete   ? "outputs that were complete by then stay"
+                                                : outputs.any_is_streamed ? "what standard output has got is incomplete"
+                                                                          : "no output was written"));
   } catch (const std::bad_alloc&) {
     return fail_with(1, "the machine has no memory left for this; lower --memory or close other programs");
   } catch (const std::exception& error) {
-    if (OutputFile::reader_has_ended()) return 0;
+    if (outputs_so_far().reader_has_ended) return 0;
     // After an interruption, threads that still run may fail because files have been removed.
     return fail_with(interrupted() ? 128 + interrupting_signal() : 1, error.what());
   }

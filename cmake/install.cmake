@@ -1,10 +1,11 @@
 # The package: find_package(pointsweep) gives an outside project pointsweep::pointsweep and, with the static library,
-# pointsweep::info and pointsweep::verify.
+# pointsweep::info, verify, shapes, render and report.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pointsweep)
 
-install(TARGETS pointsweep pointsweep_shared pointsweep_info pointsweep_verify EXPORT pointsweep-targets)
+install(TARGETS pointsweep pointsweep_shared pointsweep_info pointsweep_verify pointsweep_shapes pointsweep_render pointsweep_report
+  EXPORT pointsweep-targets)
 install(DIRECTORY include/pointsweep DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 if(POINTSWEEP_HAS_CODECS)
   install(FILES $<TARGET_FILE:pointsweep_codecs> DESTINATION ${CMAKE_INSTALL_LIBDIR})

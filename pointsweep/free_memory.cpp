@@ -3,6 +3,8 @@
 
 #include <cstdlib>  // defines __GLIBC__
 
+#include "pointsweep/program/process.h"
+
 #if defined(__GLIBC__)
 #include <malloc.h>
 #endif

@@ -13,8 +13,4 @@ void free_memory_of(Container& container) {
   Container().swap(container);
 }
 
-/// Sets up the allocator of the whole process so that it holds little free memory, even with many threads. A program
-/// calls this function before its first thread; a library must not.
-void keep_little_free_memory() noexcept;
-
 }  // namespace pointsweep

@@ -9,6 +9,8 @@
 #include <cstring>
 #include <string>
 
+#include "pointsweep/program/process.h"
+
 namespace pointsweep {
 namespace {
 

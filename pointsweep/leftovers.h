@@ -7,9 +7,9 @@
 
 namespace pointsweep {
 
-/// Lists a file or an empty folder for remove_leftovers() during its lifetime; removes nothing itself. It must be
-/// listed before it is made, since the process may be stopped in between. At most 64 are listed at once; others, and
-/// paths of 4,096 characters or more, are ignored.
+/// Lists a file or an empty folder for remove_leftovers() (process.h) during its lifetime; removes nothing itself. It
+/// must be listed before it is made, since the process may be stopped in between. At most 64 are listed at once;
+/// others, and paths of 4,096 characters or more, are ignored.
 class Leftover {
  public:
   Leftover() = default;
@@ -24,8 +24,5 @@ class Leftover {
   std::size_t place_ = kNone;
   static constexpr std::size_t kNone = ~std::size_t{0};
 };
-
-/// Removes every listed file and empty folder. A signal handler may call it, and must then end the process.
-void remove_leftovers() noexcept;
 
 }  // namespace pointsweep

@@ -7,7 +7,7 @@
 #include <csignal>
 #include <ctime>
 
-#include "pointsweep/leftovers.h"
+#include "pointsweep/program/process.h"
 
 namespace pointsweep {
 namespace {

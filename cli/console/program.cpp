@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cctype>
 
-#include "pointsweep/formats/registry.h"
-#include "pointsweep/math/batch.h"
+#include "pointsweep/program/formats.h"
+#include "pointsweep/program/process.h"
 #include "pointsweep/url.h"
 
 namespace pointsweep {
@@ -51,7 +51,7 @@ std::string version_text() {
   text += fmt::format("  {:<16}{}\n", "reads", readable_formats());
   std::string written;
   for (const std::string_view extension : writable_extensions()) written += fmt::format("{}, ", extension);
-  text += fmt::format("  {:<16}{}{}\n", "writes", written, array_format().extensions.front());
+  text += fmt::format("  {:<16}{}{}\n", "writes", written, array_extension());
   text += fmt::format("  {:<16}{}\n", "codecs", codecs());
   return text + fmt::format("  {:<16}{}", "URLs", reads_urls() ? "http, https, s3, gs, az" : "none");
 }

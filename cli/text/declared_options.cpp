@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "cli/text/help.h"
-#include "pointsweep/pipeline/language/registry.h"
-#include "pointsweep/shapes/registry.h"
+#include "pointsweep/program/generate.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {
@@ -30,7 +30,7 @@ std::vector<std::string> names_of_operators() {
 
 std::vector<std::string> names_of_shapes() {
   std::vector<std::string> names;
-  for (const auto& shape : all_shapes()) names.push_back(shape->name());
+  for (const NamedShape& shape : shapes()) names.push_back(shape.name);
   return names;
 }
 

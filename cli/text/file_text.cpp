@@ -7,10 +7,6 @@
 #include <array>
 #include <cmath>
 
-#include "pointsweep/formats/las_classes.h"
-#include "pointsweep/formats/provenance.h"
-#include "pointsweep/points/schema.h"
-
 namespace pointsweep {
 namespace {
 
@@ -41,11 +37,12 @@ bool is_coordinate(const Schema& schema, std::size_t field) {
 
 /// Returns lines with the scale and offset of coordinates that the file stores as integers.
 std::string storage_text(const Schema& schema) {
-  const PositionFields p = position_fields(schema, "");
-  if (p.x.scale == 1 && p.y.scale == 1 && p.z.scale == 1 && p.x.bias == 0 && p.y.bias == 0 && p.z.bias == 0) return {};
-  return line("scale", fmt::format("{:g} {:g} {:g}", p.x.scale, p.y.scale, p.z.scale)) +
+  const Field &x = schema.fields[*schema.find("x")], &y = schema.fields[*schema.find("y")],
+              &z = schema.fields[*schema.find("z")];
+  if (x.scale == 1 && y.scale == 1 && z.scale == 1 && x.bias == 0 && y.bias == 0 && z.bias == 0) return {};
+  return line("scale", fmt::format("{:g} {:g} {:g}", x.scale, y.scale, z.scale)) +
          line("offset",
-              fmt::format("{:.15g} {:.15g} {:.15g}", p.x.bias + 0.0, p.y.bias + 0.0, p.z.bias + 0.0));  // -0 becomes 0
+              fmt::format("{:.15g} {:.15g} {:.15g}", x.bias + 0.0, y.bias + 0.0, z.bias + 0.0));  // -0 becomes 0
 }
 
 std::string density_text(const FileSummary& s) {
@@ -89,7 +86,7 @@ std::string gps_text(const FileSummary& s) {
 /// Returns one line for each run that made the file, oldest first.
 std::string provenance_text(const FileInfo& info) {
   std::string text;
-  for (const ProvenanceRecord& record : records_of(info.provenance)) text += line("made by", to_text(record));
+  for (const std::string& run : made_by(info)) text += line("made by", run);
   return text;
 }
 
@@ -145,8 +142,6 @@ std::vector<std::string> line_of(const FileSummary& file, std::vector<std::strin
 }
 
 }  // namespace
-
-std::string text_of_class(std::uint8_t code) { return fmt::format("{} {}", code, name_of_las_class(code)); }
 
 /// Returns the names of the attributes, with one type for successive attributes of equal type.
 std::string attribute_text(const Schema& schema) {
@@ -208,8 +203,8 @@ std::optional<double> FileTotals::density() const {
 }
 
 std::string FileTotals::text(const std::vector<std::string>& inconsistencies) const {
-  std::string text = unreadable_ == 0 ? fmt::format("all {} files\n", readable_)
-                                      : fmt::format("{} of {} files\n", readable_, files());
+  std::string text =
+      unreadable_ == 0 ? fmt::format("all {} files\n", readable_) : fmt::format("{} of {} files\n", readable_, files());
   text += to_text(points_, bounds_);
   if (const auto all = density()) text += fmt::format("  density     {:.4g} points per square unit of x and y\n", *all);
   if (of_headers_) text += "  read        the headers alone, which state the bounds\n";

@@ -17,8 +17,6 @@ namespace pointsweep {
 std::string to_text(const FileSummary& summary);
 /// Returns a text like "x y z float32, intensity uint16".
 std::string attribute_text(const Schema& schema);
-/// Returns the code and the name of a class of LAS, e.g. "2 Ground".
-std::string text_of_class(std::uint8_t code);
 /// Returns only the lines about points and bounds.
 std::string to_text(std::uint64_t points, const Box& bounds);
 

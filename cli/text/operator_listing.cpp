@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/text/help.h"
+#include "pointsweep/chain.h"
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/language/registry.h"
-#include "pointsweep/pipeline/plan/default_neighborhood.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {
@@ -150,19 +150,11 @@ OrderedJson json_of(const ListedOperator& listed) {
 
 }  // namespace
 
-Contract contract_of(const OperatorDeclaration& declaration) {
-  const ChainStage stage = declaration.make(sample_values(declaration), {});
-  Contract contract = contract_of(stage);
-  std::erase_if(contract.makes, [](const Attribute& a) { return a.name == selection_attribute().name; });
-  if (declaration.makes_named) contract.makes.clear();
-  return contract;
-}
-
 std::string default_k_text(const ListedOperator& listed) {
   if (listed.contract.default_k == 0) return "";
-  return fmt::format("{} where neither k nor a radius is given",
-                     listed.contract.all_within > 0 ? "all within the distance that it needs"
-                                                    : fmt::to_string(listed.contract.default_k));
+  return fmt::format("{} where neither k nor a radius is given", listed.contract.all_within > 0
+                                                                     ? "all within the distance that it needs"
+                                                                     : fmt::to_string(listed.contract.default_k));
 }
 
 std::vector<ListedOperator> listed_operators(const std::vector<std::string>& names) {

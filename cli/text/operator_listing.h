@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/declare/declaration.h"
-#include "pointsweep/operators/declare/neighborhood_declaration.h"
+#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 
@@ -16,9 +15,6 @@ struct ListedOperator {
   OperatorDeclaration declaration;  ///< knn has no maker
   Contract contract = {};
 };
-
-/// Returns the contract of an operator with default options, without attributes that are never written.
-Contract contract_of(const OperatorDeclaration& declaration);
 
 /// Returns a sentence about the number of neighbours that the operator uses by default; empty if it uses no neighbours
 /// or needs a radius.

@@ -6,9 +6,7 @@
 
 #include "cli/text/help.h"
 #include "cli/text/operator_listing.h"
-#include "pointsweep/operators/statistics/neighbor_rows.h"
-#include "pointsweep/pipeline/language/option_text.h"
-#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {
@@ -195,7 +193,7 @@ std::string to_markdown(const std::vector<ListedOperator>& operators) {
 std::string attributes_markdown() {
   std::string text =
       table_head({"attribute", "type", "shape", "fields in files", "unit", "kind", "made by", "meaning"});
-  text += attribute_rows(neighbor_rows_declaration());
+  text += attribute_rows(neighbors_declaration());
   for (const OperatorDeclaration& declaration : all_operators()) text += attribute_rows(declaration);
   return text;
 }

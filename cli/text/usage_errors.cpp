@@ -9,8 +9,8 @@
 
 #include "cli/text/help.h"
 #include "cli/text/operator_listing.h"
-#include "pointsweep/pipeline/language/registry.h"
-#include "pointsweep/points/nearest_names.h"
+#include "pointsweep/program/nearest_names.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {

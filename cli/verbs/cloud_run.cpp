@@ -10,21 +10,19 @@
 
 #include "cli/console/interrupt.h"
 #include "cli/console/program.h"
+#include "cli/console/refuse.h"
 #include "cli/verbs/progress.h"
 #include "pointsweep/cancellation.h"
-#include "pointsweep/fail.h"
-#include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/registry.h"
-#include "pointsweep/render/legend.h"
-#include "pointsweep/report/run_report.h"
-#include "pointsweep/storage/local/output_file.h"
-#include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/program/formats.h"
+#include "pointsweep/program/report.h"
+#include "pointsweep/program/standard_streams.h"
+#include "pointsweep/program/whole_file.h"
 
 namespace pointsweep {
 namespace {
 
-EngineOptions run_options(const CommonOptions& options) {
-  EngineOptions run = options;
+RunOptions run_options(const CommonOptions& options) {
+  RunOptions run = options;
   run.count_distances = !options.report.empty();
   return run;
 }
@@ -42,13 +40,8 @@ ResolvedFiles files_of(InputsAndOutput named, const CommonOptions& options) {
 /// Returns the name of the report; refuses a name that does not end with .html.
 const std::filesystem::path& page_name(const std::filesystem::path& file) {
   if (extension_of(file) != ".html")
-    fail_usage("--report: {}: the report is a page; give a name that ends with .html.", file.string());
+    refuse("--report: {}: the report is a page; give a name that ends with .html.", file.string());
   return file;
-}
-
-void complete(OutputFile& file, const std::string& text) {
-  file.append(std::as_bytes(std::span(text)));
-  file.seal();
 }
 
 /// Returns whether the run divides its output among files, whose names it chooses.
@@ -60,13 +53,13 @@ bool is_divided(const ResolvedFiles& files) {
 constexpr double kPageShare = 0.1, kPageSeconds = 0.5;
 
 /// Reads the result and adds it to the summary; does nothing if the output is no point file or has no point to show.
-void add_result(const ResolvedFiles& files, const InputCloud& input, ProgressDisplay& display, RunSummary& summary) {
+void add_result(const ResolvedFiles& files, const Cloud& input, ProgressDisplay& display, RunSummary& summary) {
   const Statistics& statistics = summary.statistics;
   if (is_divided(files) || is_array_name(files.output) || is_standard_output(files.output) ||
       statistics.points_written == 0 || statistics.nonfinite - statistics.dropped == statistics.points)
     return;
   const auto start = std::chrono::steady_clock::now();
-  InputCloud cloud(files.tiles.empty() ? std::vector{files.output} : files.tiles, {.ignore_crs = true});
+  Cloud cloud(files.tiles.empty() ? std::vector{files.output} : files.tiles, {.ignore_crs = true});
   RenderOptions options;
   options.width = 900;
   options.height = 640;
@@ -80,13 +73,12 @@ void add_result(const ResolvedFiles& files, const InputCloud& input, ProgressDis
     display.report(phase, done, total);
   };
   summary.picture = render(cloud, options);
-  summary.made =
-      value_summaries(cloud.schema(), summary.picture->sample, made_numbers(operators, input.schema(), cloud.schema()));
-  for (ValueSummary& made : summary.made) made.unit = unit_of_attribute(made.name, summary.unit);
+  summary.made = value_summaries(cloud.schema(), summary.picture->sample,
+                                 made_numbers(operators, input.schema(), cloud.schema()), summary.unit);
   summary.drawing_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-RunSummary summary_of(const ResolvedFiles& files, const InputCloud& input, const Statistics& statistics,
+RunSummary summary_of(const ResolvedFiles& files, const Cloud& input, const Statistics& statistics,
                       ProgressDisplay& display) {
   RunSummary summary;
   summary.title = (files.tiles.empty() ? files.output : (files.output / "").parent_path()).filename().string();
@@ -150,10 +142,10 @@ class RunDisplay final : public Observer {
 
 void take_standard_input(const std::vector<std::filesystem::path>& inputs, const CommonOptions& options) {
   const auto count = std::ranges::count_if(inputs, is_standard_stream);
-  if (count > 1) fail_usage("-: standard input can be one of the inputs only once.");
+  if (count > 1) refuse("-: standard input can be one of the inputs only once.");
   if (count == 0) return;
   if (!options.resume_folder.empty())
-    fail_usage("--resume: standard input cannot be read again by another process; save it to a file first.");
+    refuse("--resume: standard input cannot be read again by another process; save it to a file first.");
   take_standard_input(options.resources.temp_folder);
 }
 
@@ -168,30 +160,30 @@ void add_run_options(CLI::App& verb, CommonOptions& options) {
 }
 
 void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
-                    const std::function<Statistics(InputCloud&, const ResolvedFiles&, const EngineOptions&)>& work) {
+                    const std::function<Statistics(Cloud&, const ResolvedFiles&, const RunOptions&)>& work) {
   const ResolvedFiles files = files_of(paths, options);
-  InputCloud cloud(files.inputs, cloud_options(options));
-  std::optional<OutputFile> stats;  // made before the work, so that a place that cannot be written is refused first
+  Cloud cloud(files.inputs, cloud_options(options));
+  std::optional<WholeFile> stats;  // made before the work, so that a place that cannot be written is refused first
   if (!options.stats.empty()) stats.emplace(options.stats, options.overwrite);
-  std::optional<OutputFile> report;
+  std::optional<WholeFile> report;
   if (!options.report.empty()) report.emplace(page_name(options.report), options.overwrite);
   ProgressDisplay display(options);
-  EngineOptions run = run_options(options);
+  RunOptions run = run_options(options);
   RunDisplay watching(display);
   run.observer = &watching;
   for (const std::string& notice : files.notices) display.say(Severity::note, notice);
   const Statistics statistics = work(cloud, files, run);
-  if (stats) complete(*stats, to_json(statistics) + "\n");
-  if (report) complete(*report, report_of(summary_of(files, cloud, statistics, display)));
+  if (stats) stats->complete(to_json(statistics) + "\n");
+  if (report) report->complete(report_of(summary_of(files, cloud, statistics, display)));
   for (const std::string& sentence : about_degenerate(statistics, options.stats))
     display.say(Severity::warning, sentence);
   display.say(Severity::note, conclusion(files, statistics));
 }
 
 void look_at_cloud(const InputsAndOutput& paths, const CommonOptions& options,
-                   const std::function<void(InputCloud&, const ResolvedFiles&, const EngineOptions&)>& work) {
+                   const std::function<void(Cloud&, const ResolvedFiles&, const RunOptions&)>& work) {
   const ResolvedFiles files = files_of(paths, options);
-  InputCloud cloud(files.inputs, cloud_options(options));
+  Cloud cloud(files.inputs, cloud_options(options));
   work(cloud, files, run_options(options));
 }
 

@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "cli/verbs/common_options.h"
-#include "pointsweep/pipeline/language/parse.h"
-#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 
@@ -25,12 +24,12 @@ void add_run_options(CLI::App& verb, CommonOptions& options);
 /// summary.
 void run_over_cloud(
     const InputsAndOutput& paths, const CommonOptions& options,
-    const std::function<Statistics(InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options)>& work);
+    const std::function<Statistics(Cloud& cloud, const ResolvedFiles& files, const RunOptions& options)>& work);
 
 /// Opens the inputs as one cloud for `work` that writes nothing, without progress and statistics.
 void look_at_cloud(
     const InputsAndOutput& paths, const CommonOptions& options,
-    const std::function<void(InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options)>& work);
+    const std::function<void(Cloud& cloud, const ResolvedFiles& files, const RunOptions& options)>& work);
 
 /// Adds the flag "--f VALUE" for the option f, "--k-from" for k_from. Values on the command line are appended to
 /// `into`, which must outlive the parsing.

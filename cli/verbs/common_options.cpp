@@ -4,17 +4,16 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
+#include "cli/console/refuse.h"
 #include "cli/text/help.h"
-#include "pointsweep/fail.h"
-#include "pointsweep/formats/registry.h"
+#include "pointsweep/program/formats.h"
 
 namespace pointsweep {
 namespace {
 
 void require_open(int descriptor) {
   if (descriptor < 0 || fcntl(descriptor, F_GETFD) < 0)
-    fail_usage("--progress-fd: descriptor {} is not open; redirect it, e.g. {}>progress.jsonl.", descriptor,
-               descriptor);
+    refuse("--progress-fd: descriptor {} is not open; redirect it, e.g. {}>progress.jsonl.", descriptor, descriptor);
 }
 
 const char* group_of(const RunOption& option) {
@@ -58,8 +57,7 @@ std::map<std::string, std::string> texts_of(const RunOptions& options) {
 
 CloudOptions cloud_options(const CommonOptions& options) {
   CloudOptions cloud{.ignore_crs = options.ignore_crs, .crs = options.crs, .format = options.format};
-  if (options.replace_crs && !cloud.crs)
-    fail_usage("--replace-crs: belongs to --crs; name the system, or leave it out.");
+  if (options.replace_crs && !cloud.crs) refuse("--replace-crs: belongs to --crs; name the system, or leave it out.");
   if (cloud.crs) cloud.crs->replaces = options.replace_crs;
   return cloud;
 }
@@ -110,7 +108,7 @@ void add_format_word(CLI::App& verb, std::string& format, const char* flag, cons
   verb.add_option_function<std::string>(
           flag,
           [&format, flag, begin](const std::string& text) {
-            if (!format.empty()) fail_usage("{}: another option says how the inputs are read; leave one out.", flag);
+            if (!format.empty()) refuse("{}: another option says how the inputs are read; leave one out.", flag);
             format = begin + text;
             require_format_asked_for(format);
           },

@@ -13,9 +13,9 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/pipeline/engine_run.h"
-#include "pointsweep/pipeline/language/quantities.h"
-#include "pointsweep/pipeline/language/run_options.h"
+#include "pointsweep/cloud.h"
+#include "pointsweep/program/quantities.h"
+#include "pointsweep/program/run_options.h"
 
 namespace pointsweep {
 
@@ -26,7 +26,7 @@ struct ClusterOptions {
   bool take_over = false;
 };
 
-struct CommonOptions : EngineOptions {
+struct CommonOptions : RunOptions {
   std::filesystem::path stats;    ///< JSON file for statistics; empty for none
   std::filesystem::path report;   ///< HTML page about the run; empty for none
   std::vector<std::string> keep;  ///< names of attributes to write; empty for all

@@ -1,23 +1,17 @@
 // SPDX-License-Identifier: MIT
 /// `pointsweep generate SHAPE OUT`: a cloud of known geometry and any size.
 #include <chrono>
-#include <future>
 
+#include "cli/console/refuse.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/common_options.h"
 #include "cli/verbs/progress.h"
-#include "pointsweep/cancellation.h"
-#include "pointsweep/fail.h"
-#include "pointsweep/shapes/registry.h"
-#include "pointsweep/shapes/shape_reader.h"
-#include "pointsweep/threads.h"
+#include "pointsweep/program/generate.h"
 #include "pointsweep/writer.h"
 
 namespace pointsweep {
 namespace {
-
-constexpr std::size_t kBlock = 1 << 18;  // points of a block, which is made while the previous block is written
 
 struct GenerateOptions {
   CommonOptions common;
@@ -26,41 +20,21 @@ struct GenerateOptions {
   Sampling sampling;
 };
 
-/// Writes points in two alternating blocks: one is filled on all threads while the other is written to disk.
-void write_all(Reader& reader, Writer& writer, ProgressDisplay& progress) {
-  const std::size_t stride = reader.info().schema.stride;
-  const std::uint64_t total = reader.info().count;
-  std::vector<std::byte> blocks[2] = {std::vector<std::byte>(kBlock * stride), std::vector<std::byte>(kBlock * stride)};
-  std::future<void> writing;
-  progress.report("generate", 0, total);
-  for (std::uint64_t row = 0, turn = 0; row < total; ++turn) {
-    stop_if_cancelled();
-    std::vector<std::byte>& block = blocks[turn % 2];
-    const std::size_t made = reader.read(row, block);
-    if (writing.valid()) writing.get();
-    writing = std::async(std::launch::async,
-                         [&writer, records = std::span(block).first(made * stride)] { writer.write(records); });
-    row += made;
-    progress.report("generate", row, total);
-  }
-  if (writing.valid()) writing.get();
-}
-
 void generate(const GenerateOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  ShapeReader reader(create_shape(options.shape), options.sampling);
+  const std::unique_ptr<Reader> reader = generated_points(options.shape, options.sampling);
   OutputPlan plan;
   plan.path = options.output;
-  plan.schema = reader.info().schema;
-  plan.count = reader.info().count;
+  plan.schema = reader->info().schema;
+  plan.count = reader->info().count;
   plan.overwrite = options.common.overwrite;
-  plan.bounds = reader.info().bounds;
+  plan.bounds = reader->info().bounds;
   if (options.common.crs) plan.crs = options.common.crs->crs;
   const std::unique_ptr<Writer> writer = create_writer(plan);
   ProgressDisplay progress(options.common);
-  const unsigned threads = options.common.resources.threads;
-  with_threads(threads != 0 ? threads : thread_count(), [&] { write_all(reader, *writer, progress); });
-  writer->finish();
+  const auto show = [&](std::uint64_t done) { progress.report("generate", done, plan.count); };
+  show(0);
+  write_generated(*reader, *writer, options.common.resources.threads, show);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   progress.say(Severity::note, fmt::format("wrote {}: {} points of a {} in {:.1f} s", options.output.string(),
                                            plan.count, options.shape, seconds));
@@ -69,7 +43,7 @@ void generate(const GenerateOptions& options) {
 /// Returns the footer of the help. It is made only when help is printed, because setting up the shapes takes a moment.
 std::string footer() {
   std::string text = "Shapes, in metres:\n";
-  for (const auto& shape : all_shapes()) text += fmt::format("  {:<10}{}\n", shape->name(), shape->meaning());
+  for (const NamedShape& shape : shapes()) text += fmt::format("  {:<10}{}\n", shape.name, shape.meaning);
   return text +
          "\nPoints come in random order, with the normals of the shape where it has them. Row i depends on shape, seed "
          "and options only, so the same command gives the same bytes on every machine.\n"
@@ -122,7 +96,7 @@ void declare_generate_verb(CLI::App& verb) {
   verb.footer(footer);
   verb.callback([options] {
     if (options->positional.empty() == options->output.empty())
-      fail_usage("OUT: name one file to write, last or with --output.");
+      refuse("OUT: name one file to write, last or with --output.");
     if (options->output.empty()) options->output = options->positional;
     generate(*options);
   });

@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "cli/console/console.h"
+#include "cli/console/refuse.h"
 #include "cli/text/declared_options.h"
 #include "cli/text/help.h"
 #include "cli/text/operator_listing.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/common_options.h"
-#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {
@@ -26,7 +26,7 @@ std::string help_of(const CLI::App& app, const std::string& name) {
   const std::string title = app.get_name() + (name.empty() ? "" : " " + name);
   if (shown != nullptr) return app.get_formatter()->make_help(shown, title, CLI::AppFormatMode::Normal);
   const std::string text = help_of_operator(name);
-  if (text.empty()) fail_usage("{}\nRun 'pointsweep help' for the list of verbs.", unknown_verb_sentence(app, name));
+  if (text.empty()) refuse("{}\nRun 'pointsweep help' for the list of verbs.", unknown_verb_sentence(app, name));
   return text;
 }
 
@@ -34,7 +34,7 @@ std::string completion_for(const CLI::App& app, const std::string& shell) {
   if (shell == "bash") return bash_completion(app);
   if (shell == "zsh") return zsh_completion(app);
   if (shell == "fish") return fish_completion(app);
-  fail_usage("completion: '{}' is not bash, zsh or fish.", shell);
+  refuse("completion: '{}' is not bash, zsh or fish.", shell);
 }
 
 struct ManCommand {
@@ -43,25 +43,16 @@ struct ManCommand {
   std::filesystem::path folder;
 };
 
-void write_page(const std::filesystem::path& path, const std::string& page, bool overwrite) {
-  if (!overwrite && std::filesystem::exists(path))
-    fail("{}: exists; name another folder, or overwrite it with --force.", path.string());
-  std::ofstream file(path, std::ios::binary);
-  file << page;
-  file.close();
-  if (!file) fail("{}: cannot be written; check that the folder exists and has space.", path.string());
-}
-
 void write_pages(const CLI::App& app, const ManCommand& command) {
-  write_page(command.folder / "pointsweep.1", man_page_of_tool(app), command.common.overwrite);
+  WholeFile(command.folder / "pointsweep.1", command.common.overwrite).complete(man_page_of_tool(app));
   for (const DeclaredVerb& verb : declared_verbs(app))
-    write_page(command.folder / ("pointsweep-" + verb.name + ".1"), man_page_of_verb(app, verb.name),
-               command.common.overwrite);
+    WholeFile(command.folder / ("pointsweep-" + verb.name + ".1"), command.common.overwrite)
+        .complete(man_page_of_verb(app, verb.name));
 }
 
 void print_page(const CLI::App& app, const std::string& verb) {
   const std::string page = verb.empty() ? man_page_of_tool(app) : man_page_of_verb(app, verb);
-  if (page.empty()) fail_usage("{}\nRun 'pointsweep help' for the list of verbs.", unknown_verb_sentence(app, verb));
+  if (page.empty()) refuse("{}\nRun 'pointsweep help' for the list of verbs.", unknown_verb_sentence(app, verb));
   print(page);
 }
 
@@ -112,7 +103,7 @@ void declare_man_verb(CLI::App& verb) {
       "  pointsweep man normals > pointsweep-normals.1");
   verb.callback([&app, command] {
     if (command->folder.empty()) return print_page(app, command->verb);
-    if (!command->verb.empty()) fail_usage("man: --folder writes all pages; leave out '{}'.", command->verb);
+    if (!command->verb.empty()) refuse("man: --folder writes all pages; leave out '{}'.", command->verb);
     write_pages(app, *command);
   });
 }

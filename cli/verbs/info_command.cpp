@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cli/console/console.h"
+#include "cli/console/refuse.h"
 #include "cli/text/file_text.h"
 #include "cli/text/statistics_text.h"
 #include "cli/verbs/cloud_run.h"
@@ -13,10 +14,8 @@
 #include "cli/verbs/common_options.h"
 #include "cli/verbs/progress.h"
 #include "pointsweep/cancellation.h"
-#include "pointsweep/fail.h"
 #include "pointsweep/files.h"
 #include "pointsweep/info.h"
-#include "pointsweep/info/summary_json.h"
 #include "pointsweep/url.h"
 
 namespace pointsweep {
@@ -46,8 +45,8 @@ class PrintedJson {
   }
   void finish(const nlohmann::ordered_json& all, const nlohmann::ordered_json& statistics) {
     begin();
-    print((files_ == 0 ? "],\n  \"all\": " : "\n  ],\n  \"all\": ") + text_of(all, "\n  ") + ",\n  \"statistics\": " +
-          text_of(statistics, "\n  ") + "\n}\n");
+    print((files_ == 0 ? "],\n  \"all\": " : "\n  ],\n  \"all\": ") + text_of(all, "\n  ") +
+          ",\n  \"statistics\": " + text_of(statistics, "\n  ") + "\n}\n");
   }
 
  private:
@@ -66,6 +65,12 @@ class PrintedJson {
   std::size_t files_ = 0;
 };
 
+nlohmann::ordered_json box_as_json(const Box& box) {
+  if (box.empty()) return {};
+  const auto corner = [](Vec3 v) { return nlohmann::ordered_json{v.x + 0.0, v.y + 0.0, v.z + 0.0}; };  // -0 becomes 0
+  return {{"min", corner(box.lo)}, {"max", corner(box.hi)}};
+}
+
 /// Prints the report about the files: about each file, then about all together.
 class InfoReport {
  public:
@@ -73,7 +78,7 @@ class InfoReport {
 
   /// Adds a file. `label`: its name in tables and in sentences about several files.
   void add(FileSummary summary, const std::filesystem::path& label) {
-    if (style_ == InfoStyle::json) json_.add(json_of(summary));
+    if (style_ == InfoStyle::json) json_.add(nlohmann::ordered_json::parse(to_json(summary)));
     if (style_ == InfoStyle::details) print(to_text(summary));
     faulty_ += summary.info.warnings.empty() ? 0 : 1;
     summary.info.path = label;
@@ -89,7 +94,8 @@ class InfoReport {
   /// Ends the report. `statistics`: statistics of the points of all readable files; absent if not requested.
   void finish(const std::optional<PointStatistics>& statistics) {
     if (style_ == InfoStyle::json)
-      return json_.finish(all_as_json(), statistics ? json_of(*statistics) : nlohmann::ordered_json());
+      return json_.finish(all_as_json(),
+                          statistics ? nlohmann::ordered_json::parse(to_json(*statistics)) : nlohmann::ordered_json());
     if (style_ == InfoStyle::table) print(table_.text());
     if (files() > 1) print(totals_.text(comparison_.sentences()));
     if (statistics) print(to_text(*statistics));
@@ -105,7 +111,7 @@ class InfoReport {
     return {{"files", files()},
             {"unreadable", failures()},
             {"points", totals_.points()},
-            {"bounds", json_of(totals_.bounds())},
+            {"bounds", box_as_json(totals_.bounds())},
             {"density", density ? nlohmann::ordered_json(*density) : nullptr},
             {"inconsistent", comparison_.sentences()}};
   }
@@ -226,9 +232,10 @@ void info(const InfoCommand& options) {
   if (options.has_statistics() && !statistics && !readable.empty())
     statistics = statistics_of(readable, options, progress);
   report.finish(statistics);
-  if (report.failures() > 0) fail("{} of {} files could not be read.", report.failures(), report.files());
+  if (report.failures() > 0)
+    throw Error(fmt::format("{} of {} files could not be read.", report.failures(), report.files()));
   if (options.check && report.faulty() > 0)
-    fail("{} of {} files have the faults that the warnings name.", report.faulty(), report.files());
+    throw Error(fmt::format("{} of {} files have the faults that the warnings name.", report.faulty(), report.files()));
 }
 
 /// Adds --by, --stats, --keep, --histogram and --bins.

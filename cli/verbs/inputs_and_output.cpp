@@ -9,15 +9,12 @@
 #include <system_error>
 #include <utility>
 
+#include "cli/console/refuse.h"
 #include "cli/text/help.h"
 #include "cli/verbs/common_options.h"
-#include "pointsweep/fail.h"
 #include "pointsweep/files.h"
-#include "pointsweep/formats/files/folder_entries.h"
-#include "pointsweep/formats/registry.h"
-#include "pointsweep/points/lower_case.h"
-#include "pointsweep/storage/local/same_file.h"
-#include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/program/formats.h"
+#include "pointsweep/program/standard_streams.h"
 #include "pointsweep/url.h"
 
 namespace pointsweep {
@@ -31,12 +28,6 @@ bool is_folder_name(const fs::path& path) {
   return !is_standard_stream(path) && (!path.has_filename() || fs::is_directory(path, error));
 }
 
-bool holds_point_files(const fs::path& folder) {
-  for (const fs::directory_entry& entry : entries_of(folder))
-    if (!is_hidden(entry.path()) && is_point_file(entry.path())) return true;
-  return false;
-}
-
 /// Returns whether the last of several names may be an input, since a file of this name exists.
 bool may_be_input(const InputsAndOutput& named) {
   std::error_code error;
@@ -48,9 +39,9 @@ bool may_be_input(const InputsAndOutput& named) {
 
 void require_input_and_output(const InputsAndOutput& named) {
   if (named.inputs_named() == 0)
-    fail_usage("IN... OUT: name at least one input file, then the output file (or name it with -o FILE).");
+    refuse("IN... OUT: name at least one input file, then the output file (or name it with -o FILE).");
   if (may_be_input(named))
-    fail_usage(
+    refuse(
         "{}: exists, and as the last of {} files it may be an input; name the output with -o FILE, before or after the "
         "inputs.",
         named.output().string(), named.files.size());
@@ -62,24 +53,24 @@ void require_no_folder_of_inputs(const InputsAndOutput& named, const fs::path& f
   const fs::path output = fs::weakly_canonical(fs::absolute(folder / "", error), error);
   for (const fs::path& input : named.inputs()) {
     if (is_url(input) && (input / "") == (folder / ""))
-      fail_usage("{}: is also the folder of inputs, so its files would be inputs of a later run; name another folder.",
-                 folder.string());
+      refuse("{}: is also the folder of inputs, so its files would be inputs of a later run; name another folder.",
+             folder.string());
     if (!fs::is_directory(input, error) || is_url(folder)) continue;
     const fs::path relative = output.lexically_relative(fs::canonical(input / "", error));
     const bool is_same = relative == "." || relative == "./" || relative.empty();
     if (is_same || (named.recursive && relative.begin()->string() != ".."))
-      fail_usage("{}: is {} the folder of inputs {}, so its files would be inputs of a later run; name another folder.",
-                 folder.string(), is_same ? "also" : "in", input.string());
+      refuse("{}: is {} the folder of inputs {}, so its files would be inputs of a later run; name another folder.",
+             folder.string(), is_same ? "also" : "in", input.string());
   }
 }
 
 void require_written_format(const fs::path& input, const fs::path& output) {
   std::error_code error;
-  if (!is_url(input) && !fs::exists(input, error)) fail("{}: no such file; check the path.", input.string());
-  const Format* const format = format_of_output(output);
-  if (format != nullptr && format->content == Format::Content::points && format->is_built_in()) return;
-  fail_usage("{}: files named {} are not written; choose a format for the outputs, e.g. --output-format laz.",
-             input.string(), extension_of(output).empty() ? "without extension" : "*" + extension_of(output));
+  if (!is_url(input) && !fs::exists(input, error))
+    throw Error(fmt::format("{}: no such file; check the path.", input.string()));
+  if (writes_points_to(output)) return;
+  refuse("{}: files named {} are not written; choose a format for the outputs, e.g. --output-format laz.",
+         input.string(), extension_of(output).empty() ? "without extension" : "*" + extension_of(output));
 }
 
 /// Throws Error if the folder in which the folder of outputs would be made does not exist.
@@ -88,23 +79,23 @@ void require_place_of(const fs::path& folder) {
   if (is_url(folder)) return;
   const fs::path parent = (folder / "").parent_path().parent_path();
   if (!parent.empty() && !fs::is_directory(parent, error))
-    fail("{}: the folder {} does not exist; create it first.", folder.string(), parent.string());
+    throw Error(fmt::format("{}: the folder {} does not exist; create it first.", folder.string(), parent.string()));
 }
 
 /// Returns the path of the files among which a run divides its output, with a * in the place of their names: OUT if it
 /// has a *, else a path in the folder OUT.
 fs::path divided_output(const InputsAndOutput& named, const std::vector<ListedFile>& inputs) {
   const fs::path& output = named.output();
-  if (is_standard_stream(output)) fail_usage("-: many files are written; name a folder for them.");
+  if (is_standard_stream(output)) refuse("-: many files are written; name a folder for them.");
   require_output_name(output);
   const bool is_pattern = output.filename().string().find('*') != std::string::npos;
-  if (!is_pattern && !is_folder_name(output) && format_of_output(output) != nullptr)
-    fail_usage("{}: is the name of one file, and many are written; name a folder for them.", output.string());
+  if (!is_pattern && !is_folder_name(output) && has_output_format(output))
+    refuse("{}: is the name of one file, and many are written; name a folder for them.", output.string());
   const fs::path folder = is_pattern ? output.parent_path() : output;
   if (!folder.empty()) require_no_folder_of_inputs(named, folder);
   require_place_of(folder);
   if (is_pattern && !named.output_format.empty())
-    fail_usage("--output-format: {} says the format; leave the option out, or name a folder.", output.string());
+    refuse("--output-format: {} says the format; leave the option out, or name a folder.", output.string());
   const fs::path& first = inputs.front().path;
   const std::string own = is_standard_stream(first) ? ".ply" : extension_of(first);
   fs::path pattern = is_pattern ? output : output / ("*" + (named.output_format.empty() ? own : named.output_format));
@@ -119,12 +110,12 @@ std::vector<fs::path> tiles_in(const InputsAndOutput& named, const std::vector<L
   std::map<fs::path, fs::path> inputs_of;
   for (const ListedFile& input : inputs) {
     if (is_standard_stream(input.path))
-      fail_usage("-: standard input has no name for its output in a folder; name an output file.");
+      refuse("-: standard input has no name for its output in a folder; name an output file.");
     tiles.push_back(named.output() / tile_name(input.relative, named.output_format));
     require_written_format(input.path, tiles.back());
     const auto [other, is_new] = inputs_of.try_emplace(tiles.back(), input.path);
     if (!is_new)
-      fail_usage(
+      refuse(
           "{} and {} would both be written as {}; name the folder that holds both, with --recursive, or make two runs.",
           other->second.string(), input.path.string(), tiles.back().string());
   }
@@ -133,20 +124,20 @@ std::vector<fs::path> tiles_in(const InputsAndOutput& named, const std::vector<L
 
 void require_folder_for_format(const InputsAndOutput& named, bool is_folder) {
   if (is_folder || named.output_format.empty() || is_standard_stream(named.output())) return;
-  fail_usage(
-      "--output-format: {} is a file, and its name says its format; leave the option out, or name a folder or -.",
-      named.output().string());
+  refuse("--output-format: {} is a file, and its name says its format; leave the option out, or name a folder or -.",
+         named.output().string());
 }
 
 /// Returns the extension that --output-format states: ".laz" for "laz" and ".LAZ". Throws UsageError for an unknown
 /// one.
 std::string parse_output_format(const std::string& text) {
-  std::string extension = extension_of("tile." + text.substr(text.starts_with('.') ? 1 : 0));
+  const std::string word = text.substr(text.starts_with('.') ? 1 : 0);
+  std::string extension = extension_of("tile." + word);
   const std::vector<std::string_view> known = writable_extensions();
   // Refuses "copc.laz", which has two parts.
-  const bool is_whole = extension == in_lower_case(text.starts_with('.') ? text : "." + text);
+  const bool is_whole = extension.size() == word.size() + 1;
   if (!is_whole || std::ranges::find(known, extension) == known.end())
-    fail_usage("--output-format: '{}' is not one of {}.", text, fmt::join(known, ", "));
+    refuse("--output-format: '{}' is not one of {}.", text, fmt::join(known, ", "));
   return extension;
 }
 
@@ -203,7 +194,7 @@ ResolvedFiles resolve(const InputsAndOutput& named, const std::string& format) {
 }
 
 void require_one_output(const ResolvedFiles& files, const char* reason) {
-  if (!files.tiles.empty()) fail_usage("{}: is a folder, but {}; name an output file.", files.output.string(), reason);
+  if (!files.tiles.empty()) refuse("{}: is a folder, but {}; name an output file.", files.output.string(), reason);
 }
 
 }  // namespace pointsweep

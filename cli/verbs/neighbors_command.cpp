@@ -5,19 +5,18 @@
 #include <algorithm>
 
 #include "cli/console/console.h"
+#include "cli/console/refuse.h"
 #include "cli/text/help.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
-#include "pointsweep/fail.h"
-#include "pointsweep/formats/registry.h"
-#include "pointsweep/operators/statistics/neighbor_rows.h"
-#include "pointsweep/pipeline/run/preview.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/program/formats.h"
 
 namespace pointsweep {
 namespace {
 
 /// Returns the number of neighbours that the verb finds if the user gives none.
-std::string default_k() { return text_of_value(neighbor_rows_declaration().options.front().preset); }
+std::string default_k() { return text_of_value(neighbors_declaration().options.front().preset); }
 
 struct NeighborsCommand {
   CommonOptions common;
@@ -29,9 +28,7 @@ struct NeighborsCommand {
 using Arrays = std::vector<std::pair<std::string, std::filesystem::path>>;
 
 void require_npy(const std::filesystem::path& path) {
-  if (!is_array_name(path))
-    fail_usage("{}: the graph is a {}; name a {} file.", path.string(), array_format().name,
-               array_format().extensions.front());
+  if (!is_array_name(path)) refuse("{}: the graph is a NumPy array; name a {} file.", path.string(), array_extension());
 }
 
 /// Returns the arrays to write. OUT gets `neighbors`, or `distances` if only these are kept; --distances gets
@@ -41,14 +38,14 @@ Arrays arrays_of(const NeighborsCommand& command) {
   const auto kept = [&](const char* name) { return keep.empty() || std::ranges::find(keep, name) != keep.end(); };
   for (const std::string& name : keep)
     if (name != "neighbors" && name != "distances")
-      fail_usage("--keep: '{}' is not neighbors or distances, the arrays that this verb makes.", name);
+      refuse("--keep: '{}' is not neighbors or distances, the arrays that this verb makes.", name);
   if (!kept("neighbors") && !command.distances.empty())
-    fail_usage("--keep distances writes the distances to {}; leave out --distances.", command.paths.output().string());
+    refuse("--keep distances writes the distances to {}; leave out --distances.", command.paths.output().string());
   if (!kept("neighbors")) return {{"distances", command.paths.output()}};
   if (!keep.empty() && kept("distances") && command.distances.empty())
-    fail_usage("--keep: distances need a file of their own; name it with --distances.");
+    refuse("--keep: distances need a file of their own; name it with --distances.");
   if (!kept("distances") && !command.distances.empty())
-    fail_usage("--keep: without distances nothing goes to --distances; leave one of them out.");
+    refuse("--keep: without distances nothing goes to --distances; leave one of them out.");
   Arrays arrays = {{"neighbors", command.paths.output()}};
   if (!command.distances.empty()) arrays.emplace_back("distances", command.distances);
   return arrays;
@@ -65,7 +62,7 @@ Neighborhood neighborhood_of(const NeighborsCommand& command) {
 Chain chain_of(const NeighborsCommand& command, const Arrays& arrays, std::uint64_t points) {
   const Neighborhood neighborhood = neighborhood_of(command);
   const bool distances = arrays.back().first == "distances";
-  Chain chain{neighborhood, {std::make_shared<NeighborRows>(neighborhood.k, points, distances)}};
+  Chain chain{neighborhood, {operators::neighbors(neighborhood.k, points, distances)}};
   if (arrays.front().first == "distances") chain.keep = {"distances"};
   return chain;
 }
@@ -78,12 +75,12 @@ void neighbors(const NeighborsCommand& command) {
   neighborhood_of(command);  // wrong options are refused before files are opened
   if (!command.distances.empty()) require_npy(command.distances);
   if (command.common.dry_run) {
-    look_at_cloud(paths, command.common, [&](InputCloud& cloud, const ResolvedFiles&, const EngineOptions& options) {
-      print(to_text(preview(cloud, chain_of(command, arrays_of(command), cloud.count()), options)));
+    look_at_cloud(paths, command.common, [&](Cloud& cloud, const ResolvedFiles&, const RunOptions& options) {
+      print(plan_text(cloud, chain_of(command, arrays_of(command), cloud.count()), {}, options));
     });
     return;
   }
-  run_over_cloud(paths, command.common, [&](InputCloud& cloud, const ResolvedFiles&, const EngineOptions& options) {
+  run_over_cloud(paths, command.common, [&](Cloud& cloud, const ResolvedFiles&, const RunOptions& options) {
     const Outputs outputs{.points = {}, .arrays = arrays_of(command), .writer = {}};
     return run(cloud, chain_of(command, outputs.arrays, cloud.count()), outputs, options);
   });

@@ -15,11 +15,10 @@
 #include <string>
 
 #include "cli/console/console.h"
+#include "cli/console/refuse.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
-#include "pointsweep/fail.h"
-#include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/plan/default_neighborhood.h"
+#include "pointsweep/chain.h"
 
 namespace pointsweep {
 namespace {
@@ -106,7 +105,7 @@ struct TransformCommand {
 void require_move(const TransformCommand& command) {
   const auto moves = [](const OptionText& option) { return option.name != "inverse"; };
   if (std::ranges::any_of(command.options, moves)) return;
-  fail_usage(
+  refuse(
       "transform: nothing says where the points go; give --matrix FILE or --translate X,Y,Z. To scale them write "
       "pointsweep run IN OUT --pipeline 'transform(scale=0.3048)'; --scale is the grid of LAS outputs.");
 }
@@ -160,10 +159,10 @@ std::vector<StageText> thinning_stages(const ThinCommand& command) {
     return std::ranges::find(stage.options, first_of(stage), &OptionText::name) != stage.options.end();
   };
   if (std::ranges::count_if(stages, says_how) != 1)
-    fail_usage("thin: give one of --voxel SIZE, --poisson RADIUS, --decimate SHARE and --number N.");
+    refuse("thin: give one of --voxel SIZE, --poisson RADIUS, --decimate SHARE and --number N.");
   for (const StageText& stage : stages)
     if (!says_how(stage))
-      fail_usage("{0}: belongs to {1}; leave it out, or use {1}.", stage.options[0].place, flag_of(stage));
+      refuse("{0}: belongs to {1}; leave it out, or use {1}.", stage.options[0].place, flag_of(stage));
   return stages;
 }
 
@@ -252,7 +251,10 @@ void declare_transform_verb(CLI::App& verb) {
     if (option.name != "inverse" && option.name != "scale")
       add_stage_option(verb, "--" + option.name, option, command->options);
   verb.add_flag_function(
-      "--inverse", [command](std::int64_t) { command->options.push_back({"inverse", "yes", "--inverse"}); },
+      "--inverse",
+      [command](std::int64_t) {
+        command->options.push_back({"inverse", "yes", "--inverse"});
+      },
       "Move the points back: by the inverse of the matrix");
   add_output_options(verb, command->run);
   verb.footer(

@@ -6,12 +6,10 @@
 #include <algorithm>
 
 #include "cli/console/console.h"
+#include "cli/console/refuse.h"
 #include "cli/text/help.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/cluster_run.h"
-#include "pointsweep/fail.h"
-#include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/run/preview.h"
 
 namespace pointsweep {
 namespace {
@@ -85,7 +83,7 @@ bool says(const std::vector<OptionText>& options, const std::string& name) {
 void require_viewpoint(const std::vector<OptionText>& orientation) {
   const auto orient = std::ranges::find(orientation, "orient", &OptionText::name);
   if (orient != orientation.end() && orient->value == "viewpoint" && !says(orientation, "viewpoint"))
-    fail_usage("--orient viewpoint needs the position of the scanner; add --viewpoint X,Y,Z.");
+    refuse("--orient viewpoint needs the position of the scanner; add --viewpoint X,Y,Z.");
 }
 
 Outputs outputs_of(const ResolvedFiles& files) {
@@ -141,13 +139,12 @@ void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText
   for (StageText& stage : stages) {
     if (stage.name != "normals") continue;
     if (says(stage.options, "orient") || says(stage.options, "viewpoint"))
-      fail_usage("{}: normals has an orientation in the pipeline; leave out --orient or that one.", stage.place);
+      refuse("{}: normals has an orientation in the pipeline; leave out --orient or that one.", stage.place);
     stage.options.insert(stage.options.end(), orientation.begin(), orientation.end());
     any = true;
   }
   if (!any)
-    fail_usage("{0}: the pipeline makes no normals; add the stage normals, or leave out {0}.",
-               orientation.front().place);
+    refuse("{0}: the pipeline makes no normals; add the stage normals, or leave out {0}.", orientation.front().place);
 }
 
 void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
@@ -158,17 +155,17 @@ void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
   if (!cluster.dask.empty())
     run_on_cluster(stages.empty() ? std::vector<std::string>() : canonical_stages(known, Presets::left_out), command);
   if (!cluster.scratch.empty() || cluster.take_over)
-    fail_usage("--scratch and --take-over: are for the workers of --dask; name a scheduler, or 'local'.");
+    refuse("--scratch and --take-over: are for the workers of --dask; name a scheduler, or 'local'.");
   if (command.common.dry_run) {
     look_at_cloud(command.paths, command.common,
-                  [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
+                  [&](Cloud& cloud, const ResolvedFiles& files, const RunOptions& options) {
                     const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
-                    print(to_text(preview(cloud, chain, options, outputs_of(files))));
+                    print(plan_text(cloud, chain, outputs_of(files), options));
                   });
     return;
   }
   run_over_cloud(command.paths, command.common,
-                 [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
+                 [&](Cloud& cloud, const ResolvedFiles& files, const RunOptions& options) {
                    const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
                    return run(cloud, chain, outputs_of(files), options);
                  });

@@ -4,16 +4,14 @@
 #include <memory>
 #include <string>
 
+#include "cli/console/refuse.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/progress.h"
 #include "pointsweep/cancellation.h"
-#include "pointsweep/fail.h"
-#include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/registry.h"
-#include "pointsweep/render/canvas.h"
-#include "pointsweep/render/render.h"
-#include "pointsweep/storage/local/output_file.h"
+#include "pointsweep/program/formats.h"
+#include "pointsweep/program/render.h"
+#include "pointsweep/program/whole_file.h"
 
 namespace pointsweep {
 namespace {
@@ -35,7 +33,7 @@ void parse_picture_size(const std::string& text, RenderOptions& options) {
   const std::size_t cross = text.find('x');
   if (cross == text.npos || !parse_whole(std::string_view(text).substr(0, cross), 10, options.width) ||
       !parse_whole(std::string_view(text).substr(cross + 1), 10, options.height)) {
-    fail_usage("--size: '{}' is not WIDTHxHEIGHT in pixels, e.g. 1200x900.", text);
+    refuse("--size: '{}' is not WIDTHxHEIGHT in pixels, e.g. 1200x900.", text);
   }
 }
 
@@ -55,15 +53,14 @@ void render_picture(RenderCommand& command) {
   const ResolvedFiles files = resolve(command.paths, command.common.format);
   const auto& output = files.output;
   require_one_output(files, "a picture shows all inputs");
-  if (extension_of(output) != ".png")
-    fail_usage("{}: pictures are PNG; give a name that ends with .png.", output.string());
+  if (extension_of(output) != ".png") refuse("{}: pictures are PNG; give a name that ends with .png.", output.string());
   RenderOptions options = command.options;
   options.angles = parse_view(command.view);
   options.up = parse_up(command.up);
-  OutputFile file(output, command.common.overwrite);
+  WholeFile file(output, command.common.overwrite);
   take_standard_input(files.inputs, command.common);
-  InputCloud cloud(files.inputs, cloud_options(command.common));
-  if (const auto& crs = cloud.readers().front()->info().crs) options.length_unit = length_unit_of(*crs);
+  Cloud cloud(files.inputs, cloud_options(command.common));
+  if (const auto& crs = cloud.input(0).crs) options.length_unit = length_unit_of(*crs);
   ProgressDisplay display(command.common);
   options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
     stop_if_cancelled();
@@ -72,8 +69,7 @@ void render_picture(RenderCommand& command) {
   const Rendering rendering = render(cloud, options);
   for (const std::string& notice : files.notices) display.say(Severity::note, notice);
   for (const std::string& warning : cloud.warnings()) display.say(Severity::warning, warning);
-  file.append(to_png(rendering.picture));
-  file.seal();
+  file.complete(to_png(rendering.picture));
   if (!rendering.remark.empty()) display.say(Severity::note, rendering.remark);
   if (rendering.outside > 0)
     display.say(Severity::warning,

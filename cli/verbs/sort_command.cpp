@@ -3,7 +3,6 @@
 #include "cli/console/console.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
-#include "pointsweep/pipeline/run/preview.h"
 
 namespace pointsweep {
 namespace {
@@ -19,14 +18,14 @@ void sort_points(const SortCommand& command) {
   const std::vector<std::string>& keep = command.common.keep;
   if (command.common.dry_run) {
     look_at_cloud(command.paths, command.common,
-                  [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
+                  [&](Cloud& cloud, const ResolvedFiles& files, const RunOptions& options) {
                     require_one_output(files, kOneOrder);
-                    print(to_text(preview_sort(cloud, files.output, options, keep)));
+                    print(sort_plan_text(cloud, files.output, options, keep));
                   });
     return;
   }
   run_over_cloud(command.paths, command.common,
-                 [&](InputCloud& cloud, const ResolvedFiles& files, const EngineOptions& options) {
+                 [&](Cloud& cloud, const ResolvedFiles& files, const RunOptions& options) {
                    require_one_output(files, kOneOrder);
                    return sort(cloud, files.output, options, keep);
                  });

@@ -4,13 +4,12 @@
 #include <string>
 
 #include "cli/console/console.h"
+#include "cli/console/refuse.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/progress.h"
 #include "pointsweep/cancellation.h"
-#include "pointsweep/fail.h"
 #include "pointsweep/verify.h"
-#include "pointsweep/verify/output_check.h"
 
 namespace pointsweep {
 namespace {
@@ -25,7 +24,7 @@ struct VerifyCommand {
 
 std::vector<std::uint64_t> rows_named_in(const std::string& path) {
   std::ifstream file(path);
-  if (!file) fail_usage("--rows: cannot open {}.", path);
+  if (!file) refuse("--rows: cannot open {}.", path);
   std::vector<std::uint64_t> rows;
   for (std::string word; file >> word;) rows.push_back(parse_count("--rows", word));
   return rows;
@@ -33,6 +32,8 @@ std::vector<std::uint64_t> rows_named_in(const std::string& path) {
 
 VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& display) {
   VerifyOptions options = command.check;
+  make_neighborhood(read_options(neighborhood_declaration().options, {"knn", command.neighborhood, "verify"}));
+  for (const OptionText& given : command.neighborhood) options.neighborhood.push_back({given.name, given.value});
   options.axis = command.common.axis;
   options.division = command.common.division;
   options.prefix = command.common.prefix;
@@ -50,12 +51,11 @@ VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& displ
 
 void run_check(const VerifyCommand& command) {
   take_standard_input(command.paths.files, command.common);
-  if (command.paths.files.empty()) fail_usage("IN... OUT: name what was read, and last what was written.");
+  if (command.paths.files.empty()) refuse("IN... OUT: name what was read, and last what was written.");
   ProgressDisplay display(command.common);
-  const Verdict verdict = verify_output(command.paths.inputs(), command.paths.output(), check_options(command, display),
-                                        command.neighborhood);
+  const Verdict verdict = verify(command.paths.inputs(), command.paths.output(), check_options(command, display));
   if (!command.common.quiet) print(to_text(verdict, command.checksums));
-  if (!verdict.same()) fail("{}: {}.", conclusion(verdict), verdict.differences.front());
+  if (!verdict.same()) throw Error(fmt::format("{}: {}.", conclusion(verdict), verdict.differences.front()));
   if (!verdict.is_complete()) throw NotChecked(fmt::format("{}: {}.", verdict.output, conclusion(verdict)));
 }
 

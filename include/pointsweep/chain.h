@@ -76,6 +76,11 @@ struct Chain {
   std::vector<std::string> keep = {};
 };
 
+/// Returns the chain with each Neighborhood::kOfOperators replaced, for the operators up to the next Reneighbor with
+/// its own definition: by all points within their largest all_within, or by their largest default_k. Throws UsageError
+/// if one operator needs all points within a distance and another does not.
+POINTSWEEP_EXPORT Chain with_named_neighborhoods(Chain chain);
+
 /// Parses a pipeline: text, `knn(k=16) | normals(orient=up) | where(nz > 0.5)`, or as JSON, `[{"type": "knn", "k": 16},
 /// {"type": "normals", "orient": "up"}]`. docs/pipelines.md has the language and docs/operators.md the operators with
 /// their options. If the pipeline states neither k nor a radius, the number of neighbours is the largest

@@ -50,4 +50,8 @@ POINTSWEEP_EXPORT Crs crs_of_wkt(std::string_view wkt);
 /// Returns a text like "EPSG:26910 (NAD83 / UTM zone 10N)" with the known parts of it, in at most about 80 characters.
 POINTSWEEP_EXPORT std::string short_text(const Crs& crs);
 
+/// Returns "m", "ft" or "US survey ft", as stated by the system's WKT or GeoTIFF keys; empty for degrees and unknown
+/// units.
+POINTSWEEP_EXPORT std::string length_unit_of(const Crs& crs);
+
 }  // namespace pointsweep

@@ -37,6 +37,12 @@ POINTSWEEP_EXPORT InputList list_inputs(const std::vector<std::filesystem::path>
 /// extension, since programs recognise COPC by its name.
 POINTSWEEP_EXPORT std::filesystem::path tile_name(const std::filesystem::path& relative, const std::string& format);
 
+/// Throws UsageError if a file of `written` is one of `read` or is written twice: the same device and inode (symbolic
+/// links, hard links, /proc/self/fd), or the same canonical path (also of files that do not exist yet). Empty paths are
+/// ignored.
+POINTSWEEP_EXPORT void require_separate_files(const std::vector<std::filesystem::path>& read,
+                                              const std::vector<std::filesystem::path>& written);
+
 /// Returns whether the path stands for other files: a folder, a pattern or a .vpc file.
 POINTSWEEP_EXPORT bool stands_for_files(const std::filesystem::path& path);
 

@@ -85,6 +85,13 @@ POINTSWEEP_EXPORT std::optional<GpsTimes> gps_times(const FileSummary& summary);
 /// UTC by leap seconds, 18 since 2017); empty if it is not between the years 1980 and 2200.
 POINTSWEEP_EXPORT std::string gps_date(double adjusted_standard_seconds);
 
+/// Returns a line like "pointsweep 0.1.0: knn(k=12) | normals; order sweep; from scan.ply", in printable ASCII, for
+/// each run that made the file, oldest first.
+POINTSWEEP_EXPORT std::vector<std::string> made_by(const FileInfo& info);
+
+/// Returns the number and the name of a class of LAS 1.4 (ASPRS): "2 Ground", "12 Reserved", "64 User definable".
+POINTSWEEP_EXPORT std::string text_of_class(std::uint8_t code);
+
 /// Returns a sentence for each respect in which files of one data set differ: formats, coordinate reference
 /// systems, clocks of GPS times, attributes that some files lack, and their types; then files without points, with
 /// coordinates that are not finite, and with the same bounds and number of points. Empty for fewer than two files.

@@ -14,12 +14,16 @@
 ///   run.h           running a chain: outputs, options, resources, observation
 ///   statistics.h    statistics of a run
 ///   error.h         exceptions
+///   cancellation.h  work that stops when another thread or a signal asks for it
 /// crs.h, geometry.h, option.h and export.h have types that several of these headers use. info.h (contents of files)
-/// and verify.h (checks of results) belong to separate libraries.
+/// and verify.h (checks of results) belong to separate libraries. program/ has what programs that talk to people need
+/// in addition, as the tool does: declarations of operators and options (declaration.h, pipeline.h, run_options.h),
+/// formats by name, numbers as people write them, pictures, reports, generated clouds.
 #pragma once
 
 #include "pointsweep/arrays.h"
 #include "pointsweep/attribute.h"
+#include "pointsweep/cancellation.h"
 #include "pointsweep/chain.h"
 #include "pointsweep/cloud.h"
 #include "pointsweep/crs.h"

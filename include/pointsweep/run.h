@@ -145,6 +145,15 @@ struct RunOptions {
   /// folder of another run is an error. The folder is removed when the run is complete. All intermediate data go to
   /// files. Needs inputs that are files, and Engine::exact.
   std::filesystem::path resume_folder = {};
+  /// Seconds between two checkpoints inside a phase; more if a checkpoint takes longer than a hundredth of this time.
+  /// 0: a checkpoint after every slab.
+  double checkpoint_seconds = 30;
+  bool count_distances = false;  ///< true to fill Statistics::neighbor_distances; about 5 ns a point
+  /// A .npy file of one uint8 for each input row, for pictures of the sweep: the state of the point when half of the
+  /// points have been read. 0: it is unread; 1: it waits for unread points; 2: its neighbours are known; 3: others need
+  /// it; 4: it has left the window. Takes a byte of memory for each point in addition to the budget; not with
+  /// resume_folder. Empty: no file.
+  std::filesystem::path half_way_states = {};
   Observer* observer = nullptr;  ///< borrowed observer of the run; null for none
 };
 
@@ -178,9 +187,12 @@ POINTSWEEP_EXPORT Statistics sort(Cloud& cloud, const std::filesystem::path& out
                                   const std::vector<std::string>& keep = {});
 
 /// Describes a run() in lines for people: passes, stages with their buffers, columns, slabs and memory. Reads a sample
-/// of the cloud and writes nothing. Throws the errors that run() throws before the work. `output`: the point file to
-/// write, which need not exist.
-POINTSWEEP_EXPORT std::string plan_text(Cloud& cloud, const Chain& chain, const std::filesystem::path& output = {},
+/// of the cloud and writes nothing. Throws the errors that run() throws before the work. `outputs`: their formats
+/// decide names and the size of records; the files need not exist.
+POINTSWEEP_EXPORT std::string plan_text(Cloud& cloud, const Chain& chain, const Outputs& outputs = {},
                                         const RunOptions& options = {});
+/// Describes a sort() likewise: points, order, slabs, records and memory.
+POINTSWEEP_EXPORT std::string sort_plan_text(Cloud& cloud, const std::filesystem::path& output,
+                                             const RunOptions& options = {}, const std::vector<std::string>& keep = {});
 
 }  // namespace pointsweep

@@ -120,9 +120,6 @@ class POINTSWEEP_EXPORT Writer {
 /// unknown extension, an output that exists, and a folder that is missing or read-only.
 POINTSWEEP_EXPORT std::unique_ptr<Writer> create_writer(const OutputPlan& plan);
 
-/// Returns the extensions that create_writer() knows, e.g. ".ply".
-POINTSWEEP_EXPORT std::vector<std::string_view> writable_extensions();
-
 /// Collects the fields `names` of the plan into `values`, N×names.size() values, those of a point side by side. T is
 /// float, double, std::uint32_t or std::uint64_t. The path of the plan is not used.
 template <class T>

@@ -4,13 +4,9 @@
 
 #include <cstdint>
 
-namespace pointsweep {
+#include "pointsweep/program/color.h"
 
-/// A colour of 8 bits for each channel.
-struct Rgb {
-  std::uint8_t red = 0, green = 0, blue = 0;
-  friend bool operator==(const Rgb&, const Rgb&) = default;
-};
+namespace pointsweep {
 
 /// Returns a colour of Viridis (van der Walt and Smith 2015, CC0): equal steps of the value are perceived as equal,
 /// also in grey and by colour-blind people. 0 is dark violet, 1 yellow; values outside of [0, 1] get the colours of the

@@ -46,9 +46,6 @@ enum class CrsAgreement : std::uint8_t { same, different, undecided };
 /// two statements defines.
 CrsAgreement compare(const Crs& a, const Crs& b);
 
-/// Returns "m", "ft" or "US survey ft", as stated by the system's WKT or GeoTIFF keys; empty for degrees and unknown
-/// units.
-std::string length_unit_of(const Crs& crs);
 /// Returns the metres in that unit; nothing if unknown.
 std::optional<double> metres_of_unit(const Crs& crs);
 

@@ -8,6 +8,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/chosen_chunks.h"
+#include "pointsweep/formats/files/folder_entries.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/storage/local/input_file.h"
 #include "pointsweep/storage/local/place.h"
@@ -242,6 +243,13 @@ void require_output_name(const std::filesystem::path& output) {
 
 const Format& array_format() { return kNpyFormat; }
 
+bool has_output_format(const std::filesystem::path& output) { return format_of_output(output) != nullptr; }
+
+bool writes_points_to(const std::filesystem::path& output) {
+  const Format* const format = format_of_output(output);
+  return format != nullptr && format->content == Format::Content::points && format->is_built_in();
+}
+
 bool is_array_name(const std::filesystem::path& path) {
   const Format* const format = format_of_output(path);
   return format != nullptr && format->content == Format::Content::array;
@@ -333,6 +341,14 @@ std::vector<std::string_view> writable_extensions() {
     if (is_written_as_points(*format))
       extensions.insert(extensions.end(), format->extensions.begin(), format->extensions.end());
   return extensions;
+}
+
+std::string_view array_extension() { return array_format().extensions.front(); }
+
+bool holds_point_files(const std::filesystem::path& folder) {
+  return std::ranges::any_of(entries_of(folder), [](const std::filesystem::directory_entry& entry) {
+    return !is_hidden(entry.path()) && is_point_file(entry.path());
+  });
 }
 
 std::string formats_table() {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/info/summary_json.h"
-
+/// The parts of the JSON object that `info --json` writes.
 #include <nlohmann/json.hpp>
 
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/provenance.h"
+#include "pointsweep/info.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -124,8 +124,6 @@ Json json_of(const PointGroup& group) {
           {"histograms", histograms}};
 }
 
-}  // namespace
-
 Json json_of(const PointStatistics& statistics) {
   Json groups = Json::array();
   for (const PointGroup& group : statistics.groups) groups.push_back(json_of(group));
@@ -133,10 +131,6 @@ Json json_of(const PointStatistics& statistics) {
           {"by", statistics.by.empty() ? Json() : Json(statistics.by)},
           {"percent", PointStatistics::kPercent},
           {"groups", groups}};
-}
-
-std::string to_json(const PointStatistics& statistics) {
-  return json_of(statistics).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 Json json_of(const Box& bounds) {
@@ -171,6 +165,12 @@ Json json_of(const FileSummary& s) {
           {"attributes", attributes(info.schema, s)},
           {"provenance", provenance(info)},
           {"warnings", info.warnings}};
+}
+
+}  // namespace
+
+std::string to_json(const PointStatistics& statistics) {
+  return json_of(statistics).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string to_json(const FileSummary& summary) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "pointsweep/math/instruction_sets.h"
+#include "pointsweep/program/process.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/math/batch.cpp"

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <span>
-#include <string_view>
 
 #include "pointsweep/math/symmetric3.h"
 
@@ -21,10 +20,5 @@ void batch_exp_negative(std::span<const double> x, std::span<double> out);
 
 /// Computes out[i] = natural_logarithm(x[i]); both spans have the same size and may be the same.
 void batch_natural_logarithm(std::span<const double> x, std::span<double> out);
-
-/// Returns Highway's name of the instruction set that the vector code of this process uses, the best for which the
-/// library is built and that this processor has: "AVX3" (AVX-512), "AVX2", "SSE4", "NEON", ... It changes the speed and
-/// no result.
-std::string_view instruction_set_in_use();
 
 }  // namespace pointsweep

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/update_operators.h"
 
-#include "pointsweep/operators/declare/declaration.h"
-#include "pointsweep/operators/declare/neighborhood_declaration.h"
+#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 namespace {

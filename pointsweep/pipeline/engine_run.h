@@ -37,13 +37,6 @@ struct EngineOptions : RunOptions {
   /// Bytes for the lists of neighbours that a thread uses at a time. A list of one point always fits. 0: chosen from
   /// the budget.
   std::uint64_t lists_bytes = 0;
-  bool count_distances = false;  ///< fill Statistics::neighbor_distances; about 5 ns a point
-  /// A .npy file of one uint8 for each input row: its PointState (sweep/sweep.h) when half of the points have been
-  /// read. Takes a byte of memory for each point in addition to the budget; not with resume_folder. Empty: no file.
-  std::filesystem::path half_way_states;
-  /// Seconds between two checkpoints inside a phase; more if a checkpoint takes longer than a hundredth of this time.
-  /// 0: a checkpoint after every slab.
-  double checkpoint_seconds = 30;
 };
 
 /// Run and sort like the functions of the same names in run.h.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/points/nearest_names.h"
+#include "pointsweep/program/nearest_names.h"
 
 #include <algorithm>
 #include <numeric>

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/colors/color_map.h"
 #include "pointsweep/fail.h"
 
 namespace pointsweep {

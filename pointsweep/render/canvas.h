@@ -1,22 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// A picture while it is drawn: colour and depth of every sample, and ellipses on it; and the finished picture as PNG.
+/// A picture while it is drawn: colour and depth of every sample, and ellipses on it.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
-#include "pointsweep/colors/color_map.h"
 #include "pointsweep/geometry.h"
+#include "pointsweep/program/render.h"
 
 namespace pointsweep {
-
-/// A finished picture: width×height pixels of three bytes, row by row from the top.
-struct Picture {
-  unsigned width = 0, height = 0;
-  std::vector<Rgb> pixels;
-};
 
 /// An ellipse in space as the camera sees it: x to the right, y down, z towards the viewer, in pixels.
 struct ProjectedEllipse {
@@ -57,11 +49,5 @@ class Canvas {
   double longest_;                      ///< longest semi-axis that is drawn, in samples
   std::vector<Sample> samples_;
 };
-
-/// Returns a whole PNG file, 8 bits per channel, sRGB. Throws Error if the machine has not enough memory.
-std::vector<std::byte> to_png(const Picture& picture);
-
-/// Parses "white", "black" or RRGGBB in hexadecimal. Throws UsageError.
-Rgb parse_color(std::string_view text);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/render/render.h"
+#include "pointsweep/program/render.h"
 
 #include <fmt/format.h>
 
@@ -129,7 +129,8 @@ class Light {
 
 }  // namespace
 
-Rendering render(InputCloud& cloud, const RenderOptions& options) {
+Rendering render(Cloud& inputs, const RenderOptions& options) {
+  InputCloud& cloud = inputs.inputs();
   check(options);
   const std::uint64_t points = cloud.count();
   const DrawnLevels levels(cloud, std::max(options.width, options.height));

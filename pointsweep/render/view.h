@@ -1,49 +1,17 @@
 // SPDX-License-Identifier: MIT
-/// The direction of view, chosen by the user or from the shape of the cloud, and the projection of points onto the
-/// picture.
+/// The direction of view from the shape of a cloud, and the projection of points onto the picture.
 #pragma once
 
-#include <optional>
 #include <span>
-#include <string_view>
 
 #include "pointsweep/geometry.h"
 #include "pointsweep/math/box.h"
+#include "pointsweep/program/render.h"
 
 namespace pointsweep {
 
-/// The direction that points up: an axis, or its opposite.
-struct Up {
-  int axis = 2;  ///< number of the axis: 0, 1 or 2 for x, y or z
-  int sign = 1;  ///< 1 for the axis, -1 for its opposite
-  /// Returns the coordinate of `p` along this direction.
-  double height(Vec3 p) const { return sign * p[axis]; }
-  friend bool operator==(const Up&, const Up&) = default;
-};
-
-/// The direction of view, in degrees. At azimuth 0 the viewer looks along +y with x to the right (the front), at
-/// azimuth 90 from +x; at elevation 90 the viewer looks down. If y points up, as in many scanned models, the front view
-/// looks along -z with x to the right; if x points up, along +z with y to the right. A negative direction up turns the
-/// cloud upside down about the axis that points to the right.
-struct Angles {
-  double azimuth = 0, elevation = 0;
-  friend bool operator==(const Angles&, const Angles&) = default;
-};
-
-struct View {
-  Angles angles;
-  Up up;
-  friend bool operator==(const View&, const View&) = default;
-};
-
 /// The view from above, and a view that shows front, side and top of an object.
 inline constexpr Angles kTop{0, 90}, kThreeQuarter{30, 25};
-
-/// Parses "front", "top", "iso" or "AZIMUTH,ELEVATION" in degrees, |elevation| <= 90; none for "auto". Throws
-/// UsageError.
-std::optional<Angles> parse_view(std::string_view text);
-/// Parses "x", "y", "z", "-x", "-y" or "-z"; none for "auto". Throws UsageError.
-std::optional<Up> parse_up(std::string_view text);
 
 /// An orthographic camera: an orthonormal basis, and the part of the plane that the picture shows.
 struct Camera {

@@ -6,8 +6,9 @@
 #include <set>
 #include <string_view>
 
-#include "pointsweep/pipeline/language/registry.h"
-#include "pointsweep/report/run_report.h"
+#include "pointsweep/points/schema.h"
+#include "pointsweep/program/pipeline.h"
+#include "pointsweep/program/report.h"
 
 namespace pointsweep {
 namespace {
@@ -47,8 +48,7 @@ std::vector<std::string> made_numbers(std::span<const std::string> operators, co
   std::set<std::string> again;
   for (const std::string& op : operators)
     if (const OperatorDeclaration* declaration = declaration_of(op))
-      for (const Attribute& a : contract_of(declaration->make(sample_values(*declaration), {})).makes)
-        again.insert(a.fields.begin(), a.fields.end());
+      for (const Attribute& a : contract_of(*declaration).makes) again.insert(a.fields.begin(), a.fields.end());
   std::vector<std::string> made;
   for (const Field& field : output.fields)
     if (!input.find(field.name) || again.contains(library_name_of(field.name))) made.push_back(field.name);

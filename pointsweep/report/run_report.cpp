@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/report/run_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "pointsweep/math/quantile_rank.h"
-#include "pointsweep/render/canvas.h"
+#include "pointsweep/program/report.h"
+#include "pointsweep/render/legend.h"
 #include "pointsweep/report/page.h"
 #include "pointsweep/report/plot.h"
 
@@ -218,11 +217,13 @@ void add_values(const RunSummary& summary, Page& page) {
 }  // namespace
 
 std::vector<ValueSummary> value_summaries(const Schema& schema, std::span<const std::byte> records,
-                                          std::span<const std::string> fields) {
+                                          std::span<const std::string> fields, std::string_view length) {
   std::vector<ValueSummary> summaries;
-  for (const Field& field : schema.fields)
-    if (field.count == 1 && std::ranges::find(fields, field.name) != fields.end())
-      summaries.push_back(summary_of(field, schema.stride, records));
+  for (const Field& field : schema.fields) {
+    if (field.count != 1 || std::ranges::find(fields, field.name) == fields.end()) continue;
+    summaries.push_back(summary_of(field, schema.stride, records));
+    summaries.back().unit = unit_of_attribute(field.name, length);
+  }
   return summaries;
 }
 

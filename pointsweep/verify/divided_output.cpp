@@ -13,8 +13,8 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/math/mix.h"
-#include "pointsweep/pipeline/language/run_options.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/program/run_options.h"
 #include "pointsweep/verify/rows/cloud_reader.h"
 #include "pointsweep/verify/rows/field_pair.h"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/output_check.h"
-
+/// A check of files: the processing record of an output gives the run, and so the stages that can be checked.
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -20,10 +19,10 @@
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/language/length_units.h"
-#include "pointsweep/pipeline/language/option_text.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/points/input_row.h"
+#include "pointsweep/program/pipeline.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/storage/local/place.h"
 #include "pointsweep/storage/remote/url.h"
@@ -320,21 +319,16 @@ Verdict checked(const OutputCheck& check, InputCloud& cloud) {
 
 }  // namespace
 
-Verdict verify_output(const std::vector<fs::path>& inputs, const fs::path& output, const VerifyOptions& options,
-                      const std::vector<OptionText>& neighborhood) {
+Verdict verify(const std::vector<fs::path>& inputs, const fs::path& output, const VerifyOptions& options) {
+  std::vector<OptionText> neighborhood;
+  for (const Option& option : options.neighborhood)
+    neighborhood.push_back({option.name, text_of_value(option.value), option.name});
   const OutputCheck check = completed({inputs, output, options, neighborhood, {}, false});
   InputCloud cloud(check.inputs, check.options.cloud);
   const std::uint64_t dropped = leave_out_nonfinite(check, cloud);
   Verdict verdict = checked(check, cloud);
   verdict.dropped = dropped;
   return verdict;
-}
-
-Verdict verify(const std::vector<fs::path>& inputs, const fs::path& output, const VerifyOptions& options) {
-  std::vector<OptionText> neighborhood;
-  for (const Option& option : options.neighborhood)
-    neighborhood.push_back({option.name, text_of_value(option.value), "verify"});
-  return verify_output(inputs, output, options, neighborhood);
 }
 
 }  // namespace pointsweep

@@ -10,8 +10,8 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/crs.h"
+#include "pointsweep/program/render.h"
 #include "pointsweep/render/canvas.h"
-#include "pointsweep/render/render.h"
 #include "python/binding/requests.h"
 #include "python/binding/watched_run.h"
 
@@ -49,7 +49,7 @@ nb::tuple render_picture(const nb::list& source, const nb::dict& given, const nb
       stop_if_cancelled();
       observer.on_progress({phase, done, total, 0});
     };
-    made = render(cloud.inputs(), options);
+    made = render(cloud, options);
     png = to_png(made.picture);
   });
   const nb::object range = made.is_number ? nb::object(nb::make_tuple(made.lo, made.hi)) : nb::none();

@@ -11,8 +11,8 @@
 #include <variant>
 
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/parse.h"
-#include "pointsweep/pipeline/language/run_options.h"
+#include "pointsweep/program/pipeline.h"
+#include "pointsweep/program/run_options.h"
 #include "pointsweep/url.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/crs_values.h"

@@ -6,7 +6,7 @@
 
 #include "pointsweep/chain.h"
 #include "pointsweep/cloud.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/program/declaration.h"
 #include "pointsweep/run.h"
 #include "python/binding/python_operator.h"
 

@@ -19,12 +19,12 @@
 #include <variant>
 #include <vector>
 
-#include "pointsweep/operators/declare/declaration.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/language/length_units.h"
-#include "pointsweep/pipeline/language/parse.h"
-#include "pointsweep/pipeline/language/run_options.h"
+#include "pointsweep/program/declaration.h"
+#include "pointsweep/program/pipeline.h"
+#include "pointsweep/program/run_options.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/neighbor_arrays.h"
 #include "python/binding/place_search.h"
@@ -124,7 +124,7 @@ std::string plan(const nb::list& source, const nb::list& pipeline, const std::ve
   PythonChain chain = chain_to_run(pipeline, facts_of(cloud.inputs()));
   chain.keep = keep;
   if (to.empty()) wanted_arrays(chain, options, groups);
-  return plan_text(cloud, chain, to, options);
+  return plan_text(cloud, chain, {.points = to}, options);
 }
 
 /// Texts that are equal if the pipelines are.

@@ -147,7 +147,7 @@ TEST_F(ManPages, AreWrittenForTheToolAndEveryVerbAndHaveNoErrors) {
   }
   refused(1, "man --folder man1", "exists");
   made("man --folder man1 --force");
-  refused(1, "man --folder nowhere", "cannot be written");
+  refused(1, "man --folder nowhere", "the folder nowhere does not exist");
 }
 
 TEST_F(ManPages, ShowWhatTheHelpShows) {

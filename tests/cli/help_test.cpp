@@ -13,8 +13,8 @@
 
 #include "cli/text/operator_listing.h"
 #include "cli/verbs/commands.h"
-#include "pointsweep/pipeline/language/registry.h"
-#include "pointsweep/pipeline/language/run_options.h"
+#include "pointsweep/program/pipeline.h"
+#include "pointsweep/program/run_options.h"
 #include "pointsweep/reader.h"
 #include "tests/cli/tool.h"
 

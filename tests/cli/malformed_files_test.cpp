@@ -4,7 +4,7 @@
 
 #include "pointsweep/formats/e57/e57_file.h"
 #include "pointsweep/formats/las/laz_layout.h"
-#include "pointsweep/pipeline/language/quantities.h"
+#include "pointsweep/program/quantities.h"
 #include "tests/cli/tool.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/sanitizers.h"

@@ -8,7 +8,7 @@
 
 #include "cli/text/operator_listing.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
-#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/program/pipeline.h"
 #include "tests/cli/tool.h"
 
 namespace pointsweep {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/declare/declaration.h"
-#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/program/declaration.h"
+#include "pointsweep/program/pipeline.h"
 #include "tests/cli/tool.h"
 #include "tests/formats/las_decode.h"
 

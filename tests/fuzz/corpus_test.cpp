@@ -11,7 +11,7 @@
 #include "pointsweep/formats/pcd/pcd_format.h"
 #include "pointsweep/formats/ply/ply_format.h"
 #include "pointsweep/formats/text/text_format.h"
-#include "pointsweep/pipeline/language/parse.h"
+#include "pointsweep/program/pipeline.h"
 #include "tests/fuzz/read_everything.h"
 #include "tests/support/contents.h"
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "pointsweep/error.h"
-#include "pointsweep/pipeline/language/parse.h"
+#include "pointsweep/program/pipeline.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
   try {

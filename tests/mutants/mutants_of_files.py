@@ -91,10 +91,10 @@ MUTANTS = [
            ("formats:FiniteRows.*",)),
 
     # Files that must not be lost
-    Mutant("hard links to an input are other files", "files", "pointsweep/storage/local/same_file.cpp",
+    Mutant("hard links to an input are other files", "files", "pointsweep/formats/separate_files.cpp",
            "by_inode_.try_emplace({status.st_dev, status.st_ino}, path);", "(void)by_inode_;",
            ("cli:SharedOptions.*", "cli:Usage.*")),
-    Mutant("an output may be another output", "files", "pointsweep/storage/local/same_file.cpp",
+    Mutant("an output may be another output", "files", "pointsweep/formats/separate_files.cpp",
            "    outputs.add(output);", "",
            ("pipeline:Refused.*", "cli:Usage.*", "cli:RunVerb.*")),
     Mutant("a cancelled or failed run leaves its unfinished output", "files", "pointsweep/storage/local/output_file.cpp",

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/verify/chain_values.h"
 #include "pointsweep/verify/rows/cloud_rows.h"
 #include "pointsweep/verify/rows/field_pair.h"

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// An outside program that looks at a file and checks the result of a run over it.
+/// An outside program that generates a cloud, looks at a file, checks the result of a run, draws it and makes its
+/// report.
 #include <pointsweep/info.h>
 #include <pointsweep/pointsweep.h>
+#include <pointsweep/program/generate.h>
+#include <pointsweep/program/report.h>
 #include <pointsweep/verify.h>
 
 #include <cstdio>
@@ -16,20 +19,24 @@ using namespace pointsweep;
 int main(int argc, char** argv) try {
   const std::filesystem::path folder = argc > 1 ? argv[1] : ".", in = folder / "plane.ply",
                               out = folder / "normals.ply";
-  std::vector<double> xyz;
-  for (int i = 0; i < 3000; ++i) xyz.insert(xyz.end(), {double(i % 50), double(i / 50), double(i % 7) / 100});
-  Cloud points(std::make_unique<ArrayReader>(xyz));
-  run(points, parse_chain("decimate(1)", points), {.points = in}, {.overwrite = true});
+  Cloud points(generated_points("sphere", {.count = 3000}));
+  Chain copy;
+  copy.keep = {"x", "y", "z"};
+  run(points, copy, {.points = in}, {.overwrite = true});
   Cloud cloud({in});
-  run(cloud, parse_chain("knn(k=8) | normals", cloud), {.points = out}, {.overwrite = true});
+  RunSummary made;
+  made.statistics = run(cloud, parse_chain("knn(k=8) | normals", cloud), {.points = out}, {.overwrite = true});
 
   const FileSummary summary = summarize(*open_reader(out));
   const bool is_seen =
-      summary.info.count == 3000 && summary.bounds.hi.x == 49 && summary.density() && *summary.spacing() < 1.01;
+      summary.info.count == 3000 && summary.bounds.hi.x <= 1 && summary.density() && *summary.spacing() < 0.1;
   const Verdict verdict = verify({}, out, {.sample = 100});
   const bool is_right = verdict.same() && verdict.is_complete() && verdict.made == std::vector<std::string>{"normal"};
   std::printf("%s", to_text(verdict).c_str());
-  return is_seen && is_right ? 0 : 1;
+  Cloud result({out});
+  made.picture = render(result, {.width = 300, .height = 200, .color = "normal"});
+  const bool is_shown = made.picture->drawn == 3000 && report_of(made).find("data:image/png") != std::string::npos;
+  return is_seen && is_right && is_shown ? 0 : 1;
 } catch (const std::exception& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;
 }

@@ -113,7 +113,7 @@ void run_pipelines(const std::filesystem::path& folder) {
   Chain chain = parse_chain("knn(k=12) | normals(orient=up)", cloud);
   append_stages(chain, "curvature", cloud);
   append_stage(chain, "where", {{"condition", std::string("nz > 0.999")}}, cloud);
-  expect(plan_text(cloud, chain, kept).find("curvature") != std::string::npos, "the plan names the stages");
+  expect(plan_text(cloud, chain, {.points = kept}).find("curvature") != std::string::npos, "the plan names the stages");
   const Statistics statistics = run(cloud, chain, {.points = kept}, {.overwrite = true});
   Cloud result({kept});
   expect(result.count() == statistics.points_written && result.count() < cloud.count(), "flat points alone are left");

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/plan/default_neighborhood.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -9,9 +7,10 @@
 #include <cstring>
 #include <random>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/operators.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/program/pipeline.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/pipeline/refusal.h"
 

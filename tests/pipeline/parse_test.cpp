@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/language/parse.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -10,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pointsweep/pipeline/language/absolute_files.h"
+#include "pointsweep/program/pipeline.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/refusal.h"
 #include "tests/support/fixed_seed.h"
@@ -95,8 +94,10 @@ TEST(Parse, AJsonFileIsReadAndNamedInMessages) {
   EXPECT_NE(sentence.find(path.string() + ", stage 2"), std::string::npos) << sentence;
   std::ofstream(path) << R"([{"type": "knn", "k": 8}])";
   EXPECT_EQ(parse_pipeline_or_file(path.string()), parse_pipeline("knn(k=8)"));
-  std::ofstream(path) << "\xEF\xBB\xBF" << R"([{"type": "knn", "k": 8}])";
-  EXPECT_EQ(parse_pipeline_or_file(path.string()), parse_pipeline("knn(k=8)")) << "an editor began it with a byte order mark";
+  std::ofstream(path) << "\xEF\xBB\xBF"
+                      << R"([{"type": "knn", "k": 8}])";
+  EXPECT_EQ(parse_pipeline_or_file(path.string()), parse_pipeline("knn(k=8)"))
+      << "an editor began it with a byte order mark";
   std::filesystem::remove(path);
   EXPECT_THROW(parse_pipeline_or_file(path.string()), Error);
 }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/language/registry.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -18,8 +16,9 @@
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/run/preview.h"
-#include "pointsweep/points/nearest_names.h"
 #include "pointsweep/points/text_file.h"
+#include "pointsweep/program/nearest_names.h"
+#include "pointsweep/program/pipeline.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/pipeline/refusal.h"
 

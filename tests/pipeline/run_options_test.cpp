@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/language/run_options.h"
+#include "pointsweep/program/run_options.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,9 +10,9 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/option_text.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "pointsweep/chain.h"
 #include "pointsweep/operators/update_operators.h"
-#include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/in_core.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/render/render.h"
+#include "pointsweep/program/render.h"
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -33,12 +33,12 @@ struct Spheres {
       normals.insert(normals.end(), {n.x, n.y, n.z});
     }
   }
-  InputCloud cloud(bool with_normals) const {
+  Cloud cloud(bool with_normals) const {
     std::vector<std::unique_ptr<Reader>> readers;
     auto reader = std::make_unique<ArrayReader>(std::span<const double>(xyz));
     if (with_normals) reader->add({"nx", "ny", "nz"}, normals);
     readers.push_back(std::move(reader));
-    return InputCloud(std::move(readers));
+    return Cloud(std::move(readers));
   }
   std::vector<double> xyz, normals;
 };
@@ -65,7 +65,7 @@ TEST(Render, ASphereIsAClosedDiscOfTheRightSize) {
   Spheres spheres;
   spheres.add({10, 20, 30}, 2, 20000);
   for (const bool with_normals : {true, false}) {
-    InputCloud cloud = spheres.cloud(with_normals);
+    Cloud cloud = spheres.cloud(with_normals);
     const Rendering r = render(cloud, small());
     EXPECT_EQ(r.color, with_normals ? "plain" : "height");
     EXPECT_NEAR(covered(r), std::numbers::pi / 4 * 0.94 * 0.94, 0.06) << "discs reach a little over the edge";
@@ -80,7 +80,7 @@ TEST(Render, ASphereIsAClosedDiscOfTheRightSize) {
 TEST(Render, LightComesFromTheUpperLeft) {
   Spheres spheres;
   spheres.add({0, 0, 0}, 1, 50000);
-  InputCloud cloud = spheres.cloud(true);
+  Cloud cloud = spheres.cloud(true);
   const Rendering r = render(cloud, small());
   EXPECT_GT(pixel(r, 80, 70).red, pixel(r, 130, 150).red + 40);
 }
@@ -88,10 +88,10 @@ TEST(Render, LightComesFromTheUpperLeft) {
 TEST(Render, NormalsThatPointAwayAreTurned) {
   Spheres spheres;
   spheres.add({0, 0, 0}, 1, 5000);
-  InputCloud cloud = spheres.cloud(true);
+  Cloud cloud = spheres.cloud(true);
   const Rendering outward = render(cloud, small());
   for (double& n : spheres.normals) n = -n;
-  InputCloud turned = spheres.cloud(true);
+  Cloud turned = spheres.cloud(true);
   EXPECT_EQ(render(turned, small()).picture.pixels, outward.picture.pixels);
 }
 
@@ -99,7 +99,7 @@ TEST(Render, TheNearerSphereHidesTheOther) {
   Spheres near_first, far_first;
   near_first.add({0, -5, 0}, 1, 20000);
   near_first.add({0, 5, 0}, 0.8, 20000);
-  InputCloud cloud = near_first.cloud(true);
+  Cloud cloud = near_first.cloud(true);
   RenderOptions options = small("y");
   const Rendering front = render(cloud, options);
   EXPECT_LT(pixel(front, 100, 100).green, 10) << "y of what is near is small: violet";
@@ -113,25 +113,25 @@ TEST(Render, AFlatCloudIsSeenFromAboveAndAnObjectFromACorner) {
   spheres.add({0, 0, 0}, 1, 5000);
   RenderOptions automatic;
   automatic.width = automatic.height = 100;
-  InputCloud object = spheres.cloud(true);
+  Cloud object = spheres.cloud(true);
   EXPECT_EQ(render(object, automatic).view.angles, kThreeQuarter);
   for (std::size_t i = 2; i < spheres.xyz.size(); i += 3) spheres.xyz[i] *= 0.05;
-  InputCloud flat = spheres.cloud(true);
+  Cloud flat = spheres.cloud(true);
   const Rendering from_above = render(flat, automatic);
   EXPECT_EQ(from_above.view.angles, kTop);
   EXPECT_EQ(from_above.view.up, Up{});
   for (std::size_t i = 0; i < spheres.xyz.size(); i += 3) std::swap(spheres.xyz[i + 1], spheres.xyz[i + 2]);
-  InputCloud relief = spheres.cloud(true);
+  Cloud relief = spheres.cloud(true);
   EXPECT_EQ(render(relief, automatic).view.up, (Up{1, 1}));
   automatic.up = Up{};
-  InputCloud wall = spheres.cloud(true);
+  Cloud wall = spheres.cloud(true);
   EXPECT_EQ(render(wall, automatic).view.angles, kThreeQuarter) << "a wall with z up is not flat";
 }
 
 TEST(Render, EdgesAreSmooth) {
   Spheres spheres;
   spheres.add({0, 0, 0}, 1, 20000);
-  InputCloud cloud = spheres.cloud(true);
+  Cloud cloud = spheres.cloud(true);
   const Rendering r = render(cloud, small("plain"));
   // Across the lower right edge of the disc, grey pixels between the dark side and the white background.
   std::vector<int> shades;
@@ -149,7 +149,7 @@ TEST(Render, EdgesAreSmooth) {
 TEST(Render, TheLegendTakesItsOwnRoom) {
   Spheres spheres;
   spheres.add({0, 0, 0}, 1, 20000);
-  InputCloud cloud = spheres.cloud(false);
+  Cloud cloud = spheres.cloud(false);
   RenderOptions options = small("height");
   options.width = 800;
   options.height = 600;
@@ -170,7 +170,7 @@ TEST(Render, TheLegendTakesItsOwnRoom) {
 TEST(Render, HeightGoesFromVioletToYellow) {
   Spheres spheres;
   spheres.add({0, 0, 0}, 1, 30000);
-  InputCloud cloud = spheres.cloud(false);
+  Cloud cloud = spheres.cloud(false);
   const Rendering r = render(cloud, small("height"));
   ASSERT_TRUE(r.is_number);
   EXPECT_NEAR(r.lo, -0.9, 0.02);
@@ -184,7 +184,7 @@ TEST(Render, FarOutliersDoNotShrinkThePicture) {
   Spheres spheres;
   spheres.add({0, 0, 0}, 1, 30000);
   spheres.add({1000, 0, 500}, 1, 3);
-  InputCloud cloud = spheres.cloud(true);
+  Cloud cloud = spheres.cloud(true);
   const Rendering rendering = render(cloud, small());
   EXPECT_GT(covered(rendering), 0.5);
   EXPECT_EQ(rendering.outside, 3u);
@@ -207,7 +207,7 @@ TEST(Render, EverythingIsInsideFromAllSides) {
   for (const Vec3 far : {Vec3{2, 0, 0}, {-2, 0, 1}, {0, 2, -1}, {0, -2, 0}, {0.5, 0, 2}, {0, 0.3, -2}})
     spheres.add(far, 0.01, 1);
   for (const bool normals : {true, false}) {
-    InputCloud cloud = spheres.cloud(normals);
+    Cloud cloud = spheres.cloud(normals);
     for (const auto& angles : {std::optional<Angles>(), std::optional(Angles{0, 0}), std::optional(Angles{40, 70})}) {
       RenderOptions options = small("plain");
       options.angles = angles, options.up.reset();
@@ -225,7 +225,7 @@ TEST(Render, EverythingIsInsideFromAllSides) {
 TEST(Render, DrawsAsManyPointsAsThereIsTimeFor) {
   Spheres sphere;
   sphere.add({0, 0, 0}, 1, 60000);
-  InputCloud cloud = sphere.cloud(true);
+  Cloud cloud = sphere.cloud(true);
   RenderOptions options = small("plain");
   const Rendering all = render(cloud, options);
   EXPECT_EQ(all.drawn, 60000u);
@@ -240,7 +240,7 @@ TEST(Render, DrawsAsManyPointsAsThereIsTimeFor) {
 TEST(Render, EveryPointHasTheSizeAskedFor) {
   Spheres sphere;
   sphere.add({0, 0, 0}, 1, 1);
-  InputCloud cloud = sphere.cloud(true);
+  Cloud cloud = sphere.cloud(true);
   RenderOptions options = small("plain");
   for (const double size : {3.0, 20.0}) {
     options.point_size = size;
@@ -255,7 +255,7 @@ TEST(Render, MapCoordinatesGiveTheSamePicture) {
   for (double& v : here.xyz) v = std::round(v * 1024) / 1024;
   there = here;
   for (std::size_t i = 0; i < there.xyz.size(); i += 3) there.xyz[i] += 1 << 20, there.xyz[i + 1] += 1 << 22;
-  InputCloud a = here.cloud(true), b = there.cloud(true);
+  Cloud a = here.cloud(true), b = there.cloud(true);
   EXPECT_EQ(render(a, small()).picture.pixels, render(b, small()).picture.pixels);
 }
 
@@ -274,7 +274,7 @@ TEST(Render, SplatsHaveTheirSizeAndDirection) {
   reader->add({"splat_length", "splat_ratio"}, sizes);
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::move(reader));
-  InputCloud cloud(std::move(readers));
+  Cloud cloud(std::move(readers));
   const Rendering r = render(cloud, small());
   const double pixels = 0.94 * 200 / 4;
   EXPECT_NEAR(covered(r) * 200 * 200, std::numbers::pi * 0.4 * 0.2 * pixels * pixels, 55)
@@ -310,7 +310,7 @@ TEST(Render, ReadsTheCloudTwiceInOrderAndInSmallBlocks) {
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::make_unique<WatchedReader>(300000));
   const auto* watched = static_cast<const WatchedReader*>(readers.front().get());
-  InputCloud cloud(std::move(readers));
+  Cloud cloud(std::move(readers));
   render(cloud, small());
   EXPECT_EQ(watched->rows, 600000u);
   EXPECT_EQ(watched->jumps, 1u) << "back to the first row";
@@ -320,23 +320,23 @@ TEST(Render, ReadsTheCloudTwiceInOrderAndInSmallBlocks) {
 TEST(Render, PointsWithoutAPlaceAreLeftOut) {
   Spheres spheres;
   spheres.add({0, 0, 0}, 1, 3000);
-  InputCloud clean = spheres.cloud(true);
+  Cloud clean = spheres.cloud(true);
   const Rendering expected = render(clean, small());
   spheres.xyz.insert(spheres.xyz.end(), {NAN, 0, 0, INFINITY, 0, 0});
   spheres.normals.resize(spheres.xyz.size(), 0);
-  InputCloud damaged = spheres.cloud(true);
+  Cloud damaged = spheres.cloud(true);
   EXPECT_EQ(render(damaged, small()).picture.pixels, expected.picture.pixels);
   const std::vector<double> nothing = {NAN, 0, 0};
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(std::make_unique<ArrayReader>(std::span<const double>(nothing)));
-  InputCloud empty(std::move(readers));
+  Cloud empty(std::move(readers));
   EXPECT_THROW(render(empty, small()), Error);
 }
 
 TEST(Render, RefusesSizesThatAreNone) {
   Spheres spheres;
   spheres.add({0, 0, 0}, 1, 10);
-  InputCloud cloud = spheres.cloud(true);
+  Cloud cloud = spheres.cloud(true);
   for (const auto& [width, height] : {std::pair(0u, 100u), std::pair(100u, 20000u), std::pair(16384u, 16384u)}) {
     RenderOptions options;
     options.width = width;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/report/run_report.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numeric>
+
+#include "pointsweep/program/report.h"
 
 namespace pointsweep {
 namespace {
@@ -112,7 +112,7 @@ TEST(ValueSummaries, CountWhatIsThere) {
     values.insert(values.end(), {0, curve, static_cast<float>(i % 3)});
   }
   const std::vector<std::string> fields = {"label", "curve"};
-  const auto made = value_summaries(schema, std::as_bytes(std::span(values)), fields);
+  const auto made = value_summaries(schema, std::as_bytes(std::span(values)), fields, "m");
   ASSERT_EQ(made.size(), 2u);
   EXPECT_EQ(made[0].name, "curve");
   EXPECT_EQ(made[0].values, 1001u);
@@ -120,6 +120,7 @@ TEST(ValueSummaries, CountWhatIsThere) {
   const float expected[] = {0, 0.049F, 0.249F, 0.499F, 0.75F, 0.95F, 1};  // ranks 0, 49, 249, 499, 749, 949, 999
   for (std::size_t p = 0; p < 7; ++p) EXPECT_EQ(made[0].quantiles[p], expected[p]) << p;
   EXPECT_EQ(std::accumulate(made[0].counts.begin(), made[0].counts.end(), 0.0), 1000);
+  EXPECT_EQ(made[1].unit, "") << "no unit is known for it";
   EXPECT_EQ(made[1].counts, (std::vector<double>{334, 334, 333})) << "a bin for each whole number";
   EXPECT_EQ(made[1].edges, (std::vector<double>{-0.5, 0.5, 1.5, 2.5}));
 }
@@ -129,7 +130,7 @@ TEST(ValueSummaries, OfEqualOrNoValuesHaveNoFold) {
   schema.append("a", Type::f64);
   const std::vector<std::string> fields = {"a"};
   const auto of = [&](std::vector<double> values) {
-    return value_summaries(schema, std::as_bytes(std::span(values)), fields).front();
+    return value_summaries(schema, std::as_bytes(std::span(values)), fields, "m").front();
   };
   EXPECT_TRUE(of({}).counts.empty());
   EXPECT_TRUE(of({NAN, INFINITY}).counts.empty());

@@ -11,7 +11,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 

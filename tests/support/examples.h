@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "pointsweep/geometry.h"
-#include "pointsweep/pipeline/language/registry.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/program/pipeline.h"
 #include "tests/formats/point_files.h"
 
 namespace pointsweep {

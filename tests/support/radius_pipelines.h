@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "pointsweep/geometry.h"
-#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 

@@ -8,12 +8,12 @@
 #include <cstring>
 #include <limits>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/formats/npy/npy_format.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/writer.h"
 #include "tests/formats/point_files.h"

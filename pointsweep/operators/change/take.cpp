@@ -11,8 +11,8 @@
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/rows/transform.h"
-#include "pointsweep/points/nearest_names.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/program/nearest_names.h"
 
 namespace pointsweep {
 namespace {

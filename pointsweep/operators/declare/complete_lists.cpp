@@ -2,7 +2,7 @@
 #include "pointsweep/operators/declare/complete_lists.h"
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/program/declaration.h"
 
 #include <fmt/format.h>
 
@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/kinds/chain_stage.h"
 
 namespace pointsweep {
 namespace {
@@ -176,6 +177,14 @@ OptionValues sample_values(const OperatorDeclaration& declaration) {
   for (const OptionDeclaration& option : declaration.options)
     if (option.required || (option.positional && has_value(option.sample))) values.give(option.name, option.sample);
   return values;
+}
+
+Contract contract_of(const OperatorDeclaration& declaration) {
+  const ChainStage stage = declaration.make(sample_values(declaration), {});
+  Contract contract = contract_of(stage);
+  std::erase_if(contract.makes, [](const Attribute& a) { return a.name == selection_attribute().name; });
+  if (declaration.makes_named) contract.makes.clear();
+  return contract;
 }
 
 }  // namespace pointsweep

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/declare/neighborhood_declaration.h"
-
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/least_eigenentropy.h"
 #include "pointsweep/operators/declare/limits_from_attributes.h"
+#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 namespace {

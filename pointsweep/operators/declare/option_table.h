@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 

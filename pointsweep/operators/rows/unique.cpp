@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "pointsweep/operators.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "pointsweep/operators.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 

@@ -11,8 +11,8 @@
 
 #include "pointsweep/levels/levelled_records.h"
 #include "pointsweep/operators.h"
-#include "pointsweep/operators/declare/declaration.h"
 #include "pointsweep/points/sorted_records.h"
+#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/run_options.h"
+#include "pointsweep/program/run_options.h"
 #include "pointsweep/storage/local/place.h"
 
 namespace pointsweep {

@@ -6,8 +6,7 @@
 #include <system_error>
 #include <vector>
 
-#include "pointsweep/pipeline/language/parse.h"
-#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {

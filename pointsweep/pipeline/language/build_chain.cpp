@@ -3,14 +3,13 @@
 
 #include <algorithm>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/cloud.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/pipeline/language/length_units.h"
-#include "pointsweep/pipeline/language/option_text.h"
-#include "pointsweep/pipeline/language/parse.h"
-#include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
 #include "pointsweep/points/neighborhood_options.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {
@@ -96,6 +95,11 @@ Chain build_chain(const std::vector<StageText>& stages, Facts facts, const std::
   Chain chain = build_chain(stages, std::move(facts));
   chain.keep = without_prefix(keep, prefix, made_by(chain));
   return chain;
+}
+
+Chain build_chain(const std::vector<StageText>& stages, const Cloud& cloud, const std::vector<std::string>& keep,
+                  const std::string& prefix) {
+  return build_chain(stages, cloud.inputs(), keep, prefix);
 }
 
 Chain parse_chain(std::string_view pipeline, const Cloud& cloud) {

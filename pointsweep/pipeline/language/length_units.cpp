@@ -6,7 +6,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "pointsweep/chain.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/operators/declare/declaration.h"
+#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/language/option_text.h"
-
 #include <algorithm>
 #include <charconv>
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/neighborhood_declaration.h"
-#include "pointsweep/points/nearest_names.h"
+#include "pointsweep/program/declaration.h"
+#include "pointsweep/program/nearest_names.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/language/parse.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +7,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/points/text_file.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/pipeline/language/parse.h"
 #include "pointsweep/pipeline/language/pdal_stages.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/pipeline/language/parse.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 

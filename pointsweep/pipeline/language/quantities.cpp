@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/language/quantities.h"
+#include "pointsweep/program/quantities.h"
 
 #include <charconv>
 #include <cmath>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/language/registry.h"
-
 #include <algorithm>
 #include <optional>
 
@@ -27,6 +25,7 @@
 #include "pointsweep/operators/statistics/denoise.h"
 #include "pointsweep/operators/statistics/density.h"
 #include "pointsweep/operators/statistics/local_outlier_factor.h"
+#include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/operators/statistics/neighborhood_size.h"
 #include "pointsweep/operators/statistics/neighborhood_statistics.h"
 #include "pointsweep/operators/statistics/outliers.h"
@@ -42,7 +41,8 @@
 #include "pointsweep/operators/thinning/simplify.h"
 #include "pointsweep/operators/thinning/voxel.h"
 #include "pointsweep/operators/update_operators.h"
-#include "pointsweep/points/nearest_names.h"
+#include "pointsweep/program/nearest_names.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {
@@ -123,5 +123,7 @@ const OperatorDeclaration& find_operator(const StageText& stage) {
   fail_usage("{}: no operator is called '{}'; {}.", stage.place, stage.name,
              meant ? fmt::format("the nearest is '{}'", *meant) : "'pointsweep operators' lists all");
 }
+
+OperatorDeclaration neighbors_declaration() { return neighbor_rows_declaration(); }
 
 }  // namespace pointsweep

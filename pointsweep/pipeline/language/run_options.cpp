@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/language/run_options.h"
+#include "pointsweep/program/run_options.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,7 +13,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
-#include "pointsweep/pipeline/language/quantities.h"
+#include "pointsweep/program/quantities.h"
 
 namespace pointsweep {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/connect/forest_edge.h"
-#include "pointsweep/pipeline/language/registry.h"
+#include "pointsweep/program/pipeline.h"
 #include "pointsweep/sweep/stage_runner.h"
 #include "pointsweep/threads.h"
 

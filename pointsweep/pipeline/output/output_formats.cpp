@@ -12,10 +12,10 @@
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/files/folder_entries.h"
 #include "pointsweep/formats/registry.h"
-#include "pointsweep/pipeline/language/parse.h"
-#include "pointsweep/pipeline/language/run_options.h"
 #include "pointsweep/points/input_row.h"
 #include "pointsweep/points/lower_case.h"
+#include "pointsweep/program/pipeline.h"
+#include "pointsweep/program/run_options.h"
 #include "pointsweep/storage/local/standard_streams.h"
 #include "pointsweep/storage/local/unfinished_output.h"
 #include "pointsweep/storage/remote/remote_service.h"
@@ -253,7 +253,8 @@ void require_order_kept(const Outputs& outputs) {
   for (const OutputFormat& output : output_formats(outputs))
     if (output.format->reorders)
       fail_usage(
-          "{}: {} has its points in the order of nodes of an octree; write another format, e.g. LAZ, to have them along an "
+          "{}: {} has its points in the order of nodes of an octree; write another format, e.g. LAZ, to have them "
+          "along an "
           "axis.",
           output.example.string(), output.format->name);
 }

@@ -5,8 +5,8 @@
 #include <set>
 #include <utility>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/pipeline/plan/default_neighborhood.h"
 #include "pointsweep/pipeline/plan/pass_planner.h"
 #include "pointsweep/points/input_row.h"
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/plan/default_neighborhood.h"
-
 #include <algorithm>
 #include <string>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/kinds/chain_stage.h"
 

@@ -7,7 +7,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/points/lower_case.h"
-#include "pointsweep/points/nearest_names.h"
+#include "pointsweep/program/nearest_names.h"
 
 namespace pointsweep {
 namespace {

@@ -14,8 +14,8 @@
 #include "pointsweep/operators/kinds/moved_bounds.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/run_options.h"
 #include "pointsweep/pipeline/output/output_formats.h"
+#include "pointsweep/program/run_options.h"
 #include "pointsweep/storage/local/place.h"
 
 namespace pointsweep {

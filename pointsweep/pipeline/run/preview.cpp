@@ -193,9 +193,13 @@ Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& opti
   return out;
 }
 
-std::string plan_text(Cloud& cloud, const Chain& chain, const std::filesystem::path& output,
-                      const RunOptions& options) {
-  return to_text(preview(cloud.inputs(), chain, EngineOptions(options), {.points = output}));
+std::string plan_text(Cloud& cloud, const Chain& chain, const Outputs& outputs, const RunOptions& options) {
+  return to_text(preview(cloud.inputs(), chain, EngineOptions(options), outputs));
+}
+
+std::string sort_plan_text(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options,
+                           const std::vector<std::string>& keep) {
+  return to_text(preview_sort(cloud.inputs(), output, EngineOptions(options), keep));
 }
 
 std::string to_text(const Preview& p) {
@@ -240,11 +244,11 @@ SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output,
   out.output_bytes = OutputLayout(cloud.schema(), {}, kept).schema().stride;
   ChainPlan only_sorts;
   only_sorts.reorders = true;
-  RunMemory memory = plan_run_memory(
-      out.budget, only_sorts, out.points, seen, options, out.record_bytes,
-      [&, inputs = open_input_bytes(cloud)](unsigned threads) {
-        return inputs + codec_bytes(cloud, {.points = output}, options, out.output_bytes, threads);
-      });
+  RunMemory memory =
+      plan_run_memory(out.budget, only_sorts, out.points, seen, options, out.record_bytes,
+                      [&, inputs = open_input_bytes(cloud)](unsigned threads) {
+                        return inputs + codec_bytes(cloud, {.points = output}, options, out.output_bytes, threads);
+                      });
   out.memory = memory.reordering;
   out.note = std::move(memory.threads_note);
   return out;

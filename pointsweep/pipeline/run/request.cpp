@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/files.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/pipeline/checkpoint/run_identity.h"
 #include "pointsweep/pipeline/language/length_units.h"
@@ -19,7 +20,6 @@
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/pipeline/sweep_engine.h"
 #include "pointsweep/storage/local/place.h"
-#include "pointsweep/storage/local/same_file.h"
 #include "pointsweep/storage/local/temp_folder.h"
 
 namespace pointsweep {

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/program/process.h"
 #include "pointsweep/storage/local/standard_streams.h"
 #include "pointsweep/storage/local/temp_folder.h"
 #include "pointsweep/storage/local/unfinished_output.h"
@@ -218,8 +219,6 @@ void OutputFile::seal() {
   any_complete = true;
 }
 
-bool OutputFile::any_is_complete() { return any_complete; }
-bool OutputFile::any_is_streamed() { return any_streamed; }
-bool OutputFile::reader_has_ended() { return reader_ended; }
+OutputsSoFar outputs_so_far() { return {any_complete, any_streamed, reader_ended}; }
 
 }  // namespace pointsweep

@@ -45,13 +45,6 @@ class OutputFile final : public Unsealed {
   void seal() override;
   /// Returns whether bytes may be written at any place and read back; false for standard output.
   bool is_seekable() const { return !is_stream_; }
-  /// Returns whether this process has written bytes to standard output.
-  static bool any_is_streamed();
-  /// Returns whether the program that reads standard output has ended before the last byte, as `head` does, while no
-  /// file of this process was incomplete.
-  static bool reader_has_ended();
-  /// Returns whether this process has completed any output.
-  static bool any_is_complete();
 
  private:
   void open_for_upload(const std::filesystem::path& temp_folder);

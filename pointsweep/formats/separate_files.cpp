@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/storage/local/same_file.h"
-
 #include <sys/stat.h>
 
 #include <map>
@@ -9,8 +7,9 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/files.h"
 #include "pointsweep/storage/local/standard_streams.h"
-#include "pointsweep/storage/remote/url.h"
+#include "pointsweep/url.h"
 
 namespace pointsweep {
 namespace {

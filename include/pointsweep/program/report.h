@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The report of a run, as a page, and the choice of the result that its picture shows.
+/// The report of a run, as a page, and the choice of the result that its picture shows. Programs that include this
+/// header link pointsweep::report.
 #pragma once
 
 #include <array>
@@ -7,11 +8,13 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "pointsweep/pipeline/statistics.h"
-#include "pointsweep/points/schema.h"
-#include "pointsweep/render/render.h"
+#include "pointsweep/attribute.h"
+#include "pointsweep/export.h"
+#include "pointsweep/program/render.h"
+#include "pointsweep/statistics.h"
 
 namespace pointsweep {
 
@@ -21,7 +24,7 @@ struct ValueSummary {
   std::string unit = {};        ///< unit of the numbers, e.g. "1/m"; empty if they have none or it is unknown
   std::uint64_t values = 0;     ///< number of values read
   std::uint64_t undefined = 0;  ///< number of NaN and infinite values among them
-  /// Least, 5 %, 25 %, 50 %, 75 %, 95 % quantile (by quantile_rank()) and greatest of the finite values.
+  /// Least, 5 %, 25 %, 50 %, 75 %, 95 % quantile and greatest of the finite values.
   std::array<double, 7> quantiles{};
   /// Edges and counts of the histogram. Bin i is edges[i] .. edges[i + 1]; the first and the last bin also count values
   /// beyond their outer edges. Both are empty if no value is finite.
@@ -29,9 +32,11 @@ struct ValueSummary {
 };
 
 /// Returns a summary of each field with one number a point; fields with several numbers are left out. Bins are equally
-/// wide over the middle 99 % of the values. Whole numbers get a bin each if there are few of them.
-std::vector<ValueSummary> value_summaries(const Schema& schema, std::span<const std::byte> records,
-                                          std::span<const std::string> fields);
+/// wide over the middle 99 % of the values. Whole numbers get a bin each if there are few of them. `length`: the unit
+/// of the cloud's coordinates, e.g. "m"; if it is empty, "file unit" stands for it.
+POINTSWEEP_EXPORT std::vector<ValueSummary> value_summaries(const Schema& schema, std::span<const std::byte> records,
+                                                            std::span<const std::string> fields,
+                                                            std::string_view length);
 
 struct RunSummary {
   std::string title;           ///< e.g. "normals of scan.ply"
@@ -49,16 +54,17 @@ struct RunSummary {
 /// Returns one self-contained HTML page. The result comes first: inputs and outputs, warnings, a picture, a histogram
 /// of each made number with its quantiles, counts. The time by phase follows. The engine comes last: working set over
 /// the stream, distances of neighbours (if they were counted), all other statistics.
-std::string report_of(const RunSummary& summary);
+POINTSWEEP_EXPORT std::string report_of(const RunSummary& summary);
 
-/// Returns the colouring, in the syntax of PointColor, that shows the result of the last operator of a chain with a
+/// Returns the colouring, (RenderOptions::color) that shows the result of the last operator of a chain with a
 /// visible result: curvature; plain (shading by the normals) after normals and splats; for other operators the first
 /// number that was made (made_numbers). Empty if no operator has a visible result in the output.
-std::string pictured_attribute(std::span<const std::string> operators, const Schema& input, const Schema& output);
+POINTSWEEP_EXPORT std::string pictured_attribute(std::span<const std::string> operators, const Schema& input,
+                                                 const Schema& output);
 
 /// Returns the fields of the output that the operators have made: fields that the input does not have, and fields of
 /// the input that an operator makes again.
-std::vector<std::string> made_numbers(std::span<const std::string> operators, const Schema& input,
-                                      const Schema& output);
+POINTSWEEP_EXPORT std::vector<std::string> made_numbers(std::span<const std::string> operators, const Schema& input,
+                                                        const Schema& output);
 
 }  // namespace pointsweep

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The declaration of an operator, beside its code. Pipelines as text and JSON, flags of verbs, help, docs, checkpoints
-/// and the records in outputs all come from it.
+/// Declarations of operators, and of the stage `knn`. Pipelines as text and JSON, flags of verbs, help, docs,
+/// checkpoints and the records in outputs all come from them. For programs that show operators and options to people.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,11 @@
 #include <variant>
 #include <vector>
 
+#include "pointsweep/chain.h"
+#include "pointsweep/export.h"
 #include "pointsweep/geometry.h"
+#include "pointsweep/neighborhood.h"
 #include "pointsweep/operator.h"
-#include "pointsweep/operators/kinds/chain_stage.h"
 #include "pointsweep/option.h"
 
 namespace pointsweep {
@@ -41,7 +43,7 @@ enum class OptionKind : std::uint8_t {
 /// The least number above 0, as the limit of options that must be positive.
 inline constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();
 
-struct OptionDeclaration {
+struct POINTSWEEP_EXPORT OptionDeclaration {
   std::string name = {};
   OptionKind kind = OptionKind::word;
   OptionValue preset = {};   ///< the value if none is given; std::monostate: there is none
@@ -68,10 +70,10 @@ struct OptionDeclaration {
 };
 
 /// Returns numbers in their shortest form, points as "0,0,1.7"; parse_value() restores the value. Empty: no value.
-std::string text_of_value(const OptionValue& value);
+POINTSWEEP_EXPORT std::string text_of_value(const OptionValue& value);
 
 /// The values of an operator's options: the given ones, else the presets.
-class OptionValues {
+class POINTSWEEP_EXPORT OptionValues {
  public:
   /// Has only presets at first. `where` begins every message about these options, e.g. "pipeline, column 12: normals".
   OptionValues(const std::vector<OptionDeclaration>& declared, std::string where);
@@ -136,14 +138,31 @@ struct OperatorDeclaration {
 };
 
 /// Splits "a,b" into {"a", "b"}: the words of an option of the kind `names`.
-std::vector<std::string> words_of(std::string_view list);
+POINTSWEEP_EXPORT std::vector<std::string> words_of(std::string_view list);
 /// Parses "1,2.5" to {1, 2.5}: an option of the kind `numbers`. Empty if a word is no finite number.
-std::vector<double> numbers_of(std::string_view list);
+POINTSWEEP_EXPORT std::vector<double> numbers_of(std::string_view list);
 /// Returns {1, 2.5} as "1,2.5": each number in its shortest form, so that equal lists have equal texts.
-std::string text_of_numbers(const std::vector<double>& numbers);
+POINTSWEEP_EXPORT std::string text_of_numbers(const std::vector<double>& numbers);
+
+/// The stage `knn` of a pipeline, which is no operator: it defines the neighbourhoods of all stages.
+struct NeighborhoodDeclaration {
+  std::string name;
+  std::string meaning;
+  std::vector<OptionDeclaration> options;
+  std::string formula, source, cost;
+  std::string example;  ///< a complete pipeline
+};
+
+POINTSWEEP_EXPORT const NeighborhoodDeclaration& neighborhood_declaration();
+
+/// Throws UsageError, beginning with OptionValues::where(), for values that do not go together.
+POINTSWEEP_EXPORT Neighborhood make_neighborhood(const OptionValues& options);
 
 /// Returns example values: presets, and samples of required options and of options without names. For docs and checks
 /// of a declaration.
-OptionValues sample_values(const OperatorDeclaration& declaration);
+POINTSWEEP_EXPORT OptionValues sample_values(const OperatorDeclaration& declaration);
+/// Returns the contract of the operator with sample_values(): without attributes that are never written, and without
+/// made ones if its options name them.
+POINTSWEEP_EXPORT Contract contract_of(const OperatorDeclaration& declaration);
 
 }  // namespace pointsweep

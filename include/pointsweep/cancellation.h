@@ -3,12 +3,13 @@
 #pragma once
 
 #include "pointsweep/error.h"
+#include "pointsweep/export.h"
 
 namespace pointsweep {
 
-/// During its lifetime, the work of this thread, and work that this thread starts through threads.h, stops when `token`
-/// asks for it. An inner scope replaces an outer one; a null token has no effect.
-class CancellationScope {
+/// During its lifetime, the work of this thread, and the work of other threads for it, stops when `token` asks for it.
+/// An inner scope replaces an outer one; a null token has no effect.
+class POINTSWEEP_EXPORT CancellationScope {
  public:
   explicit CancellationScope(const CancellationToken* token) noexcept : before_(current_) {
     if (token != nullptr) current_ = token;

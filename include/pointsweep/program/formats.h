@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+/// The formats that this build reads and writes, and what names of files say about formats. For programs that take
+/// names of files from people.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pointsweep/export.h"
+
+namespace pointsweep {
+
+/// Returns ".ply" for "scan.PLY", ".copc.laz" for "scan.copc.laz", "" if there is no extension.
+POINTSWEEP_EXPORT std::string extension_of(const std::filesystem::path& path);
+
+/// Returns whether the extension of an output's name is that of points or arrays that the library writes, although this
+/// build may lack the codec. Standard output is PLY as "-" and text as "-.csv".
+POINTSWEEP_EXPORT bool has_output_format(const std::filesystem::path& output);
+/// Returns whether this build writes point files of this name.
+POINTSWEEP_EXPORT bool writes_points_to(const std::filesystem::path& output);
+/// Returns whether a file of this name holds an array, not points.
+POINTSWEEP_EXPORT bool is_array_name(const std::filesystem::path& path);
+/// Throws UsageError for standard output in a format whose bytes are not written in order.
+POINTSWEEP_EXPORT void require_output_name(const std::filesystem::path& output);
+
+/// Returns whether a file in a folder should be read: if its content has a signature, if it has the extension of a
+/// format with a signature, or if it has the extension of any format and is empty. So damaged tiles are not skipped
+/// like files of other kinds. A URL is judged only by its extension. `format`: as for open_reader(). Throws Error if
+/// the file cannot be read.
+POINTSWEEP_EXPORT bool is_point_file(const std::filesystem::path& path, std::string_view format = "");
+/// Returns whether a folder has a point file that is not hidden; sub-folders do not count.
+POINTSWEEP_EXPORT bool holds_point_files(const std::filesystem::path& folder);
+
+/// Returns "PLY, LAS, PCD, QSplat, text": the names of the formats whose files are read as points.
+POINTSWEEP_EXPORT std::string readable_formats();
+/// Returns the extensions that create_writer() knows, e.g. ".ply".
+POINTSWEEP_EXPORT std::vector<std::string_view> writable_extensions();
+/// Returns ".npy", the extension of arrays.
+POINTSWEEP_EXPORT std::string_view array_extension();
+/// Returns "kitti|float32-xyz": the formats without a signature, which the user must name.
+POINTSWEEP_EXPORT std::string formats_asked_for();
+/// Throws UsageError where `name` is no value for the parameter `format` of open_reader().
+POINTSWEEP_EXPORT void require_format_asked_for(std::string_view name);
+/// Returns "LASzip", or "none (no LAZ)": the codecs of this build, or the formats that it cannot read and write without
+/// them.
+POINTSWEEP_EXPORT std::string codecs();
+/// Returns the table of docs/formats.md.
+POINTSWEEP_EXPORT std::string formats_table();
+
+}  // namespace pointsweep

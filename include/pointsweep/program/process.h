@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/// What a program around the library does about its process: the allocator, an end without unwinding, and sentences
+/// about what became of the outputs.
+#pragma once
+
+#include <string_view>
+
+#include "pointsweep/export.h"
+
+namespace pointsweep {
+
+/// Sets up the allocator of the whole process so that it holds little free memory, even with many threads. A program
+/// calls this function before its first thread; a library must not.
+POINTSWEEP_EXPORT void keep_little_free_memory() noexcept;
+
+/// Removes the unfinished files of this process. A signal handler may call it, and must then end the process.
+POINTSWEEP_EXPORT void remove_leftovers() noexcept;
+
+/// What has become of the outputs of this process so far.
+struct OutputsSoFar {
+  bool any_is_complete = false;
+  bool any_is_streamed = false;  ///< bytes have been written to standard output
+  /// The program that reads standard output has ended before the last byte, as `head` does, while no file of this
+  /// process was incomplete.
+  bool reader_has_ended = false;
+};
+POINTSWEEP_EXPORT OutputsSoFar outputs_so_far();
+
+/// Returns Highway's name of the instruction set that the vector code of this process uses, the best for which the
+/// library is built and that this processor has: "AVX3" (AVX-512), "AVX2", "SSE4", "NEON", ... It changes the speed and
+/// no result.
+POINTSWEEP_EXPORT std::string_view instruction_set_in_use();
+
+}  // namespace pointsweep
