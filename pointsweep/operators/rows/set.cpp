@@ -12,6 +12,7 @@
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/kinds/chain_stage.h"
 #include "pointsweep/points/with_type.h"
 #include "pointsweep/row_error.h"
 

@@ -6,6 +6,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
+#include "pointsweep/operators/kinds/chain_stage.h"
 #include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {

@@ -2,6 +2,8 @@
 /// Formulas of the operators on surfaces: curvature, splats, fairing, features.
 #pragma once
 
+#include <span>
+
 #include "pointsweep/verify/formulas/estimate.h"
 
 namespace pointsweep::formulas {

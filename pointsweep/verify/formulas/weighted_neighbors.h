@@ -2,6 +2,7 @@
 /// Neighbours with the weight θ of Equation 1, M_i, and normals.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "pointsweep/verify/formulas/eigen.h"

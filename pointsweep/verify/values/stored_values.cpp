@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "pointsweep/points/with_type.h"
+
 namespace pointsweep {
 
 void put_value(const Field& field, const std::byte* record, Type type, std::byte* to) {
