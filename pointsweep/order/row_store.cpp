@@ -11,9 +11,9 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/order/fixed_copy.h"
 #include "pointsweep/order/page_memory.h"
 #include "pointsweep/order/slab_store.h"
+#include "pointsweep/points/fixed_copy.h"
 #include "pointsweep/prefetch.h"
 
 namespace pointsweep {

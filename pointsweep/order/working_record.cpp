@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/order/fixed_copy.h"
 
 namespace pointsweep {
 namespace {
@@ -26,31 +25,18 @@ WorkingRecord::WorkingRecord(const Schema& source, bool whole, std::span<const s
                              std::uint64_t rows) {
   if (whole) {
     schema_ = source;
-    pieces_.push_back({0, 0, source.stride});
+    carried_.add(0, 0, source.stride);
   } else {
     position_fields(source, "the input");  // throws if there is no position
     const std::size_t xyz[] = {*source.find("x"), *source.find("y"), *source.find("z")};
-    for (const std::size_t field : xyz) carry(source, field);
+    for (const std::size_t field : xyz) carried_.append(source.fields[field], schema_);
     for (const std::size_t field : payload)
-      if (std::ranges::find(xyz, field) == std::end(xyz)) carry(source, field);
+      if (std::ranges::find(xyz, field) == std::end(xyz)) carried_.append(source.fields[field], schema_);
   }
   add_row(rows);
 }
 
-WorkingRecord::WorkingRecord(const Schema& working) : schema_(working) { pieces_.push_back({0, 0, working.stride}); }
-
-void WorkingRecord::carry(const Schema& source, std::size_t index) {
-  Field field = source.fields.at(index);
-  const auto bytes = static_cast<std::uint32_t>(size_of(field.type) * field.count);
-  const Piece piece{field.offset, schema_.stride, bytes};
-  field.offset = schema_.stride;
-  schema_.fields.push_back(std::move(field));
-  schema_.stride += bytes;
-  if (!pieces_.empty() && pieces_.back().from + pieces_.back().bytes == piece.from)
-    pieces_.back().bytes += bytes;  // adjacent fields of the source stay adjacent
-  else
-    pieces_.push_back(piece);
-}
+WorkingRecord::WorkingRecord(const Schema& working) : schema_(working) { carried_.add(0, 0, working.stride); }
 
 void WorkingRecord::add_row(std::uint64_t rows) {
   schema_.append("row", rows <= std::numeric_limits<std::uint32_t>::max() ? Type::u32 : Type::u64);
@@ -60,13 +46,7 @@ void WorkingRecord::add_row(std::uint64_t rows) {
 void WorkingRecord::scatter(const std::byte* from, std::size_t from_stride, std::size_t count, std::uint64_t first_row,
                             const std::uint32_t* place, std::byte* to) const {
   const std::size_t stride = schema_.stride;
-  for (const Piece& piece : pieces_)
-    with_fixed_size(piece.bytes, [&](auto size) {
-      const std::byte* source = from + piece.from;
-      std::byte* target = to + piece.to;
-      for (std::size_t i = 0; i < count; ++i)
-        copy_bytes<size()>(target + place[i] * stride, source + i * from_stride, piece.bytes);
-    });
+  carried_.scatter(from, from_stride, to, stride, place, count);
   if (!makes_row_) return;
   const Field& row = schema_.fields.back();
   if (row.type == Type::u32)

@@ -7,11 +7,12 @@
 #include <span>
 #include <vector>
 
+#include "pointsweep/points/record_map.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 
-/// Makes working records from source records: copies pieces bit for bit, then adds the row.
+/// Makes working records from source records: copies parts of them, then adds the row.
 class WorkingRecord {
  public:
   /// Working records have the position and the fields `payload`, or every byte of a record if `whole`. `rows`: rows are
@@ -28,14 +29,10 @@ class WorkingRecord {
                const std::uint32_t* place, std::byte* to) const;
 
  private:
-  struct Piece {
-    std::uint32_t from, to, bytes;
-  };
-  void carry(const Schema& source, std::size_t field);
   void add_row(std::uint64_t rows);
 
   Schema schema_;
-  std::vector<Piece> pieces_;
+  RecordMap carried_;
   bool makes_row_ = false;
 };
 

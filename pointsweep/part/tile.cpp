@@ -17,6 +17,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/working_record.h"
+#include "pointsweep/points/record_map.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/search/cut.h"
 #include "pointsweep/threads.h"
@@ -38,8 +39,7 @@ class ScratchRecord {
         schema_(schema_in_scratch(working)) {
     for (std::size_t f = kAxisNames.size(); f + 1 < schema_.fields.size(); ++f) {
       const Field& from = working.fields[*working.find(schema_.fields[f].name)];
-      pieces_.push_back(
-          {from.offset, schema_.fields[f].offset, static_cast<std::uint32_t>(size_of(from.type) * from.count)});
+      carried_.add(from.offset, schema_.fields[f].offset, size_of(from.type) * from.count);
     }
   }
   const Schema& schema() const { return schema_; }
@@ -55,7 +55,7 @@ class ScratchRecord {
       std::byte* const to = records.data() + n * schema_.stride;
       const Vec3 p = position(numbers[n]);
       std::memcpy(to, &p, sizeof p);
-      for (const auto& [at, put, bytes] : pieces_) std::memcpy(to + put, record + at, bytes);
+      carried_.copy(record, to);
       const std::uint64_t row = row_of(working_, record);
       std::memcpy(to + schema_.fields.back().offset, &row, sizeof row);
     }
@@ -65,13 +65,10 @@ class ScratchRecord {
   std::uint32_t working_bytes() const { return working_.stride; }
 
  private:
-  struct Piece {
-    std::uint32_t from, to, bytes;
-  };
   const Schema& working_;
   PositionFields position_;
   Schema schema_;
-  std::vector<Piece> pieces_;
+  RecordMap carried_;
 };
 
 std::string layout_of(const Schema& schema) {

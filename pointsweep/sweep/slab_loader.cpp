@@ -5,7 +5,7 @@
 #include <array>
 #include <cstring>
 
-#include "pointsweep/order/fixed_copy.h"
+#include "pointsweep/points/fixed_copy.h"
 #include "pointsweep/points/promised_type.h"
 
 namespace pointsweep {

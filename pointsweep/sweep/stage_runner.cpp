@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/order/fixed_copy.h"
 #include "pointsweep/order/stream.h"
+#include "pointsweep/points/fixed_copy.h"
 
 namespace pointsweep {
 namespace {

@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <string>
 
-#include "pointsweep/order/fixed_copy.h"
 #include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/points/input_row.h"
 #include "pointsweep/row_error.h"
@@ -17,13 +15,6 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kBlock = 256;  ///< records put together while they are in the nearest cache
-
-void copy_pieces(const std::byte* from, std::size_t from_stride, std::byte* to, std::size_t to_stride,
-                 std::size_t bytes, std::size_t n) {
-  with_fixed_size(bytes, [&](auto size) {
-    for (std::size_t i = 0; i < n; ++i) copy_bytes<size()>(to + i * to_stride, from + i * from_stride, bytes);
-  });
-}
 
 void convert_values(const Field& from, const std::byte* records, std::size_t from_stride, const Field& to,
                     std::byte* outputs, std::size_t to_stride, std::size_t n) {
@@ -60,7 +51,8 @@ bool moves_points(const std::vector<Attribute>& made) {
 
 OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept,
                            std::optional<Type> positions)
-    : schema_(without_input_row(input)), input_stride_(input.stride), passed_{{0, 0, schema_.stride}} {
+    : schema_(without_input_row(input)), input_stride_(input.stride) {
+  passed_.add(0, 0, schema_.stride);
   const Types types = replaced(input, made, kept, positions);
   if (kept.input)
     keep_fields(input, *kept.input, types);
@@ -115,8 +107,11 @@ void OutputLayout::retype(const Types& types) {
   std::vector<std::pair<Field*, Type>> retyped;
   for (const auto& [index, type] : types) retyped.emplace_back(&schema_.fields[index], type);
   std::ranges::sort(retyped, {}, [](const auto& field) { return field.first->offset; });
-  passed_.clear();
-  std::vector<Copy> pieces;  // parts of the input's record between them
+  passed_ = {};
+  struct Piece {
+    std::uint32_t from, to, bytes;
+  };
+  std::vector<Piece> pieces;  // parts of the input's record between them
   const std::uint32_t end = schema_.stride;
   std::uint32_t from = 0, to = 0;
   for (const auto& [field, type] : retyped) {
@@ -132,39 +127,29 @@ void OutputLayout::retype(const Types& types) {
     if (types.contains(f)) continue;
     Field& field = schema_.fields[f];
     const auto piece =
-        std::find_if(pieces.rbegin(), pieces.rend(), [&](const Copy& c) { return c.from <= field.offset; });
+        std::find_if(pieces.rbegin(), pieces.rend(), [&](const Piece& p) { return p.from <= field.offset; });
     field.offset = piece->to + (field.offset - piece->from);
   }
-  std::copy_if(pieces.begin(), pieces.end(), std::back_inserter(passed_), [](const Copy& c) { return c.bytes > 0; });
+  for (const Piece& piece : pieces) passed_.add(piece.from, piece.to, piece.bytes);
 }
 
 /// Keeps some fields with their storage, except those of `types`. Bit fields of one byte each get a copy of the byte.
 void OutputLayout::keep_fields(const Schema& input, const std::vector<std::size_t>& kept, const Types& types) {
   schema_ = {};
-  passed_.clear();
+  passed_ = {};
   for (const std::size_t index : kept) {
     Field field = input.fields[index];
     const auto type = types.find(index);
-    if (type != types.end()) field = {.name = field.name, .type = type->second};
-    const auto bytes = static_cast<std::uint32_t>(size_of(field.type)) * field.count;
-    if (type == types.end()) append(passed_, {field.offset, schema_.stride, bytes});
-    field.offset = schema_.stride;
-    schema_.stride += bytes;
-    schema_.fields.push_back(std::move(field));
+    if (type == types.end())
+      passed_.append(std::move(field), schema_);
+    else
+      schema_.append(field.name, type->second);
   }
-}
-
-void OutputLayout::append(std::vector<Copy>& copies, const Copy& next) {
-  if (!copies.empty()) {
-    Copy& last = copies.back();
-    if (last.from + last.bytes == next.from && last.to + last.bytes == next.to) return void(last.bytes += next.bytes);
-  }
-  copies.push_back(next);
 }
 
 void OutputLayout::add(const Field& from, const Field& to) {
   if (!to.is_plain() || to.type != from.type) return conversions_.push_back({from, to});
-  append(copies_, {from.offset, to.offset, static_cast<std::uint32_t>(size_of(from.type))});
+  copies_.add(from.offset, to.offset, size_of(from.type));
 }
 
 void OutputLayout::require_held(const std::byte* inputs, const std::byte* results, std::size_t n,
@@ -180,9 +165,8 @@ void OutputLayout::require_held(const std::byte* inputs, const std::byte* result
 }
 
 bool OutputLayout::passes_inputs() const {
-  const bool whole = passed_.size() == 1 && passed_[0].from == 0 && passed_[0].to == 0 &&
-                     passed_[0].bytes == input_stride_ && input_stride_ == schema_.stride;
-  return whole && copies_.empty() && conversions_.empty() && retyped_.empty();
+  return passed_.copies_whole(input_stride_) && input_stride_ == schema_.stride && copies_.empty() &&
+         conversions_.empty() && retyped_.empty();
 }
 
 void OutputLayout::assemble(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs,
@@ -204,9 +188,8 @@ void OutputLayout::assemble_all(const std::byte* inputs, const std::byte* result
 
 void OutputLayout::assemble_block(const std::byte* inputs, const std::byte* results, std::size_t n,
                                   std::byte* outputs) const {
-  for (const Copy& c : passed_) copy_pieces(inputs + c.from, input_stride_, outputs + c.to, schema_.stride, c.bytes, n);
-  for (const Copy& c : copies_)
-    copy_pieces(results + c.from, result_stride_, outputs + c.to, schema_.stride, c.bytes, n);
+  passed_.copy(inputs, input_stride_, outputs, schema_.stride, n);
+  copies_.copy(results, result_stride_, outputs, schema_.stride, n);
   for (const auto& [from, to] : retyped_) convert_values(from, inputs, input_stride_, to, outputs, schema_.stride, n);
   for (const auto& [from, to] : conversions_)
     convert_values(from, results, result_stride_, to, outputs, schema_.stride, n);

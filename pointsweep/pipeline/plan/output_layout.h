@@ -11,6 +11,7 @@
 
 #include "pointsweep/attribute.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
+#include "pointsweep/points/record_map.h"
 #include "pointsweep/points/schema.h"
 
 namespace pointsweep {
@@ -46,16 +47,11 @@ class OutputLayout {
                     std::uint64_t first) const;
 
  private:
-  struct Copy {
-    std::uint32_t from, to, bytes;
-  };
   using Types = std::map<std::size_t, Type>;  ///< new types of fields of the input, by index
   static Types replaced(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept,
                         std::optional<Type> positions);
   void convert_positions(const Schema& input, const Types& types);
   void retype(const Types& types);
-  /// Values that lie side by side in both records are one copy.
-  static void append(std::vector<Copy>& copies, const Copy& next);
   void keep_fields(const Schema& input, const std::vector<std::size_t>& kept, const Types& types);
   void add(const Field& from, const Field& to);
   void require_held(const std::byte* inputs, const std::byte* results, std::size_t n, RowNumbers rows) const;
@@ -64,8 +60,8 @@ class OutputLayout {
   Schema schema_;
   std::uint32_t input_stride_;
   std::uint32_t result_stride_ = 0;
-  std::vector<Copy> passed_;                          ///< from records of the input
-  std::vector<Copy> copies_;                          ///< from result records
+  RecordMap passed_;                                  ///< from records of the input
+  RecordMap copies_;                                  ///< from result records
   std::vector<std::pair<Field, Field>> conversions_;  ///< from result records
   std::vector<std::pair<Field, Field>> retyped_;      ///< from records of the input: positions that no stage has moved
 };

@@ -13,6 +13,7 @@
 #include "pointsweep/order/working_record.h"
 #include "pointsweep/pipeline/rows/ordered_output.h"
 #include "pointsweep/points/promised_type.h"
+#include "pointsweep/points/record_map.h"
 #include "pointsweep/row_error.h"
 
 namespace pointsweep {
@@ -31,8 +32,12 @@ class Placement {
       : position_(position_fields(source, "the input")), stride_(source.stride), op_(op) {
     for (const char* axis : kAxisNames) schema_.append(axis, Type::f64);
     const std::array<const Field*, 3> own = {&position_.x, &position_.y, &position_.z};
-    for (std::size_t a = 0; a < 3; ++a) carry(*own[a], position_name(kAxisNames[a]));
-    for (const std::size_t f : payload) carry(source.fields[f], source.fields[f].name);
+    for (std::size_t a = 0; a < 3; ++a) {
+      Field field = *own[a];
+      field.name = position_name(kAxisNames[a]);
+      carried_.append(std::move(field), schema_);
+    }
+    for (const std::size_t f : payload) carried_.append(source.fields[f], schema_);
   }
 
   const Schema& schema() const { return schema_; }
@@ -46,29 +51,16 @@ class Placement {
       const Vec3 place = is_finite(p) ? op_.place_of(p) : p;
       std::byte* record = to + i * schema_.stride;
       std::memcpy(record, &place, sizeof place);
-      for (const Piece& piece : pieces_) std::memcpy(record + piece.to, from + i * stride_ + piece.from, piece.bytes);
+      carried_.copy(from + i * stride_, record);
     }
   }
 
  private:
-  struct Piece {
-    std::uint32_t from, to, bytes;
-  };
-  void carry(const Field& own, std::string name) {
-    const auto bytes = static_cast<std::uint32_t>(size_of(own.type) * own.count);
-    pieces_.push_back({own.offset, schema_.stride, bytes});
-    Field field = own;
-    field.name = std::move(name);
-    field.offset = schema_.stride;
-    schema_.fields.push_back(std::move(field));
-    schema_.stride += bytes;
-  }
-
   PositionFields position_;
   std::uint32_t stride_;
   const InOrderOperator& op_;
   Schema schema_;
-  std::vector<Piece> pieces_;
+  RecordMap carried_;
 };
 
 /// Reads rows by `read` and places them.
@@ -185,7 +177,7 @@ class FoundRecords {
       if (kept.name == selection_attribute().name)
         dropped_[to] = std::byte{0};
       else
-        pieces_.push_back({offset_of(kept, made), to, kept.bytes()});
+        kept_.add(offset_of(kept, made), to, kept.bytes());
       to += kept.bytes();
     }
   }
@@ -202,9 +194,6 @@ class FoundRecords {
   }
 
  private:
-  struct Piece {
-    std::size_t from, to, bytes;
-  };
   static std::size_t offset_of(const Attribute& kept, const std::vector<Attribute>& made) {
     std::size_t at = 0, a = 0;
     while (made[a].name != kept.name) at += made[a++].bytes();
@@ -231,21 +220,17 @@ class FoundRecords {
   }
 
   std::span<const std::byte> values_of(const Findings& found) {
-    const bool keeps_all =
-        filled_.size() == value_bytes_ && std::ranges::all_of(pieces_, [](const Piece& p) { return p.from == p.to; });
-    if (keeps_all) return found.values;
+    if (filled_.size() == value_bytes_ && kept_.copies_whole(value_bytes_)) return found.values;
     records_.clear();
     for (std::size_t i = 0; i < found.rows.size(); ++i) {
       records_.insert(records_.end(), filled_.begin(), filled_.end());
-      const std::byte* const values = found.values.data() + i * value_bytes_;
-      std::byte* const record = records_.data() + i * filled_.size();
-      for (const Piece& p : pieces_) std::memcpy(record + p.to, values + p.from, p.bytes);
+      kept_.copy(found.values.data() + i * value_bytes_, records_.data() + i * filled_.size());
     }
     return records_;
   }
 
   const InOrderPass& run_;
-  std::vector<Piece> pieces_;
+  RecordMap kept_;  ///< from the values of a finding
   std::size_t value_bytes_ = 0;
   std::vector<std::byte> filled_, dropped_, records_;
 };

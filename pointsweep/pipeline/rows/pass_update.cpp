@@ -44,19 +44,17 @@ RowUpdate::RowUpdate(const std::vector<Attribute>& carried, const std::vector<At
     : carried_bytes_(bytes_of(carried)), made_bytes_(bytes_of(made)), after_bytes_(bytes_of(after)) {
   std::size_t to = 0;
   for (const Attribute& a : after) {
-    const auto new_one = offset_in(made, a.name);
-    pieces_.push_back({new_one.has_value(), new_one ? *new_one : offset_in(carried, a.name).value(), to, a.bytes()});
+    if (const auto at = offset_in(made, a.name))
+      from_made_.add(*at, to, a.bytes());
+    else
+      from_carried_.add(offset_in(carried, a.name).value(), to, a.bytes());
     to += a.bytes();
   }
 }
 
 void RowUpdate::run(const std::byte* carried, const std::byte* made, std::size_t n, std::byte* after) const {
-  for (std::size_t i = 0; i < n; ++i) {
-    for (const Piece& p : pieces_) {
-      const std::byte* from = p.made ? made + i * made_bytes_ : carried + i * carried_bytes_;
-      std::memcpy(after + i * after_bytes_ + p.to, from + p.from, p.bytes);
-    }
-  }
+  from_carried_.copy(carried, carried_bytes_, after, after_bytes_, n);
+  from_made_.copy(made, made_bytes_, after, after_bytes_, n);
 }
 
 void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,

@@ -18,6 +18,7 @@
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
 #include "pointsweep/pipeline/rows/row_mask.h"
+#include "pointsweep/points/record_map.h"
 
 namespace pointsweep {
 
@@ -32,11 +33,7 @@ class RowUpdate {
   void run(const std::byte* carried, const std::byte* made, std::size_t n, std::byte* after) const;
 
  private:
-  struct Piece {
-    bool made;
-    std::size_t from, to, bytes;
-  };
-  std::vector<Piece> pieces_;
+  RecordMap from_carried_, from_made_;
   std::size_t carried_bytes_, made_bytes_, after_bytes_;
 };
 

@@ -18,6 +18,7 @@
 #include "pointsweep/part/tile_graph.h"
 #include "pointsweep/pipeline/output/result_sinks.h"
 #include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/points/record_map.h"
 #include "pointsweep/sweep/stage_runner.h"
 
 namespace pointsweep {
@@ -25,24 +26,17 @@ namespace {
 
 /// A part of the results of a pass: either the results of its connecting stage, or all other results.
 struct ResultPart {
-  struct Column {
-    std::uint32_t from, to, bytes;
-  };
-  std::vector<Column> columns;  ///< offsets in a record of the part (`from`) and in a record of the pass (`to`)
-  std::uint32_t bytes = 0;      ///< bytes of a record of the part
-
-  void copy(const std::byte* from, std::byte* to) const {
-    for (const Column& c : columns) std::memcpy(to + c.to, from + c.from, c.bytes);
-  }
+  RecordMap map = {};       ///< from a record of the part to a record of the pass
+  std::uint32_t bytes = 0;  ///< bytes of a record of the part
 };
 
-/// Returns the part that the connecting stage makes, with all values of its contract in order. `columns` lists only
+/// Returns the part that the connecting stage makes, with all values of its contract in order. `map` copies only
 /// values that the pass needs.
 ResultPart connected_part(const SweepPlan& plan, const Stage& stage) {
   ResultPart part;
   for (const std::uint16_t column : stage.makes) {
     for (const ResultColumn& result : plan.results)
-      if (result.column == column) part.columns.push_back({part.bytes, result.offset, result.bytes});
+      if (result.column == column) part.map.add(part.bytes, result.offset, result.bytes);
     part.bytes += plan.column_bytes[column];
   }
   return part;
@@ -62,7 +56,7 @@ ResultPart take_swept_part(SweepPlan& plan, const Stage& stage) {
   std::vector<ResultColumn> results;
   for (const ResultColumn& result : plan.results) {
     if (std::ranges::find(stage.makes, result.column) != stage.makes.end()) continue;
-    part.columns.push_back({part.bytes, result.offset, result.bytes});
+    part.map.add(part.bytes, result.offset, result.bytes);
     results.push_back({result.column, part.bytes, result.bytes});
     part.bytes += result.bytes;
   }
@@ -84,7 +78,7 @@ void put_values(const Components& components, const ConnectOperator& op, const R
   std::vector<std::byte> values(part.bytes);
   components.for_each_point([&](std::uint64_t row, const ComponentLabel& label) {
     op.put_values(label, values.data());
-    part.copy(values.data(), rows.add(row));
+    part.map.copy(values.data(), rows.add(row));
   });
   rows.flush();
 }
@@ -102,8 +96,8 @@ void put_both(RowStore& swept, const ResultPart& swept_part, RowStore& connected
     by_row.read(first, told);
     for (std::size_t i = 0; i < n; ++i) {
       std::byte* to = rows.add(first + i);
-      swept_part.copy(records.data() + i * swept_part.bytes, to);
-      connected_part.copy(told.data() + i * connected_part.bytes, to);
+      swept_part.map.copy(records.data() + i * swept_part.bytes, to);
+      connected_part.map.copy(told.data() + i * connected_part.bytes, to);
     }
   });
   rows.flush();
@@ -143,7 +137,8 @@ SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pas
   const std::size_t bytes = pass.plan.result_bytes;
   if (swept) {
     RowStore told(count, std::vector<std::byte>(told_part.bytes), spill, buffer);
-    ResultPart whole{{{0, 0, told_part.bytes}}, told_part.bytes};
+    ResultPart whole{.bytes = told_part.bytes};
+    whole.map.add(0, 0, whole.bytes);
     put_values(components, op, whole, told, told_part.bytes);
     put_both(*swept, swept_part, told, told_part, spill, count, results, bytes);
     context.statistics().bytes_spilled += swept->spilled_bytes() + 2 * told.spilled_bytes();
@@ -222,7 +217,7 @@ void label_points(const Context& context, const PlannedPass& pass, const MemoryP
     for (std::size_t i = 0; i < n; ++i) {
       std::byte* const record = records.data() + i * bytes;
       const std::byte* const from = some.data() + i * told_bytes;
-      if (*from == std::byte{1}) part.copy(from + 1, record);
+      if (*from == std::byte{1}) part.map.copy(from + 1, record);
       std::memcpy(rows.add(first + i), record, bytes);
     }
   });
