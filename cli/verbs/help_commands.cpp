@@ -5,7 +5,6 @@
 /// - `pointsweep man [VERB]`: manual pages;
 /// - `pointsweep operators [NAME...]`: the operators of pipelines, from their declarations.
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "cli/text/operator_listing.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/common_options.h"
+#include "pointsweep/program/whole_file.h"
 
 namespace pointsweep {
 namespace {

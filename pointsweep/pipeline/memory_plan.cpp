@@ -2,6 +2,7 @@
 #include "pointsweep/pipeline/memory_plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -69,9 +70,7 @@ std::uint64_t slabs_of(std::uint64_t slab_points, const MemoryDemand& demand) {
 }
 
 /// Returns the average number of points of a cell of at most `cell_points`: a piece with one point more is halved.
-std::uint64_t usual_cell_points(const MemoryDemand& demand) {
-  return std::max<std::uint32_t>(demand.cell_points, 2) * 5 / 8;
-}
+std::uint64_t usual_cell_points(std::uint32_t cell_points) { return std::max<std::uint32_t>(cell_points, 2) * 5 / 8; }
 
 /// Ready cells for each thread that a turn should have, so that few threads wait for the last cell of a step.
 constexpr std::uint64_t kReadyCells = 8;
@@ -79,13 +78,13 @@ constexpr std::uint64_t kReadyCells = 8;
 /// Returns the number of slabs of a turn if memory suffices.
 std::uint32_t most_slabs_per_turn(std::uint64_t slab_points, const MemoryDemand& demand) {
   if (demand.slabs_per_turn != 0) return demand.slabs_per_turn;
-  const std::uint64_t points = kReadyCells * demand.threads * usual_cell_points(demand);
+  const std::uint64_t points = kReadyCells * demand.threads * usual_cell_points(demand.cell_points);
   const std::uint64_t slab = std::max<std::uint64_t>(slab_points, 1);
   return static_cast<std::uint32_t>(std::max<std::uint64_t>((points + slab - 1) / slab, 1));
 }
 
 /// Returns the number of points in the window: in the slabs of a turn, in adjacent slabs on both sides, in the slabs
-/// read ahead, and within the radius.
+/// read ahead, and those that neighbourhoods keep.
 std::uint64_t window_points(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand,
                             std::uint32_t slabs_per_turn = 1) {
   const std::uint64_t slabs = slabs_per_turn + 2 + plan.step_count() + std::max(1u, demand.threads / 2);
@@ -138,7 +137,7 @@ std::uint64_t thread_bytes(const SweepPlan& plan, std::uint64_t slab_points, std
 
 /// Returns the bytes that grow with the number of slabs and cells.
 std::uint64_t index_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand) {
-  const std::uint64_t cells = demand.points / usual_cell_points(demand) + 1;
+  const std::uint64_t cells = demand.points / usual_cell_points(demand.cell_points) + 1;
   return slabs_of(slab_points, demand) * (kSlabBytes + kSeriesBytes * (plan.step_count() + 2)) +
          cells * kDroppedCellBytes;
 }
@@ -314,6 +313,17 @@ void fail_budget(std::uint64_t budget, std::uint64_t needed_bytes) {
   const std::string given = budget < kMega ? fmt::format("{} bytes", budget) : fmt::format("{} MB", budget >> 20);
   fail("A memory budget of {} is too small for this cloud and chain: give --memory {}M or more.", given,
        (needed_bytes + kMega - 1) >> 20);
+}
+
+std::uint64_t whole_window_bytes(const SweepPlan& plan, std::uint64_t points) {
+  return points * (window_point_bytes(plan) + kept_list_bytes(plan));
+}
+
+std::uint64_t window_neighbors(const SweepPlan& plan, std::uint32_t cell_points, double dimension) {
+  const double steps = static_cast<double>(plan.step_count()), k = static_cast<double>(plan.neighborhood.k);
+  const double cell = static_cast<double>(usual_cell_points(cell_points));
+  return static_cast<std::uint64_t>(
+      std::pow(0.85 * std::pow(cell, 1 / dimension) + 2.5 * steps * std::pow(k, 1 / dimension), dimension));
 }
 
 MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/order/fixed_copy.h"
+#include "pointsweep/points/fixed_copy.h"
 
 namespace pointsweep {
 namespace {

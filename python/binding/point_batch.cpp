@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/order/fixed_copy.h"
+#include "pointsweep/points/fixed_copy.h"
 #include "python/binding/result_arrays.h"
 
 namespace nb = nanobind;

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+
 #include "pointsweep/operators/rows/unique.h"
 #include "pointsweep/operators/statistics/outliers.h"
 #include "pointsweep/operators/surface/normals.h"
@@ -307,6 +310,39 @@ TEST(RunMemory, WithoutALimitKThreadsNeedNotLeaveMemoryToARecall) {
   EXPECT_EQ(within.threads, 64u) << "which take more than a quarter";
 }
 
+/// A surface, or three quarters of the points in the middle tenth of a ball.
+Survey survey_of_sample(bool dense) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> share(0, 1);
+  Survey survey;
+  for (std::size_t i = 0; i < 20'000; ++i) {
+    const Vec3 p{normal(random), normal(random), normal(random)};
+    const double radius = (i % 4 == 0 ? 10 : 1) * std::cbrt(share(random)) / length(p);
+    survey.sample.push_back(dense ? radius * p : Vec3{share(random), share(random), 0});
+    survey.bounds.include(survey.sample.back());
+  }
+  survey.dimension = box_counting_dimension(survey.sample);
+  return survey;
+}
+
+TEST(RunMemory, CountsThePointsThatSeveralStepsKeepInUnevenDensity) {
+  const ChainPlan chain = plan_of("knn(k=64) | normals | splats | fair(f=0.3, g=0.3) | normals");
+  const auto is_enough = [&](std::uint64_t mega, bool dense) {
+    EngineOptions options;
+    options.resources.threads = 2;
+    try {
+      plan_run_memory(mega * kMega, chain, 1'000'000, survey_of_sample(dense), options, 40);
+      return true;
+    } catch (const Error&) {
+      return false;
+    }
+  };
+  EXPECT_TRUE(is_enough(75, false));
+  EXPECT_FALSE(is_enough(75, true)) << "the window of such a cloud took 50 MB";
+  EXPECT_TRUE(is_enough(130, true));
+}
+
 TEST(RunMemory, WithRowsBetweenPassesNeverExpectsMoreThanTheBudget) {
   for (const char* chain : {"where(z > 0) | normals", "sor | where(outlier == 0) | normals | splats | fair",
                             "unique | normals | where(nz > 0)", "normals | splats | fair | reneighbor | normals"}) {
@@ -314,7 +350,8 @@ TEST(RunMemory, WithRowsBetweenPassesNeverExpectsMoreThanTheBudget) {
       try {
         EngineOptions options;
         options.resources.threads = 2;
-        const RunMemory memory = plan_run_memory(mega * kMega, plan_of(chain), 20'000'000, survey_of(), options, 40);
+        const RunMemory memory =
+            plan_run_memory(mega * kMega, plan_of(chain), 20'000'000, survey_of_sample(false), options, 40);
         EXPECT_LE(memory.expected_bytes, mega * kMega) << chain;
         for (const MemoryPlan& pass : memory.passes) EXPECT_LE(pass.expected_bytes, mega * kMega) << chain;
       } catch (const Error& e) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <thread>
 #include <utility>
 
@@ -26,6 +27,35 @@ constexpr std::uint64_t kMovedPositionBytes = 3 * sizeof(double);
 
 bool in_memory(const MemoryPlan& plan) { return !plan.spill_stream && !plan.spill_results; }
 
+/// Estimates from the survey. Each is made once, although many plans are tried.
+class Estimates {
+ public:
+  Estimates(const Survey& survey, std::uint64_t points) : survey_(survey), points_(points) {}
+  RadiusEstimate radius(double radius) {
+    return known(radii_, radius, [&] { return estimate_radius(survey_, points_, radius); });
+  }
+  std::uint64_t slice(double width) {
+    return known(slices_, width, [&] { return estimate_slice(survey_, points_, width); });
+  }
+  std::uint64_t open_points(std::uint64_t k) {
+    return known(open_, k, [&] { return estimate_open_points(survey_, points_, k); });
+  }
+  const Survey& survey() const { return survey_; }
+
+ private:
+  template <class Key, class Value, class Make>
+  static Value known(std::map<Key, Value>& values, Key key, Make make) {
+    const auto at = values.find(key);
+    return at != values.end() ? at->second : values.emplace(key, make()).first->second;
+  }
+
+  const Survey& survey_;
+  std::uint64_t points_;
+  std::map<double, RadiusEstimate> radii_;
+  std::map<double, std::uint64_t> slices_;
+  std::map<std::uint64_t, std::uint64_t> open_;
+};
+
 MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std::uint64_t points, const Survey& survey,
                     const EngineOptions& options, std::uint64_t codec_bytes) {
   const std::uint64_t row_bytes = points >> 32 ? 8 : 4;
@@ -41,16 +71,25 @@ MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std:
 }
 
 /// Adds the memory that a radius without a limit k needs. Returns its effort, for a sentence to the user.
-Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, const Survey& survey) {
+Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, Estimates& estimates) {
   const Neighborhood& n = plan.neighborhood;
   if (n.k != Neighborhood::kUnlimited) return {};
   const double width = n.radius * static_cast<double>(plan.step_count() + 1);
-  const RadiusEstimate estimate = estimate_radius(survey, demand.points, n.radius);
-  demand.slice_points = estimate_slice(survey, demand.points, width);
+  const RadiusEstimate estimate = estimates.radius(n.radius);
+  demand.slice_points = estimates.slice(width);
   demand.most_neighbors = static_cast<std::uint64_t>(estimate.most_neighbors);
   const double all = estimate.neighbors * static_cast<double>(demand.points);
   return {neighbor_seconds(plan, all) / demand.threads, "The radius", neighbors_text(estimate.neighbors),
           "a smaller one, or k beside it, takes less"};
+}
+
+/// Adds the points that several steps with a limit k keep in the window, unless half of the budget has room for all.
+void add_steps(MemoryDemand& demand, const SweepPlan& plan, std::uint64_t budget, Estimates& estimates) {
+  const Neighborhood& n = plan.neighborhood;
+  if (n.k == Neighborhood::kUnlimited || plan.step_count() < 2) return;
+  if (whole_window_bytes(plan, demand.points) <= budget / 2) return;
+  const double dimension = std::clamp(estimates.survey().dimension, 1.0, 3.0);
+  demand.slice_points = estimates.open_points(window_neighbors(plan, demand.cell_points, dimension));
 }
 
 /// Returns the axis along which an in-order operator takes the points: the stated axis x or y, or else the axis in
@@ -62,11 +101,12 @@ int axis_of_places(const Survey& survey, const EngineOptions& options) {
 }
 
 /// Adds the least memory of the in-order operator of a pass, and sets its effort.
-void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey, const EngineOptions& options,
+void add_in_order(MemoryDemand& demand, const PlannedPass& pass, Estimates& estimates, const EngineOptions& options,
                   Effort& effort) {
   const InOrderOperator* op = pass.in_order();
   if (op == nullptr) return;
-  const auto slice_points = [&](double thickness) { return estimate_slice(survey, demand.points, thickness); };
+  const Survey& survey = estimates.survey();
+  const auto slice_points = [&](double thickness) { return estimates.slice(thickness); };
   const CloudEstimate cloud{.points = demand.points,
                             .sample = survey.sample,
                             .axis = axis_of_places(survey, options),
@@ -81,12 +121,11 @@ void add_in_order(MemoryDemand& demand, const PlannedPass& pass, const Survey& s
 
 /// Adds the memory of a spanning forest: for the points of a bucket, for the points that have neighbours in later
 /// buckets, and for the edges that a thread uses at a time.
-void add_forest(MemoryDemand& demand, const PlannedPass& pass, const Survey& survey) {
+void add_forest(MemoryDemand& demand, const PlannedPass& pass, Estimates& estimates) {
   const Stage* stage = pass.connecting_stage();
   if (stage == nullptr) return;
   const std::size_t k = pass.plan.neighborhood.k;
-  const std::uint64_t open =
-      k == Neighborhood::kUnlimited ? demand.slice_points : estimate_open_points(survey, demand.points, k);
+  const std::uint64_t open = k == Neighborhood::kUnlimited ? demand.slice_points : estimates.open_points(k);
   const bool weighted = stage->connects()->weighted();
   const std::uint64_t votes = stage->connects()->votes() != nullptr ? stage->connects()->votes()->bytes() : 0;
   demand.connect_bytes = (open + std::min(demand.points, kBucketPoints)) * (votes + (weighted ? 450 : 150));
@@ -169,9 +208,10 @@ MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes
 
 /// Plans like plan_run_memory(), for exactly the threads of the options. Does not throw for a budget that is too small:
 /// see RunMemory::needed_bytes.
-RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
+RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, Estimates& estimates,
                           const EngineOptions& options, std::uint64_t output_bytes, std::uint64_t codec_bytes,
                           const OnDemandOrder& on_demand) {
+  const Survey& survey = estimates.survey();
   RunMemory memory;
   memory.threads = threads_asked_for(options);
   memory.ordered_pass = first_ordered_pass(planned);
@@ -188,9 +228,10 @@ RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::u
     const bool whole = leaves_in_order(planned, options) && &pass == &planned.passes.back();
     MemoryDemand needs = demand(whole ? pass.input.stride : pass.travelling_bytes(),
                                 whole ? output_bytes : stages.result_bytes, points, survey, options, codec_bytes);
-    memory.efforts.push_back(add_radius(needs, stages, survey));
-    add_in_order(needs, pass, survey, options, memory.efforts.back());
-    add_forest(needs, pass, survey);
+    memory.efforts.push_back(add_radius(needs, stages, estimates));
+    add_steps(needs, stages, budget, estimates);
+    add_in_order(needs, pass, estimates, options, memory.efforts.back());
+    add_forest(needs, pass, estimates);
     memory.record_bytes.push_back(needs.working_record_bytes);
     if (memory.passes.size() == memory.ordered_pass) {
       needs.waiting_points = waiting_points(on_demand, survey, needs);
@@ -253,10 +294,11 @@ std::uint64_t least(std::uint64_t no, std::uint64_t yes, const IsEnough& is_enou
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs,
                           const OnDemandOrder& on_demand) {
+  Estimates estimates(survey, points);
   const auto plan_for = [&](std::uint64_t bytes, std::uint64_t threads) {
     EngineOptions fewer = options;
     fewer.resources.threads = static_cast<unsigned>(threads);
-    return plan_on_threads(bytes, planned, points, survey, fewer, output_bytes,
+    return plan_on_threads(bytes, planned, points, estimates, fewer, output_bytes,
                            codecs ? codecs(fewer.resources.threads) : 0, on_demand);
   };
   const unsigned asked = threads_asked_for(options);
