@@ -52,9 +52,9 @@ constexpr std::uint64_t kMostListBytes = 16 * kMega, kLeastListBytes = kMega / 4
 /// window.
 std::uint64_t least_slab_points(const SweepPlan& plan) { return plan.step_count() == 1 ? 4096 : 16384; }
 
-/// Points that may be in the window of several steps with the thinnest slabs: the measured number for a dense place in
-/// a sparse cloud (three steps, k = 64).
-constexpr std::uint64_t kMostWaiting = 256 << 10;
+/// Points that may be in the window of several steps with the thinnest slabs, as measured with three steps and k = 64:
+/// for a dense place in a sparse cloud, and for a ball with a dense middle, whose rim makes all of it wait.
+constexpr std::uint64_t kUsuallyWaiting = 256 << 10, kMostWaiting = 544 << 10;
 
 bool is_unlimited(const SweepPlan& plan) { return plan.neighborhood.k == Neighborhood::kUnlimited; }
 
@@ -84,12 +84,14 @@ std::uint32_t most_slabs_per_turn(std::uint64_t slab_points, const MemoryDemand&
 }
 
 /// Returns the number of points in the window: in the slabs of a turn, in adjacent slabs on both sides, in the slabs
-/// read ahead, and those that neighbourhoods keep.
+/// read ahead, and within the radius; and for several steps the points that wait for one another, between two measured
+/// numbers.
 std::uint64_t window_points(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand,
                             std::uint32_t slabs_per_turn = 1) {
   const std::uint64_t slabs = slabs_per_turn + 2 + plan.step_count() + std::max(1u, demand.threads / 2);
-  const std::uint64_t least = plan.step_count() == 1 ? 0 : kMostWaiting;
-  return std::min(demand.points, std::max(least, slabs * slab_points + demand.slice_points));
+  const std::uint64_t passing = slabs * slab_points + demand.slice_points;
+  const std::uint64_t waiting = std::clamp(passing + demand.waiting_for_steps, kUsuallyWaiting, kMostWaiting);
+  return std::min(demand.points, plan.step_count() == 1 ? passing : std::max(passing, waiting));
 }
 
 std::uint64_t cells_bytes(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand, bool lists,

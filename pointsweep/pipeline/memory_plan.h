@@ -22,10 +22,12 @@ struct MemoryDemand {
   std::uint64_t listed_edge_bytes = 0;  ///< bytes of the edge that a thread makes for each neighbour in its lists
   std::uint64_t codec_bytes = 0;        ///< memory for decoding the inputs and encoding the output
   std::uint64_t most_neighbors = 0;     ///< estimate for a radius without a limit k: the most neighbours of a point
-  /// Estimated number of points that neighbourhoods keep in the window beside the slabs on both sides of the front. For
-  /// a radius without a limit k: those in a slice across the axis as thick as the radius times (steps + 1). For several
-  /// steps with a limit k, if not all points fit: window_neighbors(). 0: no estimate.
+  /// Estimate for a radius without a limit k: points in a slice across the axis, as thick as the radius times
+  /// (steps + 1); the radius keeps them in the window.
   std::uint64_t slice_points = 0;
+  /// Estimate for several steps with a limit k: points that wait for one another beside the slabs on both sides of the
+  /// front, by window_neighbors(); 0 where all points fit.
+  std::uint64_t waiting_for_steps = 0;
   /// Estimated number of points that wait in memory if slabs are made on demand; absent if that is impossible.
   std::optional<std::uint64_t> waiting_points = {};
 };
@@ -58,7 +60,7 @@ std::uint64_t whole_window_bytes(const SweepPlan& plan, std::uint64_t points);
 /// Returns the number of neighbours whose ball is as wide as the stretch along the axis in which several steps keep
 /// points: an ordinary cell, and for each step two and a half times the ball of a neighbourhood. With them, plans have
 /// room for 1.1 to 3.1 times the points that were in the window of four clouds of 1M points (k = 8 and 64, two and
-/// three steps, slabs of 8,192 and 32,768 points), and of the smallest windows more.
+/// three steps, slabs of 8,192 and 32,768 points), and of the smallest windows more. Across a wall they count too many.
 std::uint64_t window_neighbors(const SweepPlan& plan, std::uint32_t cell_points, double dimension);
 
 /// Plans a run. Prefers memory, then spilling, then thinner slabs. A budget larger than a sufficient one also suffices.

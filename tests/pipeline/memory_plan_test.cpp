@@ -174,7 +174,7 @@ TEST(MemoryPlan, CountsThePointsThatUnevenDensityMakesWait) {
   const auto window = [&](std::vector<std::size_t> steps) {
     chain.steps = std::move(steps);
     const std::uint64_t neighbors = window_neighbors(chain, 1024, survey.dimension);
-    demand.slice_points = estimate_open_points(survey, demand.points, neighbors);
+    demand.waiting_for_steps = estimate_open_points(survey, demand.points, neighbors);
     return try_plan_memory(64 * kMega, chain, demand).window_bytes / window_point_bytes(chain);  // without lists
   };
   EXPECT_GE(window({0, 0, 0, 0}), 478'449u);

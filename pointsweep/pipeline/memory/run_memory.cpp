@@ -83,13 +83,14 @@ Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, Estimates& estima
           "a smaller one, or k beside it, takes less"};
 }
 
-/// Adds the points that several steps with a limit k keep in the window, unless half of the budget has room for all.
+/// Adds the points that wait for one another if there are several steps with a limit k, unless half of the budget has
+/// room for all points.
 void add_steps(MemoryDemand& demand, const SweepPlan& plan, std::uint64_t budget, Estimates& estimates) {
   const Neighborhood& n = plan.neighborhood;
   if (n.k == Neighborhood::kUnlimited || plan.step_count() < 2) return;
   if (whole_window_bytes(plan, demand.points) <= budget / 2) return;
   const double dimension = std::clamp(estimates.survey().dimension, 1.0, 3.0);
-  demand.slice_points = estimates.open_points(window_neighbors(plan, demand.cell_points, dimension));
+  demand.waiting_for_steps = estimates.open_points(window_neighbors(plan, demand.cell_points, dimension));
 }
 
 /// Returns the axis along which an in-order operator takes the points: the stated axis x or y, or else the axis in
