@@ -27,7 +27,7 @@ MOST_SPECIAL = 10000
 def arguments():
     parser = argparse.ArgumentParser(prog="script/hostile", description=__doc__.split("\n")[0])
     parser.add_argument("--size", default="1M", help="points of each cloud (default 1M)")
-    parser.add_argument("--memory", type=int, help="MiB of --memory (default: 40, and 10 bytes a point: less than points and results take)")
+    parser.add_argument("--memory", type=int, help="MiB of --memory (default: 40, and 10 bytes a point, and at least 92, which the chain of three steps asks for)")
     parser.add_argument("--constant", type=int, default=8, help="MiB that the hard limit is above --memory (default 8)")
     parser.add_argument("--sample", default="10000", help="points compared with brute force, in addition to odd ones (default 10000)")
     parser.add_argument("--repeat", type=int, default=2, help="timed runs of each cloud (default 2)")
@@ -53,7 +53,7 @@ class Bench:
     def __init__(self, options):
         self.options, self.points = options, bench.points(options.size)
         self.tool = options.build / "cli/pointsweep"
-        self.memory = options.memory or 40 + 10 * self.points // 2**20
+        self.memory = options.memory or max(92, 40 + 10 * self.points // 2**20)
         self.limit = (self.memory + options.constant) * 2**20
         self.clean_runs = {}
         options.work.mkdir(parents=True, exist_ok=True)
