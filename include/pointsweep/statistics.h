@@ -76,7 +76,7 @@ struct Statistics {
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
   double lifespan_mean_seconds = 0, lifespan_max_seconds = 0;
   std::optional<ReferenceCounts> reference;  ///< counts of a run by the paper's algorithm; absent for other runs
-  /// Neighbour distances of the first sweep, eight bins for each octave; empty unless the tool runs with --report.
+  /// Neighbour distances of the first sweep, eight bins for each octave; empty unless RunOptions::count_distances.
   std::vector<DistanceBin> neighbor_distances;
   unsigned threads = 1;
   std::string machine;

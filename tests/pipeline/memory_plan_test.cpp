@@ -4,15 +4,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <random>
 #include <utility>
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/sweep/window_cell.h"
+#include "tests/pipeline/dense_ball.h"
 #include "tests/pipeline/in_memory.h"
 
 namespace pointsweep {
@@ -154,20 +152,10 @@ TEST(MemoryPlan, CountsThePointsThatWaitForSeveralSteps) {
   EXPECT_LT(plan_memory(4096 * kMega, chain, demand).window_bytes, three / 4);
 }
 
-/// A million points, three quarters of them in the middle tenth of a ball, whose rim waits for far points and makes the
-/// middle wait: the window held up to 478,449 points with slabs of 16,384 (three steps, k = 64), 212,000 for two steps
-/// and k = 8 with slabs of 8,192.
+/// Measured for a million points: the window held up to 478,449 points with slabs of 16,384 (three steps, k = 64), and
+/// 212,000 for two steps and k = 8 with slabs of 8,192.
 TEST(MemoryPlan, CountsThePointsThatUnevenDensityMakesWait) {
-  std::mt19937_64 random(3);
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> share(0, 1);
-  Survey survey;
-  for (std::size_t i = 0; i < 65'536; ++i) {
-    const Vec3 p{normal(random), normal(random), normal(random)};
-    const double radius = (i % 4 == 0 ? 10 : 1) * std::cbrt(share(random)) / length(p);
-    survey.sample.push_back({radius * p.x, radius * p.y, radius * p.z / 2});
-  }
-  survey.dimension = box_counting_dimension(survey.sample);
+  const Survey survey = survey_of_dense_ball();
   MemoryDemand demand = {
       .points = 1'000'000, .working_record_bytes = 28, .result_record_bytes = 56, .slab_points = 16'384};
   SweepPlan chain = normals_plan(64);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
 
 #include "pointsweep/operators/rows/unique.h"
@@ -14,6 +13,7 @@
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/threads.h"
+#include "tests/pipeline/dense_ball.h"
 #include "tests/pipeline/in_memory.h"
 
 namespace pointsweep {
@@ -310,16 +310,12 @@ TEST(RunMemory, WithoutALimitKThreadsNeedNotLeaveMemoryToARecall) {
   EXPECT_EQ(within.threads, 64u) << "which take more than a quarter";
 }
 
-/// A surface, or three quarters of the points in the middle tenth of a ball.
-Survey survey_of_sample(bool dense) {
+Survey survey_of_surface() {
   std::mt19937_64 random(3);
-  std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> share(0, 1);
   Survey survey;
   for (std::size_t i = 0; i < 20'000; ++i) {
-    const Vec3 p{normal(random), normal(random), normal(random)};
-    const double radius = (i % 4 == 0 ? 10 : 1) * std::cbrt(share(random)) / length(p);
-    survey.sample.push_back(dense ? radius * p : Vec3{share(random), share(random), 0});
+    survey.sample.push_back({share(random), share(random), 0});
     survey.bounds.include(survey.sample.back());
   }
   survey.dimension = box_counting_dimension(survey.sample);
@@ -328,19 +324,19 @@ Survey survey_of_sample(bool dense) {
 
 TEST(RunMemory, CountsThePointsThatSeveralStepsKeepInUnevenDensity) {
   const ChainPlan chain = plan_of("knn(k=64) | normals | splats | fair(f=0.3, g=0.3) | normals");
-  const auto is_enough = [&](std::uint64_t mega, bool dense) {
+  const auto is_enough = [&](std::uint64_t mega, const Survey& survey) {
     EngineOptions options;
     options.resources.threads = 2;
     try {
-      plan_run_memory(mega * kMega, chain, 1'000'000, survey_of_sample(dense), options, 40);
+      plan_run_memory(mega * kMega, chain, 1'000'000, survey, options, 40);
       return true;
     } catch (const Error&) {
       return false;
     }
   };
-  EXPECT_TRUE(is_enough(75, false));
-  EXPECT_FALSE(is_enough(75, true)) << "the window of such a cloud took 50 MB";
-  EXPECT_TRUE(is_enough(130, true));
+  EXPECT_TRUE(is_enough(75, survey_of_surface()));
+  EXPECT_FALSE(is_enough(75, survey_of_dense_ball())) << "the window of such a cloud took 50 MB";
+  EXPECT_TRUE(is_enough(130, survey_of_dense_ball()));
 }
 
 TEST(RunMemory, WithRowsBetweenPassesNeverExpectsMoreThanTheBudget) {
@@ -351,7 +347,7 @@ TEST(RunMemory, WithRowsBetweenPassesNeverExpectsMoreThanTheBudget) {
         EngineOptions options;
         options.resources.threads = 2;
         const RunMemory memory =
-            plan_run_memory(mega * kMega, plan_of(chain), 20'000'000, survey_of_sample(false), options, 40);
+            plan_run_memory(mega * kMega, plan_of(chain), 20'000'000, survey_of_surface(), options, 40);
         EXPECT_LE(memory.expected_bytes, mega * kMega) << chain;
         for (const MemoryPlan& pass : memory.passes) EXPECT_LE(pass.expected_bytes, mega * kMega) << chain;
       } catch (const Error& e) {
