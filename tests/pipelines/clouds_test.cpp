@@ -152,7 +152,8 @@ TEST(GeneratedClouds, FillLittleOfTheWindowHoweverUnevenTheirDensity) {
     return run_in_memory(cloud, {{.k = 8}, {std::make_shared<Normals>()}}, small(0, 1024, 2, 1ull << 30)).statistics;
   };
   const Statistics clean = run_on("statue", {});
-  EXPECT_LT(clean.peak_points, kPoints * 55 / 1000);
+  // 5.0 to 5.6 %, for the same reason as the number of recalled points.
+  EXPECT_LT(clean.peak_points, kPoints * 65 / 1000);
   // None in most runs and about ten in the others: which points share a cell depends on which thread partitioned them
   // first.
   EXPECT_LT(clean.recalled, kPoints / 10'000);
