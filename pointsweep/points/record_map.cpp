@@ -8,13 +8,12 @@
 namespace pointsweep {
 
 void RecordMap::add(std::size_t from, std::size_t to, std::size_t bytes) {
-  const Part next{static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(to), static_cast<std::uint32_t>(bytes)};
-  if (next.bytes == 0) return;
+  if (bytes == 0) return;
   if (!parts_.empty()) {
     Part& last = parts_.back();
-    if (last.from + last.bytes == next.from && last.to + last.bytes == next.to) return void(last.bytes += next.bytes);
+    if (last.from + last.bytes == from && last.to + last.bytes == to) return void(last.bytes += bytes);
   }
-  parts_.push_back(next);
+  parts_.push_back({from, to, bytes});
 }
 
 void RecordMap::append(Field field, Schema& to) {

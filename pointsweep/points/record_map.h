@@ -35,7 +35,7 @@ class RecordMap {
 
  private:
   struct Part {
-    std::uint32_t from, to, bytes;
+    std::size_t from, to, bytes;
   };
   std::vector<Part> parts_;
 };

@@ -247,8 +247,8 @@ MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out
   if (stages.empty() && options.keep.empty()) return {};
   const bool knn = !stages.empty() && stages.front().name == neighborhood_declaration().name;
   if (knn && !check.neighborhood.empty())
-    fail_usage("{}: the pipeline says in knn which neighbours it takes; leave the option out.",
-               check.neighborhood.front().place);
+    fail_usage("verify: the pipeline says in knn which neighbours it takes; leave out {}.",
+               check.neighborhood.front().name);
   if (!knn) stages.insert(stages.begin(), knn_of(check));
   Facts facts = facts_of(cloud);
   if (check.recorded) facts.metres_per_unit = 1;
@@ -322,7 +322,7 @@ Verdict checked(const OutputCheck& check, InputCloud& cloud) {
 Verdict verify(const std::vector<fs::path>& inputs, const fs::path& output, const VerifyOptions& options) {
   std::vector<OptionText> neighborhood;
   for (const Option& option : options.neighborhood)
-    neighborhood.push_back({option.name, text_of_value(option.value), option.name});
+    neighborhood.push_back({option.name, text_of_value(option.value), "verify"});
   const OutputCheck check = completed({inputs, output, options, neighborhood, {}, false});
   InputCloud cloud(check.inputs, check.options.cloud);
   const std::uint64_t dropped = leave_out_nonfinite(check, cloud);

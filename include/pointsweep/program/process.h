@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What a program around the library does about its process: the allocator, an end without unwinding, and sentences
-/// about what became of the outputs.
+/// Functions for programs about their own process: setting up the allocator, removing unfinished files in a signal
+/// handler, the state of the outputs, the instruction set.
 #pragma once
 
 #include <string_view>
@@ -16,7 +16,7 @@ POINTSWEEP_EXPORT void keep_little_free_memory() noexcept;
 /// Removes the unfinished files of this process. A signal handler may call it, and must then end the process.
 POINTSWEEP_EXPORT void remove_leftovers() noexcept;
 
-/// What has become of the outputs of this process so far.
+/// The state of all outputs of this process.
 struct OutputsSoFar {
   bool any_is_complete = false;
   bool any_is_streamed = false;  ///< bytes have been written to standard output

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <thread>
 #include <utility>
 
@@ -26,35 +25,6 @@ namespace {
 constexpr std::uint64_t kMovedPositionBytes = 3 * sizeof(double);
 
 bool in_memory(const MemoryPlan& plan) { return !plan.spill_stream && !plan.spill_results; }
-
-/// Estimates from the survey. Each is made once, although many plans are tried.
-class Estimates {
- public:
-  Estimates(const Survey& survey, std::uint64_t points) : survey_(survey), points_(points) {}
-  RadiusEstimate radius(double radius) {
-    return known(radii_, radius, [&] { return estimate_radius(survey_, points_, radius); });
-  }
-  std::uint64_t slice(double width) {
-    return known(slices_, width, [&] { return estimate_slice(survey_, points_, width); });
-  }
-  std::uint64_t open_points(std::uint64_t k) {
-    return known(open_, k, [&] { return estimate_open_points(survey_, points_, k); });
-  }
-  const Survey& survey() const { return survey_; }
-
- private:
-  template <class Key, class Value, class Make>
-  static Value known(std::map<Key, Value>& values, Key key, Make make) {
-    const auto at = values.find(key);
-    return at != values.end() ? at->second : values.emplace(key, make()).first->second;
-  }
-
-  const Survey& survey_;
-  std::uint64_t points_;
-  std::map<double, RadiusEstimate> radii_;
-  std::map<double, std::uint64_t> slices_;
-  std::map<std::uint64_t, std::uint64_t> open_;
-};
 
 MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std::uint64_t points, const Survey& survey,
                     const EngineOptions& options, std::uint64_t codec_bytes) {
