@@ -53,7 +53,7 @@ constexpr ShortForm kShortForms[] = {
      "  pointsweep splats scan.ply splats.ply -k 12"},
     {"features", ", and the features", "features", "features", "'pointsweep operators features' lists the formulas.",
      "Example: four features of the points within half a metre:\n"
-     "  pointsweep features scan.las features.las --radius 0.5 --names linearity,planarity,sphericity,verticality"},
+     "  pointsweep features scan.las features.las --radius 0.5 --names linearity,planarity,verticality"},
     {"fair", ", and normals and splats of the moved points", "normals | splats | fair | normals | splats", "fair",
      "The output has the moved coordinates.",
      "Example:\n"

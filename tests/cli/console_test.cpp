@@ -8,12 +8,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <sstream>
 #include <vector>
 
 #include "cli/tool.h"
-#include "cli/verbs/commands.h"
+#include "tests/cli/every_verb.h"
 #include "tests/cli/tool.h"
 
 namespace pointsweep {
@@ -21,15 +20,6 @@ namespace {
 
 enum class Fate { kept, closed_pipe, full, closed };
 constexpr Fate kFates[] = {Fate::closed_pipe, Fate::full, Fate::closed};
-
-std::vector<std::string> every_verb() {
-  CLI::App app;
-  add_verbs(app);
-  std::vector<std::string> names;
-  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(verb->get_name());
-  return names;
-}
 
 void suffer(int descriptor, Fate fate) {
   int ends[2];

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "cli/verbs/commands.h"
+#include "tests/cli/every_verb.h"
 #include "tests/cli/tool.h"
 
 namespace pointsweep {
@@ -10,18 +11,15 @@ namespace {
 
 using Usage = Tool;
 
-constexpr const char* kVerbs[] = {"normals",   "neighbors", "sort", "curvature", "splats", "fair",     "thin",
-                                  "transform", "ground",    "run",  "operators", "info",   "generate", "render"};
-
 TEST_F(Usage, HelpNamesEveryVerb) {
   const Result result = tool("--help");
   EXPECT_EQ(result.status, 0);
-  for (const std::string verb : kVerbs)
+  for (const std::string& verb : every_verb())
     EXPECT_NE(result.out.find("\n  " + verb + " "), std::string::npos) << result.out;
 }
 
 TEST_F(Usage, HelpOfEveryVerbEndsWithAnExample) {
-  for (const std::string verb : kVerbs) {
+  for (const std::string& verb : every_verb()) {
     const Result result = tool(verb + " --help");
     EXPECT_EQ(result.status, 0);
     const auto example = result.out.find("\nExample");

@@ -162,7 +162,8 @@ TEST_F(VerifyVerb, WhatMakesNoSenseIsStatus2) {
   made("neighbors in.ply n.npy", "n.npy");
   refused(2, "verify in.ply", "in.ply: does not say how it was made; name the inputs as well.");
   refused(2, "verify in.ply out.ply -k 0", "-k: knn: k is a whole number");
-  refused(2, "verify in.ply out.ply -k 8 --pipeline 'knn(k=8) | normals'", "verify: the pipeline says in knn which neighbours it takes; leave out k.");
+  refused(2, "verify in.ply out.ply -k 8 --pipeline 'knn(k=8) | normals'",
+          "verify: the pipeline says in knn which neighbours it takes; leave out k.");
   refused(2, "verify in.ply out.ply --pipeline fair", "needs 'splat_length'");
   refused(2, "verify in.ply out.ply --order none", "--order");
   refused(2, "verify in.ply n.npy -k 9", "16 columns");
