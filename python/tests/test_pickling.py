@@ -134,4 +134,4 @@ def test_clouds_results_and_what_they_say_pickle(tmp_path):
     copied = back(t)
     assert repr(copied) == repr(t) and copied.columns().keys() == t.columns().keys() and repr(copied.report) == repr(t.report)
     assert back(ps.neighbors(t["normal"], 3)).indices.tobytes() == ps.neighbors(t["normal"], 3).indices.tobytes()
-    assert back(ps.plan(cloud, "normals")) == ps.plan(cloud, "normals")
+    assert back(ps.plan(cloud, "normals", memory="1G")) == ps.plan(cloud, "normals", memory="1G")
