@@ -84,14 +84,14 @@ struct StreamPoint {
   StreamPoint(Vec3 p, std::uint64_t input_row, std::uint64_t stream_index, Reach reach)
       : input(p), position(p), row(input_row), index(stream_index), neighbors(reach) {}
 
-  // InputFields and ReadOpFields
+  // Set when the point is read
   Vec3 input;           ///< position in the input, which search and order use
   Vec3 position;        ///< current position, after operators that move points
   std::uint64_t row;    ///< row in the input
   std::uint64_t index;  ///< i, in the stream
   std::chrono::steady_clock::time_point read_at;
 
-  // NeighborOpFields
+  // Set by the search for neighbours
   NearestSet neighbors;
   std::uint64_t min_index = kNoIndex;  ///< smallest index among the point and the neighbours it refers to
   std::uint64_t max_index = 0;         ///< largest; known once the neighbourhood is complete

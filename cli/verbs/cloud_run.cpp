@@ -95,7 +95,7 @@ RunSummary summary_of(const ResolvedFiles& files, const Cloud& input, const Stat
   return summary;
 }
 
-/// Returns a sentence for each stage that marked points as degenerate; stages of one name may have equal sentences.
+/// Returns a sentence for each stage that marked points as degenerate; equal sentences only once.
 std::set<std::string> about_degenerate(const Statistics& s, const std::filesystem::path& stats) {
   const std::string rows = stats.empty() ? "--stats FILE lists the rows"
                                          : fmt::format("degenerate_rows in {} lists the rows", stats.string());

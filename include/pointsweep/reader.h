@@ -31,8 +31,8 @@ struct POINTSWEEP_EXPORT FormatExtras {
   virtual ~FormatExtras() = default;
   /// Returns the name of the format, e.g. "las". Each name belongs to one class.
   virtual std::string_view format() const = 0;
-  /// Returns whether a writer would treat these extras like `other`. Both belong to inputs of this format after the
-  /// first input; of several extras that are alike, a writer gets only one.
+  /// Returns whether a writer would treat these extras like `other`, so that it needs only one of them. Both come from
+  /// inputs after the first, in the same format.
   virtual bool is_like(const FormatExtras& other) const { return this == &other; }
 };
 

@@ -93,7 +93,7 @@ class LowestRows final : public RowStream {
   const CellBand& band_;
   std::uint64_t row_ = 0, read_ = 0;  ///< rows given, cells read
   std::vector<LowestCell> buffer_;
-  std::size_t at_ = 0;  ///< the next cell of buffer_
+  std::size_t at_ = 0;  ///< the next index into buffer_
 };
 
 }  // namespace pointsweep

@@ -190,7 +190,7 @@ class GatheredSearch {
     for (const std::uint64_t key : keys) out_.refs.push_back(static_cast<NeighborRef>(key));
   }
 
-  /// Reserves exactly the memory that the lists need if the next power of two would exceed their limit.
+  /// Makes room for `more` entries: twice what is needed, or up to the limit of the lists.
   void make_room(std::size_t more) {
     const std::size_t needed = out_.refs.size() + more;
     if (needed <= out_.refs.capacity()) return;

@@ -85,8 +85,8 @@ struct Finished {
   std::size_t size;
 };
 
-/// Receives finished points: the deferred-write operator Φ_W (paper Section 4.2.1). For every point in a slab that is
-/// no halo, either finished() or recalled() is called once, from many threads.
+/// Receives finished points: the deferred-write operator Φ_W (paper Section 4.2.1). Each point, except in slabs
+/// of the halo, is passed once to finished() or recalled(). Many threads call these functions.
 class Sink {
  public:
   virtual ~Sink() = default;

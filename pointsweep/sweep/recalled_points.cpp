@@ -127,7 +127,7 @@ bool RecalledPoints::collect(WantedPoints wanted) {
   return fitted;
 }
 
-/// Finds the deferred points in their cells.
+/// Queues the deferred points in their cells.
 void RecalledPoints::place(std::span<const DeferredPoint> points, std::span<const Ball> balls) {
   // Numbers of `points` by slab and index in the slab.
   std::map<std::uint32_t, std::map<std::uint32_t, std::size_t>> by_place;

@@ -22,7 +22,7 @@ namespace pointsweep {
 /// long as the region lives. All functions but collect() are thread-safe.
 class Region : public CellSet {
  public:
-  /// `frontier` comes from a sweep that has ended: it holds the boxes of all cells except superfluous cells.
+  /// `frontier` comes from a completed sweep and holds the boxes of all cells that are not superfluous.
   Region(const Stream& stream, const SlabLoader& loader, const Frontier& frontier, std::size_t slabs_at_once)
       : stream_(stream),
         loader_(loader),

@@ -73,7 +73,7 @@ inline constexpr std::uint64_t kOwnPointBytes =
     3 * sizeof(double) + sizeof(std::uint64_t) + sizeof(decltype(WindowCell::index_in_slab)::value_type);
 /// Bytes of a leaf in the window: its box, lowest row and reach.
 inline constexpr std::uint64_t kWindowLeafBytes = 6 * sizeof(float) + sizeof(std::uint64_t) + sizeof(double);
-/// Points in each half of a cell that has one point too many and is cut in two. A smaller cell holds a whole slab.
+/// The number of points over which the fixed bytes of a cell are spread: half of a full cell. Cells may be smaller.
 inline constexpr std::uint64_t kUsualCellPoints = 512;
 /// The reciprocal of the share of memory for the padding of leaves and the overhead of allocations.
 inline constexpr std::uint64_t kLostShare = 5;

@@ -64,7 +64,7 @@ class CopcNodes {
   std::uint64_t waiting_bytes_ = 0, aside_bytes_ = 0;
   TimeRange times_;
   bool has_times_ = false;
-  std::vector<CopcNode> nodes_;  ///< compressed nodes; an offset is a place in aside_
+  std::vector<CopcNode> nodes_;  ///< compressed nodes, with their offsets in aside_
 };
 
 }  // namespace pointsweep

@@ -17,7 +17,7 @@ namespace pointsweep {
 inline constexpr int kLasPointFormats = 11;
 inline constexpr int kFirstModernLasFormat = 6;  ///< formats from 6 on belong to LAS 1.4
 
-/// Returns the bytes of a record of `point_format` without extra bytes; nothing for a format that LAS does not define.
+/// Returns the size of a record of `point_format` without extra bytes; none for a format that LAS does not define.
 std::optional<std::uint16_t> las_record_length(int point_format);
 
 /// Returns the fields of `point_format`, 0 to 10, under the library's names; stride is las_record_length(). x, y and z

@@ -41,7 +41,7 @@ class NormalSigns final : public ConnectOperator {
   OrientationVotes votes_;
 };
 
-/// Makes normal: the existing normal, negated if normal_turned is 1.
+/// Makes `normal`: the existing normal, negated if `normal_turned` is 1.
 class TurnedNormals final : public LocalOperator {
  public:
   std::string name() const override { return "turned_normals"; }

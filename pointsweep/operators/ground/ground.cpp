@@ -177,7 +177,7 @@ std::optional<Reach> Ground::reach() const {
   return Reach{.distance = radius * (radius + 1) + 2 * (3 * radius + 3) + 4};
 }
 
-/// Returns a function that chooses the lowest point of each cell among the points that take part.
+/// Returns a function that chooses for other parts of the cloud the lowest point of each cell that takes part.
 InOrderOperator::ChoosePoints Ground::for_other_parts() const {
   return [this](const OrderedPoints& points) {
     std::map<std::pair<double, double>, std::uint32_t> lowest;

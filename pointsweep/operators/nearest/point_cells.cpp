@@ -64,7 +64,7 @@ class PointCells::Tree {
         });
   }
 
-  /// Calls `use` for the points of all boxes that are wanted, with their places; ends when it returns false.
+  /// Calls use(point, place) for the points of all wanted boxes. Ends, and returns false, when `use` does.
   template <class Wanted, class Use>
   bool all_of(Wanted wanted, Use use) const {
     return leaves_.all_of(wanted, [&](std::size_t leaf) {

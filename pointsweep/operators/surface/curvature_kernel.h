@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Equation 2 and the principal curvatures in vector lanes: a point per lane.
+/// Equation 2 of the paper and the principal curvatures, in vector lanes: one point per lane.
 #pragma once
 
 #include <array>

@@ -144,7 +144,7 @@ std::unique_ptr<InOrderWork> Level::start(const InOrderSetup& setup) const {
 }
 
 std::uint64_t Level::least_bytes(const CloudEstimate& cloud) const {
-  constexpr std::uint64_t kPointBytes = 200;  // per point of a cloud so small that no list is full
+  constexpr std::uint64_t kPointBytes = 200;  // per point of a cloud that is in memory as a whole
   return std::min(least_level_bytes(cloud.threads), (std::uint64_t{1} << 20) + cloud.points * kPointBytes);
 }
 

@@ -33,7 +33,7 @@ T nearest_of_type(double mean) {
   }
 }
 
-/// Normalises the vector; 0 if it is 0 or not finite.
+/// Normalises `v`; sets it to 0 if it is 0 or not finite.
 void make_directions(double* v) {
   const double most = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
   const bool none = !(most > 0) || !std::isfinite(v[0] + v[1] + v[2]);

@@ -100,7 +100,7 @@ class Naming {
     return asked;
   }
 
-  /// `replaceable`: the name for --replace that allows it; empty if nothing does.
+  /// `replaceable`: the name that --replace needs to overwrite `old`; empty if none allows it.
   [[noreturn]] void refuse(const std::string& field, const std::string& old, const std::string& replaceable) const {
     const std::string overwrite =
         replaceable.empty() ? "" : fmt::format("allow it with --replace {}, or ", replaceable);

@@ -26,9 +26,9 @@ bool is_selection(const Attribute& a) { return a.name == selection_attribute().n
 /// A pass before it is known which of its results are used.
 struct Draft {
   ScheduledPass pass;
-  Attributes carried;  ///< before it: everything made by then
+  Attributes carried;  ///< made by earlier passes
   Attributes makes;    ///< without selections
-  Names needed;        ///< after it
+  Names needed;        ///< read by later passes or the output
 };
 
 Attributes made_by(const ScheduledPass& pass, const ChainGraph& graph) {
@@ -183,7 +183,7 @@ bool orders_by_moved_positions(const ChainGraph& graph) {
   return std::ranges::any_of(graph.nodes, [](const GraphNode& n) { return n.is_order() && !n.makes.empty(); });
 }
 
-/// Finds whether the only pass makes all that is written, and the order in which it is written.
+/// Sets what the last pass carries, and whether the output needs another order (ChainPlan::reorders).
 void find_order(ChainPlan& plan, const Schema& input, bool ordered) {
   PlannedPass& last = plan.passes.back();
   last.carried = plan.made;

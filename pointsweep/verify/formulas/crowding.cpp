@@ -13,7 +13,7 @@ constexpr Real kMissing = std::numeric_limits<Real>::quiet_NaN();
 
 Estimate exactly(Real value) { return {.value = {value, 0, 0}}; }
 
-/// The number of neighbours that are certainly within the radius, and that may be within it.
+/// The least and the greatest possible number of neighbours within the radius.
 struct Within {
   std::size_t sure = 0, possible = 0;
 

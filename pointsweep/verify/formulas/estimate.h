@@ -65,8 +65,8 @@ inline constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
 inline constexpr Real kSingle = 0x1p-24L;  ///< largest relative error of rounding to float32
 inline constexpr Real kDouble = 0x1p-53L;  ///< largest relative error of rounding to float64
 
-/// Returns the relative error of a weight exp(-x) in single precision, from the exponential and its argument: at most
-/// 1.2e-7 of the largest weight.
+/// Returns the relative error of a weight exp(-x) in single precision, due to the rounding of exp() and of x. Times
+/// exp(-x), it is at most 1.2e-7.
 inline Real single_weight_error(Real x) { return 2 * kSingle * (1 + x); }
 /// Returns the relative error of a weight exp(-x) in double precision.
 inline Real double_weight_error(Real x) { return 16 * kDouble * (1 + x); }

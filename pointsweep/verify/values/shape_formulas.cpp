@@ -136,7 +136,7 @@ class FeaturesFormula final : public StageFormula {
   Lambda lambda_;
 };
 
-/// The formula of the normal that orient() makes of a normal.
+/// The formula of TurnedNormals, the last stage of orient().
 class TurnedFormula final : public StageFormula {
  public:
   ShapeEstimates evaluate(const FormulaInput& in) const override {
