@@ -37,7 +37,7 @@ int depth_of_spacing(double root, double spacing) {
   return depth;
 }
 
-ChosenChunks::ChosenChunks(std::unique_ptr<Reader> all, const Choice& is_chosen, std::string_view word)
+ChosenChunks::ChosenChunks(std::shared_ptr<Reader> all, const Choice& is_chosen, std::string_view word)
     : Reader(*all), all_(std::move(all)) {
   if (!word.empty()) {
     info_.asked_for_as = word;
@@ -127,7 +127,8 @@ std::unique_ptr<Reader> with_chosen_levels(std::unique_ptr<Reader> all, std::str
         "IN OUT.copc.laz.",
         all->info().path.string(), word.starts_with(kDepth) ? "--depth" : "--resolution");
   const int depth = depth_of(word, *spacing);
-  return std::make_unique<ChosenChunks>(std::move(all), [&](const Chunk& chunk) { return chunk.depth <= depth; }, word);
+  return std::make_unique<ChosenChunks>(
+      std::move(all), [&](const Chunk& chunk) { return chunk.depth <= depth; }, word);
 }
 
 }  // namespace pointsweep

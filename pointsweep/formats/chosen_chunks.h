@@ -18,7 +18,7 @@ class ChosenChunks final : public Reader {
  public:
   using Choice = std::function<bool(const Chunk&)>;
   /// `all` must have decoders. Bytes of chunks that are not chosen are not read. `word`: FileInfo::asked_for_as.
-  ChosenChunks(std::unique_ptr<Reader> all, const Choice& is_chosen, std::string_view word = "");
+  ChosenChunks(std::shared_ptr<Reader> all, const Choice& is_chosen, std::string_view word = "");
 
   Chunk chunk_of(std::uint64_t row) const override;
   bool has_decoders() const override { return true; }
@@ -26,8 +26,6 @@ class ChosenChunks final : public Reader {
   void rest() override;
   /// Returns the row of the file that is row `row`.
   std::uint64_t input_row(std::uint64_t row) const;
-  /// Returns the reader of all rows. This object must not be used afterwards.
-  std::unique_ptr<Reader> release() { return std::move(all_); }
 
  private:
   class Decoder;
@@ -37,7 +35,7 @@ class ChosenChunks final : public Reader {
   };
   const Chosen& chosen_at(std::uint64_t row) const;
 
-  std::unique_ptr<Reader> all_;
+  std::shared_ptr<Reader> all_;
   std::vector<Chosen> chosen_;
 };
 

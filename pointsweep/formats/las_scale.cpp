@@ -145,7 +145,7 @@ Vec3 las_scale_from(Vec3 offset, const Box& bounds) {
   return scale;
 }
 
-std::optional<LasOrigin> common_las_origin(const std::vector<std::unique_ptr<Reader>>& readers,
+std::optional<LasOrigin> common_las_origin(const std::vector<std::shared_ptr<Reader>>& readers,
                                            std::vector<std::string>& warnings) {
   std::optional<LasOrigin> common;
   const FileInfo* timed = nullptr;

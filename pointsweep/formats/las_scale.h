@@ -63,7 +63,7 @@ struct LasOrigin {
 /// Returns the common origin of the inputs that are or were LAS: the finest scale of each axis with the offset of the
 /// first input that has it, and the kind of time of the first input with a time. A warning names an input with the
 /// other kind of time.
-std::optional<LasOrigin> common_las_origin(const std::vector<std::unique_ptr<Reader>>& readers,
+std::optional<LasOrigin> common_las_origin(const std::vector<std::shared_ptr<Reader>>& readers,
                                            std::vector<std::string>& warnings);
 
 }  // namespace pointsweep

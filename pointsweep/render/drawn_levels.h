@@ -6,17 +6,8 @@
 
 namespace pointsweep {
 
-/// During its lifetime, a cloud whose inputs all have levels of detail reads only as many of them as are needed until
-/// the spacing of points is at most a pixel of a picture of this size; other clouds read all points.
-class DrawnLevels {
- public:
-  DrawnLevels(InputCloud& cloud, unsigned pixels);
-  ~DrawnLevels() { cloud_.read_all_chunks(); }
-  DrawnLevels(const DrawnLevels&) = delete;
-  DrawnLevels& operator=(const DrawnLevels&) = delete;
-
- private:
-  InputCloud& cloud_;
-};
+/// Returns the cloud with only as many levels of detail as are needed until the spacing of points is at most a pixel of
+/// a picture of this size; all points unless all inputs have levels.
+InputCloud drawn_levels(const InputCloud& cloud, unsigned pixels);
 
 }  // namespace pointsweep

@@ -130,10 +130,9 @@ class Light {
 }  // namespace
 
 Rendering render(Cloud& inputs, const RenderOptions& options) {
-  InputCloud& cloud = inputs.inputs();
   check(options);
-  const std::uint64_t points = cloud.count();
-  const DrawnLevels levels(cloud, std::max(options.width, options.height));
+  const std::uint64_t points = inputs.count();
+  InputCloud cloud = drawn_levels(inputs.inputs(), std::max(options.width, options.height));
   const RowStretches rows = rows_of(cloud, options);
   const auto report = [&](const char* phase, std::uint64_t done) {
     if (options.progress) options.progress(phase, done, rows.count);

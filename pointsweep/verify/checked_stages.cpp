@@ -103,9 +103,9 @@ void leave_out(const KeptFields& named, const std::string& prefix, const Schema&
     if (std::ranges::find(*kept.input, f) == kept.input->end()) made.left_out_input.insert(input.fields[f].name);
 }
 
-std::shared_ptr<InputCloud> select_rows(const VerifyOptions& options, InputCloud& cloud, const ChainGraph& graph,
-                                        const std::function<std::shared_ptr<InputCloud>()>& open_again) {
+KeptRows rows_kept_first(const VerifyOptions& options, const InputCloud& cloud, const ChainGraph& graph) {
   std::vector<StageOperator> first;
+  const auto kept = [&] { return with_kept_rows(cloud, first, options.memory_bytes, options.progress); };
   std::shared_ptr<InputCloud> before_means;
   bool others = false;
   for (std::size_t n = 1; n < graph.nodes.size(); ++n) {
@@ -119,14 +119,10 @@ std::shared_ptr<InputCloud> select_rows(const VerifyOptions& options, InputCloud
           "verify: the stage '{}' leaves out rows after other stages, and a sample of the input does not tell which; "
           "verify the output of the stages before it.",
           node.stage);
-    if (drops_rows_and_makes(node)) {
-      before_means = open_again();
-      select_kept_rows(*before_means, first, options.memory_bytes, options.progress);
-    }
+    if (drops_rows_and_makes(node)) before_means = std::make_shared<InputCloud>(kept());
     first.push_back(*node.op());
   }
-  select_kept_rows(cloud, first, options.memory_bytes, options.progress);
-  return before_means;
+  return {kept(), std::move(before_means)};
 }
 
 }  // namespace pointsweep

@@ -36,10 +36,13 @@ void leave_selects(MadeBy& made);
 /// Adds to `made` the fields that --keep has excluded from the output.
 void leave_out(const KeptFields& named, const std::string& prefix, const Schema& input, MadeBy& made);
 
-/// Selects the rows that the first stages keep. If voxel(keep=centroid) follows, returns the cloud before this stage,
-/// opened by `open_again`; otherwise null. Throws UsageError for a thinning after other stages, and for any select
-/// after voxel(keep=centroid).
-std::shared_ptr<InputCloud> select_rows(const VerifyOptions& options, InputCloud& cloud, const ChainGraph& graph,
-                                        const std::function<std::shared_ptr<InputCloud>()>& open_again);
+/// The rows of the input that stages have kept.
+struct KeptRows {
+  InputCloud cloud;                          ///< rows that the selects and thinnings at the beginning of the chain keep
+  std::shared_ptr<InputCloud> before_means;  ///< rows before voxel(keep=centroid); null without such a stage
+};
+
+/// Throws UsageError for a thinning after other stages, and for any select after voxel(keep=centroid).
+KeptRows rows_kept_first(const VerifyOptions& options, const InputCloud& cloud, const ChainGraph& graph);
 
 }  // namespace pointsweep

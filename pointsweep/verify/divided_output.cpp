@@ -211,7 +211,7 @@ DividedOutput read_divided(const std::vector<std::filesystem::path>& files, cons
   PlacesOfPoints places(cloud, division);
   places.look(progress);
   DividedOutput output{.own = {}, .misplaced = places.misplaced(), .sentences = places.sentences()};
-  if (division.tile_buffer > 0) cloud.select(selected(places.own()));
+  if (division.tile_buffer > 0) cloud = cloud.selected(selected(places.own()));
   const std::string left_out = division.tile_buffer > 0 ? kBuffer : "";
   output.own = std::make_unique<CloudReader>(std::move(cloud), folder, left_out);
   return output;

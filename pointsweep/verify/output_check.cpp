@@ -156,28 +156,12 @@ OutputCheck completed(OutputCheck check) {
   return check;
 }
 
-/// Drops the points without finite places that the run has dropped. Returns their number.
-std::uint64_t leave_out_nonfinite(const OutputCheck& check, InputCloud& cloud) {
+/// Returns the cloud without the points that the run has dropped because they have no finite places, and these points.
+std::pair<InputCloud, NonfiniteRows> left_by_run(const OutputCheck& check, const InputCloud& all) {
   Outputs outputs{.tiles = check.tiles};
   if (check.tiles.empty()) outputs.points = check.output;
-  if (nonfinite_rule(cloud, outputs, check.options.nonfinite) != Nonfinite::drop) return 0;
-  return cloud.drop_nonfinite().count;
-}
-
-/// Opens the inputs without the points that the run has dropped.
-std::shared_ptr<InputCloud> opened_input(const OutputCheck& check, const ChainGraph& graph) {
-  auto cloud = std::make_shared<InputCloud>(check.inputs, check.options.cloud);
-  if (graph.reads_input_rows()) cloud->number_rows();
-  leave_out_nonfinite(check, *cloud);
-  return cloud;
-}
-
-/// Adds numbers to the rows of the inputs if a stage of the run reads them.
-void number_rows_read(const OutputCheck& check, const ChainGraph& graph, InputCloud& cloud) {
-  if (!graph.reads_input_rows()) return;
-  cloud.keep_all();
-  cloud.number_rows();
-  leave_out_nonfinite(check, cloud);
+  if (nonfinite_rule(all, outputs, check.options.nonfinite) != Nonfinite::drop) return {all, {}};
+  return all.finite();
 }
 
 void refuse_resorted(const OutputCheck& check, const ChainGraph& graph) {
@@ -234,8 +218,15 @@ class MadeAttributes {
   const std::set<std::string>& changed_;
 };
 
-MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out,
-                        const std::set<std::string>& changed = {}) {
+/// What a check compares: an output is made by stages from rows of the input.
+struct Compared {
+  MadeBy made;
+  InputCloud from;
+};
+
+/// `all`: the inputs. `cloud`: left_by_run() of these.
+Compared made_by_pipeline(const OutputCheck& check, const InputCloud& all, const InputCloud& cloud, Reader& out,
+                          const std::set<std::string>& changed) {
   const VerifyOptions& options = check.options;
   const MadeAttributes attributes(cloud.schema(), out.info().schema, changed);
   const std::string likely = attributes.likely_pipeline();
@@ -244,7 +235,7 @@ MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out
     stages = parse_pipeline_or_file(options.pipeline);
   else if (!check.without_stages && !likely.empty())
     stages = parse_pipeline(likely);
-  if (stages.empty() && options.keep.empty()) return {};
+  if (stages.empty() && options.keep.empty()) return {{}, cloud};
   const bool knn = !stages.empty() && stages.front().name == neighborhood_declaration().name;
   if (knn && !check.neighborhood.empty())
     fail_usage("verify: the pipeline says in knn which neighbours it takes; leave out {}.",
@@ -256,12 +247,14 @@ MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out
   refuse_resorted(check, plan.graph);
   const bool all_are_dropped = plan.graph.drops && plan.made.empty();
   if (!options.keep.empty() || plan.graph.drops) plan.chain.keep = plan.kept.attributes;
-  number_rows_read(check, plan.graph, cloud);
-  const auto before_means = select_rows(options, cloud, plan.graph, [&] { return opened_input(check, plan.graph); });
-  MadeBy made = made_by(plan);
-  made.before_means = before_means;
+  const bool is_numbered = plan.graph.reads_input_rows();
+  const InputCloud read = is_numbered ? left_by_run(check, all.numbered()).first : cloud;
+  KeptRows kept = rows_kept_first(options, read, plan.graph);
+  Compared compared{made_by(plan), std::move(kept.cloud)};
+  MadeBy& made = compared.made;
+  made.before_means = std::move(kept.before_means);
   if (all_are_dropped) leave_selects(made);
-  leave_out(plan.kept, options.prefix, without_input_row(cloud.schema()), made);
+  leave_out(plan.kept, options.prefix, cloud.schema(), made);
   made.left_out_input.insert(kInputRow);
   // Outliers are checked against the mean distances in the output, which are checked against the input.
   made.in_any_order = is_in_any_order(check);
@@ -271,11 +264,11 @@ MadeBy made_by_pipeline(const OutputCheck& check, InputCloud& cloud, Reader& out
         "by one that is divided among files or a COPC file; verify one file in the order of the input.");
   if (!made.leaves_out)
     made.outlier_threshold = outlier_threshold(out, made.operators, options.prefix, options.progress);
-  if (!options.pipeline.empty() || !options.keep.empty()) return made;
+  if (!options.pipeline.empty() || !options.keep.empty()) return compared;
   for (const auto& op : made.operators)
     for (const Attribute& a : contract_of(op).makes)
       if (attributes.has(a)) made.keep.push_back(a.name);
-  return made;
+  return compared;
 }
 
 /// Returns the attributes of the input whose values differ in the output for most points.
@@ -286,7 +279,8 @@ std::set<std::string> changed_attributes(const Arrivals& arrivals) {
   return names;
 }
 
-Verdict checked(const OutputCheck& check, InputCloud& cloud) {
+/// `all`: the inputs. `cloud`: left_by_run() of these.
+Verdict checked(const OutputCheck& check, const InputCloud& all, InputCloud& cloud) {
   const VerifyOptions& options = check.options;
   if (is_array_name(check.output)) {
     const std::unique_ptr<Reader> array = array_format().open(check.output);
@@ -301,20 +295,21 @@ Verdict checked(const OutputCheck& check, InputCloud& cloud) {
           : std::make_unique<CloudReader>(InputCloud(check.tiles, {.ignore_crs = true}), check.output);
   const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
   const auto made_with = [&](const std::set<std::string>& changed) {
-    MadeBy made = made_by_pipeline(check, cloud, *out, changed);
+    Compared compared = made_by_pipeline(check, all, cloud, *out, changed);
+    MadeBy& made = compared.made;
     if (format != nullptr) made.own_field = format->own_field;
     made.in_any_order = is_in_any_order(check);
     made.known_differences = divided.sentences;
     made.more_differences = divided.misplaced - divided.sentences.size();
-    return made;
+    return compared;
   };
-  const MadeBy made = made_with({});
-  const Verdict verdict = verify(cloud, *out, false, made, options);
+  Compared compared = made_with({});
+  const Verdict verdict = verify(compared.from, *out, false, compared.made, options);
   if (verdict.same() || !options.pipeline.empty()) return verdict;
   // Without a record, attributes that seemed copied may have been computed again, for example normals that the input
   // had.
-  const MadeBy likely = made_with(changed_attributes(verdict.arrivals));
-  return likely.keep == made.keep ? verdict : verify(cloud, *out, false, likely, options);
+  Compared likely = made_with(changed_attributes(verdict.arrivals));
+  return likely.made.keep == compared.made.keep ? verdict : verify(likely.from, *out, false, likely.made, options);
 }
 
 }  // namespace
@@ -324,10 +319,10 @@ Verdict verify(const std::vector<fs::path>& inputs, const fs::path& output, cons
   for (const Option& option : options.neighborhood)
     neighborhood.push_back({option.name, text_of_value(option.value), "verify"});
   const OutputCheck check = completed({inputs, output, options, neighborhood, {}, false});
-  InputCloud cloud(check.inputs, check.options.cloud);
-  const std::uint64_t dropped = leave_out_nonfinite(check, cloud);
-  Verdict verdict = checked(check, cloud);
-  verdict.dropped = dropped;
+  const InputCloud all(check.inputs, check.options.cloud);
+  auto [cloud, dropped] = left_by_run(check, all);
+  Verdict verdict = checked(check, all, cloud);
+  verdict.dropped = dropped.count;
   return verdict;
 }
 

@@ -175,12 +175,13 @@ TEST(Chunks, OfSeveralInputsAreDecodedInParallelAsInTurn) {
 bool stays(std::uint64_t row) { return row < 9000 || (row > 22000 && row % 3 == 1 && row % 20000 < 15000); }
 
 void select_some_rows(InputCloud& cloud) {
-  cloud.select(RowSelection(cloud.count(), [rows = cloud.count()](std::uint64_t block, std::span<std::byte> bits) {
-    std::ranges::fill(bits, std::byte{});
-    const std::uint64_t first = block * RowSelection::kBlockRows;
-    for (std::uint64_t i = 0; i < RowSelection::kBlockRows && first + i < rows; ++i)
-      if (stays(first + i)) bits[i / 8] |= std::byte{1} << (i % 8);
-  }));
+  cloud = cloud.selected(
+      RowSelection(cloud.count(), [rows = cloud.count()](std::uint64_t block, std::span<std::byte> bits) {
+        std::ranges::fill(bits, std::byte{});
+        const std::uint64_t first = block * RowSelection::kBlockRows;
+        for (std::uint64_t i = 0; i < RowSelection::kBlockRows && first + i < rows; ++i)
+          if (stays(first + i)) bits[i / 8] |= std::byte{1} << (i % 8);
+      }));
 }
 
 TEST(Chunks, OfSelectedRowsAreDecodedInParallel) {
@@ -220,8 +221,8 @@ TEST(Chunks, WithoutNonfiniteRowsAreDecodedInParallel) {
   write_all(binary, all_records(as_text, as_text.schema(), kRows));
   for (const auto& path : {ascii, binary.path}) {
     SCOPED_TRACE(path.filename());
-    InputCloud cloud({path});
-    EXPECT_EQ(cloud.drop_nonfinite().count, kRows - rows.size() / 3);
+    auto [cloud, dropped] = InputCloud({path}).finite();
+    EXPECT_EQ(dropped.count, kRows - rows.size() / 3);
     EXPECT_NE(cloud.decoder(), nullptr);
     const auto bytes = std::as_bytes(std::span(rows));
     EXPECT_EQ(decoded_in_parallel(cloud), std::vector<std::byte>(bytes.begin(), bytes.end()));

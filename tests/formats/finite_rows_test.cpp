@@ -52,11 +52,11 @@ TEST(FiniteRows, AreThoseOfAllInputsInAnyPieceAndNothingElse) {
                c = rows_with_gaps(17, share, random);
     std::vector<std::unique_ptr<Reader>> readers;
     for (const Rows* rows : {&a, &b, &c}) readers.push_back(reader_of(*rows));
-    InputCloud cloud(std::move(readers));
+    InputCloud all(std::move(readers));
     Rows expected;
     for (const Rows* rows : {&a, &b, &c})
       for (const auto& row : finite_ones(*rows)) expected.push_back(row);
-    const NonfiniteRows found = cloud.drop_nonfinite();
+    auto [cloud, found] = all.finite();
     EXPECT_EQ(found.count, a.size() + b.size() + c.size() - expected.size());
     EXPECT_EQ(cloud.count(), expected.size());
     EXPECT_EQ(read(cloud, 0, 20000), expected);
@@ -65,10 +65,22 @@ TEST(FiniteRows, AreThoseOfAllInputsInAnyPieceAndNothingElse) {
       const std::size_t last = std::min(expected.size(), first + n);
       EXPECT_EQ(read(cloud, first, n), Rows(expected.begin() + first, expected.begin() + last)) << first << " " << n;
     }
-    cloud.keep_all();
-    EXPECT_EQ(cloud.count(), a.size() + b.size() + c.size());
-    EXPECT_EQ(std::memcmp(read(cloud, 9000, 1).data(), b.data(), sizeof b[0]), 0);
+    EXPECT_EQ(all.count(), a.size() + b.size() + c.size());
+    EXPECT_EQ(std::memcmp(read(all, 9000, 1).data(), b.data(), sizeof b[0]), 0);
   }
+}
+
+TEST(FiniteRows, HaveTheirPlacesInTheInputWhicheverReaderHasTheirRecords) {
+  const float nan = std::nanf("");
+  const Rows a = {{nan, 9, 9}, {1, 2, 3}}, b = {{4, nan, 0}, {5, nan, 0}, {-1, 5, 2}};
+  std::vector<std::unique_ptr<Reader>> readers;
+  for (const Rows* rows : {&a, &b}) readers.push_back(reader_of(*rows));
+  const auto [finite, found] = InputCloud(std::move(readers)).finite();
+  std::vector<std::shared_ptr<Reader>> others;
+  const Rows finite_of_a = finite_ones(a), finite_of_b = finite_ones(b);
+  for (const Rows* rows : {&finite_of_a, &finite_of_b}) others.push_back(reader_of(*rows));
+  InputCloud decoded = finite.read_by(others);
+  EXPECT_EQ(decoded.place_of_row(1), (std::pair<std::size_t, std::uint64_t>{1, 2}));
 }
 
 TEST(FiniteRows, TheOthersAreCountedWithTheBoundsOfTheRest) {
@@ -76,8 +88,7 @@ TEST(FiniteRows, TheOthersAreCountedWithTheBoundsOfTheRest) {
   const Rows rows = {{nan, 9, 9}, {1, 2, 3}, {4, nan, 0}, {-1, 5, 2}};
   std::vector<std::unique_ptr<Reader>> readers;
   readers.push_back(reader_of(rows));
-  InputCloud cloud(std::move(readers));
-  const NonfiniteRows found = cloud.drop_nonfinite();
+  const NonfiniteRows found = InputCloud(std::move(readers)).finite().second;
   EXPECT_EQ(found.rows, (std::vector<std::uint64_t>{0, 2}));
   EXPECT_EQ(found.bounds, (Box{{-1, 2, 2}, {1, 5, 3}}));
   EXPECT_EQ(found.first, "row 0 of array");

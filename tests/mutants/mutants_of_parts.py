@@ -26,7 +26,7 @@ MUTANTS = [
     Mutant("a part forgets which rows are left", "parts", RUN,
            "if (!state.mask.empty()) {", "if (state.mask.size() > 1000000) {", TESTS),
     Mutant("numbers of rows begin anew in each tile", "parts", RUN,
-           "const NumberedInput numbered(tile, plan, task.first_row);", "const NumberedInput numbered(tile, plan);", TESTS),
+           "input_of_chain(given_tile, plan, task.first_row)", "input_of_chain(given_tile, plan)", TESTS),
     Mutant("an operator in order knows the points of its tile alone", "parts", PART + "needed_points.cpp",
            "  add_blocks(*source, blocks);\n  const std::uint64_t points", "  const std::uint64_t points", TESTS),
     Mutant("the nearest of a box are as near as its nearest corner", "parts", PART + "needed_points.cpp",

@@ -35,7 +35,7 @@ std::string way_to_transform(const Crs& to) {
   return fmt::format(", e.g. by 'pdal translate IN OUT reprojection --filters.reprojection.out_srs=EPSG:{}'", to.epsg);
 }
 
-CommonCrs stated_crs(const std::vector<std::unique_ptr<Reader>>& readers, const StatedCrs& stated) {
+CommonCrs stated_crs(const std::vector<std::shared_ptr<Reader>>& readers, const StatedCrs& stated) {
   CommonCrs common{.crs = stated.crs, .warnings = {}};
   for (const auto& reader : readers) {
     const FileInfo& info = reader->info();
@@ -56,7 +56,7 @@ CommonCrs stated_crs(const std::vector<std::unique_ptr<Reader>>& readers, const 
   return common;
 }
 
-CommonCrs common_crs(const std::vector<std::unique_ptr<Reader>>& readers, bool ignore) {
+CommonCrs common_crs(const std::vector<std::shared_ptr<Reader>>& readers, bool ignore) {
   CommonCrs common;
   const auto states = [](const auto& reader) { return reader->info().crs.has_value(); };
   const auto first_with = std::find_if(readers.begin(), readers.end(), states);

@@ -116,7 +116,7 @@ void GridShift::run(std::span<std::byte> records, std::size_t stride, const std:
   }
 }
 
-std::optional<CommonGrid> common_grid(const std::vector<std::unique_ptr<Reader>>& readers) {
+std::optional<CommonGrid> common_grid(const std::vector<std::shared_ptr<Reader>>& readers) {
   CommonGrid common;
   common.shifts.resize(readers.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kOverlapClass = 12;  ///< LAS 1.4 R15, Table 9
 
-using Readers = std::vector<std::unique_ptr<Reader>>;
+using Readers = std::vector<std::shared_ptr<Reader>>;
 
 /// Returns the schema after its coordinates are converted to `grid`.
 Schema on_grid(Schema schema, const LasQuantization& grid) {

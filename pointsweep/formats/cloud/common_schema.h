@@ -40,7 +40,7 @@ struct CommonGrid {
 /// all x, y and z are scaled int32, each scale is a whole multiple of the finest, offsets differ by whole steps of it,
 /// and the bounds in the headers stay within 32 bits. The offset of each axis is that of the first input for which the
 /// bounds fit; if there is none, it lies in the middle of all bounds, whole steps away from the first input's.
-std::optional<CommonGrid> common_grid(const std::vector<std::unique_ptr<Reader>>& readers);
+std::optional<CommonGrid> common_grid(const std::vector<std::shared_ptr<Reader>>& readers);
 
 /// The values other than 0 of fields that an input lacks and other inputs have. Points without return numbers are
 /// return 1 of 1, as LAS requires. Points of LAS point formats 0 to 5 in the overlap of flight lines have class 12;
@@ -63,7 +63,7 @@ class MissingFields {
 /// The steps that turn a record of one input into a record of the cloud: shift, then conversion, then completion.
 struct InputMapping {
   GridShift shift;
-  std::unique_ptr<RecordConversion> conversion;  ///< null where the layout is the same
+  std::shared_ptr<const RecordConversion> conversion;  ///< null where the layout is the same
   MissingFields missing = {};
 };
 
@@ -77,7 +77,7 @@ struct CommonSchema {
 
 /// Returns the schema that class InputCloud documents. Names with the same meaning (`nx`, `NormalX`) are one field,
 /// under the first of these names.
-CommonSchema common_schema(const std::vector<std::unique_ptr<Reader>>& readers);
+CommonSchema common_schema(const std::vector<std::shared_ptr<Reader>>& readers);
 
 /// One coordinate reference system for several inputs.
 struct CommonCrs {
@@ -90,10 +90,10 @@ struct CommonCrs {
 
 /// Throws UsageError for inputs with different systems. With `ignore` there is a warning instead, and coordinates stay
 /// unchanged.
-CommonCrs common_crs(const std::vector<std::unique_ptr<Reader>>& readers, bool ignore);
+CommonCrs common_crs(const std::vector<std::shared_ptr<Reader>>& readers, bool ignore);
 
 /// Returns the system that the user states. Throws UsageError if an input states another one, unless it replaces that.
-CommonCrs stated_crs(const std::vector<std::unique_ptr<Reader>>& readers, const StatedCrs& stated);
+CommonCrs stated_crs(const std::vector<std::shared_ptr<Reader>>& readers, const StatedCrs& stated);
 
 /// Returns ", e.g. by 'pdal translate ...'": a command that transforms a file to the system; empty without an EPSG
 /// code.

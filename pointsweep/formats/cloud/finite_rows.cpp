@@ -190,7 +190,7 @@ class FiniteRows::Decoder final : public RowDecoder {
   std::vector<std::size_t> gaps_;  ///< records of that block that are left out, ascending
 };
 
-FiniteRows::FiniteRows(std::unique_ptr<Reader> all, FiniteRowIndex index)
+FiniteRows::FiniteRows(std::shared_ptr<Reader> all, FiniteRowIndex index)
     : all_(std::move(all)),
       index_(std::move(index)),
       position_(position_fields(all_->info().schema, all_->info().path.string())) {

@@ -63,7 +63,7 @@ class FiniteRowIndex {
 /// The finite rows of an input: row i is the i-th finite row of `all`.
 class FiniteRows final : public Reader {
  public:
-  FiniteRows(std::unique_ptr<Reader> all, FiniteRowIndex index);
+  FiniteRows(std::shared_ptr<Reader> all, FiniteRowIndex index);
   ~FiniteRows() override;
 
   /// Returns the finite rows of the blocks that begin in one chunk of `all`.
@@ -75,14 +75,12 @@ class FiniteRows final : public Reader {
   void rest() override { all_->rest(); }
   /// Returns the row of the input that is finite row `row`.
   std::uint64_t input_row(std::uint64_t row);
-  /// Returns the reader of all rows. This object must not be used afterwards.
-  std::unique_ptr<Reader> release() { return std::move(all_); }
 
  private:
   class Decoder;
   std::size_t first_block_from(std::uint64_t row) const;
 
-  std::unique_ptr<Reader> all_;
+  std::shared_ptr<Reader> all_;
   FiniteRowIndex index_;
   PositionFields position_;
   std::unique_ptr<Decoder> own_;  ///< decoder of read() and input_row()

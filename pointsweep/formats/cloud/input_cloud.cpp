@@ -20,7 +20,7 @@ constexpr std::size_t kScratchBytes = 1 << 20;
 /// the decoding thread; instead the threads take turns at reading, and work on the rows they have read.
 constexpr std::uint64_t kLongestChunk = 1 << 18;
 
-bool decodes_side_by_side(const std::unique_ptr<Reader>& reader) {
+bool decodes_side_by_side(const std::shared_ptr<Reader>& reader) {
   if (!reader->has_decoders()) return false;
   return reader->info().count == 0 || reader->decodes_any_range() || reader->chunk_of(0).rows <= kLongestChunk;
 }
@@ -32,7 +32,7 @@ void for_each_input(std::size_t count, bool is_remote, const std::function<void(
 }
 
 /// Throws UsageError if columns of text are named and no input is text.
-void require_text_for_columns(const std::vector<std::unique_ptr<Reader>>& readers, std::string_view format) {
+void require_text_for_columns(const std::vector<std::shared_ptr<Reader>>& readers, std::string_view format) {
   if (format.starts_with("text:") && !readers.empty() &&
       std::ranges::none_of(readers, [&](const auto& reader) { return reader->info().asked_for_as == format; }))
     fail_usage("--columns: no input is text ({} is {}); leave it out.", readers.front()->info().path.string(),
@@ -46,7 +46,7 @@ bool are_alike(const Extras& a, const Extras& b) {
   return a->format() == b->format() && a->is_like(*b);
 }
 
-std::vector<FileState> states_of(const std::vector<std::unique_ptr<Reader>>& readers) {
+std::vector<FileState> states_of(const std::vector<std::shared_ptr<Reader>>& readers) {
   std::vector<FileState> states;
   for (const auto& reader : readers) states.emplace_back(reader->info().path);
   return states;
@@ -71,6 +71,11 @@ InputCloud::InputCloud(const std::vector<std::filesystem::path>& paths, CloudOpt
 }
 
 InputCloud::InputCloud(std::vector<std::unique_ptr<Reader>> readers, CloudOptions options)
+    : InputCloud(std::vector<std::shared_ptr<Reader>>(std::make_move_iterator(readers.begin()),
+                                                      std::make_move_iterator(readers.end())),
+                 options) {}
+
+InputCloud::InputCloud(std::vector<std::shared_ptr<Reader>> readers, CloudOptions options)
     : states_(states_of(readers)), readers_(std::move(readers)) {
   begin(options);
 }
@@ -101,38 +106,34 @@ void InputCloud::take_common_schema() {
   missing_attributes_ = std::move(common.warnings);
 }
 
-void InputCloud::number_rows(std::uint64_t first) {
-  if (has_input_row(schema_)) return;
+InputCloud InputCloud::view() const {
+  InputCloud view = *this;
+  view.reading_ = {};
+  view.last_input_ = 0;
+  return view;
+}
+
+InputCloud InputCloud::numbered(std::uint64_t first) const {
+  InputCloud cloud = view();
+  if (has_input_row(schema_)) return cloud;
   for (std::size_t i = 0; i < readers_.size(); ++i)
-    readers_[i] = std::make_unique<NumberedRows>(std::move(readers_[i]), first + first_row_[i]);
-  take_common_schema();
+    cloud.readers_[i] = std::make_shared<NumberedRows>(readers_[i], first + first_row_[i]);
+  cloud.take_common_schema();
+  return cloud;
 }
 
-void InputCloud::leave_unnumbered() {
-  if (!has_input_row(schema_)) return;
-  for (auto& reader : readers_) reader = static_cast<NumberedRows&>(*reader).release();
-  take_common_schema();
-}
-
-void InputCloud::choose_chunks(const std::function<bool(const Chunk&)>& is_chosen) {
-  chosen_.assign(readers_.size(), nullptr);
+InputCloud InputCloud::with_chunks(const std::function<bool(const Chunk&)>& is_chosen) const {
+  InputCloud cloud = view();
+  cloud.chosen_.assign(readers_.size(), nullptr);
   for (std::size_t i = 0; i < readers_.size(); ++i) {
     if (!readers_[i]->has_decoders() || readers_[i]->decodes_any_range()) continue;
-    auto chosen = std::make_unique<ChosenChunks>(std::move(readers_[i]), is_chosen);
-    chosen_[i] = chosen.get();
-    readers_[i] = std::move(chosen);
+    const auto chosen = std::make_shared<ChosenChunks>(readers_[i], is_chosen);
+    cloud.chosen_[i] = chosen;
+    cloud.readers_[i] = chosen;
   }
-  count_rows();
-  if (count_ > 0) return;
-  read_all_chunks();
-  if (count_ > 0) choose_chunks([first = true](const Chunk&) mutable { return std::exchange(first, false); });
-}
-
-void InputCloud::read_all_chunks() {
-  for (std::size_t i = 0; i < chosen_.size(); ++i)
-    if (chosen_[i] != nullptr) readers_[i] = chosen_[i]->release();
-  chosen_.clear();
-  count_rows();
+  cloud.count_rows();
+  if (cloud.count_ > 0 || count_ == 0) return cloud;
+  return with_chunks([first = true](const Chunk&) mutable { return std::exchange(first, false); });
 }
 
 void InputCloud::count_rows() {
@@ -144,9 +145,10 @@ void InputCloud::count_rows() {
   }
 }
 
-NonfiniteRows InputCloud::drop_nonfinite(const std::function<void(std::uint64_t)>& progress) {
-  keep_all();
-  NonfiniteRows found;
+std::pair<InputCloud, NonfiniteRows> InputCloud::finite(const std::function<void(std::uint64_t)>& progress) const {
+  std::pair<InputCloud, NonfiniteRows> result{view(), {}};
+  auto& [cloud, found] = result;
+  cloud.finite_.assign(readers_.size(), nullptr);
   bool all_bounded = true;
   for (std::size_t i = 0; i < readers_.size(); ++i) {
     const FileInfo& info = readers_[i]->info();
@@ -158,44 +160,33 @@ NonfiniteRows InputCloud::drop_nonfinite(const std::function<void(std::uint64_t)
       if (progress) progress(first_row_[i] + rows);
     });
     if (index.has_all()) continue;
-    auto finite = std::make_unique<FiniteRows>(std::move(readers_[i]), std::move(index));
-    finite_[i] = finite.get();
-    readers_[i] = std::move(finite);
+    const auto finite = std::make_shared<FiniteRows>(readers_[i], std::move(index));
+    cloud.finite_[i] = finite;
+    cloud.readers_[i] = finite;
   }
   if (!all_bounded) found.bounds = {};
-  count_rows();
-  return found;
+  cloud.count_rows();
+  return result;
 }
 
-void InputCloud::select(RowSelection selection) {
-  reading_.cursor.reset();
-  selection_ = std::make_shared<const RowSelection>(std::move(selection));
+InputCloud InputCloud::read_by(std::vector<std::shared_ptr<Reader>> readers) const {
+  InputCloud cloud = view();
+  cloud.readers_ = std::move(readers);
+  return cloud;
 }
 
-void InputCloud::keep_all() {
-  reading_.cursor.reset();
-  selection_.reset();
-  for (std::size_t i = 0; i < readers_.size(); ++i)
-    if (FiniteRows* finite = finite_rows(i)) readers_[i] = finite->release();
-  finite_.assign(readers_.size(), nullptr);
-  count_rows();
-}
-
-FiniteRows* InputCloud::finite_rows(std::size_t input) const {
-  const bool is_read = input < finite_.size() && readers_[input].get() == finite_[input];
-  return is_read ? finite_[input] : nullptr;
-}
-
-std::unique_ptr<Reader> InputCloud::exchange_reader(std::size_t input, std::unique_ptr<Reader> reader) {
-  return std::exchange(readers_[input], std::move(reader));
+InputCloud InputCloud::selected(RowSelection selection) const {
+  InputCloud cloud = view();
+  cloud.selection_ = std::make_shared<const RowSelection>(std::move(selection));
+  return cloud;
 }
 
 std::pair<std::size_t, std::uint64_t> InputCloud::place_of_row(std::uint64_t row) {
   const std::size_t input = input_of(row);
-  FiniteRows* finite = finite_rows(input);
   const std::uint64_t in_file = row - first_row_[input];
-  const std::uint64_t read = finite == nullptr ? in_file : finite->input_row(in_file);
-  const bool is_chosen = input < chosen_.size() && chosen_[input] != nullptr;
+  const bool has_dropped = !finite_.empty() && finite_[input] != nullptr;
+  const std::uint64_t read = has_dropped ? finite_[input]->input_row(in_file) : in_file;
+  const bool is_chosen = !chosen_.empty() && chosen_[input] != nullptr;
   return {input, is_chosen ? chosen_[input]->input_row(read) : read};
 }
 

@@ -26,16 +26,19 @@
 namespace pointsweep {
 
 /// The inputs of a run as one cloud; class Cloud documents its schema. LAS integers are kept if all lie on one grid
-/// (common_schema.h). Class MissingFields has the values of fields that an input lacks.
+/// (common_schema.h). Class MissingFields has the values of fields that an input lacks. Only read() changes an object,
+/// and that only its reading state. Clouds with other rows or fields of the same inputs are made by numbered(),
+/// with_chunks(), finite(), read_by() and selected(), in this order; they share the readers.
 class InputCloud {
  public:
   explicit InputCloud(const std::vector<std::filesystem::path>& paths, CloudOptions options = {});
   explicit InputCloud(std::vector<std::unique_ptr<Reader>> readers, CloudOptions options = {});
+  explicit InputCloud(std::vector<std::shared_ptr<Reader>> readers, CloudOptions options = {});
 
   const Schema& schema() const { return schema_; }
   /// Returns the number of rows of all inputs, or of the selected rows.
   std::uint64_t count() const { return selection_ ? selection_->count() : count_; }
-  const std::vector<std::unique_ptr<Reader>>& readers() const { return readers_; }
+  const std::vector<std::shared_ptr<Reader>>& readers() const { return readers_; }
   /// Extras of the first input.
   std::shared_ptr<const FormatExtras> extras() const;
   /// Returns the extras of the inputs after the first; one for neighbouring inputs that are alike (OutputPlan).
@@ -66,46 +69,37 @@ class InputCloud {
   std::size_t read(std::uint64_t row, std::span<std::byte> records);
 
   /// Returns a decoder of rows for one thread; other threads may read at the same time. Null if only read() reads rows:
-  /// an input has no decoders or very long chunks. Only the `wanted` fields have their values. Valid until
-  /// drop_nonfinite(), select() or keep_all() is called. Thread-safe.
+  /// an input has no decoders or very long chunks. Only the `wanted` fields have their values. *this must outlive the
+  /// decoder. Thread-safe.
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const;
   /// Returns the row after the chunk that contains `row`, up to which one decoder should read. Returns `row` if rows
   /// may be split anywhere. Thread-safe.
   std::uint64_t chunk_end(std::uint64_t row) const;
 
-  /// Drops the rows with NaN or infinite coordinates until keep_all() is called; the other rows are numbered from 0.
-  /// Reads every input that can have such rows once; `progress` is called with the number of rows read. The result has
-  /// the rows in their old numbers, and bounds unless some input was not read.
-  NonfiniteRows drop_nonfinite(const std::function<void(std::uint64_t rows)>& progress = {});
-  /// Restores all rows.
-  void keep_all();
   /// Returns the number of the input that has row `row`, and the number of the row in that input, counting dropped
   /// rows. Not thread-safe.
   std::pair<std::size_t, std::uint64_t> place_of_row(std::uint64_t row);
   /// Returns the number of row `row`, counting dropped rows. Not thread-safe.
   std::uint64_t input_row(std::uint64_t row);
 
-  /// Replaces the reader of an input by another one with the same records, and returns the old one. Not while rows are
-  /// dropped or selected.
-  std::unique_ptr<Reader> exchange_reader(std::size_t input, std::unique_ptr<Reader> reader);
-
-  /// Drops all rows that `selection` does not keep, until keep_all() or the next select(); the kept rows are numbered
-  /// from 0. The selection is made for all rows that drop_nonfinite() has kept.
-  void select(RowSelection selection);
   /// Returns the selection; null if no rows are selected.
-  const RowSelection* selection() const { return selection_.get(); }
+  const std::shared_ptr<const RowSelection>& selection() const { return selection_; }
 
-  /// Reads only the chosen chunks, as if the inputs had no others, until read_all_chunks() is called. Inputs without
-  /// decoders keep all chunks; the first chunk is kept if no point would be left. Not while rows are dropped, selected
-  /// or numbered.
-  void choose_chunks(const std::function<bool(const Chunk&)>& is_chosen);
-  void read_all_chunks();
-
-  /// Adds the number of the row in the inputs, counting rows that are dropped later, to each record as its last field
-  /// (input_row.h), until leave_unnumbered() is called. The first row has the number `first`. Not while rows are
-  /// dropped or selected.
-  void number_rows(std::uint64_t first = 0);
-  void leave_unnumbered();
+  /// Returns the cloud of the chosen chunks, as if the inputs had no others. Inputs without decoders keep all chunks;
+  /// the first chunk is kept if no point would be left.
+  InputCloud with_chunks(const std::function<bool(const Chunk&)>& is_chosen) const;
+  /// Returns the cloud with the number of the row in the inputs, counting rows that are dropped later, in each record
+  /// as its last field (input_row.h). The first row has the number `first`.
+  InputCloud numbered(std::uint64_t first = 0) const;
+  /// Returns the cloud without the rows with NaN or infinite coordinates, and these rows in their old numbers; their
+  /// bounds are absent if some input was not read. Reads every input that can have such rows once; `progress` is called
+  /// with the number of rows read.
+  std::pair<InputCloud, NonfiniteRows> finite(const std::function<void(std::uint64_t rows)>& progress = {}) const;
+  /// Returns the cloud that reads the same records by other readers, one for each input.
+  InputCloud read_by(std::vector<std::shared_ptr<Reader>> readers) const;
+  /// Returns the cloud with only the rows that `selection` keeps, numbered from 0. The selection is of all rows of this
+  /// cloud, those included that selection() leaves out.
+  InputCloud selected(RowSelection selection) const;
 
   /// The state of each input before it was opened.
   const std::vector<FileState>& states() const { return states_; }
@@ -118,7 +112,8 @@ class InputCloud {
   void begin(CloudOptions options);
   void take_common_schema();
   void count_rows();
-  FiniteRows* finite_rows(std::size_t input) const;
+  /// Returns the same rows and fields, read from the beginning.
+  InputCloud view() const;
   std::size_t input_of(std::uint64_t row) const;
   class Decoder;
   /// Reads rows of an input, which has at least one more.
@@ -135,9 +130,10 @@ class InputCloud {
                          std::span<std::byte> records) const;
 
   std::vector<FileState> states_;  ///< of the inputs, before they were opened
-  std::vector<std::unique_ptr<Reader>> readers_;
-  std::vector<ChosenChunks*> chosen_;  ///< for each input, its reader made by choose_chunks(); null: there is none
-  std::vector<FiniteRows*> finite_;    ///< for each input, its reader that drops rows; null: there is none
+  std::vector<std::shared_ptr<Reader>> readers_;
+  /// The readers that know rows of each input by other numbers; null if the input has none, empty if no input has one.
+  std::vector<std::shared_ptr<const ChosenChunks>> chosen_;
+  std::vector<std::shared_ptr<FiniteRows>> finite_;
   std::vector<std::uint64_t> first_row_;
   std::vector<InputMapping> mappings_;
   Reading reading_;             ///< state of read()

@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-NumberedRows::NumberedRows(std::unique_ptr<Reader> all, std::uint64_t first_row)
+NumberedRows::NumberedRows(std::shared_ptr<Reader> all, std::uint64_t first_row)
     : all_(std::move(all)), first_row_(first_row) {
   info_ = all_->info();
   info_.schema = with_input_row(info_.schema);

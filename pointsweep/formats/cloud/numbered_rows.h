@@ -15,7 +15,7 @@ namespace pointsweep {
 /// `first_row` on.
 class NumberedRows final : public Reader {
  public:
-  NumberedRows(std::unique_ptr<Reader> all, std::uint64_t first_row);
+  NumberedRows(std::shared_ptr<Reader> all, std::uint64_t first_row);
 
   Chunk chunk_of(std::uint64_t row) const override { return all_->chunk_of(row); }
   bool has_decoders() const override { return all_->has_decoders(); }
@@ -23,15 +23,13 @@ class NumberedRows final : public Reader {
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted) const override;
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
   void rest() override { all_->rest(); }
-  /// Returns the reader without numbers. This object must not be used afterwards.
-  std::unique_ptr<Reader> release() { return std::move(all_); }
 
  private:
   class Decoder;
   template <class Read>
   std::size_t read_numbered(Read read, std::uint64_t row, std::span<std::byte> records) const;
 
-  std::unique_ptr<Reader> all_;
+  std::shared_ptr<Reader> all_;
   std::uint64_t first_row_;
 };
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kBlockRows = 8192;
 
-bool is_las(const std::unique_ptr<Reader>& reader) { return extras_as<LasExtras>(reader->info().extras) != nullptr; }
+bool is_las(const std::shared_ptr<Reader>& reader) { return extras_as<LasExtras>(reader->info().extras) != nullptr; }
 
 LasQuantization grid_of(const PositionFields& p) {
   return {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};

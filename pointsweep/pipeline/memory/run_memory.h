@@ -62,7 +62,7 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
                           const OnDemandOrder& on_demand = {"it was not looked for", {}});
 
 /// Returns the bytes of the open inputs beyond the allowance in kFixedBytes: some kB for each file. Must be called
-/// before inputs are decoded (DecodedInput).
+/// before inputs are decoded (decoded_input()).
 std::uint64_t open_input_bytes(const InputCloud& cloud);
 /// Throws Error if `open_bytes`, the result of open_input_bytes(), exceed the budget.
 void require_room_for_inputs(std::uint64_t budget, std::uint64_t open_bytes, const InputCloud& cloud);

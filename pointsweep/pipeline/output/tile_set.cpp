@@ -8,7 +8,6 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/known_values.h"
-#include "pointsweep/formats/records/borrowed_reader.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/order/survey.h"
@@ -24,15 +23,13 @@ namespace fs = std::filesystem;
 
 /// Returns a cloud of one of the inputs.
 InputCloud cloud_of_input(const InputCloud& all, std::size_t input) {
-  std::vector<std::unique_ptr<Reader>> reader;
-  reader.push_back(std::make_unique<BorrowedReader>(*all.readers()[input]));
-  return InputCloud(std::move(reader), {.crs = all.stated_crs()});
+  return InputCloud({all.readers()[input]}, {.crs = all.stated_crs()});
 }
 
 /// Returns the part of a selection that belongs to one input, whose rows begin at `first` in the whole cloud.
-RowSelection selected_rows(const RowSelection& all, std::uint64_t first, std::uint64_t rows) {
-  return {rows, [&all, first, rows](std::uint64_t block, std::span<std::byte> bits) {
-            SelectionCursor kept(all);
+RowSelection selected_rows(std::shared_ptr<const RowSelection> all, std::uint64_t first, std::uint64_t rows) {
+  return {rows, [all = std::move(all), first, rows](std::uint64_t block, std::span<std::byte> bits) {
+            SelectionCursor kept(*all);
             std::ranges::fill(bits, std::byte{0});
             const std::uint64_t begin = block * RowSelection::kBlockRows;
             const std::uint64_t n = std::min(RowSelection::kBlockRows, rows - begin);
@@ -194,8 +191,8 @@ void TileSet::open_next() {
   const std::size_t t = next_++;
   tile_.reset(new Tile(t, rows_opened_, cloud_of_input(request_.cloud, t)));
   InputCloud& cloud = tile_->cloud;
-  if (const RowSelection* all = request_.cloud.selection())
-    cloud.select(selected_rows(*all, first_row_[t], cloud.count()));
+  if (const auto& all = request_.cloud.selection())
+    cloud = cloud.selected(selected_rows(all, first_row_[t], cloud.count()));
   const fs::path& output = request_.outputs.tiles[t];
   const std::uint64_t first = std::exchange(rows_opened_, rows_opened_ + cloud.count());
   if (cloud.count() == 0) empty_.push_back(output.string());

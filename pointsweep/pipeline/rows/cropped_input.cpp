@@ -31,14 +31,19 @@ bool meet(const Box& a, const Box& b, Vec3 step) {
 
 }  // namespace
 
-CroppedInput::CroppedInput(InputCloud& cloud, const ChainPlan& plan) : cloud_(cloud) {
+InputCloud cropped_input(const InputCloud& cloud, const ChainPlan& plan) {
   const std::vector<Box> extents = first_extents(plan);
-  if (extents.empty() || plan.graph.reads_input_rows()) return;
+  if (extents.empty() || plan.graph.reads_input_rows()) return cloud;
   const Vec3 step = cloud.las() ? cloud.las()->grid.scale : Vec3{};
-  cloud.choose_chunks([&](const Chunk& chunk) {
+  return cloud.with_chunks([&](const Chunk& chunk) {
     return !chunk.depth || !chunk.bounds ||
            std::ranges::all_of(extents, [&](const Box& extent) { return meet(*chunk.bounds, extent, step); });
   });
+}
+
+InputCloud input_of_chain(const InputCloud& cloud, const ChainPlan& plan, std::uint64_t first) {
+  InputCloud cropped = cropped_input(cloud, plan);
+  return plan.graph.reads_input_rows() ? cropped.numbered(first) : cropped;
 }
 
 }  // namespace pointsweep

@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// Inputs that read only some nodes of levels of detail, for chains that begin by cutting out a region.
+/// The parts and fields of its input that a chain reads.
 #pragma once
+
+#include <cstdint>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
 
-/// During its lifetime, the cloud reads no node of levels of detail whose box lies outside of the region that the first
-/// stages of the plan keep (SelectOperator::extent()). The boxes of nodes of COPC files are trusted; boxes of other
-/// chunks are not. If a stage of the chain reads row numbers, all nodes are read.
-class CroppedInput {
- public:
-  CroppedInput(InputCloud& cloud, const ChainPlan& plan);
-  ~CroppedInput() { cloud_.read_all_chunks(); }
-  CroppedInput(const CroppedInput&) = delete;
-  CroppedInput& operator=(const CroppedInput&) = delete;
-
- private:
-  InputCloud& cloud_;
-};
+/// Returns the cloud without the nodes of levels of detail whose box lies outside of the region that the first stages
+/// of the plan keep (SelectOperator::extent()). The boxes of nodes of COPC files are trusted; boxes of other chunks are
+/// not. If a stage of the chain reads row numbers, the cloud has all nodes.
+InputCloud cropped_input(const InputCloud& cloud, const ChainPlan& plan);
+/// Returns cropped_input(), with row numbers if a stage reads them. `first`: the number of the first row.
+InputCloud input_of_chain(const InputCloud& cloud, const ChainPlan& plan, std::uint64_t first = 0);
 
 }  // namespace pointsweep

@@ -4,9 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
@@ -24,10 +28,10 @@ std::uint64_t decoded_bytes(const FileInfo& info) { return info.decode_once ? in
 /// The records of another reader, from their place in a temporary file.
 class DecodedReader final : public Reader {
  public:
-  /// The records begin at byte `begin` of `file`, which lives as long as this object, as `encoded` does (DecodedInput).
-  DecodedReader(const Reader& encoded, const SpillFile& file, std::uint64_t begin)
-      : encoded_(encoded), file_(file), begin_(begin) {
-    info_ = encoded.info();
+  /// The records begin at byte `begin` of `file`.
+  DecodedReader(std::shared_ptr<const Reader> encoded, std::shared_ptr<const SpillFile> file, std::uint64_t begin)
+      : encoded_(std::move(encoded)), file_(std::move(file)), begin_(begin) {
+    info_ = encoded_->info();
     info_.decode_once = false;
     info_.decoder_bytes = 0;
   }
@@ -36,7 +40,7 @@ class DecodedReader final : public Reader {
   bool decodes_any_range() const override { return true; }
   /// Returns the chunk of the encoded file, with its box; the byte range is empty, since the file is not read any more.
   Chunk chunk_of(std::uint64_t row) const override {
-    Chunk chunk = encoded_.chunk_of(row);
+    Chunk chunk = encoded_->chunk_of(row);
     chunk.begin = chunk.end = 0;
     return chunk;
   }
@@ -48,7 +52,7 @@ class DecodedReader final : public Reader {
     explicit Decoder(const DecodedReader& reader) : reader_(reader) {}
     std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
       const std::size_t rows = reader_.rows_for(row, records), stride = reader_.info_.schema.stride;
-      if (rows != 0) reader_.file_.read(reader_.begin_ + row * stride, records.first(rows * stride));
+      if (rows != 0) reader_.file_->read(reader_.begin_ + row * stride, records.first(rows * stride));
       return rows;
     }
 
@@ -56,8 +60,8 @@ class DecodedReader final : public Reader {
     const DecodedReader& reader_;
   };
 
-  const Reader& encoded_;
-  const SpillFile& file_;
+  std::shared_ptr<const Reader> encoded_;
+  std::shared_ptr<const SpillFile> file_;
   std::uint64_t begin_;
 };
 
@@ -162,26 +166,20 @@ void decode_inputs(const InputCloud& cloud, const EngineOptions& options, SpillF
 
 }  // namespace
 
-DecodedInput::DecodedInput(InputCloud& cloud, const EngineOptions& options, const SpillPlace& place)
-    : cloud_(cloud), file_(place) {
-  file_.reserve(decoded_input_bytes(cloud));
-  decode_inputs(cloud, options, file_, [&](std::uint64_t rows) {
+InputCloud decoded_input(const InputCloud& cloud, const EngineOptions& options, const SpillPlace& place) {
+  const auto file = std::make_shared<SpillFile>(place);
+  file->reserve(decoded_input_bytes(cloud));
+  decode_inputs(cloud, options, *file, [&](std::uint64_t rows) {
     if (options.observer != nullptr) options.observer->on_progress({"decoding", rows, cloud.count(), 0});
   });
+  std::vector<std::shared_ptr<Reader>> readers = cloud.readers();
   std::uint64_t begin = 0;
-  for (std::size_t i = 0; i < cloud.readers().size(); ++i) {
-    const Reader& encoded = *cloud.readers()[i];
-    const std::uint64_t bytes = decoded_bytes(encoded.info());
-    if (bytes != 0) readers_.emplace_back(i, std::make_unique<DecodedReader>(encoded, file_, begin));
+  for (std::shared_ptr<Reader>& reader : readers) {
+    const std::uint64_t bytes = decoded_bytes(reader->info());
+    if (bytes != 0) reader = std::make_shared<DecodedReader>(reader, file, begin);
     begin += bytes;
   }
-  exchange();
-}
-
-DecodedInput::~DecodedInput() { exchange(); }
-
-void DecodedInput::exchange() {
-  for (auto& [input, reader] : readers_) reader = cloud_.exchange_reader(input, std::move(reader));
+  return cloud.read_by(std::move(readers));
 }
 
 std::uint64_t decoded_input_bytes(const InputCloud& cloud) {

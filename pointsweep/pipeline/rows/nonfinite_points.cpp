@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/registry.h"
@@ -70,32 +71,24 @@ Nonfinite nonfinite_rule(const InputCloud& cloud, const Outputs& outputs, Nonfin
   return !unfit_output(cloud, outputs) ? Nonfinite::keep : Nonfinite::drop;
 }
 
-FiniteInput::FiniteInput(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options) : cloud_(cloud) {
+FiniteInput finite_input(const InputCloud& cloud, const Outputs& outputs, const EngineOptions& options) {
   const Nonfinite rule = nonfinite_rule(cloud, outputs, options.nonfinite);
   const std::optional<std::filesystem::path> unfit = unfit_output(cloud, outputs);
-  if (rule == Nonfinite::keep && !unfit) return;
-  const std::uint64_t points = cloud.count();
-  try {
-    dropped_ = cloud.drop_nonfinite([&](std::uint64_t rows) {
-      if (options.observer != nullptr) options.observer->on_progress({"checking", rows, points, 0});
-    });
-    if (dropped_.count == 0) return;
-    require_allowed(dropped_, unfit, rule);
-    if (cloud.count() == 0)
-      fail("{}: none of the {} points has finite coordinates, so nothing is left to write.",
-           cloud.readers().front()->info().path.string(), dropped_.count);
-  } catch (...) {
-    cloud.keep_all();
-    throw;
-  }
+  if (rule == Nonfinite::keep && !unfit) return {cloud, {}};
+  auto [finite, dropped] = cloud.finite([&](std::uint64_t rows) {
+    if (options.observer != nullptr) options.observer->on_progress({"checking", rows, cloud.count(), 0});
+  });
+  if (dropped.count > 0) require_allowed(dropped, unfit, rule);
+  if (dropped.count > 0 && finite.count() == 0)
+    fail("{}: none of the {} points has finite coordinates, so nothing is left to write.",
+         cloud.readers().front()->info().path.string(), dropped.count);
+  return {std::move(finite), std::move(dropped)};
 }
 
-FiniteInput::~FiniteInput() { cloud_.keep_all(); }
-
 std::string FiniteInput::warning() const {
-  if (dropped_.count == 0) return "";
+  if (dropped.count == 0) return "";
   return fmt::format("Dropped {} {} whose coordinates are not finite, the first {}; --stats FILE lists their rows.",
-                     dropped_.count, dropped_.count == 1 ? "point" : "points", dropped_.first);
+                     dropped.count, dropped.count == 1 ? "point" : "points", dropped.first);
 }
 
 }  // namespace pointsweep

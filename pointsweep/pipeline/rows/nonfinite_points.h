@@ -31,25 +31,16 @@ std::vector<std::uint64_t> first_nonfinite_rows(const Stream& stream, std::size_
 /// some.
 Nonfinite nonfinite_rule(const InputCloud& cloud, const Outputs& outputs, Nonfinite asked);
 
-/// During its lifetime, the cloud has only the rows that the run uses. Reads the cloud once if rows may be dropped or
-/// refused and its coordinates are not integers.
-class FiniteInput {
- public:
-  /// Throws Error with the first row if nonfinite points are refused, or are to be kept in an output that cannot hold
-  /// them; also if no other points are left.
-  FiniteInput(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options);
-  ~FiniteInput();
-  FiniteInput(const FiniteInput&) = delete;
-  FiniteInput& operator=(const FiniteInput&) = delete;
-
-  /// Returns the dropped rows; a count of 0 if none were searched or found.
-  const NonfiniteRows& dropped() const { return dropped_; }
+struct FiniteInput {
+  InputCloud cloud;       ///< the rows that the run uses
+  NonfiniteRows dropped;  ///< the others; a count of 0 if none were searched or found
   /// "Dropped 3 points whose coordinates are not finite ..."; empty if none were.
   std::string warning() const;
-
- private:
-  InputCloud& cloud_;
-  NonfiniteRows dropped_;
 };
+
+/// Reads the cloud once if rows may be dropped or refused and its coordinates are not integers. Throws Error with the
+/// first row if nonfinite points are refused, or are to be kept in an output that cannot hold them; also if no other
+/// points are left.
+FiniteInput finite_input(const InputCloud& cloud, const Outputs& outputs, const EngineOptions& options);
 
 }  // namespace pointsweep

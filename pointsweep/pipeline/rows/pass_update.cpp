@@ -107,7 +107,7 @@ PointSource updated_source(const PointSource& input, const RowFile& carried, con
   return {pass.input, input.count, joining(input.read), for_thread, input.chunk_end};
 }
 
-PassUpdate::PassUpdate(const PlannedPass& pass, InputCloud& cloud, PointSource input, std::size_t carried_bytes,
+PassUpdate::PassUpdate(const PlannedPass& pass, const InputCloud& cloud, PointSource input, std::size_t carried_bytes,
                        const SpillPlace& rows, const SpillPlace& mask)
     : cloud_(cloud),
       carried_bytes_(carried_bytes),
@@ -117,7 +117,7 @@ PassUpdate::PassUpdate(const PlannedPass& pass, InputCloud& cloud, PointSource i
       input_rows_(std::move(input)),
       rooms_(thread_count()) {
   if (!pass.selects) return;
-  mask_.emplace(all_rows(cloud), cloud.selection(), mask);
+  mask_.emplace(all_rows(cloud), cloud.selection().get(), mask);
   for (const Attribute& a : pass.made) {
     if (a.name == selection_attribute().name) return;
     selection_at_ += a.bytes();
@@ -190,13 +190,15 @@ const std::byte* PassUpdate::compact(const std::byte* records, std::size_t bytes
 
 std::unique_ptr<RowFile> PassUpdate::finish(CloudValues& values) {
   values_.finish(values);
-  spilled_bytes_ = rows_->spilled_bytes();
-  if (mask_) {
-    RowSelection left = mask_->finish();
-    spilled_bytes_ += mask_->spilled_bytes();
-    cloud_.select(std::move(left));
-  }
+  spilled_bytes_ += rows_->spilled_bytes();
   return std::move(rows_);
+}
+
+std::optional<RowSelection> PassUpdate::take_selection() {
+  if (!mask_) return std::nullopt;
+  RowSelection kept = mask_->finish();
+  spilled_bytes_ += mask_->spilled_bytes();
+  return kept;
 }
 
 }  // namespace pointsweep

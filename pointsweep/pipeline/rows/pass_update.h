@@ -61,13 +61,16 @@ PointSource updated_source(const PointSource& input, const RowFile& carried, con
 class PassUpdate {
  public:
   /// `input`: the rows of `cloud`. `carried_bytes`: bytes of a record of pass.carried.
-  PassUpdate(const PlannedPass& pass, InputCloud& cloud, PointSource input, std::size_t carried_bytes,
+  PassUpdate(const PlannedPass& pass, const InputCloud& cloud, PointSource input, std::size_t carried_bytes,
              const SpillPlace& rows, const SpillPlace& mask);
 
   /// Takes the next rows. Works on all threads.
   void add(const UpdatedRows& rows);
-  /// Restricts the cloud to the kept rows and returns these; sets the values. Must be called after the last row.
+  /// Returns the carried records of the kept rows; sets the values. Must be called after the last row.
   std::unique_ptr<RowFile> finish(CloudValues& values);
+  /// Returns the kept rows of the cloud as a selection of all its rows; none if the pass keeps all rows. Must be called
+  /// once, after the last row.
+  std::optional<RowSelection> take_selection();
   /// Returns PassValues::save() of the rows that are left.
   std::vector<std::vector<std::byte>> saved_values() const { return values_.save(); }
   std::uint64_t spilled_bytes() const { return spilled_bytes_; }
@@ -89,7 +92,7 @@ class PassUpdate {
     std::vector<std::byte> carried, inputs;
   };
 
-  InputCloud& cloud_;
+  const InputCloud& cloud_;
   std::size_t carried_bytes_, made_bytes_, selection_at_ = 0;  ///< offset of the decision in a made record
   std::unique_ptr<RowFile> rows_;
   std::optional<RowMask> mask_;

@@ -58,6 +58,10 @@ void RunReport::note(const std::string& sentence) const {
   if (observer != nullptr) observer->on_note(sentence);
 }
 
+Context Context::over(InputCloud& left) const {
+  return {left, outputs, options, plan, names, dropped, places, report, input_bytes, copies_rows, part};
+}
+
 bool Context::makes_output(std::size_t p) const {
   return leaves_in_order(plan, options) && p + 1 == plan.passes.size();
 }
@@ -78,7 +82,9 @@ void Context::progress(const char* phase, std::uint64_t done, std::uint64_t acti
 }
 
 std::function<void(std::uint64_t)> Context::progress_of(const char* phase) const {
-  return [this, phase](std::uint64_t done) { progress(phase, done); };
+  return [observer = report.observer, points = cloud.count(), phase](std::uint64_t done) {
+    if (observer != nullptr) observer->on_progress({phase, done, points, 0});
+  };
 }
 
 std::vector<std::uint64_t> Context::rows_of_cloud(std::vector<std::uint64_t> of_rows) const {

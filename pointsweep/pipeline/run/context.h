@@ -63,7 +63,7 @@ struct PartOfRun {
 };
 
 struct Context {
-  InputCloud& cloud;  ///< input, in which the rows that no pass has dropped so far are selected
+  InputCloud& cloud;  ///< the rows of the input that no earlier pass has dropped
   const Outputs& outputs;
   const EngineOptions& options;
   const ChainPlan& plan;
@@ -75,6 +75,8 @@ struct Context {
   bool copies_rows = false;            ///< copies_rows() of the request
   std::optional<PartOfRun> part = {};  ///< absent if this process runs over all points
 
+  /// Returns the context of a phase that begins with the rows `left`, which must outlive it.
+  Context over(InputCloud& left) const;
   Statistics& statistics() const { return report.statistics; }
   bool is_empty() const { return cloud.count() == 0; }  ///< returns whether no row is left
   /// Returns the bytes for the open inputs, for decoding them and for encoding records of `record_bytes` on `threads`
@@ -86,7 +88,7 @@ struct Context {
   PointSource cloud_source() const;
   /// Tells the observer how many points of the phase are done, and how many points are in memory.
   void progress(const char* phase, std::uint64_t done, std::uint64_t active = 0) const;
-  /// Returns the function that tells the observer how many points of the phase are done. *this must outlive it.
+  /// Returns the function that tells the observer how many points of the phase are done.
   std::function<void(std::uint64_t)> progress_of(const char* phase) const;
   /// Converts numbers of selected rows into numbers of rows of the whole cloud.
   std::vector<std::uint64_t> rows_of_cloud(std::vector<std::uint64_t> of_rows) const;

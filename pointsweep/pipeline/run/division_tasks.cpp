@@ -146,7 +146,7 @@ std::vector<std::uint64_t> plan_ranges(const DivisionRequest& request) {
     fail_usage(
         "Many processes divide points that no stage changes: let them run the stages into a folder of tiles first, or "
         "run it in one process, without a client or --dask.");
-  const bool may_lack_places = std::ranges::any_of(request.cloud.readers(), [](const std::unique_ptr<Reader>& reader) {
+  const bool may_lack_places = std::ranges::any_of(request.cloud.readers(), [](const auto& reader) {
     return can_be_nonfinite(reader->info().schema, reader->info().path);
   });
   if (may_lack_places && nonfinite_rule(request.cloud, request.outputs, request.options.nonfinite) != Nonfinite::keep)

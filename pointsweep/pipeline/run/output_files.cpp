@@ -181,9 +181,9 @@ std::optional<MovedPoints> moved_points(const Context& context, const Rows& rows
   return MovedPoints{*bounds, values ? values->grid : std::nullopt, rows.carried.get(), at};
 }
 
-/// Returns the request for tiles. The context must outlive it.
+/// Returns the request for tiles. The rows of the context, and what it refers to, must outlive it.
 TileRequest tiles_of(const Context& context, int axis) {
-  const auto provenance = [&context, axis](const InputCloud& input, std::size_t tile) {
+  const auto provenance = [context, axis](const InputCloud& input, std::size_t tile) {
     const PartOfRun part = context.part.value_or(PartOfRun{tile, context.outputs.tiles.size()});
     return provenance_of_tile(input, {part.tile, part.tiles}, said_of(context, axis));
   };

@@ -131,10 +131,10 @@ PartPlan plan_division(const DivisionRequest& request, const ChainPlan& plan) {
 
 }  // namespace
 
-PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
-  const ChainPlan plan = plan_of_parts(cloud, chain, outputs, options);
-  if (options.division.divides()) return plan_division({cloud, chain, outputs, options}, plan);
-  const CroppedInput cropped(cloud, plan);
+PartPlan plan_parts(InputCloud& tiles, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
+  const ChainPlan plan = plan_of_parts(tiles, chain, outputs, options);
+  if (options.division.divides()) return plan_division({tiles, chain, outputs, options}, plan);
+  InputCloud cloud = cropped_input(tiles, plan);
   require_divisible(plan, outputs, options);
   require_common_grid(cloud, plan, options);
   require_apart(cloud);

@@ -24,7 +24,6 @@
 #include "pointsweep/pipeline/rows/cropped_input.h"
 #include "pointsweep/pipeline/rows/in_order_pass.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
-#include "pointsweep/pipeline/rows/numbered_input.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
 #include "pointsweep/pipeline/run/division_tasks.h"
@@ -76,31 +75,41 @@ PartDone store_other(const ChainPlan& plan, const EngineOptions& options, const 
 class TaskOfTile {
  public:
   TaskOfTile(const Context& context, const PartTask& task, Storage& scratch)
-      : context_(context), task_(task), scratch_(scratch) {}
+      : whole_(context), task_(task), scratch_(scratch), rows_{.cloud = std::make_shared<InputCloud>(context.cloud)} {}
 
   PartDone perform() {
-    TileState state = restore();
-    if (state.survey.sample.empty() && !context_.is_empty()) state.survey = survey_input(context_);
-    Surveyed surveyed{state.survey, {}};
-    WorkPlan work = plan_work(context_, surveyed);
-    with_threads(work.memory.threads, [&] { perform(state, surveyed, work); });
-    done_.rows = context_.cloud.count();
+    try {
+      TileState state = restore();
+      if (state.survey.sample.empty() && !is_empty()) state.survey = survey_input(context());
+      Surveyed surveyed{state.survey, {}};
+      WorkPlan work = plan_work(context(), surveyed);
+      with_threads(work.memory.threads, [&] { perform(state, surveyed, work); });
+    } catch (const RowError& error) {
+      const std::uint64_t row = whole_.cloud.place_of_row(context().rows_of_cloud({error.row()}).front()).second;
+      throw Error(
+          error.named(fmt::format("{} of {}", row, whole_.cloud.readers().front()->info().path.string())).what());
+    }
+    done_.rows = rows_.cloud->count();
     return std::move(done_);
   }
 
  private:
+  /// Returns the context over the rows that are left.
+  Context context() const { return whole_.over(*rows_.cloud); }
+  bool is_empty() const { return rows_.cloud->count() == 0; }
+
   void perform(TileState& state, Surveyed& surveyed, WorkPlan& work) {
     for (const PartStep& step : task_.round.steps) {
       stop_if_cancelled();
       const bool is_last = &step == &task_.round.steps.back();
       if (step.kind == PartRoundKind::order) return order(step.pass, state, surveyed, work);
       std::unique_ptr<RowStore> results;
-      if (step.kind == PartRoundKind::sweep && !context_.is_empty()) results = sweep(step.pass, surveyed.survey, work);
+      if (step.kind == PartRoundKind::sweep && !is_empty()) results = sweep(step.pass, surveyed.survey, work);
       if (step.kind == PartRoundKind::forest) return grow_forest(step.pass, state, work);
       if (task_.round.join == PartJoin::components || task_.round.join == PartJoin::borders)
         return keep_swept(step.pass, state, results.get());
-      if (step.kind == PartRoundKind::label && !context_.is_empty()) results = label(step.pass, state, work);
-      if (step.kind == PartRoundKind::write || !context_.plan.leaves_rows(step.pass))
+      if (step.kind == PartRoundKind::label && !is_empty()) results = label(step.pass, state, work);
+      if (step.kind == PartRoundKind::write || !whole_.plan.leaves_rows(step.pass))
         return write(step.pass, surveyed.survey, work, results.get());
       end_pass(step.pass, state, work, std::move(results));
       if (is_last || (&step)[1].kind == PartRoundKind::order) keep_rows(state);
@@ -110,27 +119,29 @@ class TaskOfTile {
 
   void write(std::size_t p, const Survey& of_input, WorkPlan& work, RowStore* results) {
     OutputFiles files;
-    files.open(context_, work, of_input, rows_);  // if the run drops rows, this only makes the folder
-    if (context_.plan.opens_late()) files.open_late(context_, work, of_input, rows_);
-    write_output(context_, work, p, rows_, nullptr, results, files);
-    files.finish(context_.cloud);
-    context_.statistics().bytes_written = files.bytes_written();
-    context_.statistics().files_written = files.files_written();
-    for (const std::string& warning : files.warnings()) context_.report.warn(warning);
+    files.open(context(), work, of_input, rows_);  // if the run drops rows, this only makes the folder
+    if (whole_.plan.opens_late()) files.open_late(context(), work, of_input, rows_);
+    write_output(context(), work, p, rows_, nullptr, results, files);
+    files.finish(*rows_.cloud);
+    whole_.statistics().bytes_written = files.bytes_written();
+    whole_.statistics().files_written = files.files_written();
+    for (const std::string& warning : files.warnings()) whole_.report.warn(warning);
   }
 
   void end_pass(std::size_t p, TileState& state, WorkPlan& work, std::unique_ptr<RowStore> results) {
-    if (context_.is_empty()) {
-      state.saved_values = PassValues(context_.plan.passes[p], context_.cloud.schema()).save();
+    if (is_empty()) {
+      state.saved_values = PassValues(whole_.plan.passes[p], rows_.cloud->schema()).save();
       return;
     }
-    rows_ = update_pass(context_, work, p, std::move(rows_), std::move(results));
+    const Context context = this->context();
+    Rows before = std::exchange(rows_, {.cloud = rows_.cloud});
+    rows_ = update_pass(context, work, p, std::move(before), std::move(results));
     state.saved_values = std::move(rows_.saved_values);
   }
 
   /// Ends a task whose sweep has stored a graph: stores the results of the sweep, and the unchanged state of the tile.
   void keep_swept(std::size_t p, TileState& state, RowStore* results) {
-    const PlannedPass& pass = context_.plan.passes[p];
+    const PlannedPass& pass = whole_.plan.passes[p];
     const ConnectOperator& op = *pass.connecting_stage()->connects();
     if (results != nullptr) {
       RecordListWriter list(scratch_, task_.after + ".results", pass.plan.result_bytes);
@@ -146,12 +157,12 @@ class TaskOfTile {
   }
 
   void grow_forest(std::size_t p, const TileState& state, const WorkPlan& work) {
-    if (!context_.is_empty()) {
+    if (!is_empty()) {
       const auto tiles = sealed_value<TileCatalogue>(scratch_, task_.catalogue);
-      const RowsOfTile rows{tiles.tiles.at(task_.tile).first_row, context_.cloud.count()};
-      const TileGraphSetup setup{context_.plan.passes[p].connecting_stage()->connects()->votes(),
-                                 context_.places.scratch(), &context_.places.folder(),
-                                 work.memory.passes[p].recall_bytes / 2, context_.progress_of("connecting")};
+      const RowsOfTile rows{tiles.tiles.at(task_.tile).first_row, rows_.cloud->count()};
+      const TileGraphSetup setup{whole_.plan.passes[p].connecting_stage()->connects()->votes(), whole_.places.scratch(),
+                                 &whole_.places.folder(), work.memory.passes[p].recall_bytes / 2,
+                                 whole_.progress_of("connecting")};
       leave_forest(scratch_, state.swept, task_.borders + "-" + std::to_string(task_.tile), rows, setup, task_.after);
     } else {
       leave_no_forest(scratch_, task_.after);
@@ -160,10 +171,11 @@ class TaskOfTile {
   }
 
   std::unique_ptr<RowStore> label(std::size_t p, const TileState& state, const WorkPlan& work) {
-    const PlannedPass& pass = context_.plan.passes[p];
-    std::unique_ptr<RowStore> results = results_of_pass(context_, work, work.memory.passes[p], p);
+    const PlannedPass& pass = whole_.plan.passes[p];
+    std::unique_ptr<RowStore> results = results_of_pass(context(), work, work.memory.passes[p], p);
     RecordList swept(scratch_, state.swept + ".results", pass.plan.result_bytes);
-    label_points(context_, pass, work.memory.passes[p], {{&scratch_, task_.before}, task_.components, swept}, *results);
+    label_points(context(), pass, work.memory.passes[p], {{&scratch_, task_.before}, task_.components, swept},
+                 *results);
     return results;
   }
 
@@ -173,14 +185,14 @@ class TaskOfTile {
     if (!task_.values.empty()) rows_.values = sealed_values(scratch_, task_.values);
     if (task_.before.empty()) return state;
     state = TileState::left(scratch_, task_.before);
-    InputCloud& cloud = context_.cloud;
+    InputCloud& cloud = *rows_.cloud;
     if (!state.mask.empty()) {
       if (state.mask.size() != (cloud.count() + RowSelection::kBlockRows - 1) / RowSelection::kBlockRows)
         fail("{}: has changed since the run began.", cloud.readers().front()->info().path.string());
       const auto mask = std::make_shared<std::vector<std::vector<std::byte>>>(state.mask);
-      cloud.select(RowSelection(cloud.count(), [mask](std::uint64_t block, std::span<std::byte> bits) {
-        std::ranges::copy((*mask)[block], bits.begin());
-      }));
+      cloud = cloud.selected({cloud.count(), [mask](std::uint64_t block, std::span<std::byte> bits) {
+                                std::ranges::copy((*mask)[block], bits.begin());
+                              }});
     }
     if (!state.carried.empty()) rows_.carried = carried_rows(state.carried);
     return state;
@@ -188,10 +200,10 @@ class TaskOfTile {
 
   std::unique_ptr<RowFile> carried_rows(const std::string& name) {
     std::size_t last = task_.round.pass();  // the pass after the one that has carried the records
-    if (task_.round.kind() == PartRoundKind::write) last = context_.plan.passes.size();
-    const std::size_t bytes = update_after(context_.plan, last - 1).record_bytes();
+    if (task_.round.kind() == PartRoundKind::write) last = whole_.plan.passes.size();
+    const std::size_t bytes = update_after(whole_.plan, last - 1).record_bytes();
     const auto list = std::make_shared<const RecordList>(scratch_, name + ".rows", bytes);
-    if (list->count() != context_.cloud.count()) fail("{}.rows: is damaged.", name);
+    if (list->count() != rows_.cloud->count()) fail("{}.rows: is damaged.", name);
     return std::make_unique<RowFile>(
         list->count(), bytes, [list](std::uint64_t row, std::span<std::byte> records) { list->read(row, records); });
   }
@@ -202,7 +214,7 @@ class TaskOfTile {
     if (rows_.carried && rows_.carried->record_bytes() > 0) {
       const std::size_t bytes = rows_.carried->record_bytes();
       RecordListWriter list(scratch_, task_.after + ".rows", bytes);
-      const std::uint64_t count = context_.cloud.count(), at_once = std::max<std::size_t>(1, kBytesAtOnce / bytes);
+      const std::uint64_t count = rows_.cloud->count(), at_once = std::max<std::size_t>(1, kBytesAtOnce / bytes);
       std::vector<std::byte> records;
       for (std::uint64_t row = 0; row < count; row += at_once) {
         stop_if_cancelled();
@@ -213,7 +225,7 @@ class TaskOfTile {
       list.seal();
       state.carried = task_.after;
     }
-    if (const RowSelection* const selection = context_.cloud.selection()) {
+    if (const auto& selection = rows_.cloud->selection()) {
       SelectionCursor kept(*selection);
       state.mask.assign((selection->rows() + RowSelection::kBlockRows - 1) / RowSelection::kBlockRows,
                         std::vector<std::byte>(RowSelection::kBlockBytes));
@@ -224,13 +236,14 @@ class TaskOfTile {
   }
 
   void order(std::size_t p, TileState& state, Surveyed& surveyed, WorkPlan& work) {
-    if (!context_.is_empty()) {
+    if (!is_empty()) {
       OutputFiles files;
-      const Ordered ordered = order_pass(context_, work, p, rows_, {surveyed.survey, std::move(surveyed.boxes)}, files);
+      const Ordered ordered =
+          order_pass(context(), work, p, rows_, {surveyed.survey, std::move(surveyed.boxes)}, files);
       return_free_memory();
-      store_tile(ordered.stream, ordered.survey, context_.cloud.count(), scratch_, task_.after,
+      store_tile(ordered.stream, ordered.survey, rows_.cloud->count(), scratch_, task_.after,
                  chosen_for_others(p, ordered.stream));
-      done_.own_points = context_.cloud.count() - ordered.stream.nonfinite_count();
+      done_.own_points = rows_.cloud->count() - ordered.stream.nonfinite_count();
     } else {
       store_no_points(scratch_, task_.after);
     }
@@ -240,7 +253,7 @@ class TaskOfTile {
 
   /// Returns the function that chooses the points that other tiles have to know; empty if they have to know all points.
   ChooseForOthers chosen_for_others(std::size_t p, const Stream& stream) const {
-    const PlannedPass& pass = context_.plan.passes[p];
+    const PlannedPass& pass = whole_.plan.passes[p];
     const InOrderOperator* const op = pass.in_order();
     const InOrderOperator::ChoosePoints choose = op != nullptr ? op->for_other_parts() : nullptr;
     if (!choose) return {};
@@ -250,31 +263,30 @@ class TaskOfTile {
   }
 
   std::unique_ptr<RowStore> sweep(std::size_t p, const Survey& of_input, WorkPlan& work) {
-    const PlannedPass& pass = context_.plan.passes[p];
+    const PlannedPass& pass = whole_.plan.passes[p];
     const auto tiles = sealed_value<TileCatalogue>(scratch_, task_.catalogue);
     const Schema working =
-        WorkingRecord(source_of_pass(context_, p, rows_).schema, false, pass.payload(), context_.cloud.count())
-            .schema();
+        WorkingRecord(source_of_pass(context(), p, rows_).schema, false, pass.payload(), rows_.cloud->count()).schema();
     if (pass.kind == PassKind::order) return take_in_order(p, of_input, work, tiles, working);
     PartStream part = part_stream(scratch_, tiles, task_.tile, working, pass.plan.neighborhood, pass.plan.step_count());
     plan_memory(of_input, work, part.own_points, part.swept_points);
     auto ordered = std::make_unique<Ordered>(
         Ordered{std::move(part.stream), {}, std::move(part.survey), work.memory.passes[p], part.first_row});
-    return sweep_pass(context_, work, p, std::move(ordered), rows_.values,
+    return sweep_pass(context(), work, p, std::move(ordered), rows_.values,
                       PassSupport{.graph = {&scratch_, task_.after}});
   }
 
   std::unique_ptr<RowStore> take_in_order(std::size_t p, const Survey& of_input, WorkPlan& work,
                                           const TileCatalogue& tiles, const Schema& working) {
-    const InOrderOperator& op = *context_.plan.passes[p].in_order();
+    const InOrderOperator& op = *whole_.plan.passes[p].in_order();
     for (Reach reach = *op.reach();; reach.distance *= 2) {
       const NeededPoints needed = needed_points(scratch_, tiles, task_.tile, working, op, reach);
       plan_memory(of_input, work, needed.own_points, needed.points);
       auto ordered =
-          std::make_unique<Ordered>(order_numbered(context_, work, p, needed.source, of_input, needed.first_row));
+          std::make_unique<Ordered>(order_numbered(context(), work, p, needed.source, of_input, needed.first_row));
       const auto other = [&](int axis, const auto& take) { give_other(op, tiles, axis, take); };
       std::uint64_t undecided = 0;
-      std::unique_ptr<RowStore> results = sweep_pass(context_, work, p, std::move(ordered), rows_.values,
+      std::unique_ptr<RowStore> results = sweep_pass(context(), work, p, std::move(ordered), rows_.values,
                                                      PassSupport{other, needed.may_lack, &undecided});
       if (undecided == 0) return results;
     }
@@ -285,22 +297,22 @@ class TaskOfTile {
     const auto others = sealed_value<TileCatalogue>(scratch_, task_.other_catalogue);
     const Schema working = working_of_other(InputCloud({task_.other_file}), op.other_reads());
     const NeededPoints needed = needed_of_other(scratch_, tiles, task_.tile, others, working, op);
-    const Stream stream = OtherCloud::in_order(needed.source, axis, &context_.places.folder());
-    OtherCloud::give(stream, task_.other_file, op.other_reads(), context_.progress_of("ordering"), take);
+    const Stream stream = OtherCloud::in_order(needed.source, axis, &whole_.places.folder());
+    OtherCloud::give(stream, task_.other_file, op.other_reads(), whole_.progress_of("ordering"), take);
   }
 
   /// Plans the memory again for a sweep of `points` points, of which `own_points` lie in the tile.
   void plan_memory(const Survey& of_input, WorkPlan& work, std::uint64_t own_points, std::uint64_t points) {
     done_.own_points = own_points;
     done_.swept_points = points;
-    const EngineOptions& options = context_.options;
+    const EngineOptions& options = whole_.options;
     const std::uint64_t record = work.layout->schema().stride;
-    const auto codecs = [&](unsigned threads) { return context_.codec_bytes(record, threads); };
-    work.memory = plan_run_memory(work.budget, context_.plan, std::max(points, context_.cloud.count()), of_input,
-                                  options, record, codecs);
+    const auto codecs = [&](unsigned threads) { return whole_.codec_bytes(record, threads); };
+    work.memory = plan_run_memory(work.budget, whole_.plan, std::max(points, rows_.cloud->count()), of_input, options,
+                                  record, codecs);
   }
 
-  const Context& context_;
+  const Context& whole_;
   const PartTask& task_;
   Storage& scratch_;
   Rows rows_;
@@ -314,44 +326,37 @@ ChainPlan plan_of_parts(const InputCloud& cloud, const Chain& chain, const Outpu
   return plan_chain(chain, cloud.schema(), needs_of(outputs, options));
 }
 
-PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& given,
+PartDone run_part(InputCloud& given_tile, const Chain& chain, const Outputs& outputs, const EngineOptions& given,
                   const PartTask& task, Storage& scratch) {
   EngineOptions options = given;
   options.ordering = Ordering::distribution;
   options.overwrite = true;
-  const DivisionRequest division{tile, chain, outputs, options};
+  const DivisionRequest division{given_tile, chain, outputs, options};
   if (task.round.kind() == PartRoundKind::cut)
     return {.statistics = cut_range(division, {task.first_row, task.rows}, scratch, task.after)};
   if (task.round.kind() == PartRoundKind::gather)
     return {.statistics = write_pieces(division, task.tile, task.tiles, scratch, task.pieces)};
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
-  const ChainPlan plan = plan_of_parts(tile, chain, outputs, options);
+  const ChainPlan plan = plan_of_parts(given_tile, chain, outputs, options);
   if (task.round.kind() == PartRoundKind::other) return store_other(plan, options, task, scratch);
-  const CroppedInput cropped(tile, plan);
-  const NumberedInput numbered(tile, plan, task.first_row);
-  const FiniteInput input(tile, outputs, options);
+  auto [tile, dropped] = finite_input(input_of_chain(given_tile, plan, task.first_row), outputs, options);
   if (task.round.kind() == PartRoundKind::look) {
     PartDone done;
-    done.statistics.dropped = input.dropped().count;
+    done.statistics.dropped = dropped.count;
     return done;
   }
   const Request request{tile, outputs, options, plan};
-  Statistics statistics = first_counts(request, input.dropped());
+  Statistics statistics = first_counts(request, dropped);
   statistics.warnings.clear();  // plan_parts() has returned these warnings
   Statistics unsaid;
   const OutputNames names = check_request(request, {unsaid, nullptr});
   RunPlaces places(options, {});
   const RunReport report{statistics, options.observer};
-  Context context{tile, outputs, options, plan, names, input.dropped(), places, report};
+  Context context{tile, outputs, options, plan, names, dropped, places, report};
   context.part = PartOfRun{task.tile, task.tiles, task.dropped > 0, task.record};
   PartDone done;
   const unsigned threads = survey_threads(tile, options, memory_budget(options.resources.memory_bytes));
-  try {
-    with_threads(threads, [&] { done = TaskOfTile(context, task, scratch).perform(); });
-  } catch (const RowError& error) {
-    const std::uint64_t row = tile.place_of_row(context.rows_of_cloud({error.row()}).front()).second;
-    throw Error(error.named(fmt::format("{} of {}", row, tile.readers().front()->info().path.string())).what());
-  }
+  with_threads(threads, [&] { done = TaskOfTile(context, task, scratch).perform(); });
   statistics.peak_rss_bytes = peak_resident_bytes();
   done.statistics = std::move(statistics);
   return done;

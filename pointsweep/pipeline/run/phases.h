@@ -25,7 +25,6 @@
 
 namespace pointsweep {
 
-class DecodedInput;
 class OutputFiles;
 
 enum class PhaseKind : std::uint8_t {
@@ -68,16 +67,18 @@ struct Ordered {
   std::uint64_t first_row = 0;      ///< row of `stream` that becomes row 0 of the cloud, which may be a part
 };
 
-/// Values that earlier passes leave to a pass, besides the selection of the cloud.
+/// Values that earlier passes leave to a pass.
 struct Rows {
-  std::unique_ptr<RowFile> carried;  ///< records carried from the last pass; null before the first pass
-  CloudValues values;                ///< known values of the whole cloud
+  std::shared_ptr<InputCloud> cloud = {};  ///< the rows of the input that no pass has dropped
+  std::unique_ptr<RowFile> carried = {};   ///< records carried from the last pass; null before the first pass
+  CloudValues values = {};                 ///< known values of the whole cloud
   /// In a part: PassValues::save() of the last pass, instead of its values.
   std::vector<std::vector<std::byte>> saved_values = {};
 };
 
-/// Decodes inputs that are decoded once into `decoded`. First throws for requests that can be refused.
-void decode_input(const Context& context, OutputFiles& files, std::optional<DecodedInput>& decoded);
+/// Returns the cloud with decoded records of inputs that are decoded once. First throws for requests that can be
+/// refused.
+InputCloud decode_input(const Context& context, OutputFiles& files);
 /// Surveys a sample of the input, or all points if the plan needs it.
 Survey survey_input(const Context& context);
 /// Plans the memory from the survey, and fills the boxes.
@@ -140,8 +141,8 @@ struct LabelledTile {
 void label_points(const Context& context, const PlannedPass& pass, const MemoryPlan& memory, const LabelledTile& tile,
                   RowStore& results);
 
-/// Ends a pass: its results become the rows with which the next pass begins, and the cloud is restricted to these rows.
-/// `results` is null for a pass over rows, which is performed here.
+/// Ends a pass: its results become the rows with which the next pass begins. `results` is null for a pass over rows,
+/// which is performed here.
 Rows update_pass(const Context& context, const WorkPlan& work, std::size_t p, Rows before,
                  std::unique_ptr<RowStore> results);
 

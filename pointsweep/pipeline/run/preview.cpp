@@ -14,7 +14,6 @@
 #include "pointsweep/pipeline/plan/output_layout.h"
 #include "pointsweep/pipeline/rows/cropped_input.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
-#include "pointsweep/pipeline/rows/numbered_input.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/run/request.h"
 #include "pointsweep/storage/local/temp_folder.h"
@@ -152,15 +151,14 @@ std::string memory_text(const Preview& p) {
 
 }  // namespace
 
-Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& options, const Outputs& outputs) {
+Preview preview(const InputCloud& input, const Chain& chain, const EngineOptions& options, const Outputs& outputs) {
   if (options.engine != Engine::exact)
     fail_usage(
         "The reference has no plan to show: it reads point by point; leave out --dry-run or --engine reference.");
   if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
   Preview out;
-  out.planned = plan_chain(chain, cloud.schema(), needs_of(outputs, options));
-  const CroppedInput cropped(cloud, out.planned);
-  const NumberedInput numbered(cloud, out.planned);
+  out.planned = plan_chain(chain, input.schema(), needs_of(outputs, options));
+  InputCloud cloud = input_of_chain(input, out.planned);
   require_lengths(cloud, out.planned.chain);
   out.notes = notes_on_defaults(cloud, out.planned.chain);
   require_outputs_possible(outputs, options);

@@ -34,7 +34,8 @@ struct Preview {
 
 /// Plans a run from a sample of the cloud, without writing. Throws the errors that run() throws before the work.
 /// `outputs`: their formats decide names and the size of records; the files need not exist.
-Preview preview(InputCloud& cloud, const Chain& chain, const EngineOptions& options = {}, const Outputs& outputs = {});
+Preview preview(const InputCloud& cloud, const Chain& chain, const EngineOptions& options = {},
+                const Outputs& outputs = {});
 
 /// Returns lines of text about each pass (stages, steps, buffers, columns, rows carried on, slabs), about the record of
 /// results and about memory.

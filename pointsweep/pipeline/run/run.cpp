@@ -15,9 +15,7 @@
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/cropped_input.h"
-#include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
-#include "pointsweep/pipeline/rows/numbered_input.h"
 #include "pointsweep/pipeline/rows/row_mask.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
@@ -37,18 +35,20 @@ void take_over(RunPlaces& places, const EngineOptions& options, const RunReport&
   report.note("Went on where an earlier process had ended: times and series are of this one alone.");
 }
 
-/// Returns the rows and values that an earlier process has stored for the next pass, and selects these rows.
-Rows restored_rows(const Context& context) {
-  Rows rows;
+/// Returns the rows and values that an earlier process has stored for the next pass. `all`: all rows of the run.
+Rows restored_rows(const Context& context, std::shared_ptr<InputCloud> all) {
+  Rows rows{.cloud = std::move(all)};
   Checkpoints* const checkpoints = context.places.checkpoints();
   if (checkpoints == nullptr || checkpoints->last().sweep == 0) return rows;
   const Checkpoint& last = checkpoints->last();
-  InputCloud& cloud = context.cloud;
-  if (last.mask > 0) cloud.select(RowMask::kept(cloud.count(), checkpoints->place("mask", last.mask)));
+  if (last.mask > 0)
+    rows.cloud = std::make_shared<InputCloud>(
+        context.cloud.selected(RowMask::kept(context.cloud.count(), checkpoints->place("mask", last.mask))));
   for (std::size_t v = 0; v < last.values.size(); ++v)
     if (!last.values[v].empty()) rows.values[v] = last.values[v];
   const std::size_t bytes = update_after(context.plan, last.sweep - 1).record_bytes();
-  rows.carried = std::make_unique<RowFile>(RowFile::kept(cloud.count(), bytes, checkpoints->place("rows", last.sweep)));
+  rows.carried =
+      std::make_unique<RowFile>(RowFile::kept(rows.cloud->count(), bytes, checkpoints->place("rows", last.sweep)));
   return rows;
 }
 
@@ -86,90 +86,85 @@ void with_progress_of_tiles(const Context& context, OutputFiles& files, Work wor
 /// Performs the phases after the survey, and owns the values passed between phases.
 class Phases {
  public:
-  Phases(const Context& context, const WorkPlan& work, OtherClouds& others, OutputFiles& files, Surveyed points)
-      : context_(context), work_(work), others_(others), files_(files), points_(std::move(points)) {}
+  /// `checkpoints`: null for a run that cannot be resumed.
+  Phases(const InputCloud& cloud, const WorkPlan& work, OtherClouds& others, OutputFiles& files, Surveyed points,
+         Checkpoints* checkpoints)
+      : work_(work), others_(others), files_(files), checkpoints_(checkpoints), points_(std::move(points)) {
+    rows_.cloud = std::make_shared<InputCloud>(cloud);
+  }
 
-  void perform(const Phase& phase) {
+  /// Returns the rows that are left.
+  const std::shared_ptr<InputCloud>& cloud() const { return rows_.cloud; }
+
+  /// `context`: the context over cloud().
+  void perform(const Phase& phase, const Context& context) {
     switch (phase.kind) {
       case PhaseKind::survey:
-        return open();
+        return open(context);
       case PhaseKind::order:
-        return order(phase.pass);
+        return order(phase.pass, context);
       case PhaseKind::sweep:
-        return sweep(phase.pass);
+        return sweep(phase.pass, context);
       case PhaseKind::update:
-        return update(phase.pass);
+        return update(phase.pass, context);
       case PhaseKind::write:
-        return write(phase.pass);
+        return write(phase.pass, context);
     }
   }
 
  private:
-  void open() {
-    files_.open(context_, work_, points_.survey, rows_);
-    give_notice(work_.memory, context_.report.observer);
-    rows_ = restored_rows(context_);
+  void open(const Context& context) {
+    files_.open(context, work_, points_.survey, rows_);
+    give_notice(work_.memory, context.report.observer);
+    rows_ = restored_rows(context, rows_.cloud);
     if (checkpoints_ != nullptr) checkpoints_->surveyed(points_.survey, work_.budget);
   }
 
-  void order(std::size_t p) {
-    ordered_ = std::make_unique<Ordered>(order_pass(context_, work_, p, rows_, std::move(points_), files_));
+  void order(std::size_t p, const Context& context) {
+    ordered_ = std::make_unique<Ordered>(order_pass(context, work_, p, rows_, std::move(points_), files_));
     points_ = {.survey = ordered_->survey, .boxes = {}};
-    const bool of_rows = p == context_.plan.passes.size() && p > 0;  // the reorder of the output has no checkpoints
+    const bool of_rows = p == context.plan.passes.size() && p > 0;  // the reorder of the output has no checkpoints
     if (checkpoints_ != nullptr && !of_rows)
       checkpoints_->in_order(ordered_->stream, ordered_->memory.slab_points, ordered_->bucket_places);
   }
 
-  void sweep(std::size_t p) {
+  void sweep(std::size_t p, const Context& context) {
     const auto other = [&](int axis, const auto& take) {
-      others_[p]->give_in_order(axis, &context_.places.folder(), context_.progress_of("ordering"), take);
+      others_[p]->give_in_order(axis, &context.places.folder(), context.progress_of("ordering"), take);
     };
-    results_ = sweep_pass(context_, work_, p, std::move(ordered_), rows_.values, {.other = other});
-    if (checkpoints_ != nullptr) checkpoints_->swept(*results_, context_.statistics());
+    results_ = sweep_pass(context, work_, p, std::move(ordered_), rows_.values, {.other = other});
+    if (checkpoints_ != nullptr) checkpoints_->swept(*results_, context.statistics());
   }
 
-  void update(std::size_t p) {
-    rows_ = update_pass(context_, work_, p, std::move(rows_), results(p));
+  void update(std::size_t p, const Context& context) {
+    rows_ = update_pass(context, work_, p, std::move(rows_), results(p, context));
     if (checkpoints_ != nullptr)
-      checkpoints_->updated(context_.plan.passes[p].selects, rows_.values, context_.statistics());
+      checkpoints_->updated(context.plan.passes[p].selects, rows_.values, context.statistics());
   }
 
-  void write(std::size_t p) {
-    if (!files_.are_open()) files_.open_late(context_, work_, points_.survey, rows_);
-    const std::unique_ptr<RowStore> made = results(p);
-    write_output(context_, work_, p, rows_, ordered_.get(), made.get(), files_);
+  void write(std::size_t p, const Context& context) {
+    if (!files_.are_open()) files_.open_late(context, work_, points_.survey, rows_);
+    const std::unique_ptr<RowStore> made = results(p, context);
+    write_output(context, work_, p, rows_, ordered_.get(), made.get(), files_);
   }
 
   /// Returns the results of a sweep, which may be those of an earlier process; null for a pass over rows.
-  std::unique_ptr<RowStore> results(std::size_t p) {
-    const bool sweeps = p < context_.plan.passes.size() && context_.plan.passes[p].kind != PassKind::rows;
-    if (results_ == nullptr && sweeps && !context_.is_empty())
-      return results_of_pass(context_, work_, work_.memory.passes[p], p);
+  std::unique_ptr<RowStore> results(std::size_t p, const Context& context) {
+    const bool sweeps = p < context.plan.passes.size() && context.plan.passes[p].kind != PassKind::rows;
+    if (results_ == nullptr && sweeps && !context.is_empty())
+      return results_of_pass(context, work_, work_.memory.passes[p], p);
     return std::move(results_);
   }
 
-  const Context& context_;
   const WorkPlan& work_;
   OtherClouds& others_;
   OutputFiles& files_;
-  Checkpoints* const checkpoints_ = context_.places.checkpoints();
+  Checkpoints* const checkpoints_;
   Surveyed points_;                    ///< input of the next order phase
   Rows rows_;                          ///< rows after the last update
   std::unique_ptr<Ordered> ordered_;   ///< made by an order phase, used by the next sweep or write
   std::unique_ptr<RowStore> results_;  ///< made by a sweep, used by the next update or write
 };
-
-/// Performs a run from the end of its survey to written files.
-void perform_phases(const Context& context, const WorkPlan& work, Surveyed points, OtherClouds& others,
-                    OutputFiles& files) {
-  Phases phases(context, work, others, files, std::move(points));
-  for (const Phase& phase : phases_of(context.plan)) {
-    const bool nothing_left = context.is_empty() && phase.kind != PhaseKind::write;
-    if (nothing_left || is_done(context.places.checkpoints(), phase)) continue;
-    with_progress_of_tiles(context, files, [&] { phases.perform(phase); });
-    return_free_memory();
-  }
-}
 
 /// Renames the outputs to their destinations.
 void finish(const Context& context, OutputFiles& files) {
@@ -178,31 +173,51 @@ void finish(const Context& context, OutputFiles& files) {
   if (context.places.checkpoints() != nullptr) context.places.checkpoints()->finish();
 }
 
+/// Performs a run from the end of its survey to written files.
+void perform_phases(const Context& whole, const WorkPlan& work, Surveyed points, OtherClouds& others,
+                    OutputFiles& files) {
+  Checkpoints* const checkpoints = whole.places.checkpoints();
+  Phases phases(whole.cloud, work, others, files, std::move(points), checkpoints);
+  const auto with_rows_left = [&](const auto& step) {
+    const std::shared_ptr<InputCloud> left = phases.cloud();  // outlives a phase that replaces it
+    const Context context = whole.over(*left);
+    with_progress_of_tiles(context, files, [&] { step(context); });
+  };
+  for (const Phase& phase : phases_of(whole.plan)) {
+    const bool nothing_left = phases.cloud()->count() == 0 && phase.kind != PhaseKind::write;
+    if (nothing_left || is_done(checkpoints, phase)) continue;
+    with_rows_left([&](const Context& context) { phases.perform(phase, context); });
+    return_free_memory();
+  }
+  with_rows_left([&](const Context& context) { finish(context, files); });
+}
+
 /// Performs a run. The survey decides the number of threads; all later work runs in an arena of that size.
-void perform(const Context& context, OtherClouds& others) {
-  std::optional<DecodedInput> decoded;
+void perform(const Context& encoded, OtherClouds& others) {
   auto files = std::make_unique<OutputFiles>();
+  std::optional<InputCloud> cloud;
+  with_progress_of_tiles(encoded, *files, [&] { cloud.emplace(decode_input(encoded, *files)); });
+  const Context context = encoded.over(*cloud);
   Surveyed points;
   std::optional<const WorkPlan> work;
   with_progress_of_tiles(context, *files, [&] {
-    decode_input(context, *files, decoded);
     points.survey = survey_input(context);
     work.emplace(plan_work(context, points));
   });
   with_threads(work->memory.threads, [&] {
     const std::unique_ptr<OutputFiles> open = std::move(files);
     perform_phases(context, *work, std::move(points), others, *open);
-    with_progress_of_tiles(context, *open, [&] { finish(context, *open); });
     context.statistics().bytes_written = open->bytes_written();
     context.statistics().files_written = open->files_written();
   });
 }
 
-Statistics run_request(const Request& request) {
+Statistics run_request(const Request& given) {
   const auto start = std::chrono::steady_clock::now();
-  require_own_files(request);
-  const FiniteInput input(request.cloud, request.outputs, request.options);
-  Statistics statistics = first_counts(request, input.dropped());
+  require_own_files(given);
+  FiniteInput input = finite_input(given.cloud, given.outputs, given.options);
+  const Request request{input.cloud, given.outputs, given.options, given.plan};
+  Statistics statistics = first_counts(request, input.dropped);
   const RunReport report{statistics, request.options.observer};
   require_work(request);
   if (report.observer != nullptr)
@@ -212,7 +227,7 @@ Statistics run_request(const Request& request) {
   OtherClouds others = open_other_clouds(request, report);
   RunPlaces places(request.options, identity_of(request, others));
   take_over(places, request.options, report);
-  perform({request.cloud, request.outputs, request.options, request.plan, names, input.dropped(), places, report,
+  perform({request.cloud, request.outputs, request.options, request.plan, names, input.dropped, places, report,
            open_input_bytes(request.cloud), copies_rows(request)},
           others);
   // Reported rows are numbered in the input, from which nonfinite points may have been dropped.
@@ -224,13 +239,13 @@ Statistics run_request(const Request& request) {
 }
 
 /// Performs the run in an arena of its own, so that the caller's number of threads has no effect.
-Statistics run_plan(InputCloud& cloud, const Outputs& outputs, const EngineOptions& options, const ChainPlan& plan) {
+Statistics run_plan(const InputCloud& cloud, const Outputs& outputs, const EngineOptions& options,
+                    const ChainPlan& plan) {
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
-  const CroppedInput cropped(cloud, plan);
-  const NumberedInput numbered(cloud, plan);
+  InputCloud input = input_of_chain(cloud, plan);
   Statistics statistics;
-  const unsigned threads = survey_threads(cloud, options, memory_budget(options.resources.memory_bytes));
-  with_threads(threads, [&] { statistics = run_request({cloud, outputs, options, plan}); });
+  const unsigned threads = survey_threads(input, options, memory_budget(options.resources.memory_bytes));
+  with_threads(threads, [&] { statistics = run_request({input, outputs, options, plan}); });
   return statistics;
 }
 

@@ -19,14 +19,16 @@ bool needs_exact_survey(const Context& context) {
 
 }  // namespace
 
-void decode_input(const Context& context, OutputFiles& files, std::optional<DecodedInput>& decoded) {
-  if (context.copies_rows || decoded_input_bytes(context.cloud) == 0) return;
+InputCloud decode_input(const Context& context, OutputFiles& files) {
+  const std::uint64_t bytes = decoded_input_bytes(context.cloud);
+  if (context.copies_rows || bytes == 0) return context.cloud;
   if (!context.outputs.writer) files.require_writable(context, {});
   const auto start = std::chrono::steady_clock::now();
-  decoded.emplace(context.cloud, context.options, context.places.place("decoded", 0, true));
-  context.statistics().bytes_spilled += decoded->bytes();
-  context.statistics().bytes_spilled_decoding = decoded->bytes();
+  InputCloud decoded = decoded_input(context.cloud, context.options, context.places.place("decoded", 0, true));
+  context.statistics().bytes_spilled += bytes;
+  context.statistics().bytes_spilled_decoding = bytes;
   context.statistics().order_seconds += seconds_since(start);
+  return decoded;
 }
 
 Survey survey_points(const Context& context, const PointSource& source, bool exact) {

@@ -81,6 +81,9 @@ Rows update_pass(const Context& context, const WorkPlan& work, std::size_t p, Ro
   left.values = std::move(before.values);
   if (context.part) left.saved_values = to.saved_values();
   left.carried = to.finish(left.values);
+  left.cloud = std::move(before.cloud);
+  if (std::optional<RowSelection> kept = to.take_selection())
+    left.cloud = std::make_shared<InputCloud>(left.cloud->selected(std::move(*kept)));
   context.statistics().bytes_spilled += to.spilled_bytes() + (results ? results->spilled_bytes() : 0);
   context.statistics().write_seconds += seconds_since(start);
   return left;

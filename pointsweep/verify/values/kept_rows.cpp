@@ -5,8 +5,11 @@
 #include <bit>
 #include <cstring>
 #include <functional>
+#include <map>
 #include <optional>
 #include <queue>
+#include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -81,7 +84,16 @@ Competitor in_voxel(double size, bool random, Vec3 p, std::uint64_t row) {
   return {{x, y, z}, formulas::distance2_to_center(coordinates(p), size), 0, p, row};
 }
 
-Mask by_hash(InputCloud& cloud, const NamedOptions& options, const PhaseProgress& progress) {
+/// What a formula of kept rows reads.
+struct KeptInput {
+  InputCloud& cloud;
+  const NamedOptions& options;
+  std::uint64_t memory_bytes;
+  const PhaseProgress& progress;
+};
+
+Mask by_hash(const KeptInput& in) {
+  const auto& [cloud, options, memory_bytes, progress] = in;
   const std::uint64_t seed = options.whole("seed");
   const double share = options.number("share");
   Mask kept(cloud.count(), true);
@@ -93,7 +105,8 @@ Mask by_hash(InputCloud& cloud, const NamedOptions& options, const PhaseProgress
 }
 
 /// Keeps the points with the least hashes, or all other points. Memory: 16 bytes for each point with such a hash.
-Mask by_least_hashes(InputCloud& cloud, const NamedOptions& options, const PhaseProgress& progress) {
+Mask by_least_hashes(const KeptInput& in) {
+  const auto& [cloud, options, memory_bytes, progress] = in;
   const std::uint64_t number = options.whole("number"), seed = options.whole("seed");
   const bool rest = options.word("rest") == "yes";
   Mask kept(cloud.count(), true);
@@ -123,7 +136,8 @@ std::vector<formulas::PolygonRings> polygons_of(const std::string& option) {
 }
 
 /// Decides by a region about every row, also of points with non-finite coordinates.
-Mask by_region(InputCloud& cloud, const NamedOptions& options, const PhaseProgress& progress) {
+Mask by_region(const KeptInput& in) {
+  const auto& [cloud, options, memory_bytes, progress] = in;
   std::vector<double> bounds;
   if (options.has("bounds")) bounds = options.numbers("bounds");
   std::vector<formulas::PolygonRings> polygons;
@@ -187,36 +201,49 @@ Mask by_condition(InputCloud& cloud, const SelectOperator& op, const PhaseProgre
   return kept;
 }
 
+Mask first_of_place(const KeptInput& in) {
+  const Competes competes = [](Vec3 p, std::uint64_t row) { return Competitor{p, 0, 0, {}, row}; };
+  return least_of_groups(in.cloud, competes, in.memory_bytes, in.progress);
+}
+
+Mask one_of_voxel(const KeptInput& in) {
+  const double size = in.options.number("size");
+  const bool random = in.options.word("keep") == "hash";
+  const Competes competes = [=](Vec3 p, std::uint64_t row) { return in_voxel(size, random, p, row); };
+  return least_of_groups(in.cloud, competes, in.memory_bytes, in.progress);
+}
+
+Mask by_disks(const KeptInput& in) {
+  if (in.options.has("radius_from"))
+    fail_usage(
+        "verify: which rows 'poisson' leaves out with radius_from is not checked; verify the output of the stages "
+        "before it.");
+  return rows_of_disks(in.cloud, in.options.number("radius"), in.memory_bytes, in.progress);
+}
+
+using KeptFormula = Mask (*)(const KeptInput& in);
+/// Returns the formula of the rows that an operator keeps; null if the operator is a condition on each row or unknown.
+KeptFormula kept_formula_of(const std::string& name) {
+  static const std::map<std::string_view, KeptFormula> all = {{"decimate", by_hash},   {"sample", by_least_hashes},
+                                                              {"crop", by_region},     {"unique", first_of_place},
+                                                              {"voxel", one_of_voxel}, {"poisson", by_disks}};
+  const auto found = all.find(name);
+  return found == all.end() ? nullptr : found->second;
+}
+
 Mask kept_by(const StageOperator& stage, InputCloud& cloud, std::uint64_t memory_bytes, const PhaseProgress& progress) {
   const Operator& op = *operator_of(stage);
   const NamedOptions options(op.name(), op.declared_options());
-  const std::string name = op.name();
-  if (name == "decimate") return by_hash(cloud, options, progress);
-  if (name == "sample") return by_least_hashes(cloud, options, progress);
-  if (name == "crop") return by_region(cloud, options, progress);
+  if (const KeptFormula formula = kept_formula_of(op.name())) return formula({cloud, options, memory_bytes, progress});
   if (const auto* select = std::get_if<std::shared_ptr<const SelectOperator>>(&stage))
     return by_condition(cloud, **select, progress);
-  if (name == "poisson" && !options.has("radius_from"))
-    return rows_of_disks(cloud, options.number("radius"), memory_bytes, progress);
-  Competes competes;
-  if (name == "unique") {
-    competes = [](Vec3 p, std::uint64_t row) { return Competitor{p, 0, 0, {}, row}; };
-  } else if (name == "voxel") {
-    const double size = options.number("size");
-    const bool random = options.word("keep") == "hash";
-    competes = [=](Vec3 p, std::uint64_t row) { return in_voxel(size, random, p, row); };
-  } else {
-    fail_usage(
-        "verify: which rows '{}' leaves out with these options is not checked; verify the output of the stages before "
-        "it.",
-        name);
-  }
-  return least_of_groups(cloud, competes, memory_bytes, progress);
+  fail_usage("verify: which rows '{}' leaves out is not checked; verify the output of the stages before it.",
+             op.name());
 }
 
 /// Returns `kept`, flags of the rows that `cloud` has selected, as a selection of all its rows.
 RowSelection selection_of(const InputCloud& cloud, const Mask& kept) {
-  const RowSelection* before = cloud.selection();
+  const RowSelection* const before = cloud.selection().get();
   const std::uint64_t rows = before == nullptr ? cloud.count() : before->rows();
   auto all = std::make_shared<Mask>(rows);
   std::optional<SelectionCursor> left;
@@ -233,15 +260,14 @@ RowSelection selection_of(const InputCloud& cloud, const Mask& kept) {
 
 }  // namespace
 
-std::size_t select_kept_rows(InputCloud& cloud, const std::vector<StageOperator>& operators, std::uint64_t memory_bytes,
-                             const PhaseProgress& progress) {
-  std::size_t done = 0;
-  for (; done < operators.size(); ++done) {
-    if (!drops_rows(operators[done])) break;
-    const Mask kept = kept_by(operators[done], cloud, memory_bytes, progress);
-    cloud.select(selection_of(cloud, kept));
-  }
-  return done;
+bool has_kept_formula(const Operator& op) { return kept_formula_of(op.name()) != nullptr; }
+
+InputCloud with_kept_rows(const InputCloud& cloud, const std::vector<StageOperator>& operators,
+                          std::uint64_t memory_bytes, const PhaseProgress& progress) {
+  InputCloud left = cloud;
+  for (const StageOperator& op : operators)
+    left = left.selected(selection_of(left, kept_by(op, left, memory_bytes, progress)));
+  return left;
 }
 
 }  // namespace pointsweep

@@ -12,11 +12,14 @@
 
 namespace pointsweep {
 
-/// Selects in `cloud` the rows that the selects at the beginning of `operators` keep. Returns the number of these
-/// selects. Conditions are evaluated row by row; equal points and voxels are found by sorting in memory, in as many
-/// turns as `memory_bytes` requires. One bit of memory for each row.
-std::size_t select_kept_rows(InputCloud& cloud, const std::vector<StageOperator>& operators, std::uint64_t memory_bytes,
-                             const PhaseProgress& progress);
+/// Returns whether the rows that an operator keeps have a formula here; conditions on each row have a StageFormula.
+bool has_kept_formula(const Operator& op);
+
+/// Returns the cloud with the rows that `operators` keep, each of which drops rows. Conditions are evaluated row by
+/// row; equal points and voxels are found by sorting in memory, in as many turns as `memory_bytes` requires. One bit of
+/// memory for each row.
+InputCloud with_kept_rows(const InputCloud& cloud, const std::vector<StageOperator>& operators,
+                          std::uint64_t memory_bytes, const PhaseProgress& progress);
 
 /// Returns for each selected row of `cloud` whether poisson with this radius keeps it. The kept points and a share of
 /// the others are in memory; the number of turns follows from `memory_bytes`. Each turn reads the cloud once.
