@@ -36,6 +36,17 @@ std::uint64_t kept_of(const Records& cloud, const std::string& condition, std::v
   return with_kept_rows(cloud.cloud(), {std::shared_ptr<const SelectOperator>(where)}, 1 << 20, {}).count();
 }
 
+/// Says that it is head(3), but keeps all rows.
+class BrokenHead final : public SelectOperator {
+ public:
+  std::string name() const override { return "head"; }
+  std::vector<Attribute> reads() const override { return {scalar(kInputRow, Type::u64, "", "")}; }
+  void keep(const Neighborhoods&, std::span<std::uint8_t> kept) const override { std::ranges::fill(kept, 1); }
+
+ private:
+  Options own_options() const override { return {{"number", std::uint64_t{3}}}; }
+};
+
 Records cloud_of_levels() {
   std::vector<Vec3> points;
   for (int i = 0; i < 40; ++i) points.push_back({0.1 * i, 0, double(i)});
@@ -46,6 +57,11 @@ Records cloud_of_levels() {
 TEST(KeptRows, AConditionIsDecidedByItsFormulaAndNotByTheOperator) {
   EXPECT_EQ(kept_of(cloud_of_levels(), "z >= 10 && z < 15.5"), 6u);
   EXPECT_EQ(kept_of(cloud_of_levels(), "z >= 10 || z < 10"), 40u);
+}
+
+TEST(KeptRows, TheFirstRowsAreCountedByTheirFormulaAndNotByTheOperator) {
+  const InputCloud numbered = cloud_of_levels().cloud().numbered(1);
+  EXPECT_EQ(with_kept_rows(numbered, {std::make_shared<BrokenHead>()}, 1 << 20, {}).count(), 2u);
 }
 
 TEST(KeptRows, ConditionsOnWholeNumbersOf64BitsAreExact) {

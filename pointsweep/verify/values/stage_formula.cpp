@@ -114,6 +114,18 @@ class DensityRatioFormula final : public StageFormula {
   }
 };
 
+/// Whether a row is one of the first of all inputs, as number 1 or 0.
+class HeadFormula final : public StageFormula {
+ public:
+  explicit HeadFormula(const FormulaSetup& stage) : number_(static_cast<Real>(stage.options.whole("number"))) {}
+  Estimates evaluate(const FormulaInput& in) const override {
+    return {Estimate{.value = {in.reads.front().value.x < number_ ? Real(1) : Real(0)}}};
+  }
+
+ private:
+  Real number_;
+};
+
 class ColorFormula final : public StageFormula {
  public:
   explicit ColorFormula(const FormulaSetup& stage)
@@ -220,6 +232,7 @@ const std::vector<NamedFormula>& all_formulas() {
                                       {"core", formula_made<CoreFormula>},
                                       {"color", formula_made<ColorFormula>},
                                       {"parts", formula_made<PartFormula>},
+                                      {"head", formula_made<HeadFormula>},
                                       {"neighbors", formula_made<GraphFormula>}};
     for (const auto& more : {shape_formulas(), assignment_formulas(), transform_formulas(), statistics_formulas()})
       list.insert(list.end(), more.begin(), more.end());
@@ -231,6 +244,10 @@ const std::vector<NamedFormula>& all_formulas() {
 }  // namespace
 
 FormulaSetup setup_of(const Operator& op) { return {{op.name(), op.declared_options()}, op.contract()}; }
+
+bool has_stage_formula(const Operator& op) {
+  return std::ranges::find(all_formulas(), op.name(), &NamedFormula::name) != all_formulas().end();
+}
 
 std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold) {
   const auto found = std::ranges::find(all_formulas(), op.name(), &NamedFormula::name);

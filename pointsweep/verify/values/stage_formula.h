@@ -73,6 +73,7 @@ std::unique_ptr<StageFormula> formula_made(const FormulaSetup& stage) {
     return std::make_unique<Formula>(stage);
 }
 
+bool has_stage_formula(const Operator& op);
 /// Returns the formula of an operator; null if no formula has its name.
 std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold = {});
 
