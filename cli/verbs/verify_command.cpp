@@ -2,6 +2,7 @@
 /// `pointsweep verify IN... OUT`: an independent check of the output of a run.
 #include <fstream>
 #include <string>
+#include <string_view>
 
 #include "cli/console/console.h"
 #include "cli/console/refuse.h"
@@ -26,7 +27,11 @@ std::vector<std::uint64_t> rows_named_in(const std::string& path) {
   std::ifstream file(path);
   if (!file) refuse("--rows: cannot open {}.", path);
   std::vector<std::uint64_t> rows;
-  for (std::string word; file >> word;) rows.push_back(parse_count("--rows", word));
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  for (std::string word; file >> word;) {
+    if (rows.empty() && word.starts_with(kByteOrderMark)) word.erase(0, kByteOrderMark.size());
+    rows.push_back(parse_count("--rows", word));
+  }
   return rows;
 }
 

@@ -127,7 +127,9 @@ TEST_F(VerifyVerb, RowsNamedInAFileAreCheckedBesidesTheSample) {
   std::string bytes = made("normals in.ply out.ply", "out.ply");
   bytes[bytes.size() - 1] ^= 1;  // nz of the last point
   write("out.ply", bytes);
-  write("others.txt", "0 17\n3998\n");
+  write("others.txt",
+        "\xEF\xBB\xBF"
+        "0 17\n3998\n");
   same("in.ply out.ply --sample 0 --rows others.txt", "3 of 4,000 points, 0 wrong");
   write("last.txt", "17 3999 17\n");
   refused(1, "verify in.ply out.ply --sample 0 --rows last.txt", "row 3999");
