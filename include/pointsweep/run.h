@@ -48,7 +48,7 @@ enum class Nonfinite : std::uint8_t {
 
 struct Progress {
   /// Name of the phase: "checking" (for nonfinite points), "decoding", "ordering", "sweeping", "updating" (from one
-  /// sweep to the next), "writing" or "completing" (of an output that is divided among files).
+  /// sweep to the next), "writing" or "completing" (of an output that is divided among files, and of COPC).
   const char* phase;
   std::uint64_t done;    ///< number of points that have passed the phase
   std::uint64_t total;   ///< number of all points

@@ -83,6 +83,9 @@ struct OutputPlan {
   /// Folder in which an output to a URL is stored until it is complete; empty for the system's folder for temporary
   /// files.
   std::filesystem::path temp_folder = {};
+  /// Gets the number of points that have reached their place in the output, from a writer whose finish() takes long,
+  /// since it puts points in another order. May be empty, and may throw.
+  std::function<void(std::uint64_t points)> progress = {};
 };
 
 /// Takes the records of an output. The library's writers write a hidden file beside its destination, which finish()

@@ -230,5 +230,26 @@ TEST(CopcData, PointsOfAChunkLieInTheBoxOfItsNode) {
   }
 }
 
+TEST_F(Copc, TheWriterTellsHowManyPointsHaveReachedTheirNode) {
+  const auto reader = open_las(folder_ / "a.las");
+  std::vector<std::uint64_t> told;
+  OutputPlan plan;
+  plan.path = folder_ / "levels.copc.laz";
+  plan.schema = reader->info().schema;
+  plan.count = reader->info().count;
+  plan.extras = reader->info().extras;
+  plan.progress = [&](std::uint64_t points) { told.push_back(points); };
+  std::vector<std::byte> records(plan.count * plan.schema.stride);
+  ASSERT_EQ(reader->read(0, records), plan.count);
+  const auto writer = create_copc_writer(plan);
+  writer->write(records);
+  EXPECT_EQ(told.size(), 0u);
+  writer->finish();
+  EXPECT_GE(told.size(), 3u);
+  EXPECT_EQ(told.front(), 0u);
+  EXPECT_TRUE(std::ranges::is_sorted(told));
+  EXPECT_EQ(told.back(), plan.count);
+}
+
 }  // namespace
 }  // namespace pointsweep

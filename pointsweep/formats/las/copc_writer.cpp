@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -47,6 +48,7 @@ class CopcWriter : public Writer {
  public:
   explicit CopcWriter(const OutputPlan& plan)
       : path_(plan.path.string()),
+        progress_(plan.progress),
         frame_(plan, LasPoints::nodes),
         encoder_(frame_.layout(), path_),
         statistics_(frame_.layout().header.point_format),
@@ -72,17 +74,23 @@ class CopcWriter : public Writer {
 
   void finish() override {
     frame_.require_count(statistics_.count());
+    if (progress_) progress_(0);
     records_.choose(frame_.layout().header.scale);
     const std::size_t record_bytes = encoder_.record_bytes_out();
     CopcNodes nodes(*frame_.layout().laz, record_bytes, memory_ / 4, most_node_bytes_,
                     records_.room().make(statistics_.count() * record_bytes / 4), path_);
-    records_.for_each([&](const CurveKey& key, int depth, const std::byte* record) { nodes.add(key, depth, record); });
+    std::uint64_t added = 0;
+    records_.for_each([&](const CurveKey& key, int depth, const std::byte* record) {
+      nodes.add(key, depth, record);
+      if (++added % kBatchOfRows == 0 && progress_) progress_(added);
+    });
     const std::vector<CopcNode> chunks =
         nodes.finish(first_chunk(), [&](std::uint64_t at, std::span<const std::byte> bytes) {
           frame_.put(at, bytes);
           bytes_written_ = frame_.bytes_written();
         });
     finish_file(chunks, nodes.times());
+    if (progress_) progress_(added);
   }
 
  private:
@@ -125,6 +133,7 @@ class CopcWriter : public Writer {
   std::uint64_t first_chunk() const { return frame_.layout().header.offset_to_points + kLazOffsetBytes; }
 
   std::string path_;
+  std::function<void(std::uint64_t points)> progress_;  ///< may be empty
   LasFrame frame_;
   LasEncoder encoder_;
   LasStatistics statistics_;

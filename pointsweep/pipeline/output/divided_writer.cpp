@@ -10,7 +10,8 @@
 namespace pointsweep {
 
 DividedWriter::DividedWriter(OutputPlan plan, const OutputDivision& division, DivisionRoom room)
-    : divider_(std::move(plan), division),
+    : progress_(std::exchange(plan.progress, {})),
+      divider_(std::move(plan), division),
       room_(std::move(room)),
       records_(divider_, divider_.plan().count, room_.bytes / 2, room_.scratch) {
   divider_.require_writable();
@@ -23,10 +24,9 @@ void DividedWriter::finish() {
          records_.came());
   require_files_possible(divider_, records_.files());
   const auto progress = [&](double share) {
-    room_.progress(static_cast<std::uint64_t>(share * static_cast<double>(records_.came())));
+    progress_(static_cast<std::uint64_t>(share * static_cast<double>(records_.came())));
   };
-  DividedFiles files(divider_, records_.files(), room_.bytes,
-                     room_.progress ? progress : std::function<void(double)>());
+  DividedFiles files(divider_, records_.files(), room_.bytes, progress_ ? progress : std::function<void(double)>());
   records_.for_each([&](std::uint32_t file, std::span<const std::byte> records) { files.take(file, records); });
   files.finish();
   complete_ = files.complete();

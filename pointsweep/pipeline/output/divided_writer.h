@@ -19,8 +19,6 @@ namespace pointsweep {
 struct DivisionRoom {
   std::uint64_t bytes = 0;   ///< memory, without the memory of the files' encoders
   MakeScratch scratch = {};  ///< for records that do not fit in memory
-  /// Gets the number of points that are written or about to be written. May be empty, and may throw.
-  std::function<void(std::uint64_t points)> progress = {};
 };
 
 /// The least DivisionRoom::bytes.
@@ -37,6 +35,7 @@ class DividedWriter final : public Writer {
   std::size_t files() const { return complete_; }  ///< number of complete files
 
  private:
+  std::function<void(std::uint64_t points)> progress_;  ///< OutputPlan::progress of all files together
   Divider divider_;
   DivisionRoom room_;
   DividedRecords records_;

@@ -65,7 +65,8 @@ OutputPlan plan_of_output(const InputCloud& cloud, const Schema& records, const 
           .layout = options.layout,
           .encoder_bytes = place.encoder_bytes,
           .scratch = place.scratch,
-          .temp_folder = options.resources.temp_folder};
+          .temp_folder = options.resources.temp_folder,
+          .progress = std::move(place.completing)};
 }
 
 OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept,
@@ -78,8 +79,8 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
   const OutputPlan plan =
       plan_of_output(cloud, layout_.schema(), made, kept, outputs, options, place, std::move(provenance));
   if (options.division.divides()) {
-    auto divided = std::make_unique<DividedWriter>(plan, options.division,
-                                                   DivisionRoom{place.division_bytes, place.scratch, place.completing});
+    auto divided =
+        std::make_unique<DividedWriter>(plan, options.division, DivisionRoom{place.division_bytes, place.scratch});
     divided_ = divided.get();
     points_.add(std::move(divided));
   } else if (!outputs.points.empty()) {

@@ -25,7 +25,7 @@ struct OutputPlace {
   std::uint64_t encoder_bytes = 0;                     ///< OutputPlan::encoder_bytes
   std::uint64_t division_bytes = 0;                    ///< DivisionRoom::bytes
   MakeScratch scratch = {};                            ///< OutputPlan::scratch
-  std::function<void(std::uint64_t)> completing = {};  ///< DivisionRoom::progress
+  std::function<void(std::uint64_t)> completing = {};  ///< OutputPlan::progress
 };
 
 /// Returns the plan of an output whose records have the schema `records`. `made`, `kept` and `provenance`: see
