@@ -106,6 +106,21 @@ TEST_F(StatedLayout, MovedPointsGetTheStatedScale) {
   EXPECT_EQ(tool("verify m.las").status, 0);
 }
 
+TEST_F(StatedLayout, ADryRunRefusesWhatTheRunRefuses) {
+  for (const std::string run :
+       {"convert a.las b.las --las-version 1.2 --point-format 6", "convert a.las b.copc.laz --point-format 3",
+        "convert a.csv b.copc.laz --las-version 1.2", "normals a.las b.laz --las-version 1.3 --point-format 7",
+        "convert a.las b.ply --scale 1"}) {
+    const Result refusal = tool(run), dry = tool(run + " --dry-run");
+    EXPECT_EQ(refusal.status, 2) << run;
+    EXPECT_EQ(dry.status, 2) << run;
+    EXPECT_EQ(dry.err, refusal.err) << run;
+  }
+  for (const std::string run : {"convert a.las b.las --las-version 1.2 --point-format 3", "convert a.csv b.copc.laz",
+                                "normals a.las b.laz --scale 0.5", "tile a.las out/ --size 30"})
+    EXPECT_EQ(tool(run + " --dry-run").status, 0) << run;
+}
+
 TEST_F(StatedLayout, APointFormatWithoutAFieldKeepsItsValuesAsExtraBytes) {
   const Result result = tool("run a.las b.las --point-format 0 --las-version 1.2 --pipeline 'decimate(1)'");
   EXPECT_EQ(result.status, 0) << result.err;

@@ -165,6 +165,7 @@ Preview preview(const InputCloud& input, const Chain& chain, const EngineOptions
   for (const std::optional<OtherCloud>& other : open_others(out.planned, cloud))
     out.others.push_back(other ? fmt::format("{}, {} points", other->name(), other->count()) : "");
   out.names = names_in_outputs(cloud, out.planned, outputs, options);
+  require_layout({cloud, outputs, options, out.planned}, out.names);
   out.system_warning = kept_system_warning(out.planned, cloud, outputs);
   out.tiles = outputs.tiles.size();
   out.is_divided = options.division.divides();

@@ -145,6 +145,7 @@ OutputNames check_request(const Request& request, const RunReport& report) {
   for (const std::string& sentence : notes_on_defaults(cloud, plan.chain)) report.note(sentence);
   require_outputs_possible(outputs, options);
   OutputNames names = names_of_output(request);
+  require_layout(request, names);
   report.warn(names.warning());
   report.warn(kept_system_warning(plan, cloud, outputs));
   if (const SweepEngine* engine = engine_of(options.engine)) engine->require_can(plan, options);
@@ -152,6 +153,18 @@ OutputNames check_request(const Request& request, const RunReport& report) {
   require_room_for_inputs(memory_budget(options.resources.memory_bytes), open_input_bytes(cloud), cloud);
   require_room_aside(request, names);
   return names;
+}
+
+void require_layout(const Request& request, const OutputNames& names) {
+  const auto& [cloud, outputs, options, plan] = request;
+  const Format* const format = format_of_output(outputs.points);
+  if (format == nullptr || format->stored_coordinate == nullptr) return;
+  const OutputLayout layout(cloud.schema(), names.made, names.kept,
+                            type_of_positions(names.made, outputs.points, options));
+  Box somewhere;
+  somewhere.include(Vec3{});
+  format->stored_coordinate(plan_of_output(cloud, layout.schema(), names.made, names.kept, outputs, options,
+                                           {.bounds = somewhere, .values = nullptr}, {}));
 }
 
 std::uint64_t bytes_aside(const Request& request, const OutputNames& names) {
