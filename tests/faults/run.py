@@ -29,11 +29,11 @@ SPILLED_LAZ = "--memory 40M --temp-dir temp"  # its decoder takes some of it
 RUNS = {
     "normals": ("in.ply", "normals in.ply out.ply", ["out.ply"]),
     "normals, spilled": ("in.ply", f"normals in.ply out.ply {SPILLED}", ["out.ply"]),
-    "normals in sweep order to LAS, spilled": ("in.las", f"normals in.las out.las --order sweep {SPILLED}", ["out.las"]),
+    "normals in sweep order to LAS, spilled": ("large.las", "normals large.las out.las --order sweep --memory 36M --temp-dir temp", ["out.las"]),
     "curvature of text, statistics": ("in.xyz", "curvature in.xyz out.csv --stats s.json", ["out.csv", "s.json"]),
     "sort, spilled": ("in.ply", f"sort in.ply out.ply {SPILLED}", ["out.ply"]),
     "curvature, stream and results spilled": (
-        "large.ply", "curvature large.ply out.ply --memory 40M --temp-dir temp", ["out.ply"]),
+        "large.ply", "curvature large.ply out.ply --memory 43M --temp-dir temp", ["out.ply"]),
     "neighbors and distances": ("in.ply", "neighbors in.ply out.npy --distances d.npy", ["out.npy", "d.npy"]),
     "LAZ to LAZ, spilled": ("in.laz", f"normals in.laz out.laz {SPILLED_LAZ}", ["out.laz"]),
     "E57 to E57": ("in.e57", "normals in.e57 out.e57", ["out.e57"]),
@@ -104,6 +104,7 @@ class Place:
         require(status == 0, f"{name}: does not even run: {error}")
         lines = [line.split() for line in log.read_text().splitlines()]
         self.operations = [words[1] for words in lines]
+        require("mkdir" in self.operations or "--temp-dir" not in self.command, f"{name}: spills nothing")
         self.opened_at = max(at for at, words in enumerate(lines, 1) if words[1:3] == ["open", str(self.folder / self.input)])
         log.unlink()
         self.right = {output: self.content(output) for output in self.outputs}
@@ -230,9 +231,12 @@ def changed_input(place):
             status, error = place.run(FAULTS_KIND=kind, FAULTS_AT=at, FAULTS_TARGET=place.folder / name)
             require(status in (0, 1), f"{place.name}: {kind} at {at}: status {status}: {error}")
             require(status == 0 or len(error.strip().splitlines()) == 1, f"{place.name}: {kind} at {at}: {error}")
-            if kind == "remove" or at > place.opened_at:  # what changes before it is opened is another input
-                place.require_outputs_whole(status == 0)
-            place.require_clean()
+            try:
+                if kind == "remove" or at > place.opened_at:  # what changes before it is opened is another input
+                    place.require_outputs_whole(status == 0)
+                place.require_clean()
+            except Broken as broken:
+                raise Broken(f"{place.name}: {kind} at operation {at}: status {status}: {error}{broken}") from broken
             (place.folder / place.input).write_bytes(original)
             time.sleep(0.02)  # some ticks of the file system's clock
             place.clear()
@@ -260,7 +264,10 @@ def random_kills(place, count, seed):
         status = process.wait()
         outcomes["left something for the next run" if place.files() - place.before - set(place.outputs)
                  else "left nothing"] += 1
-        check_killed(place, status)
+        try:
+            check_killed(place, status)
+        except Broken as broken:
+            raise Broken(f"{place.name}: after a kill -9: {broken}") from broken
         place.clear()
     return dict(outcomes)
 
@@ -398,6 +405,8 @@ def main():
     signal.signal(signal.SIGINT, signal.default_int_handler)
     options = arguments()
     options.tool, options.shim = options.tool.resolve(), options.shim.resolve()
+    if options.work:
+        options.work.mkdir(parents=True, exist_ok=True)
     names = [name for name in RUNS if not options.only or name in options.only]
     resumed = RESUMED_RUNS if not options.only or "resumed" in options.only else []
     result = json.loads(options.output.read_text()) if options.output and options.output.exists() else {"runs": {}}
