@@ -7,6 +7,8 @@
 #include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/first_failure.h"
@@ -31,15 +33,59 @@ class Working {
   bool before_ = working;
 };
 
+/// A limit of the threads of this process. Of several limits the least counts.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(unsigned threads) : threads_(threads) { set(); }
+  void set() { control_.emplace(tbb::global_control::max_allowed_parallelism, threads_); }
+  void lift() { control_.reset(); }
+
+ private:
+  unsigned threads_;
+  std::optional<tbb::global_control> control_;
+};
+
+/// The limit of the innermost with_threads() around what this thread does; null outside.
+thread_local ThreadLimit* limit_around = nullptr;
+
+class LimitAround {
+ public:
+  explicit LimitAround(ThreadLimit* limit) : before_(std::exchange(limit_around, limit)) {}
+  ~LimitAround() { limit_around = before_; }
+  LimitAround(const LimitAround&) = delete;
+  LimitAround& operator=(const LimitAround&) = delete;
+
+ private:
+  ThreadLimit* before_;
+};
+
+/// Lifts a limit until destruction.
+class LiftedLimit {
+ public:
+  explicit LiftedLimit(ThreadLimit* limit) : limit_(limit) {
+    if (limit_ != nullptr) limit_->lift();
+  }
+  ~LiftedLimit() {
+    if (limit_ != nullptr) limit_->set();
+  }
+  LiftedLimit(const LiftedLimit&) = delete;
+  LiftedLimit& operator=(const LiftedLimit&) = delete;
+
+ private:
+  ThreadLimit* limit_;
+};
+
 }  // namespace
 
 void with_threads(unsigned threads, const std::function<void()>& work) {
   threads = std::max(threads, 1u);
-  tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const LiftedLimit outer(limit_around);  // whose threads wait here, and may be fewer
+  ThreadLimit limit(threads);
   tbb::task_arena arena(static_cast<int>(threads));
   const CancellationToken* const token = CancellationScope::current();
   arena.execute([&] {  // perhaps by another thread
     const CancellationScope scope(token);
+    const LimitAround around(&limit);
     work();
   });
 }

@@ -51,6 +51,31 @@ TEST(ParallelFor, InsideAPieceDoesNotTakeUpAnotherOne) {
   });
 }
 
+/// Returns whether two pieces of a loop run at the same time.
+bool two_pieces_meet() {
+  std::atomic<int> here = 0;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  parallel_for(2, [&](std::size_t, unsigned) {
+    ++here;
+    while (here < 2 && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  });
+  return std::chrono::steady_clock::now() < end;
+}
+
+TEST(WithThreads, InsideAnotherMayHaveMoreThreads) {
+  with_threads(1, [] {
+    with_threads(3, [] {
+      EXPECT_EQ(thread_count(), 3u);
+      EXPECT_TRUE(two_pieces_meet());
+      with_threads(1, [] { EXPECT_EQ(thread_count(), 1u); });
+      EXPECT_THROW(with_threads(2, [] { throw std::runtime_error("no"); }), std::runtime_error);
+      EXPECT_EQ(thread_count(), 3u);
+      EXPECT_TRUE(two_pieces_meet());
+    });
+    EXPECT_EQ(thread_count(), 1u);
+  });
+}
+
 TEST(ParallelFor, DoesNothingForNoPieces) {
   parallel_for(0, [](std::size_t, unsigned) { FAIL(); });
 }
