@@ -64,7 +64,7 @@ def try_all(options):
         for name, points in (("in", options.resumed_points), ("other", options.resumed_points // 10)):
             made = folder / "made.ply"
             subprocess.run([options.tool, "generate", "terrain", made, "-n", str(points), "--quiet"], check=True)
-            scaled(options.tool, [made], folder / f"{name}.ply")
+            scaled(options.tool, [made], folder / f"{name}.ply", ["classification"] if name == "other" else [])
             made.unlink()
         for name, pipeline in examples(options.tool, folder / "other.ply").items():
             try:
