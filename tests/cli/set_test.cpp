@@ -48,6 +48,13 @@ TEST_F(SetStage, VerifyEvaluatesAssignmentsByItsOwnCode) {
     }
 }
 
+TEST_F(SetStage, NaNHasNoSignInText) {
+  const std::string text =
+      made("run all.txt out.txt -q --pipeline 'set(n = 0/0, m = -(0/0), o = 0/0, as=float32)'", "out.txt");
+  EXPECT_NE(text.find(" nan nan nan\n"), std::string::npos) << text.substr(0, 300);
+  EXPECT_EQ(text.find("-nan"), std::string::npos);
+}
+
 TEST_F(SetStage, ReadsWhatAnEarlierPassMadeOfTheRowsThatASelectHasLeft) {
   for (const char* out : {"out.las", "out.ply"})
     expect_verified("all.txt", out, "knn(k=9) | normals | where(nz > 0) | set(w = nz * 2, as=float32)");

@@ -96,15 +96,21 @@ class TextWriter final : public Writer {
     const Field& field = plan_.schema.fields[f];
     if (plan_.layout.decimals && is_coordinate_[f]) return append_rounded(value_of(field, record, component));
     if (!field.is_plain()) {
-      const double value = decimals_[f].of(value_of(field, record, component));
-      fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value);
+      append_number(decimals_[f].of(value_of(field, record, component)));
       return;
     }
     with_type(field.type, [&]<class T>() {
       T value;
       std::memcpy(&value, record + field.offset + component * sizeof value, sizeof value);
-      fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value);
+      append_number(value);
     });
+  }
+
+  template <class T>
+  void append_number(T value) {
+    if constexpr (std::is_floating_point_v<T>)
+      if (std::isnan(value)) value = std::numeric_limits<T>::quiet_NaN();  // NaN has no sign in text
+    fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value);
   }
 
   void append_rounded(double value) {
