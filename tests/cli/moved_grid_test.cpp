@@ -67,7 +67,7 @@ TEST_F(MovedGrid, FarPlacesGetANewOffsetAndKeepTheScale) {
 TEST_F(MovedGrid, AnyDistanceIsRightOrRefused) {
   made("run scan.las out.las -q --pipeline 'set(x = x + 1e9)'");
   expect_moved("out.las", 1e9, 0, 1e-4 + 2.4e-7);
-  refused(1, "run scan.las no.las --pipeline 'set(x = x * 1e9 where z >= 0.7)'", "a scale of 1");
+  refused(1, "run scan.las no.las --pipeline 'set(x = x * 1e9 where z >= 0.7)'", "give --scale 1,");
   const Result result = tool("run scan.las no.las --pipeline 'set(x = x * 1e9 where z >= 0.7)'");
   EXPECT_NE(result.err.find("x of row 190 is"), std::string::npos) << result.err;  // the first with 37 i >= 7000
   EXPECT_FALSE(exists("no.las"));

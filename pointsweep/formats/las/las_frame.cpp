@@ -189,7 +189,7 @@ void LasEncoder::refuse(int axis, std::uint64_t row, double value) const {
     fail("{}: {} of row {} is {}, which LAS cannot hold; write PLY, or remove such points.", path_, "xyz"[axis], row,
          value);
   const std::string remedy = fitting_scale_ && (*fitting_scale_)[axis] > scale_[axis]
-                                 ? fmt::format(" a scale of {} would reach all points;", (*fitting_scale_)[axis])
+                                 ? fmt::format(" give --scale {}, which reaches all points,", (*fitting_scale_)[axis])
                                  : "";
   fail(
       "{}: {} of row {} is {}, too far from the offset {} for the scale {} of this LAS file;{} write PLY, or leave out "

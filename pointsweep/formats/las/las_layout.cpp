@@ -260,10 +260,12 @@ class Builder {
   }
 
   void append_exact_copy(Field exact) {
+    // Values that stages make are not known yet.
     layout_.warnings.push_back(
-        fmt::format("{}: some values of '{}' do not fit the LAS field; it has them rounded and within its range, the "
+        fmt::format("{}: {} of '{}' {} not fit the LAS field; it has them rounded and within its range, the "
                     "extra bytes '{}_{}' have them exactly.",
-                    plan_.path.string(), exact.name, exact.name, name_of(exact.type)));
+                    plan_.path.string(), is_made(exact.name) ? "values" : "some values", exact.name,
+                    is_made(exact.name) ? "may" : "do", exact.name, name_of(exact.type)));
     exact.name = fmt::format("{}_{}", exact.name, name_of(exact.type));
     append_extra(exact);
   }
