@@ -85,10 +85,11 @@ TEST_F(StatedLayout, TheOffsetIsKeptStatedOrNearTheMiddle) {
 }
 
 TEST_F(StatedLayout, PointsOutOfReachAreRefusedWithTheRowTheValueAndAScale) {
-  refused(1, std::string("run a.las o.las --scale 1e-6 --offset 0,0,0") + kCopy,
-          "too far from the offset 0 for the scale 1e-06 of this LAS file; a scale of 0.001 would reach all points;");
+  refused(
+      1, std::string("run a.las o.las --scale 1e-6 --offset 0,0,0") + kCopy,
+      "too far from the offset 0 for the scale 1e-06 of this LAS file; give --scale 0.001, which reaches all points,");
   refused(1, std::string("run a.las o.las --scale 1e-6 --offset 0,0,0") + kCopy, "x of row 0 is 684992.57");
-  refused(1, std::string("run a.las o.laz --scale 1e-9") + kCopy, "a scale of 1e-07 would reach all points;");
+  refused(1, std::string("run a.las o.laz --scale 1e-9") + kCopy, "give --scale 1e-07, which reaches all points,");
   made(std::string("run a.las o.las --scale 1e-7") + kCopy);
   refused(1, "run a.las p.las -q --scale 0.0001 --pipeline 'set(x = x + 1e9 where z > 8)'", "of row ");
   for (const char* wrong : {"0", "-1", "1,2", "x", "1,0,1", "nan"})
@@ -107,10 +108,19 @@ TEST_F(StatedLayout, MovedPointsGetTheStatedScale) {
 }
 
 TEST_F(StatedLayout, ADryRunRefusesWhatTheRunRefuses) {
+  write("empty.csv", "x,y,z\n");
+  for (const std::string run :
+       {"convert empty.csv b.las", "normals empty.csv b.ply", "sort empty.csv b.ply", "convert a.las b.laz --memory 1M",
+        "run a.las b.ply --pipeline 'where(z > 1)' --memory 9M"}) {
+    const Result refusal = tool(run), dry = tool(run + " --dry-run");
+    EXPECT_EQ(refusal.status, 1) << run << refusal.err;
+    EXPECT_EQ(dry.status, 1) << run;
+    EXPECT_EQ(dry.err, refusal.err) << run;
+  }
   for (const std::string run :
        {"convert a.las b.las --las-version 1.2 --point-format 6", "convert a.las b.copc.laz --point-format 3",
         "convert a.csv b.copc.laz --las-version 1.2", "normals a.las b.laz --las-version 1.3 --point-format 7",
-        "convert a.las b.ply --scale 1"}) {
+        "convert a.las b.ply --scale 1", "convert a.csv - --output-format las"}) {
     const Result refusal = tool(run), dry = tool(run + " --dry-run");
     EXPECT_EQ(refusal.status, 2) << run;
     EXPECT_EQ(dry.status, 2) << run;

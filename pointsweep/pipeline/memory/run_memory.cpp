@@ -151,9 +151,10 @@ SweepPlan unswept(std::uint32_t result_bytes) {
 }
 
 /// Returns the memory plan of a pass that reads rows in their order, rows_at_once() at a time.
-MemoryPlan plan_rows(std::uint64_t codec_bytes) {
+MemoryPlan plan_rows(std::uint64_t budget, std::uint64_t codec_bytes) {
   MemoryPlan memory;
   memory.expected_bytes = kFixedBytes + codec_bytes;
+  if (memory.expected_bytes > budget) memory.needed_bytes = memory.expected_bytes;
   return memory;
 }
 
@@ -190,7 +191,7 @@ RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::u
     if (pass.kind == PassKind::rows) {
       memory.efforts.emplace_back();
       memory.record_bytes.push_back(pass.input.stride);
-      memory.passes.push_back(plan_rows(codec_bytes));
+      memory.passes.push_back(plan_rows(budget, codec_bytes));
       memory.expected_bytes = std::max(memory.expected_bytes, memory.passes.back().expected_bytes);
       continue;
     }

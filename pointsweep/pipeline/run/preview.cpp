@@ -16,7 +16,6 @@
 #include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/run/request.h"
-#include "pointsweep/storage/local/temp_folder.h"
 
 namespace pointsweep {
 namespace {
@@ -155,10 +154,10 @@ Preview preview(const InputCloud& input, const Chain& chain, const EngineOptions
   if (options.engine != Engine::exact)
     fail_usage(
         "The reference has no plan to show: it reads point by point; leave out --dry-run or --engine reference.");
-  if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
   Preview out;
   out.planned = plan_chain(chain, input.schema(), needs_of(outputs, options));
   InputCloud cloud = input_of_chain(input, out.planned);
+  require_work({cloud, outputs, options, out.planned});
   require_lengths(cloud, out.planned.chain);
   out.notes = notes_on_defaults(cloud, out.planned.chain);
   require_outputs_possible(outputs, options);
@@ -229,7 +228,10 @@ std::string to_text(const Preview& p) {
 SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options,
                          const std::vector<std::string>& keep) {
   require_order_kept({.points = output});
-  if (!options.resources.temp_folder.empty()) require_temp_parent(options.resources.temp_folder);
+  const Outputs outputs{.points = output};
+  ChainPlan only_sorts;
+  only_sorts.reorders = true;
+  require_work({cloud, outputs, options, only_sorts});
   const KeptFields kept = keep.empty() ? KeptFields() : kept_fields(keep, {}, cloud.schema());
   const PointSource source{cloud.schema(), cloud.count(),
                            [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
@@ -241,13 +243,10 @@ SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output,
   out.axis = seen.axis;
   out.record_bytes = cloud.schema().stride;
   out.output_bytes = OutputLayout(cloud.schema(), {}, kept).schema().stride;
-  ChainPlan only_sorts;
-  only_sorts.reorders = true;
-  RunMemory memory =
-      plan_run_memory(out.budget, only_sorts, out.points, seen, options, out.record_bytes,
-                      [&, inputs = open_input_bytes(cloud)](unsigned threads) {
-                        return inputs + codec_bytes(cloud, {.points = output}, options, out.output_bytes, threads);
-                      });
+  RunMemory memory = plan_run_memory(out.budget, only_sorts, out.points, seen, options, out.record_bytes,
+                                     [&, inputs = open_input_bytes(cloud)](unsigned threads) {
+                                       return inputs + codec_bytes(cloud, outputs, options, out.output_bytes, threads);
+                                     });
   out.memory = memory.reordering;
   out.note = std::move(memory.threads_note);
   return out;
