@@ -14,12 +14,12 @@ def examples(tool, other):
 
 
 def scaled(tool, files, output, attributes=()):
-    """Makes one file of the points of all files, unless it exists: scaled to a given spacing, around the origin, with whole numbers as
-    `attributes`."""
+    """Makes one file of the points of all files, unless it exists: scaled to a given spacing, around the origin, with whole numbers
+    from 0 to 127 as `attributes`."""
     if not output.exists():
         told = json.loads(subprocess.run([tool, "info", "--json", *files], check=True, capture_output=True, text=True).stdout)
         factor = SPACING / max(file["spacing"] for file in told["files"])
         moved = ", ".join(f"{axis} = {axis} * {factor!r}" for axis in "xyz")
-        numbers = "".join(f", {name} = abs(floor(x))" for name in attributes)
+        numbers = "".join(f", {name} = abs(floor(x)) - 128 * floor(abs(floor(x)) / 128)" for name in attributes)
         subprocess.run([tool, "run", *files, output, "--quiet", "--force", "--pipeline", f"set({moved}{numbers})", "--keep", ",".join(["x,y,z", *attributes])], check=True)
     return output
