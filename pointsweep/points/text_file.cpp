@@ -27,7 +27,8 @@ std::string read_text_file(const std::string& path, std::string_view holds) {
   std::string text(static_cast<std::size_t>(bytes), '\0');
   file.seekg(0);
   if (!file.read(text.data(), bytes)) fail("{}: cannot be read; check its permissions.", path);
-  return std::string(without_byte_order_mark(text));
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+  return text;
 }
 
 std::string checksum_of_text(std::string_view text) {

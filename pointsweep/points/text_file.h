@@ -14,8 +14,8 @@ inline std::string_view without_byte_order_mark(std::string_view text) {
   return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
 }
 
-/// Returns the whole content of a file, without a byte order mark. `holds` tells in messages what the file should hold: "polygons as WKT or
-/// GeoJSON". Throws Error if the file cannot be read or has more than 256 MB.
+/// Returns the whole content of a file, without a byte order mark. `holds` tells in messages what the file should hold:
+/// "polygons as WKT or GeoJSON". Throws Error if the file cannot be read or has more than 256 MB.
 std::string read_text_file(const std::string& path, std::string_view holds);
 
 /// Returns 16 hexadecimal digits that distinguish contents (FNV-1a hash).

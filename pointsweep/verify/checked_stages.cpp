@@ -105,24 +105,31 @@ void leave_out(const KeptFields& named, const std::string& prefix, const Schema&
 
 KeptRows rows_kept_first(const VerifyOptions& options, const InputCloud& cloud, const ChainGraph& graph) {
   std::vector<StageOperator> first;
-  const auto kept = [&] { return with_kept_rows(cloud, first, options.memory_bytes, options.progress); };
-  std::shared_ptr<InputCloud> before_means;
+  std::optional<StageOperator> means;  // voxel(keep=centroid), the last of them
   bool others = false;
   for (std::size_t n = 1; n < graph.nodes.size(); ++n) {
     const GraphNode& node = graph.nodes[n];
     others |= !node.drops_rows();
     if (!node.drops_rows()) continue;
     const bool by_value = std::holds_alternative<std::shared_ptr<const SelectOperator>>(*node.op());
-    if (others && !before_means && by_value) continue;
-    if (others || before_means)
+    if (others && !means && by_value) continue;
+    if (others || means)
       fail_usage(
           "verify: the stage '{}' leaves out rows after other stages, and a sample of the input does not tell which; "
           "verify the output of the stages before it.",
           node.stage);
-    if (drops_rows_and_makes(node)) before_means = std::make_shared<InputCloud>(kept());
-    first.push_back(*node.op());
+    if (drops_rows_and_makes(node))
+      means = *node.op();
+    else
+      first.push_back(*node.op());
   }
-  return {kept(), std::move(before_means)};
+  const auto kept = [&](const InputCloud& from, const std::vector<StageOperator>& by) {
+    return with_kept_rows(from, by, options.memory_bytes, options.progress);
+  };
+  InputCloud left = kept(cloud, first);
+  if (!means) return {std::move(left), nullptr};
+  auto before_means = std::make_shared<InputCloud>(std::move(left));
+  return {kept(*before_means, {*means}), before_means};
 }
 
 }  // namespace pointsweep

@@ -218,7 +218,7 @@ class MadeAttributes {
   const std::set<std::string>& changed_;
 };
 
-/// What a check compares: an output is made by stages from rows of the input.
+/// The stages that made an output, and the rows of the input from which they made it.
 struct Compared {
   MadeBy made;
   InputCloud from;

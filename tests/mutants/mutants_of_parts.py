@@ -25,7 +25,7 @@ MUTANTS = [
            "      all->load(of_part[v]);", "      if (&of_part == &saved.back()) all->load(of_part[v]);", TESTS),
     Mutant("a part forgets which rows are left", "parts", RUN,
            "if (!state.mask.empty()) {", "if (state.mask.size() > 1000000) {", TESTS),
-    Mutant("numbers of rows begin anew in each tile", "parts", RUN,
+    Mutant("rows of each tile are numbered from 0", "parts", RUN,
            "input_of_chain(given_tile, plan, task.first_row)", "input_of_chain(given_tile, plan)", TESTS),
     Mutant("an operator in order knows the points of its tile alone", "parts", PART + "needed_points.cpp",
            "  add_blocks(*source, blocks);\n  const std::uint64_t points", "  const std::uint64_t points", TESTS),
@@ -76,6 +76,6 @@ MUTANTS = [
            "may_lack_ && may_lack_(p, r)", "false", TESTS),
     Mutant("points wait for those of which missing points decide in vain", "parts", "pointsweep/operators/thinning/undecided_points.cpp",
            "slots_[greater].lacks_some = true;", "(void)greater;", TESTS + ("pipeline:UndecidedPoints.*",)),
-    Mutant("an order of numbered points numbers them anew", "parts", "pointsweep/order/stream.cpp",
+    Mutant("an order of numbered points gives them other numbers", "parts", "pointsweep/order/stream.cpp",
            "options.numbered ? WorkingRecord(source.schema)", "false ? WorkingRecord(source.schema)", TESTS),
 ]

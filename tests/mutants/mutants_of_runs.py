@@ -245,6 +245,6 @@ MUTANTS = [
            "of_file.push_back({range, first, piece.all});", "of_file.push_back({range, 0, piece.all});", ("pipeline:Division.OfMany*",)),
     Mutant("records wait in runs that are not merged in their order", "tiles", PIPELINE + "output/grouped_records.cpp",
            "std::uint64_t left = runs.size();", "std::uint64_t left = runs.size();\n  std::swap(runs.front(), runs.back());", ("pipeline:Division.*",)),
-    Mutant("verify takes buffers as they are", "verify", "pointsweep/verify/divided_output.cpp",
+    Mutant("verify takes points of buffers for points of the tile", "verify", "pointsweep/verify/divided_output.cpp",
            "sum.sum() != found_[part].sum()", "sum.sum() == 0", ("cli:Divided.*",)),
 ]

@@ -66,7 +66,9 @@ InputCloud::InputCloud(const std::vector<std::filesystem::path>& paths, CloudOpt
     require_unnumbered(*readers_[i]);
   });
   require_text_for_columns(readers_, options.format);
-  for (std::optional<FileState>& state : states) states_.push_back(std::move(*state));
+  std::vector<FileState> known;
+  for (std::optional<FileState>& state : states) known.push_back(std::move(*state));
+  states_ = std::make_shared<const std::vector<FileState>>(std::move(known));
   begin(options);
 }
 
@@ -76,7 +78,7 @@ InputCloud::InputCloud(std::vector<std::unique_ptr<Reader>> readers, CloudOption
                  options) {}
 
 InputCloud::InputCloud(std::vector<std::shared_ptr<Reader>> readers, CloudOptions options)
-    : states_(states_of(readers)), readers_(std::move(readers)) {
+    : states_(std::make_shared<const std::vector<FileState>>(states_of(readers))), readers_(std::move(readers)) {
   begin(options);
 }
 
@@ -101,20 +103,13 @@ void InputCloud::begin(CloudOptions options) {
 void InputCloud::take_common_schema() {
   CommonSchema common = common_schema(readers_);
   schema_ = std::move(common.schema);
-  mappings_ = std::move(common.mappings);
+  mappings_ = std::make_shared<const std::vector<InputMapping>>(std::move(common.mappings));
   ranges_ = std::move(common.ranges);
   missing_attributes_ = std::move(common.warnings);
 }
 
-InputCloud InputCloud::view() const {
-  InputCloud view = *this;
-  view.reading_ = {};
-  view.last_input_ = 0;
-  return view;
-}
-
 InputCloud InputCloud::numbered(std::uint64_t first) const {
-  InputCloud cloud = view();
+  InputCloud cloud = *this;
   if (has_input_row(schema_)) return cloud;
   for (std::size_t i = 0; i < readers_.size(); ++i)
     cloud.readers_[i] = std::make_shared<NumberedRows>(readers_[i], first + first_row_[i]);
@@ -123,7 +118,7 @@ InputCloud InputCloud::numbered(std::uint64_t first) const {
 }
 
 InputCloud InputCloud::with_chunks(const std::function<bool(const Chunk&)>& is_chosen) const {
-  InputCloud cloud = view();
+  InputCloud cloud = *this;
   cloud.chosen_.assign(readers_.size(), nullptr);
   for (std::size_t i = 0; i < readers_.size(); ++i) {
     if (!readers_[i]->has_decoders() || readers_[i]->decodes_any_range()) continue;
@@ -146,7 +141,7 @@ void InputCloud::count_rows() {
 }
 
 std::pair<InputCloud, NonfiniteRows> InputCloud::finite(const std::function<void(std::uint64_t)>& progress) const {
-  std::pair<InputCloud, NonfiniteRows> result{view(), {}};
+  std::pair<InputCloud, NonfiniteRows> result{*this, {}};
   auto& [cloud, found] = result;
   cloud.finite_.assign(readers_.size(), nullptr);
   bool all_bounded = true;
@@ -170,13 +165,13 @@ std::pair<InputCloud, NonfiniteRows> InputCloud::finite(const std::function<void
 }
 
 InputCloud InputCloud::read_by(std::vector<std::shared_ptr<Reader>> readers) const {
-  InputCloud cloud = view();
+  InputCloud cloud = *this;
   cloud.readers_ = std::move(readers);
   return cloud;
 }
 
 InputCloud InputCloud::selected(RowSelection selection) const {
-  InputCloud cloud = view();
+  InputCloud cloud = *this;
   cloud.selection_ = std::make_shared<const RowSelection>(std::move(selection));
   return cloud;
 }
@@ -219,8 +214,8 @@ std::uint64_t InputCloud::bytes() const {
 
 std::size_t InputCloud::read(std::uint64_t row, std::span<std::byte> records) {
   const auto read = [this](std::size_t input, std::uint64_t first, std::span<std::byte> bytes) {
-    if (input != last_input_) readers_[last_input_]->rest();
-    last_input_ = input;
+    if (input != reading_.last_input) readers_[reading_.last_input]->rest();
+    reading_.last_input = input;
     return readers_[input]->read(first, bytes);
   };
   return read_with(read, reading_, row, records);
@@ -271,7 +266,7 @@ class InputCloud::Decoder final : public RowDecoder {
     const auto read_rows = [this](std::size_t input, std::uint64_t first, std::span<std::byte> bytes) {
       if (!decoder_ || input != input_) {
         // If records are converted, field numbers of the input differ.
-        const bool all = cloud_.mappings_[input].conversion != nullptr;
+        const bool all = (*cloud_.mappings_)[input].conversion != nullptr;
         decoder_ = cloud_.readers_[input]->decoder(all ? WantedFields{} : wanted_);
         input_ = input;
       }
@@ -323,7 +318,7 @@ void InputCloud::require_unchanged() const {
 }
 
 void InputCloud::require_unchanged(std::size_t input) const {
-  if (states_[input].has_changed())
+  if ((*states_)[input].has_changed())
     fail("{}: was written to while it was read, so old and new points may be mixed; run again once it is complete.",
          readers_[input]->info().path.string());
 }
@@ -332,7 +327,7 @@ void InputCloud::require_unchanged(std::size_t input) const {
 std::size_t InputCloud::read_input(const ReadInput& read, std::vector<std::byte>& scratch, std::size_t input,
                                    std::uint64_t row, std::span<std::byte> records) const {
   const Reader& reader = *readers_[input];
-  const InputMapping& mapping = mappings_[input];
+  const InputMapping& mapping = (*mappings_)[input];
   const std::size_t stride = reader.info().schema.stride;
   std::span<std::byte> target = records;
   if (mapping.conversion) {

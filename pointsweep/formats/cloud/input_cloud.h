@@ -102,7 +102,7 @@ class InputCloud {
   InputCloud selected(RowSelection selection) const;
 
   /// The state of each input before it was opened.
-  const std::vector<FileState>& states() const { return states_; }
+  const std::vector<FileState>& states() const { return *states_; }
   /// Throws Error if an input has changed since it was opened: the data read may be a mixture of old and new.
   void require_unchanged() const;
   /// Throws Error if input `input` was written to since it was opened.
@@ -112,16 +112,21 @@ class InputCloud {
   void begin(CloudOptions options);
   void take_common_schema();
   void count_rows();
-  /// Returns the same rows and fields, read from the beginning.
-  InputCloud view() const;
   std::size_t input_of(std::uint64_t row) const;
   class Decoder;
   /// Reads rows of an input, which has at least one more.
   using ReadInput = std::function<std::size_t(std::size_t input, std::uint64_t row, std::span<std::byte> records)>;
-  /// The state of reading rows one after another.
+  /// The state of reading rows one after another. A copy has no state yet.
   struct Reading {
+    Reading() = default;
+    Reading(const Reading&) : Reading() {}
+    Reading& operator=(const Reading&) { return *this = Reading(); }
+    Reading(Reading&&) = default;
+    Reading& operator=(Reading&&) = default;
+
     std::vector<std::byte> scratch;
     std::optional<SelectionCursor> cursor;
+    std::size_t last_input = 0;  ///< input of the last read()
   };
   std::size_t read_with(const ReadInput& read, Reading& reading, std::uint64_t row, std::span<std::byte> records) const;
   std::size_t read_all_with(const ReadInput& read, std::vector<std::byte>& scratch, std::uint64_t row,
@@ -129,15 +134,15 @@ class InputCloud {
   std::size_t read_input(const ReadInput& read, std::vector<std::byte>& scratch, std::size_t input, std::uint64_t row,
                          std::span<std::byte> records) const;
 
-  std::vector<FileState> states_;  ///< of the inputs, before they were opened
+  // What takes memory for each input is shared by all clouds over the same inputs.
+  std::shared_ptr<const std::vector<FileState>> states_;  ///< states of the inputs before they were opened
   std::vector<std::shared_ptr<Reader>> readers_;
   /// The readers that know rows of each input by other numbers; null if the input has none, empty if no input has one.
   std::vector<std::shared_ptr<const ChosenChunks>> chosen_;
   std::vector<std::shared_ptr<FiniteRows>> finite_;
   std::vector<std::uint64_t> first_row_;
-  std::vector<InputMapping> mappings_;
-  Reading reading_;             ///< state of read()
-  std::size_t last_input_ = 0;  ///< input of the last read()
+  std::shared_ptr<const std::vector<InputMapping>> mappings_;
+  Reading reading_;  ///< state of read()
   Schema schema_;
   std::optional<Crs> crs_;
   std::optional<StatedCrs> stated_crs_;

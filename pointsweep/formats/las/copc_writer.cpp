@@ -89,8 +89,8 @@ class CopcWriter : public Writer {
           frame_.put(at, bytes);
           bytes_written_ = frame_.bytes_written();
         });
+    if (progress_) progress_(added);  // may throw, so it comes before the file is complete
     finish_file(chunks, nodes.times());
-    if (progress_) progress_(added);
   }
 
  private:

@@ -162,7 +162,7 @@ class TaskOfTile {
       const RowsOfTile rows{tiles.tiles.at(task_.tile).first_row, rows_.cloud->count()};
       const TileGraphSetup setup{whole_.plan.passes[p].connecting_stage()->connects()->votes(), whole_.places.scratch(),
                                  &whole_.places.folder(), work.memory.passes[p].recall_bytes / 2,
-                                 whole_.progress_of("connecting")};
+                                 context().progress_of("connecting")};
       leave_forest(scratch_, state.swept, task_.borders + "-" + std::to_string(task_.tile), rows, setup, task_.after);
     } else {
       leave_no_forest(scratch_, task_.after);
@@ -298,7 +298,7 @@ class TaskOfTile {
     const Schema working = working_of_other(InputCloud({task_.other_file}), op.other_reads());
     const NeededPoints needed = needed_of_other(scratch_, tiles, task_.tile, others, working, op);
     const Stream stream = OtherCloud::in_order(needed.source, axis, &whole_.places.folder());
-    OtherCloud::give(stream, task_.other_file, op.other_reads(), whole_.progress_of("ordering"), take);
+    OtherCloud::give(stream, task_.other_file, op.other_reads(), context().progress_of("ordering"), take);
   }
 
   /// Plans the memory again for a sweep of `points` points, of which `own_points` lie in the tile.

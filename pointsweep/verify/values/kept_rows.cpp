@@ -84,7 +84,7 @@ Competitor in_voxel(double size, bool random, Vec3 p, std::uint64_t row) {
   return {{x, y, z}, formulas::distance2_to_center(coordinates(p), size), 0, p, row};
 }
 
-/// What a formula of kept rows reads.
+/// The arguments of a formula of kept rows.
 struct KeptInput {
   InputCloud& cloud;
   const NamedOptions& options;

@@ -114,7 +114,7 @@ class DensityRatioFormula final : public StageFormula {
   }
 };
 
-/// Whether a row is one of the first of all inputs, as number 1 or 0.
+/// The formula of head(): 1 for the first rows of all inputs, 0 for all others.
 class HeadFormula final : public StageFormula {
  public:
   explicit HeadFormula(const FormulaSetup& stage) : number_(static_cast<Real>(stage.options.whole("number"))) {}

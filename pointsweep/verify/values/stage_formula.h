@@ -73,8 +73,9 @@ std::unique_ptr<StageFormula> formula_made(const FormulaSetup& stage) {
     return std::make_unique<Formula>(stage);
 }
 
+/// Returns whether a formula has the name of the operator.
 bool has_stage_formula(const Operator& op);
-/// Returns the formula of an operator; null if no formula has its name.
+/// Returns the formula of an operator; null without has_stage_formula().
 std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold = {});
 
 /// Returns how many of the found neighbours a rule keeps. `values`: the values of the point that the rule reads.
