@@ -43,6 +43,7 @@ VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& displ
   options.division = command.common.division;
   options.prefix = command.common.prefix;
   options.decimals = command.common.layout.decimals;
+  options.positions = command.common.positions;
   options.nonfinite = command.common.nonfinite;
   options.recursive = command.paths.recursive;
   options.cloud = cloud_options(command.common);
@@ -89,6 +90,7 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
   add_named_options(verb, command.common, {"axis", "nonfinite"});
   add_run_option(verb, command.common, "prefix", "The --prefix of the run");
   add_run_option(verb, command.common, "decimals", "The --decimals of the run");
+  add_run_option(verb, command.common, "positions", "The --positions of the run");
   for (const char* name : {"tile", "tile_origin", "tile_buffer", "split"})
     add_run_option(verb, command.common, name, "The same of the run, where the files have no record of it");
 }

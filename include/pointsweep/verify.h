@@ -25,9 +25,10 @@ struct VerifyOptions {
   std::vector<std::uint64_t> rows = {};  ///< rows to check in addition, in any order
   /// Order of the output's rows; if absent, the recorded order, or an order that the check guesses.
   std::optional<Order> order = {};
-  std::optional<int> axis = {};      ///< axis of the sweep, 0, 1 or 2; absent for the longest
-  std::string prefix = {};           ///< RunOptions::prefix of the run
-  std::optional<int> decimals = {};  ///< FileLayout::decimals of the run
+  std::optional<int> axis = {};        ///< axis of the sweep, 0, 1 or 2; absent for the longest
+  std::string prefix = {};             ///< RunOptions::prefix of the run
+  std::optional<int> decimals = {};    ///< FileLayout::decimals of the run
+  std::optional<Type> positions = {};  ///< RunOptions::positions of the run
   /// Memory for neighbourhoods in bytes. A sample that needs more is checked in turns.
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;
   /// Called between pieces of work with the work done and the total; may throw to end the check.
@@ -93,7 +94,7 @@ struct Verdict {
   std::uint64_t open_rows = 0;  ///< number of rows of the sample of which the data do not decide whether they are kept
   /// Names of unchecked attributes of the output, which neither the input has nor a stage makes.
   std::vector<std::string> unknown;
-  std::vector<std::string> untold;   ///< sentences about values that are not checked, with the reasons
+  std::vector<std::string> untold;  ///< sentences about values that are not checked, with the reasons
 
   /// Number of rows that differ from those of the input; 0 if rows are not compared one by one.
   std::uint64_t different_rows = 0;

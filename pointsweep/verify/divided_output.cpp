@@ -11,18 +11,15 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/math/mix.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/program/run_options.h"
-#include "pointsweep/verify/rows/cloud_reader.h"
 #include "pointsweep/verify/rows/field_pair.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr std::size_t kSentences = 10;
-constexpr const char* kBuffer = "buffer";
 
 /// A part of a divided output: the two numbers of a tile, or the value of the dividing attribute and 0.
 using Part = std::array<double, 2>;
@@ -81,8 +78,7 @@ class PlacesOfPoints {
 
   /// Returns for each row of the files whether its point belongs to the part itself, not to its buffer.
   const std::vector<bool>& own() const { return own_; }
-  std::uint64_t misplaced() const { return misplaced_; }
-  std::vector<std::string> sentences() { return std::move(sentences_); }
+  const Misplaced& misplaced() const { return misplaced_; }
 
  private:
   Field named(const std::string& word) const {
@@ -95,7 +91,8 @@ class PlacesOfPoints {
 
   template <class... Args>
   void differ(fmt::format_string<Args...> format, Args&&... args) {
-    if (++misplaced_ <= kSentences) sentences_.push_back(fmt::format(format, std::forward<Args>(args)...));
+    if (++misplaced_.count <= kSentences)
+      misplaced_.sentences.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
 
   double edge(std::size_t axis, double tile) const { return division_.tile_origin[axis] + tile * *division_.tile; }
@@ -180,8 +177,7 @@ class PlacesOfPoints {
   std::map<Part, std::string> file_of_;
   std::map<Part, MultisetSum> wanted_, found_;  ///< sums over points of buffers
   std::vector<bool> own_;
-  std::uint64_t misplaced_ = 0;
-  std::vector<std::string> sentences_;
+  Misplaced misplaced_;
 };
 
 RowSelection selected(std::vector<bool> own) {
@@ -205,16 +201,13 @@ OutputDivision recorded_division(const ProvenanceRecord& record) {
   return options.division;
 }
 
-DividedOutput read_divided(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
-                           const OutputDivision& division, const PhaseProgress& progress) {
+DividedOutput read_divided(const std::vector<std::filesystem::path>& files, const OutputDivision& division,
+                           const PhaseProgress& progress) {
   InputCloud cloud(files, {.ignore_crs = true});
   PlacesOfPoints places(cloud, division);
   places.look(progress);
-  DividedOutput output{.own = {}, .misplaced = places.misplaced(), .sentences = places.sentences()};
-  if (division.tile_buffer > 0) cloud = cloud.selected(selected(places.own()));
-  const std::string left_out = division.tile_buffer > 0 ? kBuffer : "";
-  output.own = std::make_unique<CloudReader>(std::move(cloud), folder, left_out);
-  return output;
+  return {.own = division.tile_buffer > 0 ? cloud.selected(selected(places.own())) : cloud,
+          .misplaced = places.misplaced()};
 }
 
 }  // namespace pointsweep

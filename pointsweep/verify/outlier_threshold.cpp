@@ -56,15 +56,14 @@ bool makes_distances_again(const std::vector<StageOperator>& operators) {
   return std::any_of(std::ranges::find_if(operators, is_outlier), operators.end(), makes);
 }
 
-CloudThreshold outlier_threshold(Reader& out, const std::vector<StageOperator>& operators, const std::string& prefix,
+CloudThreshold outlier_threshold(RowSource& out, const std::vector<StageOperator>& operators, const std::string& prefix,
                                  const PhaseProgress& progress) {
   const auto op = std::ranges::find_if(operators, is_outlier);
   if (op == operators.end() || makes_distances_again(operators)) return {};
-  RowSource source(out);
-  const auto at = source.schema().find(prefix + kMeanDistance);
+  const auto at = out.schema().find(prefix + kMeanDistance);
   if (!at) return {};
-  const Field& field = source.schema().fields[*at];
-  const auto for_each = [&](const auto& use) { for_each_finite(source, field, progress, use); };
+  const Field& field = out.schema().fields[*at];
+  const auto for_each = [&](const auto& use) { for_each_finite(out, field, progress, use); };
   return threshold_of(for_each, field.type, setup_of(*operator_of(*op)).options);
 }
 

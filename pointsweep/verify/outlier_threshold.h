@@ -21,7 +21,7 @@ bool makes_distances_again(const std::vector<StageOperator>& operators);
 /// definition, of the finite mean distances of all points of `out`, in extended precision; NaN if no operator is an
 /// Outlier, or if the output lacks its mean distances. `prefix`: prefix of the names of made attributes. Reads `out`
 /// twice.
-CloudThreshold outlier_threshold(Reader& out, const std::vector<StageOperator>& operators, const std::string& prefix,
+CloudThreshold outlier_threshold(RowSource& out, const std::vector<StageOperator>& operators, const std::string& prefix,
                                  const PhaseProgress& progress);
 
 /// Returns the threshold from the mean distances of all points of the input, for an output that lacks some distances.

@@ -29,7 +29,6 @@
 #include "pointsweep/verify/checked_stages.h"
 #include "pointsweep/verify/divided_output.h"
 #include "pointsweep/verify/outlier_threshold.h"
-#include "pointsweep/verify/rows/cloud_reader.h"
 #include "pointsweep/verify/verify.h"
 
 namespace pointsweep {
@@ -91,6 +90,11 @@ void take_record(OutputCheck& check, const ProvenanceRecord& record) {
   if (const std::string crs = setting("crs"); !options.cloud.crs && (crs == "none" || crs.starts_with("EPSG:")))
     options.cloud.crs = StatedCrs{parse_crs(crs.substr(0, crs.find(' '))), true};
   if (!options.decimals && record.setting("decimals")) options.decimals = std::stoi(setting("decimals"));
+  if (const auto word = record.setting("positions"); word && !options.positions) {
+    RunOptions recorded;
+    run_option("positions").set(recorded, *word, "the record of the output");
+    options.positions = recorded.positions;
+  }
   if (options.cloud.format.empty()) options.cloud.format = setting("format");
   if (options.nonfinite == Nonfinite::by_format && setting("nonfinite") == "drop") options.nonfinite = Nonfinite::drop;
   if (check.says_how()) return;
@@ -174,8 +178,8 @@ void refuse_resorted(const OutputCheck& check, const ChainGraph& graph) {
 StageText knn_of(const OutputCheck& check) { return {neighborhood_declaration().name, check.neighborhood, "verify"}; }
 
 /// Returns the run that made an array of neighbours or of distances, which follows from the array except for a radius.
-MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, const Reader& out) {
-  const std::vector<Field>& columns = out.info().schema.fields;
+MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, const RowSource& out) {
+  const std::vector<Field>& columns = out.schema().fields;
   const bool distances = columns.front().type == Type::f64;
   Chain chain = build_chain({knn_of(check)}, Facts{.points = cloud.count()});
   const bool k_given = std::any_of(check.neighborhood.begin(), check.neighborhood.end(),
@@ -225,10 +229,10 @@ struct Compared {
 };
 
 /// `all`: the inputs. `cloud`: left_by_run() of these.
-Compared made_by_pipeline(const OutputCheck& check, const InputCloud& all, const InputCloud& cloud, Reader& out,
+Compared made_by_pipeline(const OutputCheck& check, const InputCloud& all, const InputCloud& cloud, RowSource& out,
                           const std::set<std::string>& changed) {
   const VerifyOptions& options = check.options;
-  const MadeAttributes attributes(cloud.schema(), out.info().schema, changed);
+  const MadeAttributes attributes(cloud.schema(), out.schema(), changed);
   const std::string likely = attributes.likely_pipeline();
   std::vector<StageText> stages;
   if (!options.pipeline.empty())
@@ -279,39 +283,51 @@ std::set<std::string> changed_attributes(const Arrivals& arrivals) {
   return names;
 }
 
+/// `all`: the inputs. `cloud`: left_by_run() of these. `misplaced`: what is wrong with the division into files.
+Verdict checked_points(const OutputCheck& check, const InputCloud& all, InputCloud& cloud, RowSource& out,
+                       const Misplaced& misplaced) {
+  const VerifyOptions& options = check.options;
+  const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
+  const auto made_with = [&](const std::set<std::string>& changed) {
+    Compared compared = made_by_pipeline(check, all, cloud, out, changed);
+    MadeBy& made = compared.made;
+    if (format != nullptr) made.own_field = format->own_field;
+    made.in_any_order = is_in_any_order(check);
+    made.known_differences = misplaced.sentences;
+    made.more_differences = misplaced.count - misplaced.sentences.size();
+    return compared;
+  };
+  Compared compared = made_with({});
+  const Verdict verdict = verify(compared.from, out, false, compared.made, options);
+  if (verdict.same() || !options.pipeline.empty()) return verdict;
+  // Without a record, attributes that seemed copied may have been computed again, for example normals that the input
+  // had.
+  Compared likely = made_with(changed_attributes(verdict.arrivals));
+  return likely.made.keep == compared.made.keep ? verdict : verify(likely.from, out, false, likely.made, options);
+}
+
 /// `all`: the inputs. `cloud`: left_by_run() of these.
 Verdict checked(const OutputCheck& check, const InputCloud& all, InputCloud& cloud) {
   const VerifyOptions& options = check.options;
   if (is_array_name(check.output)) {
     const std::unique_ptr<Reader> array = array_format().open(check.output);
-    return verify(cloud, *array, true, made_by_neighbors(check, cloud, *array), options);
+    RowSource out(*array);
+    return verify(cloud, out, true, made_by_neighbors(check, cloud, out), options);
   }
-  DividedOutput divided;
-  if (check.is_divided()) divided = read_divided(check.tiles, check.output, options.division, options.progress);
-  const std::unique_ptr<Reader> out =
-      check.is_divided() ? std::move(divided.own)
-      : check.tiles.empty()
-          ? open_reader(check.output)
-          : std::make_unique<CloudReader>(InputCloud(check.tiles, {.ignore_crs = true}), check.output);
-  const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
-  const auto made_with = [&](const std::set<std::string>& changed) {
-    Compared compared = made_by_pipeline(check, all, cloud, *out, changed);
-    MadeBy& made = compared.made;
-    if (format != nullptr) made.own_field = format->own_field;
-    made.in_any_order = is_in_any_order(check);
-    made.known_differences = divided.sentences;
-    made.more_differences = divided.misplaced - divided.sentences.size();
-    return compared;
-  };
-  Compared compared = made_with({});
-  const Verdict verdict = verify(compared.from, *out, false, compared.made, options);
-  if (verdict.same() || !options.pipeline.empty()) return verdict;
-  // Without a record, attributes that seemed copied may have been computed again, for example normals that the input
-  // had.
-  Compared likely = made_with(changed_attributes(verdict.arrivals));
-  return likely.made.keep == compared.made.keep ? verdict : verify(likely.from, *out, false, likely.made, options);
+  if (check.tiles.empty()) {
+    const std::unique_ptr<Reader> file = open_reader(check.output);
+    RowSource out(*file);
+    return checked_points(check, all, cloud, out, {});
+  }
+  if (!check.is_divided()) {
+    InputCloud tiles(check.tiles, {.ignore_crs = true});
+    RowSource out(tiles, check.output.string(), "");
+    return checked_points(check, all, cloud, out, {});
+  }
+  DividedOutput divided = read_divided(check.tiles, options.division, options.progress);
+  RowSource out(divided.own, check.output.string(), options.division.tile_buffer > 0 ? kBuffer : "");
+  return checked_points(check, all, cloud, out, divided.misplaced);
 }
-
 }  // namespace
 
 Verdict verify(const std::vector<fs::path>& inputs, const fs::path& output, const VerifyOptions& options) {

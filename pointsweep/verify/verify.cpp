@@ -6,8 +6,9 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/verify/chain_values.h"
 #include "pointsweep/verify/outlier_threshold.h"
-#include "pointsweep/verify/rows/field_pair.h"
+#include "pointsweep/verify/rows/file_pairs.h"
 #include "pointsweep/verify/rows/input_values.h"
+#include "pointsweep/verify/rows/made_values.h"
 #include "pointsweep/verify/rows/row_alignment.h"
 
 namespace pointsweep {
@@ -32,13 +33,14 @@ std::vector<std::uint64_t> rows_to_check(std::uint64_t count, const VerifyOption
 
 class Verification {
  public:
-  Verification(InputCloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options)
+  Verification(InputCloud& in, RowSource& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options)
       : in_(in),
         out_(out),
         made_by_(made_by),
         options_(options),
         chain_(made_by.operators, made_by.keep, in_.schema(), made_by.rule, made_by.outlier_threshold),
-        rows_(rows_to_check(in_.count(), options)) {
+        rows_(rows_to_check(in_.count(), options)),
+        made_values_(out) {
     verdict_.input = in_.name(), verdict_.output = out_.name();
     verdict_.attributes_compared = !is_array;
     verdict_.untold = made_by.untold;
@@ -102,30 +104,32 @@ class Verification {
       const std::string& name = results.fields[first + c].name;
       if (made_by_.left_out_made.contains(name)) continue;
       if (const auto old = in_.schema().find(name)) replaced_[*old] = true;
-      if (const auto found = pairs_of_field(results, first + c, out_.schema(), options_.decimals))
+      if (const auto found = pairs_of_field(results, first + c, out_.schema(), ways().places))
         pairs[c] = found->front();
       else
         differ("the output has no '{}', which is to be made", name);
     }
     if (std::any_of(pairs.begin(), pairs.end(), [](const auto& pair) { return pair.has_value(); }))
-      made_values_.emplace_back(estimate, std::move(pairs));
+      made_values_.add(estimate, MadeValue(std::move(pairs)));
   }
 
   /// Pairs the fields by which rows of the output are recognized.
   void pair_known_fields() {
+    std::vector<FieldPair> known;
     for (std::size_t f = 0; f < replaced_.size(); ++f)
       if (!replaced_[f])
-        if (const auto pairs = pairs_of_field(in_.schema(), f, out_.schema(), options_.decimals))
-          known_.insert(known_.end(), pairs->begin(), pairs->end());
-    if (known_.empty())
+        if (const auto pairs = pairs_of_field(in_.schema(), f, out_.schema(), ways().places))
+          known.insert(known.end(), pairs->begin(), pairs->end());
+    if (known.empty())
       fail_usage("verify: {} holds nothing of the input, by which its rows are recognized.", out_.name());
+    known_.emplace(in_, out_, made_by_.in_any_order, std::move(known));
   }
 
   /// Matches the rows of the output with rows of the input. Returns false if some are not rows of the input in its
   /// order.
   bool find_kept_rows() {
     pair_known_fields();
-    alignment_ = align_rows(in_, out_, known_, options_.progress);
+    alignment_ = align_rows(in_, out_, *known_, options_.progress);
     verdict_.left_out = in_.count() - alignment_->kept.size();
     verdict_.arrivals.points_in = in_.count(), verdict_.arrivals.points_out = out_.count();
     rows_ = rows_to_check(in_.count(), options_, &*alignment_);
@@ -232,18 +236,21 @@ class Verification {
   }
 
   void check_sample() {
-    std::vector<std::uint64_t> places = rows_;  // rows of the sample in the output
+    std::vector<PossibleRows> places;  // of the sample in the output
     if (made_by_.in_any_order) {
       pair_known_fields();
-      const auto found = rows_with_values(in_, out_, known_, rows_, options_.progress);
+      auto found = rows_with_values(in_, out_, *known_, rows_, options_.progress);
       if (!found) return;  // the output has a known difference
-      places = found->rows, ++verdict_.passes;
-      if (moved() && !found->are_unique)
+      places = std::move(*found), ++verdict_.passes;
+      if (moved() && std::ranges::any_of(places, [](const PossibleRows& any) { return any.count > 1; }))
         return verdict_.untold.push_back(
             "what stages made of moved points: the output has them in another order, and the attributes that they keep "
             "do not tell all of them apart");
+    } else {
+      if (axis_ >= 0) ++verdict_.passes;
+      for (const std::uint64_t row : axis_ >= 0 ? sweep_rows(in_, rows_, axis_, options_.progress) : rows_)
+        places.push_back({{row}, 1});
     }
-    if (axis_ >= 0) places = sweep_rows(in_, rows_, axis_, options_.progress), ++verdict_.passes;
     CloudRows rows(in_, out_, axis_, options_.memory_bytes, options_.progress, !alignment_ && !made_by_.in_any_order);
     for (std::string& untold :
          chain_.look_at_cloud(rows, made_by_.neighborhood, made_by_.before_means.get(), columns_of_output()))
@@ -260,6 +267,12 @@ class Verification {
     verdict_.passes += rows.passes();
     hold_against_output(nonfinite_, chain_.evaluate_unplaced(nonfinite_, in_), places);
     judge_suspects();
+    if (unclear_ > 0)
+      verdict_.untold.push_back(
+          fmt::format("what stages made of {} points of the sample: the output has more than {} points that equal each "
+                      "of them, and "
+                      "in another order",
+                      unclear_, kMostPossibleRows));
   }
 
   /// Returns the columns of the output that hold made attributes. If a made attribute was not written, a field of that
@@ -271,7 +284,7 @@ class Verification {
       std::vector<FieldPair> pairs;
       for (std::size_t f = 0; f < schema.fields.size(); ++f) {
         if (made_by_.left_out_made.contains(schema.fields[f].name)) return std::nullopt;
-        const auto found = pairs_of_field(schema, f, out_.schema(), options_.decimals);
+        const auto found = pairs_of_field(schema, f, out_.schema(), ways().places);
         if (!found) return std::nullopt;
         pairs.push_back(found->front());
       }
@@ -288,7 +301,7 @@ class Verification {
       if (chain_.is_told(a) && !ChainValues::is_selection(chain_.made()[a]))
         verdict_.made.push_back(chain_.made()[a].name);
     }
-    std::erase_if(made_values_, [&](const auto& value) { return !told[value.first]; });
+    made_values_.keep(told);
   }
 
   /// Returns the number of points that fit in memory with their surroundings, if neighbourhoods overlap as in a volume.
@@ -307,51 +320,55 @@ class Verification {
   }
 
   /// Compares results with the output. `points`: a part of the sample in ascending order of rows; `results` has one
-  /// record for each point.
+  /// record for each point; `places`: rows of the whole sample in the output.
   void hold_against_output(std::span<const KnownPoint> points, const ChainResults& results,
-                           const std::vector<std::uint64_t>& places) {
+                           const std::vector<PossibleRows>& places) {
     struct Wanted {
       std::uint64_t place;
       std::size_t point;
     };
+    const std::size_t estimates_per_point = chain_.estimates_per_point();
+    const auto estimates_of_point = [&](std::size_t i) { return results.estimates.data() + i * estimates_per_point; };
     std::vector<Wanted> wanted;
+    std::vector<char> is_clear(points.size(), true);  // all rows that a point may be are looked at
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (alignment_) {
-        check_selection(points[i].row, results.estimates.data() + i * chain_.estimates_per_point());
+        check_selection(points[i].row, estimates_of_point(i));
         if (const auto place = alignment_->place_of(points[i].row)) wanted.push_back({*place, i});
         continue;
       }
-      const auto at = std::lower_bound(rows_.begin(), rows_.end(), points[i].row) - rows_.begin();
-      wanted.push_back({places[static_cast<std::size_t>(at)], i});
+      const PossibleRows& possible =
+          places[static_cast<std::size_t>(std::ranges::lower_bound(rows_, points[i].row) - rows_.begin())];
+      is_clear[i] = possible.rows.size() == possible.count;
+      for (const std::uint64_t place : possible.rows) wanted.push_back({place, i});
     }
-    std::sort(wanted.begin(), wanted.end(), [](const Wanted& a, const Wanted& b) { return a.place < b.place; });
+    std::ranges::sort(wanted, {}, &Wanted::place);
     std::vector<std::uint64_t> ascending;
     for (const Wanted& w : wanted) ascending.push_back(w.place);
+    // One of the rows that a point may be must have the right values.
+    std::vector<std::optional<std::string>> difference(points.size());
+    std::vector<char> is_right(points.size(), false);
     for_each_record(out_, ascending, [&](std::size_t i, const std::byte* record) {
-      const std::size_t point = wanted[i].point;
-      check_point(wanted[i].place, points[point].row, results.values.data() + point * chain_.result_bytes(),
-                  results.estimates.data() + point * chain_.estimates_per_point(), record);
+      const auto& [place, point] = wanted[i];
+      if (is_right[point]) return;
+      const auto found =
+          made_values_.difference_at(place, points[point].row, results.values.data() + point * chain_.result_bytes(),
+                                     estimates_of_point(point), record);
+      if (!found) is_right[point] = true;
+      if (!difference[point]) difference[point] = found;
     });
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!is_right[i] && !difference[i]) continue;  // the output has dropped the point
+      verdict_.values += made_values_.size();
+      verdict_.open_values += made_values_.open_values(estimates_of_point(i));
+      if (!is_right[i]) is_clear[i] ? suspect(points[i].row, *difference[i]) : void(++unclear_);
+    }
     verdict_.sampled += points.size();
   }
 
-  void check_point(std::uint64_t place, std::uint64_t row, const std::byte* result, const formulas::Estimate* estimates,
-                   const std::byte* record) {
-    bool wrong = false;
-    for (const auto& [number, value] : made_values_) {
-      const formulas::Estimate& estimate = estimates[number];
-      verdict_.open_values += estimate.is_open();
-      ++verdict_.values;
-      const auto component = value.wrong_component(estimate, result, record);
-      if (!component) continue;
-      if (!wrong)
-        suspect(row, fmt::format("row {}{}: {}", place, place == row ? "" : fmt::format(" (row {} of the input)", row),
-                                 value.difference(*component, estimate, result, record)));
-      wrong = true;
-    }
+  OutputWays ways() const {
+    return {made_by_.own_field, {options_.decimals, options_.positions == Type::f32}, made_by_.in_any_order};
   }
-
-  OutputWays ways() const { return {made_by_.own_field, options_.decimals}; }
 
   /// Checks whether the output has a row exactly if all conditions hold for it.
   void check_selection(std::uint64_t row, const formulas::Estimate* estimates) {
@@ -379,14 +396,15 @@ class Verification {
     for (const auto& [row, difference] : suspects_)
       if (rows.empty() || rows.back() != row) rows.push_back(row);
     if (alignment_ && !rows.empty())
-      twins = rows_with_twins(in_, *alignment_, known_, rows, options_.progress), ++verdict_.passes;
+      twins = rows_with_twins(in_, *alignment_, *known_, rows, options_.progress), ++verdict_.passes;
     for (const auto& [row, difference] : suspects_)
       if (!std::ranges::binary_search(twins, row)) differ("{}", difference);
     verdict_.wrong_points = rows.size() - twins.size();
     verdict_.open_rows += twins.size();
   }
 
-  RowSource in_, out_;
+  RowSource in_;
+  RowSource& out_;
   const MadeBy& made_by_;
   const VerifyOptions& options_;
   ChainValues chain_;
@@ -394,19 +412,21 @@ class Verification {
   std::vector<KnownPoint> finite_, nonfinite_;  ///< points of the sample
   std::vector<KnownPoint> subset_;              ///< points at evenly spaced rows of the cloud
   std::vector<bool> replaced_;                  ///< for each field of the input, true if it was computed again
-  std::vector<std::pair<std::size_t, MadeValue>> made_values_;  ///< made values and the numbers of their estimates
-  std::vector<std::size_t> selections_;                         ///< numbers of the estimates of conditions
-  std::optional<RowAlignment> alignment_;                       ///< present if the output lacks rows
-  std::vector<FieldPair> known_;  ///< fields that identify rows of an output that lacks some
+  MadeValues made_values_;
+  std::vector<std::size_t> selections_;    ///< numbers of the estimates of conditions
+  std::optional<RowAlignment> alignment_;  ///< present if the output lacks rows
+  /// Fields that identify rows of an output that lacks some, or has them in any order.
+  std::optional<FilePairs> known_;
   std::vector<std::pair<std::uint64_t, std::string>> suspects_;  ///< rows that seem to be wrong, with the reason
   int axis_ = -1;  ///< axis along which the rows are ordered; negative if they are in the order of the input
   bool order_is_lost_ = false;
+  std::uint64_t unclear_ = 0;  ///< points of the sample that too many rows of the output may be
   Verdict verdict_;
 };
 
 }  // namespace
 
-Verdict verify(InputCloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options) {
+Verdict verify(InputCloud& in, RowSource& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options) {
   MadeBy known = made_by;
   known.operators = with_input_values(std::move(known.operators), in);
   if (known.leaves_out || makes_distances_again(known.operators)) {

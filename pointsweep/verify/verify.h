@@ -57,6 +57,6 @@ struct MadeBy {
 /// curvature 2, fairing and splats after it 3), and once for the order of a sweep. A thin subset of the cloud first
 /// gives an upper bound for the distances of the neighbours of each chosen point. Each point of the input is then
 /// compared only with the chosen points within their bounds. About 0.3 µs per point and pass.
-Verdict verify(InputCloud& in, Reader& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options = {});
+Verdict verify(InputCloud& in, RowSource& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options = {});
 
 }  // namespace pointsweep

@@ -85,6 +85,9 @@ VerifyOptions verify_options(const nb::dict& options) {
   check.axis = run.axis;
   check.nonfinite = run.nonfinite;
   check.prefix = run.prefix;
+  check.decimals = run.layout.decimals;
+  check.positions = run.positions;
+  check.division = run.division;
   if (run.resources.memory_bytes != 0) check.memory_bytes = run.resources.memory_bytes;
   check.pipeline = nb::cast<std::string>(options["pipeline"]);
   check.neighborhood = options_of(nb::cast<nb::list>(options["neighborhood"]));

@@ -62,6 +62,12 @@ def verify(
     order: Literal["input", "sweep"] | None = None,
     axis: Literal["x", "y", "z", 0, 1, 2] | None = None,
     prefix: str = "",
+    decimals: int | None = None,
+    positions: Literal["float32", "float64"] | None = None,
+    tile: float | None = None,
+    tile_origin: tuple[float, float] | None = None,
+    tile_buffer: float | None = None,
+    split: str | None = None,
     nonfinite: Literal["keep", "drop", "refuse"] | None = None,
     memory: int | str | None = "1G",
     recursive: bool = False,
@@ -84,21 +90,27 @@ def verify(
         output's record; the inputs are in the folder of the output, in the current folder, or under their recorded
         paths.
     pipeline : the pipeline of the run, with built-in operators. None: that in the output's record, or guessed from the attributes.
-    k, radius, keep, order, axis, prefix, nonfinite : options of the run, if the output has no record.
+    k, radius, keep, order, axis, prefix, decimals, positions, tile, tile_origin, tile_buffer, split, nonfinite : options of the run,
+        if the output has no record.
     sample, seed : number of points that are recomputed, and which.
     rows : rows of further points to recompute.
     memory : memory for the neighbours of the sample; a larger sample takes several passes.
     recursive, format, columns, depth, resolution, ignore_crs : as for `open`.
     progress : as for `run`.
     """
-    checked = run_options(axis=axis, memory=memory, nonfinite=nonfinite, prefix=prefix, ignore_crs=ignore_crs)
+    of_run: dict[str, Any] = {
+        "axis": axis, "memory": memory, "nonfinite": nonfinite, "prefix": prefix, "ignore_crs": ignore_crs,
+        "decimals": decimals, "positions": positions,
+        "tile": tile, "tile_origin": tile_origin, "tile_buffer": tile_buffer, "split": split,
+    }
+    checked = run_options(**of_run)
     neighborhood: list[tuple[str, int | float]] = []
     if k is not None:
         neighborhood.append(("k", whole("k", k)))
     if radius is not None:
         neighborhood.append(("radius", number("radius", radius)))
     options: dict[str, Any] = {
-        **{name: checked[name] for name in ("axis", "memory", "nonfinite", "prefix", "ignore_crs")},
+        **{name: checked[name] for name in of_run},
         "pipeline": "" if pipeline is None else _text_of(pipeline),
         "neighborhood": neighborhood,
         "keep": names("keep", keep),

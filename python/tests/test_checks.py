@@ -3,6 +3,7 @@
 
 import json
 import subprocess
+import warnings
 
 import numpy as np
 import pytest
@@ -148,3 +149,19 @@ def test_verify_compares_whole_numbers_of_64_bits_exactly(tmp_path):
     assert verdict, str(verdict)
     found = ps.read(tmp_path / "out.las", keep=["copy", "large_max"])
     assert np.array_equal(found["copy"], points["large"]) and (found["large_max"] >= 2**64 - 60).all()
+
+
+def test_verify_takes_the_options_of_a_run_without_a_record(scan, tmp_path):
+    rounded = {"decimals": 2, "positions": "float32"}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ps.PointsweepWarning)  # of the lost system and of the rounding
+        ps.run(scan, "knn(8) | normals", to=tmp_path / "out.csv", **rounded)
+    assert not ps.verify(tmp_path / "out.csv", scan, k=8)
+    assert ps.verify(tmp_path / "out.csv", scan, k=8, **rounded)
+    (tmp_path / "cells").mkdir()
+    for divided in ({"tile": 5.0, "tile_origin": (1, 2), "tile_buffer": 1.0}, {"split": "classification"}):
+        ps.run(scan, "knn(8) | normals", to=tmp_path / "cells", provenance=False, **divided)
+        verdict = ps.verify(tmp_path / "cells", scan, k=8, **divided)
+        assert verdict and verdict.complete, str(verdict)
+        for tile in (tmp_path / "cells").iterdir():
+            tile.unlink()

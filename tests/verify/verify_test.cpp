@@ -74,11 +74,12 @@ class Verify : public testing::Test {
   Verdict check(const std::string& pipeline, const std::filesystem::path& output, VerifyOptions options = {}) {
     InputCloud cloud({input()});
     const auto reader = open_reader(output);
+    RowSource out(*reader);
     MadeBy made = made_by(chain(pipeline), cloud.schema());
     made.operators.clear();  // as they are bound to the attributes of the cloud
     for (const GraphNode& node : plan_chain(chain(pipeline), cloud.schema()).graph.nodes)
       if (node.op() != nullptr && !node.is_order() && !node.drops_rows()) made.operators.push_back(*node.op());
-    return verify(cloud, *reader, false, made, options);
+    return verify(cloud, out, false, made, options);
   }
   /// Writes the output again after `change` had its records.
   void change(const std::filesystem::path& path,
@@ -364,7 +365,9 @@ TEST_F(Verify, OperatorsOfUsersAreAppliedAgainAndNamedAsNotIndependent) {
   InputCloud cloud({input()});
   run(cloud, written, {.points = folder_ / "out.ply", .arrays = {}, .writer = {}});
   const auto checked = [&] {
-    return verify(cloud, *open_reader(folder_ / "out.ply"), false, made_by(written, cloud.schema()));
+    const auto reader = open_reader(folder_ / "out.ply");
+    RowSource out(*reader);
+    return verify(cloud, out, false, made_by(written, cloud.schema()));
   };
   EXPECT_TRUE(checked().same()) << to_text(checked());
   EXPECT_EQ(checked().by_own_operator, std::vector<std::string>{"steepness"});
@@ -388,7 +391,9 @@ TEST_F(Verify, AnOperatorOfAUserThatHasTheNameOfAnotherIsRefused) {
   const Chain written{{.k = 8}, {std::make_shared<OwnRor>()}};
   run(cloud, written, {.points = folder_ / "out.ply", .arrays = {}, .writer = {}});
   try {
-    verify(cloud, *open_reader(folder_ / "out.ply"), false, made_by(written, cloud.schema()));
+    const auto reader = open_reader(folder_ / "out.ply");
+    RowSource out(*reader);
+    verify(cloud, out, false, made_by(written, cloud.schema()));
     FAIL();
   } catch (const UsageError& refusal) {
     EXPECT_NE(std::string(refusal.what()).find("'ror' has no option 'radius'"), std::string::npos) << refusal.what();
@@ -404,7 +409,8 @@ TEST_F(Verify, NeighborsAndDistancesAreCheckedToTheLastOne) {
     MadeBy made = made_by(graph, cloud.schema());
     made.keep = {name[0] == 'n' ? "neighbors" : "distances"};
     const auto array = open_npy(folder_ / name);
-    return verify(cloud, *array, true, made);
+    RowSource out(*array);
+    return verify(cloud, out, true, made);
   };
   EXPECT_TRUE(checked("n.npy").same()) << to_text(checked("n.npy"));
   EXPECT_TRUE(checked("d.npy").same()) << to_text(checked("d.npy"));

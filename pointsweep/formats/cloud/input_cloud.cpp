@@ -185,6 +185,15 @@ std::pair<std::size_t, std::uint64_t> InputCloud::place_of_row(std::uint64_t row
   return {input, is_chosen ? chosen_[input]->input_row(read) : read};
 }
 
+std::vector<std::uint64_t> InputCloud::first_rows() const {
+  std::vector<std::uint64_t> rows = first_row_;
+  rows.push_back(count_);
+  if (!selection_) return rows;
+  SelectionCursor cursor(*selection_);
+  for (std::uint64_t& row : rows) row = cursor.kept_before(row);
+  return rows;
+}
+
 std::uint64_t InputCloud::input_row(std::uint64_t row) {
   const auto [input, in_file] = place_of_row(row);
   std::uint64_t left_out = 0;

@@ -12,6 +12,12 @@ constexpr std::string_view kE57Extensions[] = {".e57"};
 
 bool starts_as_e57(std::string_view head) { return head.starts_with("ASTM-E57"); }
 
+/// Outputs are one scan whose points all have places.
+std::optional<double> own_field(std::string_view name) {
+  if (name == "scan" || name == "invalid_state") return 0;
+  return std::nullopt;
+}
+
 }  // namespace
 
 const Format kE57Format = {.name = "E57",
@@ -29,6 +35,7 @@ const Format kE57Format = {.name = "E57",
                            .holds_provenance = true,
                            .encoder_bytes = e57_encoder_bytes,
                            .name_bytes = 252,
-                           .stored_name = e57_name};
+                           .stored_name = e57_name,
+                           .own_field = own_field};
 
 }  // namespace pointsweep

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "pointsweep/math/mix.h"
-#include "pointsweep/verify/rows/field_pair.h"
 #include "pointsweep/verify/rows/row_alignment.h"
 
 namespace pointsweep {
@@ -12,23 +11,13 @@ namespace {
 class Comparison {
  public:
   Comparison(RowSource& in, RowSource& out, const std::vector<bool>& replaced, const OutputWays& ways)
-      : in_(in), out_(out) {
+      : in_(in), out_(out), pairs_(comparable_pairs(replaced, ways)) {
     result_.points_in = in.count();
     result_.points_out = out.count();
-    for (std::size_t f = 0; f < in.schema().fields.size(); ++f) {
-      if (replaced[f]) continue;
-      const Field& field = in.schema().fields[f];
-      if (auto pairs = pairs_of_field(in.schema(), f, out.schema(), ways.decimals)) {
-        pairs_.insert(pairs_.end(), pairs->begin(), pairs->end());
-      } else if (ways.own_field != nullptr && ways.own_field(field.name) == 0 && field.count == 1) {
-        absent_.push_back(field);
-      } else {
-        result_.missing.push_back(in.schema().fields[f].name);
-      }
-    }
-    for (const FieldPair& pair : pairs_) result_.attributes.push_back({.name = pair.name()});
-    sums_in_.resize(pairs_.size()), sums_out_.resize(pairs_.size());
-    words_in_.resize(pairs_.size()), words_out_.resize(pairs_.size());
+    for (const FieldPair& pair : pairs_.all()) result_.attributes.push_back({.name = pair.name()});
+    const std::size_t n = pairs_.all().size();
+    sums_in_.resize(n), sums_out_.resize(n);
+    words_in_.resize(n), words_out_.resize(n);
     if (in.count() != out.count()) result_.first_different = std::min(in.count(), out.count());
   }
 
@@ -39,7 +28,7 @@ class Comparison {
       compare(first, std::min<std::uint64_t>(block, rows - first), look);
       if (progress) progress("comparing", std::min(first + block, rows), rows);
     }
-    for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    for (std::size_t p = 0; p < result_.attributes.size(); ++p) {
       result_.attributes[p].sum_in = sums_in_[p].sum();
       result_.attributes[p].sum_out = sums_out_[p].sum();
     }
@@ -49,6 +38,23 @@ class Comparison {
   }
 
  private:
+  /// Pairs the fields that both have, and notes those that the output lacks.
+  FilePairs comparable_pairs(const std::vector<bool>& replaced, const OutputWays& ways) {
+    std::vector<FieldPair> all;
+    for (std::size_t f = 0; f < in_.schema().fields.size(); ++f) {
+      if (replaced[f]) continue;
+      const Field& field = in_.schema().fields[f];
+      if (auto pairs = pairs_of_field(in_.schema(), f, out_.schema(), ways.places)) {
+        all.insert(all.end(), pairs->begin(), pairs->end());
+      } else if (ways.own_field != nullptr && ways.own_field(field.name) == 0 && field.count == 1) {
+        absent_.push_back(field);
+      } else {
+        result_.missing.push_back(field.name);
+      }
+    }
+    return {in_, out_, ways.in_any_order, std::move(all)};
+  }
+
   static std::size_t rows_of(const RowSource& source, std::uint64_t first, std::size_t n) {
     return first >= source.count() ? 0 : std::min<std::uint64_t>(n, source.count() - first);
   }
@@ -63,8 +69,8 @@ class Comparison {
     decode(out_, out, rows_out);
     for (std::size_t i = 0; i < rows_out; ++i) follow_order({x_[i], y_[i], z_[i]});
     for (std::size_t i = 0; i < n; ++i, in += in_.schema().stride, out += out_.schema().stride) {
-      if (i < rows_in) add(in, sums_in_, points_in_, words_in_, &FieldPair::expected);
-      if (i < rows_out) add(out, sums_out_, points_out_, words_out_, &FieldPair::found);
+      if (i < rows_in) add(pairs_.of_input(first + i), in, sums_in_, points_in_, words_in_, &FieldPair::expected);
+      if (i < rows_out) add(pairs_.of_output(first + i), out, sums_out_, points_out_, words_out_, &FieldPair::found);
       if (i < rows_in && i < rows_out && words_in_ != words_out_) note_different(first + i, in, out);
     }
   }
@@ -102,11 +108,12 @@ class Comparison {
     finite ? void(last_ = p) : void(met_nonfinite_ = true);
   }
 
-  void add(const std::byte* record, std::vector<MultisetSum>& sums, MultisetSum& points,
-           std::vector<std::uint64_t>& words, std::uint64_t (FieldPair::*word)(const std::byte*) const) {
+  static void add(std::span<const FieldPair> pairs, const std::byte* record, std::vector<MultisetSum>& sums,
+                  MultisetSum& points, std::vector<std::uint64_t>& words,
+                  std::uint64_t (FieldPair::*word)(const std::byte*) const) {
     std::uint64_t whole = 0;
-    for (std::size_t p = 0; p < pairs_.size(); ++p) {
-      words[p] = (pairs_[p].*word)(record);
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+      words[p] = (pairs[p].*word)(record);
       sums[p].add(words[p]);
       whole = mix(whole ^ words[p]);
     }
@@ -116,20 +123,20 @@ class Comparison {
   void note_different(std::uint64_t row, const std::byte* in, const std::byte* out) {
     result_.first_different = std::min(row, result_.first_different.value_or(row));
     ++result_.rows_different;
-    for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    for (std::size_t p = 0; p < result_.attributes.size(); ++p) {
       AttributeArrival& attribute = result_.attributes[p];
       if (words_in_[p] == words_out_[p] || ++attribute.rows_different > 1) continue;
       attribute.first_different = row;
-      attribute.expected = pairs_[p].expected_value(in);
-      attribute.found = pairs_[p].found_value(out);
+      attribute.expected = pairs_.all()[p].expected_value(in);
+      attribute.found = pairs_.all()[p].found_value(out);
     }
   }
 
   RowSource& in_;
   RowSource& out_;
-  std::vector<FieldPair> pairs_;
   std::vector<Field> absent_;  ///< fields of the input that the output lacks; all values must be 0
   Arrivals result_;
+  FilePairs pairs_;
   std::vector<MultisetSum> sums_in_, sums_out_;  ///< sums over the values of each pair of fields
   MultisetSum points_in_, points_out_;
   std::vector<std::uint64_t> words_in_, words_out_;  ///< hashes of the current row, for each pair

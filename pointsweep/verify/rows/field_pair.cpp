@@ -28,6 +28,16 @@ Field component_of(Field field, std::uint32_t component) {
   return field;
 }
 
+bool is_plain(const Field& field, Type type) { return field.type == type && field.is_plain(); }
+
+/// Returns a component of the field as a file of its cloud stores it. Only a float64 of the cloud can be stored in
+/// another way.
+Field field_in_file(const Field& component, std::uint32_t number, const Schema* file) {
+  const auto at = file != nullptr ? file->find(component.name) : std::nullopt;
+  if (!at || !is_plain(component, Type::f64) || number >= file->fields[*at].count) return component;
+  return component_of(file->fields[*at], number);
+}
+
 bool stored_alike(const Field& a, const Field& b) {
   return a.type == b.type && a.bit_width == 0 && b.bit_width == 0 && a.scale == b.scale && a.bias == b.bias;
 }
@@ -110,14 +120,30 @@ bool are_equal(const FieldPair& pair, const std::byte* result, const std::byte* 
 }  // namespace
 
 FieldPair::FieldPair(std::string name, const Field& from, std::uint32_t from_component, const Field& to,
-                     std::uint32_t to_component, std::optional<int> digits)
+                     std::uint32_t to_component, StoredPlaces places)
     : name_(std::move(name)),
+      from_component_(from_component),
+      to_component_(to_component),
       from_(component_of(from, from_component)),
       to_(component_of(to, to_component)),
-      bitwise_(stored_alike(from_, to_) && !digits),
-      decimals_(to_.type == Type::f64 && to_.is_plain() ? from_ : Field{}),
-      single_(from_.type == Type::f32 && from_.is_plain() && to_.type == Type::f64 && to_.is_plain()),
-      digits_(digits) {}
+      places_(places),
+      decimals_(Field{}) {
+  compare_as(from_, to_);
+}
+
+void FieldPair::compare_as(const Field& from_file, const Field& to_file) {
+  from_file_ = from_file, to_file_ = to_file;
+  const bool is_double = is_plain(to_file, Type::f64);
+  bitwise_ = stored_alike(from_, to_) && stored_alike(from_file, to_file) && !places_.decimals && !places_.single;
+  decimals_ = GridDecimals(is_double ? from_file : Field{});
+  single_ = is_double && (places_.single || is_plain(from_file, Type::f32));
+}
+
+FieldPair FieldPair::in_files(const Schema* from, const Schema* to) const {
+  FieldPair pair = *this;
+  pair.compare_as(field_in_file(from_, from_component_, from), field_in_file(to_, to_component_, to));
+  return pair;
+}
 
 std::uint64_t FieldPair::word_of(double value) const {
   if (single_) value = static_cast<double>(static_cast<float>(value));
@@ -127,8 +153,10 @@ std::uint64_t FieldPair::word_of(double value) const {
 
 std::uint64_t FieldPair::expected(const std::byte* from_record) const {
   if (bitwise_) return bits_at(from_, from_record);
-  const double value = stored_and_read(to_, value_of(from_, from_record));
-  return word_of(digits_ ? std::stod(fmt::format("{:.{}f}", value, *digits_)) : value);
+  double value = value_of(from_, from_record);
+  if (single_) value = static_cast<double>(static_cast<float>(value));
+  value = stored_and_read(to_file_, value);
+  return word_of(places_.decimals ? std::stod(fmt::format("{:.{}f}", value, *places_.decimals)) : value);
 }
 
 std::uint64_t FieldPair::found(const std::byte* to_record) const {
@@ -139,14 +167,15 @@ double FieldPair::resolution(double value) const {
   // Both the value and the number that a reader computes from the stored integer are rounded a few times in double
   // precision.
   const double of_double = std::ldexp(std::abs(value), -50);
-  if (digits_) return 0.5 * std::pow(10, -*digits_) + of_double;
-  if (to_.type == Type::f64 && to_.is_plain()) return single_ ? std::ldexp(std::abs(value), -24) : 0;
-  if (to_.type == Type::f32 && to_.is_plain()) return bitwise_ ? 0 : std::ldexp(std::abs(value), -24) + 0x1p-150;
-  return std::abs(to_.scale) / 2 + of_double;
+  const double of_single = single_ ? std::ldexp(std::abs(value), -24) : 0;
+  if (places_.decimals) return 0.5 * std::pow(10, -*places_.decimals) + of_double + of_single;
+  if (is_plain(to_file_, Type::f64)) return of_single;
+  if (is_plain(to_file_, Type::f32)) return bitwise_ ? 0 : std::ldexp(std::abs(value), -24) + 0x1p-150;
+  return std::abs(to_file_.scale) / 2 + of_double;
 }
 
 std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to,
-                                                     std::optional<int> decimals) {
+                                                     StoredPlaces places) {
   const std::optional<Schema> scaled = has_wide_colors(to) ? with_wide_colors(from) : std::nullopt;
   const Field& field = (scaled ? *scaled : from).fields[index];
   const PlaceFinder finder(from, index, to);
@@ -157,9 +186,16 @@ std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::si
     if (!place) return std::nullopt;
     const std::string name = field.count == 1 ? field.name : fmt::format("{}[{}]", field.name, c);
     pairs.emplace_back(name, field, c, to.fields[place->field], place->component,
-                       is_coordinate ? decimals : std::nullopt);
+                       is_coordinate ? places : StoredPlaces{});
   }
   return pairs;
+}
+
+MadeValue MadeValue::in_file(const Schema& to) const {
+  MadeValue value = *this;
+  for (auto& pair : value.pairs_)
+    if (pair) pair = pair->in_files(nullptr, &to);
+  return value;
 }
 
 Real MadeValue::distance_to(Vector expected, const std::byte* record) const {

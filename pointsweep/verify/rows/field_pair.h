@@ -16,6 +16,12 @@
 
 namespace pointsweep {
 
+/// How an output stores x, y and z, according to the options of its run.
+struct StoredPlaces {
+  std::optional<int> decimals = {};  ///< FileLayout::decimals, for text
+  bool single = false;               ///< true if they were rounded to float32 (RunOptions::positions)
+};
+
 /// Compares a value of one record with its copy in another, with the precision of the copy's type. Values are equal if
 /// - both are stored alike and their bits are equal; or else
 /// - storing the value of `from` in `to`, with colours scaled to the brightness of the type, gives the value of `to`: a
@@ -24,10 +30,15 @@ namespace pointsweep {
 ///   the float32 nearest to `to` is compared, since text files hold the fewest digits that identify a float.
 class FieldPair {
  public:
-  /// Pairs one component of each field; `name` is used in messages. `digits`: number of digits after the decimal point
-  /// if the values are written as text with a fixed number of digits.
+  /// Pairs one component of each field; `name` is used in messages. `places`: how the output stores coordinates;
+  /// nothing for other values.
   FieldPair(std::string name, const Field& from, std::uint32_t from_component, const Field& to,
-            std::uint32_t to_component, std::optional<int> digits = {});
+            std::uint32_t to_component, StoredPlaces places = {});
+
+  /// Returns the pair for records of a file of each cloud. Where files of a cloud store a field in different ways, for
+  /// example LAS coordinates on different grids, its records have a float64 instead, and values are still compared as
+  /// the two files store them. Null: as the records have them.
+  FieldPair in_files(const Schema* from, const Schema* to) const;
 
   const std::string& name() const { return name_; }
   /// Returns a hash that is equal for equal values: expected() for a record with `from`, found() for one with `to`.
@@ -39,22 +50,25 @@ class FieldPair {
   double found_value(const std::byte* to_record) const { return value_of(to_, to_record); }
 
  private:
+  void compare_as(const Field& from_file, const Field& to_file);
   std::uint64_t word_of(double value) const;
 
   std::string name_;
+  std::uint32_t from_component_, to_component_;
   Field from_, to_;
+  Field from_file_, to_file_;  ///< the fields as the files store them
+  StoredPlaces places_;
   bool bitwise_;
   GridDecimals decimals_;  ///< decimal fractions of integers on a decimal grid, as text files hold them
   bool single_;
-  std::optional<int> digits_;
 };
 
 /// Pairs all components of from.fields[index] with the fields of `to` in which a writer of any format may have stored
 /// them. Returns nothing if a component is missing. Writers change characters and lengths of names, number components,
 /// use the spelling of their format, and add an exact copy NAME_TYPE of rounded values, which is then compared.
-/// `decimals`: digits of x, y and z after the decimal point in text.
+/// `places`: how the output stores x, y and z.
 std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to,
-                                                     std::optional<int> decimals = {});
+                                                     StoredPlaces places = {});
 
 /// The sum of the hashes of values modulo 2^64, which does not depend on their order. Equal multisets have equal sums;
 /// different multisets have equal sums with probability 2^-64.
@@ -73,6 +87,8 @@ class MadeValue {
   /// `pairs`: for each component, the pair of a field of result records and a field of the output; absent for a
   /// component that was not written.
   explicit MadeValue(std::vector<std::optional<FieldPair>> pairs) : pairs_(std::move(pairs)) {}
+  /// Returns the components in records of a file of the output (FieldPair::in_files).
+  MadeValue in_file(const Schema& to) const;
 
   /// Returns the first wrong component; nothing if the value is right. Estimates without error are compared by
   /// FieldPair, bit for bit if the types are equal. Other values may differ by their error and one rounding to the type

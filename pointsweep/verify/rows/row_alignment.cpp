@@ -20,18 +20,14 @@ std::uint64_t word_of(std::span<const FieldPair> pairs, const std::byte* record,
   return all;
 }
 
-/// Calls use(row, hash of its values, record) for each row.
+/// Calls use(row, record) for each row.
 template <class Use>
-void for_each_word(RowSource& source, std::span<const FieldPair> pairs, Word word, const PhaseProgress& progress,
-                   Use use) {
+void for_each_row(RowSource& source, const PhaseProgress& progress, Use use) {
   for (std::uint64_t first = 0; first < source.count();) {
     stop_if_cancelled();
     const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(source.block_rows(), source.count() - first));
     const std::span<const std::byte> records = source.read(first, n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::byte* record = records.data() + i * source.schema().stride;
-      use(first + i, word_of(pairs, record, word), record);
-    }
+    for (std::size_t i = 0; i < n; ++i) use(first + i, records.data() + i * source.schema().stride);
     first += n;
     if (progress) progress("comparing", first, source.count());
   }
@@ -40,7 +36,7 @@ void for_each_word(RowSource& source, std::span<const FieldPair> pairs, Word wor
 /// A sequential reader of the hashes of the output's rows.
 class OutputWords {
  public:
-  OutputWords(RowSource& out, std::span<const FieldPair> pairs) : out_(out), pairs_(pairs) { fill(); }
+  OutputWords(RowSource& out, FilePairs& pairs) : out_(out), pairs_(pairs) { fill(); }
   bool ends() const { return row_ == out_.count(); }
   std::uint64_t row() const { return row_; }
   std::uint64_t word() const { return words_[row_ - first_]; }
@@ -55,11 +51,12 @@ class OutputWords {
     const std::span<const std::byte> records = out_.read(first_, n);
     words_.clear();
     for (std::size_t i = 0; i < n; ++i)
-      words_.push_back(word_of(pairs_, records.data() + i * out_.schema().stride, &FieldPair::found));
+      words_.push_back(
+          word_of(pairs_.of_output(first_ + i), records.data() + i * out_.schema().stride, &FieldPair::found));
   }
 
   RowSource& out_;
-  std::span<const FieldPair> pairs_;
+  FilePairs& pairs_;
   std::uint64_t row_ = 0, first_ = 0;
   std::vector<std::uint64_t> words_;
 };
@@ -72,16 +69,14 @@ std::optional<std::uint64_t> RowAlignment::place_of(std::uint64_t row) const {
   return static_cast<std::uint64_t>(at - kept.begin());
 }
 
-RowAlignment align_rows(RowSource& in, RowSource& out, std::span<const FieldPair> pairs,
-                        const PhaseProgress& progress) {
+RowAlignment align_rows(RowSource& in, RowSource& out, FilePairs& pairs, const PhaseProgress& progress) {
   RowAlignment alignment;
   OutputWords words(out, pairs);
-  for_each_word(in, pairs, &FieldPair::expected, progress,
-                [&](std::uint64_t row, std::uint64_t word, const std::byte*) {
-                  if (words.ends() || words.word() != word) return;
-                  alignment.kept.push_back(row);
-                  words.step();
-                });
+  for_each_row(in, progress, [&](std::uint64_t row, const std::byte* record) {
+    if (words.ends() || words.word() != word_of(pairs.of_input(row), record, &FieldPair::expected)) return;
+    alignment.kept.push_back(row);
+    words.step();
+  });
   if (!words.ends()) alignment.not_of_input = words.row();
   return alignment;
 }
@@ -101,59 +96,49 @@ std::vector<std::uint64_t> sample_of_both(const RowAlignment& alignment, std::ui
   return rows;
 }
 
-std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& alignment,
-                                           std::span<const FieldPair> pairs, std::span<const std::uint64_t> rows,
-                                           const PhaseProgress& progress) {
+std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& alignment, FilePairs& pairs,
+                                           std::span<const std::uint64_t> rows, const PhaseProgress& progress) {
   const std::size_t stride = in.schema().stride;
   std::vector<std::string> records;
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> of_word;  // rows by number of their hash
   std::vector<bool> has_twin(rows.size());
   for_each_record(in, rows, [&](std::size_t i, const std::byte* record) {
     records.emplace_back(reinterpret_cast<const char*>(record), stride);
-    of_word[word_of(pairs, record, &FieldPair::expected)].push_back(i);
+    of_word[word_of(pairs.of_input(rows[i]), record, &FieldPair::expected)].push_back(i);
   });
-  for_each_word(
-      in, pairs, &FieldPair::expected, progress, [&](std::uint64_t row, std::uint64_t word, const std::byte* record) {
-        const auto same = of_word.find(word);
-        if (same == of_word.end()) return;
-        for (const std::size_t i : same->second)
-          if (alignment.has(row) != alignment.has(rows[i]) && std::memcmp(record, records[i].data(), stride) != 0)
-            has_twin[i] = true;
-      });
+  for_each_row(in, progress, [&](std::uint64_t row, const std::byte* record) {
+    const auto same = of_word.find(word_of(pairs.of_input(row), record, &FieldPair::expected));
+    if (same == of_word.end()) return;
+    for (const std::size_t i : same->second)
+      if (alignment.has(row) != alignment.has(rows[i]) && std::memcmp(record, records[i].data(), stride) != 0)
+        has_twin[i] = true;
+  });
   std::vector<std::uint64_t> twins;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (has_twin[i]) twins.push_back(rows[i]);
   return twins;
 }
 
-std::optional<RowsWithValues> rows_with_values(RowSource& in, RowSource& out, std::span<const FieldPair> pairs,
-                                               std::span<const std::uint64_t> rows, const PhaseProgress& progress) {
-  const auto word_of = [&](const std::byte* record, std::uint64_t (FieldPair::*word)(const std::byte*) const) {
-    std::uint64_t whole = 0;
-    for (const FieldPair& pair : pairs) whole = mix(whole ^ (pair.*word)(record));
-    return whole;
-  };
+std::optional<std::vector<PossibleRows>> rows_with_values(RowSource& in, RowSource& out, FilePairs& pairs,
+                                                          std::span<const std::uint64_t> rows,
+                                                          const PhaseProgress& progress) {
   std::vector<std::uint64_t> words(rows.size());
-  for_each_record(in, rows,
-                  [&](std::size_t i, const std::byte* record) { words[i] = word_of(record, &FieldPair::expected); });
-  RowsWithValues found;
-  std::unordered_map<std::uint64_t, std::optional<std::uint64_t>> place_of;
-  for (const std::uint64_t word : words) place_of[word];
-  for (std::uint64_t first = 0; first < out.count(); first += out.block_rows()) {
-    const std::size_t n = std::min<std::uint64_t>(out.block_rows(), out.count() - first);
-    const std::byte* record = out.read(first, n).data();
-    for (std::size_t i = 0; i < n; ++i, record += out.schema().stride)
-      if (const auto at = place_of.find(word_of(record, &FieldPair::found)); at != place_of.end()) {
-        found.are_unique = found.are_unique && !at->second;
-        if (!at->second) at->second = first + i;
-      }
-    if (progress) progress("looking for the sample", first + n, out.count());
-  }
+  std::unordered_map<std::uint64_t, PossibleRows> of_word;
+  for_each_record(in, rows, [&](std::size_t i, const std::byte* record) {
+    words[i] = word_of(pairs.of_input(rows[i]), record, &FieldPair::expected);
+    of_word[words[i]];
+  });
+  for_each_row(out, progress, [&](std::uint64_t row, const std::byte* record) {
+    const auto at = of_word.find(word_of(pairs.of_output(row), record, &FieldPair::found));
+    if (at == of_word.end()) return;
+    if (at->second.count++ < kMostPossibleRows) at->second.rows.push_back(row);
+  });
+  std::vector<PossibleRows> possible;
   for (const std::uint64_t word : words) {
-    if (!place_of[word]) return std::nullopt;
-    found.rows.push_back(*place_of[word]);
+    possible.push_back(of_word[word]);
+    if (possible.back().count == 0) return std::nullopt;
   }
-  return found;
+  return possible;
 }
 
 }  // namespace pointsweep

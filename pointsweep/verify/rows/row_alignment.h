@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "pointsweep/verify.h"
-#include "pointsweep/verify/rows/field_pair.h"
+#include "pointsweep/verify/rows/file_pairs.h"
 #include "pointsweep/verify/rows/made_fields.h"
 #include "pointsweep/verify/rows/row_source.h"
 
@@ -27,7 +27,7 @@ struct RowAlignment {
 
 /// Aligns an output that has some of the rows of the input, in its order. Each row of the output is matched with the
 /// first remaining row of the input that has its values. `pairs`: the fields that are compared.
-RowAlignment align_rows(RowSource& in, RowSource& out, std::span<const FieldPair> pairs, const PhaseProgress& progress);
+RowAlignment align_rows(RowSource& in, RowSource& out, FilePairs& pairs, const PhaseProgress& progress);
 
 /// Returns a random sample of the rows of the input, half of them rows that the output has, if there are enough of both
 /// kinds. The order is arbitrary.
@@ -37,24 +37,27 @@ std::vector<std::uint64_t> sample_of_both(const RowAlignment& alignment, std::ui
 /// Returns the rows among `rows`, ascending, that have an ambiguous twin: another row of the input with the same values
 /// in the precision of the output, while the output has only one of the two. Exactly equal rows are no twins: they are
 /// kept or dropped together.
-std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& alignment,
-                                           std::span<const FieldPair> pairs, std::span<const std::uint64_t> rows,
-                                           const PhaseProgress& progress);
+std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& alignment, FilePairs& pairs,
+                                           std::span<const std::uint64_t> rows, const PhaseProgress& progress);
 
-struct RowsWithValues {
-  std::vector<std::uint64_t> rows;  ///< rows of the output
-  bool are_unique = true;           ///< true if no other row of the output has the values of one of `rows`
+/// The rows of an output that may be a row of its input.
+struct PossibleRows {
+  std::vector<std::uint64_t> rows;  ///< at most kMostPossibleRows, ascending
+  std::uint64_t count = 0;          ///< number of all
 };
+inline constexpr std::size_t kMostPossibleRows = 64;
 
-/// Returns, for each of `rows` of the input, a row of the output with its values in the fields of `pairs`; nothing if a
-/// row has none. `rows` ascend; the output may be in any order. Reads the output once.
-std::optional<RowsWithValues> rows_with_values(RowSource& in, RowSource& out, std::span<const FieldPair> pairs,
-                                               std::span<const std::uint64_t> rows, const PhaseProgress& progress);
+/// Returns, for each of `rows` of the input, the rows of the output with its values in the fields of `pairs`; nothing
+/// if a row has none. `rows` ascend; the output may be in any order. Reads the output once.
+std::optional<std::vector<PossibleRows>> rows_with_values(RowSource& in, RowSource& out, FilePairs& pairs,
+                                                          std::span<const std::uint64_t> rows,
+                                                          const PhaseProgress& progress);
 
 /// The ways in which the output may store the input's values.
 struct OutputWays {
-  OwnField own_field = nullptr;      ///< fields of the output's format that it may lack if all values are 0
-  std::optional<int> decimals = {};  ///< FileLayout::decimals of the output
+  OwnField own_field = nullptr;  ///< fields of the output's format that it may lack if all values are 0
+  StoredPlaces places = {};
+  bool in_any_order = false;  ///< true if the order of the output's rows is unknown
 };
 
 /// Compares all values of both files, which are read once, at the same time. `replaced[f]`: true if field f of the

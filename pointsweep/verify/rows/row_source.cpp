@@ -5,16 +5,24 @@
 
 namespace pointsweep {
 
-RowSource::RowSource(InputCloud& cloud)
-    : schema_(&cloud.schema()),
+RowSource::RowSource(InputCloud& cloud) : RowSource(cloud, cloud.readers().front()->info().path.string(), "") {}
+
+RowSource::RowSource(InputCloud& cloud, std::string name, const std::string& left_out)
+    : schema_(cloud.schema()),
       count_(cloud.count()),
-      name_(cloud.readers().front()->info().path.string()),
-      read_([&cloud](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }) {}
+      name_(std::move(name)),
+      read_([&cloud](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }) {
+  std::erase_if(schema_.fields, [&](const Field& field) { return field.name == left_out; });
+  const std::vector<std::uint64_t> first_rows = cloud.first_rows();
+  for (std::size_t i = 0; i < cloud.readers().size(); ++i)
+    files_.push_back({first_rows[i], &cloud.readers()[i]->info().schema});
+}
 
 RowSource::RowSource(Reader& reader)
-    : schema_(&reader.info().schema),
+    : schema_(reader.info().schema),
       count_(reader.info().count),
       name_(reader.info().path.string()),
+      files_{{0, &reader.info().schema}},
       read_([&reader](std::uint64_t row, std::span<std::byte> records) { return reader.read(row, records); }) {}
 
 RowSource::RowSource(RowSource& rows, std::span<const std::uint64_t> chosen)
@@ -28,10 +36,14 @@ RowSource::RowSource(RowSource& rows, std::span<const std::uint64_t> chosen)
           std::copy_n(record, stride, records.data() + i * stride);
         });
         return some.size();
-      }) {}
+      }) {
+  for (const FileOfRows& file : rows.files_)
+    files_.push_back(
+        {static_cast<std::uint64_t>(std::ranges::lower_bound(chosen, file.first) - chosen.begin()), file.schema});
+}
 
 std::span<const std::byte> RowSource::read(std::uint64_t first, std::size_t count) {
-  const std::size_t bytes = count * schema_->stride;
+  const std::size_t bytes = count * schema_.stride;
   block_.resize(std::max(block_.size(), bytes));
   const std::size_t got = bytes == 0 ? 0 : read_(first, std::span(block_).first(bytes));
   if (got != count) fail("{}: ends at point {} of {}; it has changed while it was read.", name_, first + got, count_);

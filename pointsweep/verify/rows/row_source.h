@@ -19,19 +19,29 @@ namespace pointsweep {
 /// A function called between pieces of work with the work done and the work in total; may throw to end it.
 using PhaseProgress = std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)>;
 
+/// A file of a source. Its own schema tells how it stores the values of its rows, which records of the source may not.
+struct FileOfRows {
+  std::uint64_t first;  ///< first row
+  const Schema* schema;
+};
+
 class RowSource {
  public:
   /// Borrows the cloud or the reader.
   explicit RowSource(InputCloud& cloud);
   explicit RowSource(Reader& reader);
+  /// `name`: name of all files together in messages. `left_out`: a field that the source hides.
+  RowSource(InputCloud& cloud, std::string name, const std::string& left_out);
   /// Selects some rows of another source; `chosen` ascends.
   RowSource(RowSource& rows, std::span<const std::uint64_t> chosen);
 
-  const Schema& schema() const { return *schema_; }
+  const Schema& schema() const { return schema_; }
   std::uint64_t count() const { return count_; }
-  const std::string& name() const { return name_; }  ///< name of the first file
+  const std::string& name() const { return name_; }  ///< name of the first file, or of all files together
+  /// Returns the files of the rows, ascending by their first rows.
+  std::span<const FileOfRows> files() const { return files_; }
   /// Returns the number of rows that make a piece of about 4 MB.
-  std::size_t block_rows() const { return std::max<std::size_t>(1, kBlockBytes / schema_->stride); }
+  std::size_t block_rows() const { return std::max<std::size_t>(1, kBlockBytes / schema_.stride); }
 
   /// Returns the records [first, first + count), all of which exist; valid until the next call. Throws Error if the
   /// file has changed.
@@ -40,9 +50,10 @@ class RowSource {
  private:
   static constexpr std::size_t kBlockBytes = 4 << 20;
 
-  const Schema* schema_;
+  Schema schema_;
   std::uint64_t count_;
   std::string name_;
+  std::vector<FileOfRows> files_;
   std::function<std::size_t(std::uint64_t, std::span<std::byte>)> read_;
   std::vector<std::byte> block_;
 };
