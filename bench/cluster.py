@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """A run over tiles on two workers with one thread each, compared with one process of two threads: CPU, memory, and bytes in the scratch.
 
+With --limited each worker gets a control group whose hard limit is its --memory, for what it allocates after its start and its page cache.
+
 The CPU time of the workers and of the client is that of the run alone, without the start of their processes. The table for 10^11 points multiplies counted bytes."""
 import argparse
 import filecmp
@@ -12,6 +14,7 @@ import sys
 import time
 
 import committed
+import control_groups
 import processes
 from processes import ROOT
 
@@ -27,6 +30,7 @@ def arguments():
     parser.add_argument("--formats", nargs="+", default=["ply", "laz"], help="of the tiles (default ply laz)")
     parser.add_argument("--many", nargs="*", default=["1k", "10k"], help="numbers of tiles of 2,000 points (default 1k 10k)")
     parser.add_argument("--memory", default="512M", help="budget of each process (default 512M)")
+    parser.add_argument("--limited", action="store_true", help="give each worker a hard limit of memory")
     parser.add_argument("--repeat", type=int, default=3, help="timed runs (default 3)")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench", help="folder for clouds and outputs")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
@@ -133,11 +137,25 @@ def main():
     from distributed import Client, LocalCluster
 
     import pointsweep as ps
+    from pointsweep._options import bytes_of
 
     options.work.mkdir(parents=True, exist_ok=True)
     options.work = options.work.resolve()
-    result = committed.begun(memory=options.memory, rows=[], many=[])
-    with config.set({"distributed.worker.profile.enabled": False}), LocalCluster(n_workers=2, threads_per_worker=1, memory_limit=None, dashboard_address=":0") as cluster, Client(cluster) as client:
+    result = committed.begun(memory=options.memory, limited=options.limited, rows=[], many=[])
+    limit = bytes_of(options.memory) if options.limited else None
+    # The groups end after the workers in them.
+    with (
+        control_groups.limited(limit, "-0") as first,
+        control_groups.limited(limit, "-1") as second,
+        config.set({"distributed.worker.profile.enabled": False}),
+        LocalCluster(n_workers=2, threads_per_worker=1, memory_limit=None, dashboard_address=":0") as cluster,
+        Client(cluster) as client,
+    ):
+        for enter, pid in zip((first, second), client.run(os.getpid).values()):
+            if enter:
+                enter(pid)
+            elif options.limited:
+                sys.exit("script/bench cluster: --limited needs control groups of memory, which this machine does not let make")
         for shape in options.clouds:
             for file_format in options.formats:
                 source = tiles_of(options, shape, processes.points(options.size) * options.side**2, options.side, file_format)

@@ -5,11 +5,10 @@ Each run is in a control group with a hard limit of memory, page cache included,
 the disk again. Compared are CPU seconds and bytes read a point with those of the smallest cloud, the share of the recall in the
 time, and the peak of resident memory with the budget."""
 import argparse
-import contextlib
 import json
-import os
 import pathlib
 
+import control_groups
 import processes
 from processes import ROOT
 
@@ -38,37 +37,6 @@ def size_of(text):
     return int(text[:-1]) << {"M": 20, "G": 30}[text[-1]]
 
 
-def own_group():
-    """The folder of the control group of this process that limits memory, and the name of the file of the limit."""
-    groups = dict(line.strip().split(":", 2)[1:] for line in open("/proc/self/cgroup"))
-    if "memory" in groups:
-        return pathlib.Path("/sys/fs/cgroup/memory") / groups["memory"].strip("/"), "memory.limit_in_bytes"
-    return pathlib.Path("/sys/fs/cgroup") / groups.get("", "/").strip("/"), "memory.max"
-
-
-@contextlib.contextmanager
-def limited(limit):
-    """Returns a function that moves the calling process into a control group with this memory limit; None if groups cannot be made."""
-    parent, name = own_group()
-    group = parent / f"pointsweep-{os.getpid()}"
-    try:
-        group.mkdir()
-    except OSError as error:
-        print(f"without a hard limit of memory: {error}")
-        yield None
-        return
-    try:
-        try:
-            (group / name).write_text(str(limit))
-        except OSError as error:
-            print(f"without a hard limit of memory: {error}")
-            yield None
-            return
-        yield lambda: (group / "cgroup.procs").write_text(str(os.getpid()))
-    finally:
-        group.rmdir()
-
-
 def measure(options, name, size):
     cloud, output, stats = (options.work / f"scale{end}" for end in ("-in.ply", "-out.ply", ".json"))
     tool = options.build / "cli/pointsweep"
@@ -76,7 +44,7 @@ def measure(options, name, size):
     processes.run([tool, "generate", shape, cloud, "-n", size, *more, "--quiet", "--force"])
     words = ["normals", cloud, output, "-k", 8, "--keep", "nx,ny,nz", "--memory", options.memory, "--temp-dir", options.work, "--stats", stats]
     try:
-        with limited(size_of(options.limit)) as enter:
+        with control_groups.limited(size_of(options.limit)) as enter:
             figures = processes.run([tool, *words, "--quiet", "--force"], before=enter)
         said = json.loads(stats.read_text())
     finally:

@@ -183,9 +183,9 @@ std::optional<MovedPoints> moved_points(const Context& context, const Rows& rows
 
 /// Returns the request for tiles. The rows of the context, and what it refers to, must outlive it.
 TileRequest tiles_of(const Context& context, int axis) {
-  const auto provenance = [context, axis](const InputCloud& input, std::size_t tile) {
-    const PartOfRun part = context.part.value_or(PartOfRun{tile, context.outputs.tiles.size()});
-    return provenance_of_tile(input, {part.tile, part.tiles}, said_of(context, axis));
+  const auto provenance = [part = context.part, tiles = context.outputs.tiles.size(), record = said_of(context, axis)](
+                              const InputCloud& input, std::size_t tile) {
+    return provenance_of_tile(input, part ? TileNumber{part->tile, part->tiles} : TileNumber{tile, tiles}, record);
   };
   return {context.cloud, context.names, context.outputs, context.options, provenance};
 }
