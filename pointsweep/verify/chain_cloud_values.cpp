@@ -24,8 +24,8 @@ std::vector<const Operator*> ChainValues::makers_of_reads(const Contract& contra
   return makers;
 }
 
-/// Returns the fields of the output that hold the attribute of a column; nothing if it has none. The output holds only
-/// the last version of an attribute, and normals as orient() has turned them.
+/// Returns the fields of the output that hold the attribute of a column; nothing if the output has none. The output
+/// holds only the last version of an attribute, and normals as orient() has turned them.
 std::optional<ColumnSource> ChainValues::source_of(std::uint16_t column, const OutputColumns& in_output) const {
   const Attribute& attribute = columns_[column];
   if (maker_[column] < 0) {
@@ -101,7 +101,7 @@ constexpr std::uint64_t kPointsAtOnce = 1 << 17;
 
 }  // namespace
 
-/// Points are numbered as in the sorted cloud.
+/// Evaluates the points in the order of SortedCloud.
 std::vector<double> ChainValues::made_by_operators(const std::string& attribute, CloudRows& rows,
                                                    const NeighborRule& neighborhood) {
   const auto of_name = std::ranges::find(latest_, attribute, [](const auto& l) { return l.first; });
@@ -150,7 +150,8 @@ std::vector<double> ChainValues::made_by_operators(const std::string& attribute,
   return values;
 }
 
-/// Returns a source that computes the values of a made attribute again, because the output lacks them for some rows.
+/// Computes a made attribute again for all rows, because the output lacks some rows, and returns the values as a
+/// source.
 std::optional<ColumnSource> ChainValues::source_again(std::uint16_t column, CloudRows& rows) const {
   const auto maker = static_cast<std::size_t>(maker_[column]);
   std::vector<StageOperator> before;

@@ -21,8 +21,8 @@ Surroundings without_neighbors(std::span<const KnownPoint> points, std::size_t r
 
 }  // namespace
 
-/// Keeps the position, and attributes that the stage both reads and makes. All other attributes that it makes get their
-/// value for "none".
+/// Keeps the position, and attributes that the stage both reads and makes. All other attributes that the stage makes
+/// get their value for "none".
 void ChainValues::leave_unchanged(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
                                   ColumnEstimates& estimates) const {
   const Contract contract = contract_of(stage.op);

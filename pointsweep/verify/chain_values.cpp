@@ -152,7 +152,7 @@ void ChainValues::make(const Attribute& attribute, Stage& stage) {
 }
 
 /// Finds the rings of neighbours that each stage needs, from the last stage to the first: if a stage reads attributes
-/// of neighbours, these are needed one ring farther out.
+/// of neighbours, the attributes are needed one ring farther out.
 void ChainValues::find_rings() {
   for (const std::uint16_t column : made_columns_) need(column, 0);
   for (std::size_t s = stages_.size(); s-- > 0;) {
@@ -222,8 +222,8 @@ void ChainValues::apply(const Stage& stage, const Surroundings& around, ColumnBy
   }
 }
 
-/// Finds the operators to apply themselves. An applied operator reads exact bits, so that the operators that make these
-/// bits are applied as well.
+/// Finds the stages whose operator is itself applied. An applied operator reads exact bits, so the operators that make
+/// the attributes it reads are applied as well.
 void ChainValues::find_applied() {
   const auto apply_maker = [&](std::uint16_t column) {
     if (maker_[column] >= 0) stages_[static_cast<std::size_t>(maker_[column])].applied = true;

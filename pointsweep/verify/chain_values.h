@@ -18,20 +18,21 @@
 
 namespace pointsweep {
 
-/// Finds the fields of the output that hold a made attribute; nothing if it was not written.
+/// Returns the fields of the output that hold a made attribute; nothing if the attribute was not written.
 using OutputColumns = std::function<std::optional<std::vector<FieldPair>>(const Attribute& made)>;
 
 /// The kept attributes of some points, point after point.
 struct ChainResults {
   std::vector<std::byte> values;              ///< result_bytes() for each point, in the types of the attributes
-  std::vector<formulas::Estimate> estimates;  ///< estimates_per_point() for each point: its values with error bounds
+  std::vector<formulas::Estimate> estimates;  ///< estimates_per_point() for each point: values with error bounds
 };
 
 class ChainValues {
  public:
   /// `keep`: names of the made attributes to evaluate; empty for all. `rule`: shortens the lists of neighbours. Throws
-  /// UsageError if an operator reads an attribute that neither the input nor an earlier stage has, or the rule one that
-  /// the input does not have. A select makes the attribute selection_name(), which is always evaluated.
+  /// UsageError if an operator reads an attribute that neither the input nor an earlier stage has, or if the rule reads
+  /// an attribute that the input does not have. A select makes the attribute selection_name(), which is always
+  /// evaluated.
   ChainValues(std::vector<StageOperator> operators, const std::vector<std::string>& keep, const Schema& input,
               SharedRule rule = {}, const CloudThreshold& threshold = {});
   /// Returns the name of the selection by the `number`-th operator.
@@ -51,22 +52,23 @@ class ChainValues {
   /// Returns the bytes of the result of a point: the values of made(), one after another.
   std::size_t result_bytes() const;
   std::size_t estimates_per_point() const;
-  /// Returns the number of rings of neighbours that need neighbours themselves: 0 without operators; 1 if stages read
-  /// only positions and input attributes of neighbours; one more for each stage that reads attributes of neighbours
-  /// made by another stage.
+  /// Returns the number of rings of points that need lists of neighbours: 0 without operators; 1 if stages read only
+  /// positions and input attributes of neighbours; one more for each stage that reads attributes which another stage
+  /// has made for the neighbours.
   std::size_t rings() const;
 
   /// Returns the results of the chosen points of `around`, which has rings() rings. Reads the input once more if an
   /// operator reads attributes of the file. `rows`: the rows given to look_at_cloud().
   ChainResults evaluate(Surroundings around, RowSource& in, CloudRows& rows) const;
   /// Evaluates the chain for points without a finite place, which have no neighbours. A stage that reads only the point
-  /// itself treats such points as any other; every other stage leaves them unchanged.
+  /// itself treats such points as any other, and a cloud formula may state their values (CloudFormula::unplaced). All
+  /// other stages leave them unchanged.
   ChainResults evaluate_unplaced(std::span<const KnownPoint> points, RowSource& in) const;
   /// Returns the bytes of memory for each point of the surroundings, in addition to its list.
   std::size_t bytes_per_point() const;
   /// Returns an attribute of all rows, computed by the operators themselves, equal to a run bit by bit. Only for
   /// attributes of local stages that follow local stages. Order: row of the input, then component; NaN for a point
-  /// without a finite place. All values are in memory; throws NotTold.
+  /// without a finite place. All values are in memory. Throws NotTold if the values cannot be computed.
   std::vector<double> made_by_operators(const std::string& attribute, CloudRows& rows,
                                         const NeighborRule& neighborhood);
 

@@ -18,7 +18,7 @@ bool drops_rows_and_makes(const GraphNode& node) { return node.drops_rows() && n
 
 bool is_selection(const Attribute& a) { return a.name == selection_attribute().name; }
 
-/// Removes attributes that are made again after a new neighbourhood, since they are not checked.
+/// Removes the unchecked attributes from the kept attributes. If none is left, only selects are checked.
 void keep_what_is_told(MadeBy& made) {
   if (made.keep.empty())
     for (const auto& op : made.operators)
@@ -48,7 +48,7 @@ bool reads_any(const GraphNode& node, const std::set<std::size_t>& versions) {
   return std::ranges::any_of(node.reads, is_one) || std::ranges::any_of(node.reads_neighbors, is_one);
 }
 
-/// Adds a select that follows other stages. Its condition is evaluated on the attributes that these make.
+/// Adds a select that follows other stages. `is_told`: true if the attributes that its condition reads are checked.
 void add_late_select(const GraphNode& node, bool is_told, MadeBy& made) {
   made.leaves_out = true;
   if (is_told) return made.operators.push_back(*node.op());
@@ -105,7 +105,7 @@ void leave_out(const KeptFields& named, const std::string& prefix, const Schema&
 
 KeptRows rows_kept_first(const VerifyOptions& options, const InputCloud& cloud, const ChainGraph& graph) {
   std::vector<StageOperator> first;
-  std::optional<StageOperator> means;  // voxel(keep=centroid), the last of them
+  std::optional<StageOperator> means;  // the stage voxel(keep=centroid), which follows `first`
   bool others = false;
   for (std::size_t n = 1; n < graph.nodes.size(); ++n) {
     const GraphNode& node = graph.nodes[n];

@@ -42,7 +42,8 @@ struct KeptRows {
   std::shared_ptr<InputCloud> before_means;  ///< rows before voxel(keep=centroid); null without such a stage
 };
 
-/// Throws UsageError for a thinning after other stages, and for any select after voxel(keep=centroid).
+/// Returns the rows of `cloud` that the selects and thinnings at the beginning of the chain keep. Throws UsageError for
+/// a thinning after other stages, and for any stage that drops rows after voxel(keep=centroid).
 KeptRows rows_kept_first(const VerifyOptions& options, const InputCloud& cloud, const ChainGraph& graph);
 
 }  // namespace pointsweep

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The cloud of the files among which a run has divided its output (RunOptions::division), which checks that each point
-/// is in the right file.
+/// The output of a run that has divided it among files (RunOptions::division), read as one cloud, and a check that each
+/// point is in the right file.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ OutputDivision recorded_division(const ProvenanceRecord& record);
 
 struct Misplaced {
   std::uint64_t count = 0;  ///< number of points in the wrong file, and of files with a wrong name or buffer
-  std::vector<std::string> sentences = {};  ///< messages about the first few of them
+  std::vector<std::string> sentences = {};  ///< messages about the first few of the faults that `count` counts
 };
 
 struct DividedOutput {
@@ -29,10 +29,10 @@ struct DividedOutput {
   Misplaced misplaced;
 };
 
-/// The attribute that tells the points of a buffer from those of the tile.
+/// The name of the attribute that is 0 for points of a tile and another number for points of its buffer.
 inline constexpr const char* kBuffer = "buffer";
 
-/// Reads all files once.
+/// Returns the points of a divided output, and the faults of the division. Reads all files once.
 DividedOutput read_divided(const std::vector<std::filesystem::path>& files, const OutputDivision& division,
                            const PhaseProgress& progress);
 

@@ -42,7 +42,7 @@ struct OutputCheck {
   fs::path output;
   VerifyOptions options;
   std::vector<OptionText> neighborhood;
-  std::vector<fs::path> tiles;  ///< files of an output folder: one for each input, or those of a divided output
+  std::vector<fs::path> tiles;  ///< files of an output folder: one for each input, or the parts of a divided output
   bool recorded = false;        ///< true if the pipeline comes from the record; omitted lengths are defaults in metres
   bool without_stages = false;  ///< true if the run was a sort or a conversion, according to its record
 
@@ -50,7 +50,7 @@ struct OutputCheck {
   bool says_how() const { return !options.pipeline.empty() || !neighborhood.empty() || !options.keep.empty(); }
 };
 
-/// Returns whether the order of the output's points is unknown: it is not that of the input, and no option or record
+/// Returns whether the order of the output's points is unknown: it differs from the input's, and no option or record
 /// states it.
 bool is_in_any_order(const OutputCheck& check) {
   const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
@@ -105,7 +105,8 @@ void take_record(OutputCheck& check, const ProvenanceRecord& record) {
   if (!options.axis && axis.size() == 1 && axis >= "x" && axis <= "z") options.axis = axis[0] - 'x';
 }
 
-/// Returns the output of an input in a folder of outputs, which may have another format.
+/// Returns the path of the output for an input in a folder of outputs. The output may have another format than the
+/// input.
 fs::path tile_of(const ListedFile& input, const fs::path& folder) {
   fs::path tile = folder / tile_name(input.relative, "");
   if (exists_at(tile)) return tile;
@@ -115,7 +116,8 @@ fs::path tile_of(const ListedFile& input, const fs::path& folder) {
        input.path.string());
 }
 
-/// Lists the files in the folder if a run has divided its output among them. The options or the first file tell this.
+/// Lists the files in the folder if a run has divided its output among them, according to the options or to the record
+/// of the first file.
 void list_parts(OutputCheck& check) {
   const auto is_file = [](const fs::directory_entry& entry) {
     return !is_hidden(entry.path()) && entry.is_regular_file() && is_point_file(entry.path());
@@ -160,7 +162,8 @@ OutputCheck completed(OutputCheck check) {
   return check;
 }
 
-/// Returns the cloud without the points that the run has dropped because they have no finite places, and these points.
+/// Returns the cloud without the points that the run has dropped because their coordinates are not finite, and the
+/// dropped points.
 std::pair<InputCloud, NonfiniteRows> left_by_run(const OutputCheck& check, const InputCloud& all) {
   Outputs outputs{.tiles = check.tiles};
   if (check.tiles.empty()) outputs.points = check.output;
@@ -177,7 +180,7 @@ void refuse_resorted(const OutputCheck& check, const ChainGraph& graph) {
 
 StageText knn_of(const OutputCheck& check) { return {neighborhood_declaration().name, check.neighborhood, "verify"}; }
 
-/// Returns the run that made an array of neighbours or of distances, which follows from the array except for a radius.
+/// Returns the run that made an array of neighbours or of distances. The array tells k, but not a radius.
 MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, const RowSource& out) {
   const std::vector<Field>& columns = out.schema().fields;
   const bool distances = columns.front().type == Type::f64;
@@ -206,7 +209,7 @@ class MadeAttributes {
     return std::all_of(attribute.fields.begin(), attribute.fields.end(),
                        [&](const std::string& field) { return has(field); });
   }
-  /// Returns the stages that usually make these attributes.
+  /// Returns the stages that usually make the output's attributes; empty if it has none that are known.
   std::string likely_pipeline() const {
     std::string text;
     const bool curvature = has("k1") || has("k2") || has("mean_curvature") || has("surface_variation");
@@ -228,7 +231,7 @@ struct Compared {
   InputCloud from;
 };
 
-/// `all`: the inputs. `cloud`: left_by_run() of these.
+/// Returns the stages of the run and the rows that they take. `all`: the inputs; `cloud`: left_by_run() of `all`.
 Compared made_by_pipeline(const OutputCheck& check, const InputCloud& all, const InputCloud& cloud, RowSource& out,
                           const std::set<std::string>& changed) {
   const VerifyOptions& options = check.options;
@@ -260,12 +263,12 @@ Compared made_by_pipeline(const OutputCheck& check, const InputCloud& all, const
   if (all_are_dropped) leave_selects(made);
   leave_out(plan.kept, options.prefix, cloud.schema(), made);
   made.left_out_input.insert(kInputRow);
-  // Outliers are checked against the mean distances in the output, which are checked against the input.
   made.in_any_order = is_in_any_order(check);
   if (made.leaves_out && (options.order == Order::sweep || made.in_any_order))
     fail_usage(
         "verify: which rows a stage after others has left out is not told by an output in the order of the sweep, nor "
         "by one that is divided among files or a COPC file; verify one file in the order of the input.");
+  // Outliers are checked against the mean distances in the output, which are checked against the input.
   if (!made.leaves_out)
     made.outlier_threshold = outlier_threshold(out, made.operators, options.prefix, options.progress);
   if (!options.pipeline.empty() || !options.keep.empty()) return compared;
@@ -283,7 +286,8 @@ std::set<std::string> changed_attributes(const Arrivals& arrivals) {
   return names;
 }
 
-/// `all`: the inputs. `cloud`: left_by_run() of these. `misplaced`: what is wrong with the division into files.
+/// Checks files of points. `all`: the inputs; `cloud`: left_by_run() of `all`; `misplaced`: faults of the division into
+/// files.
 Verdict checked_points(const OutputCheck& check, const InputCloud& all, InputCloud& cloud, RowSource& out,
                        const Misplaced& misplaced) {
   const VerifyOptions& options = check.options;
@@ -306,7 +310,7 @@ Verdict checked_points(const OutputCheck& check, const InputCloud& all, InputClo
   return likely.made.keep == compared.made.keep ? verdict : verify(likely.from, out, false, likely.made, options);
 }
 
-/// `all`: the inputs. `cloud`: left_by_run() of these.
+/// Checks the output. `all`: the inputs; `cloud`: left_by_run() of `all`.
 Verdict checked(const OutputCheck& check, const InputCloud& all, InputCloud& cloud) {
   const VerifyOptions& options = check.options;
   if (is_array_name(check.output)) {

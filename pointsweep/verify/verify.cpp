@@ -125,8 +125,8 @@ class Verification {
     known_.emplace(in_, out_, made_by_.in_any_order, std::move(known));
   }
 
-  /// Matches the rows of the output with rows of the input. Returns false if some are not rows of the input in its
-  /// order.
+  /// Matches the rows of the output with rows of the input. Returns false if the output is not a selection of the
+  /// input's rows in the order of the input.
   bool find_kept_rows() {
     pair_known_fields();
     alignment_ = align_rows(in_, out_, *known_, options_.progress);
@@ -236,11 +236,11 @@ class Verification {
   }
 
   void check_sample() {
-    std::vector<PossibleRows> places;  // of the sample in the output
+    std::vector<PossibleRows> places;  // for each row of the sample, the rows of the output that may be it
     if (made_by_.in_any_order) {
       pair_known_fields();
       auto found = rows_with_values(in_, out_, *known_, rows_, options_.progress);
-      if (!found) return;  // the output has a known difference
+      if (!found) return;  // the output lacks a row of the sample, which is reported as a difference of the values
       places = std::move(*found), ++verdict_.passes;
       if (moved() && std::ranges::any_of(places, [](const PossibleRows& any) { return any.count > 1; }))
         return verdict_.untold.push_back(
@@ -275,8 +275,8 @@ class Verification {
                       unclear_, kMostPossibleRows));
   }
 
-  /// Returns the columns of the output that hold made attributes. If a made attribute was not written, a field of that
-  /// name is an attribute of the input.
+  /// Returns a function that finds the fields of a made attribute in the output. If the attribute was not written, a
+  /// field with its name comes from the input and is not returned.
   OutputColumns columns_of_output() const {
     return [this](const Attribute& made) -> std::optional<std::vector<FieldPair>> {
       if (std::ranges::find(chain_.made(), made.name, &Attribute::name) == chain_.made().end()) return std::nullopt;
@@ -294,7 +294,7 @@ class Verification {
 
   /// Removes the attributes that cannot be checked.
   void drop_untold() {
-    std::vector<bool> told;  // for each estimate
+    std::vector<bool> told;  // for each estimate, true if it can be checked
     verdict_.made.clear();
     for (std::size_t a = 0; a < chain_.made().size(); ++a) {
       told.insert(told.end(), estimates_of(chain_.made()[a]), chain_.is_told(a));
@@ -330,7 +330,7 @@ class Verification {
     const std::size_t estimates_per_point = chain_.estimates_per_point();
     const auto estimates_of_point = [&](std::size_t i) { return results.estimates.data() + i * estimates_per_point; };
     std::vector<Wanted> wanted;
-    std::vector<char> is_clear(points.size(), true);  // all rows that a point may be are looked at
+    std::vector<char> is_clear(points.size(), true);  // false if the output has further rows that the point may be
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (alignment_) {
         check_selection(points[i].row, estimates_of_point(i));
@@ -388,8 +388,8 @@ class Verification {
 
   void suspect(std::uint64_t row, std::string difference) { suspects_.emplace_back(row, std::move(difference)); }
 
-  /// Decides which suspects are differences. If two rows are equal in the precision of the output and only one was
-  /// kept, the output does not show which of them it is, so that they are no difference.
+  /// Decides which suspects are differences. If two rows of the input are equal in the precision of the output, and
+  /// only one was kept, the output does not show which one. Such rows count as open, not as different.
   void judge_suspects() {
     std::ranges::stable_sort(suspects_, {}, [](const auto& s) { return s.first; });
     std::vector<std::uint64_t> rows, twins;
@@ -415,12 +415,12 @@ class Verification {
   MadeValues made_values_;
   std::vector<std::size_t> selections_;    ///< numbers of the estimates of conditions
   std::optional<RowAlignment> alignment_;  ///< present if the output lacks rows
-  /// Fields that identify rows of an output that lacks some, or has them in any order.
+  /// Fields that identify the rows of an output that lacks rows of the input or has them in any order.
   std::optional<FilePairs> known_;
   std::vector<std::pair<std::uint64_t, std::string>> suspects_;  ///< rows that seem to be wrong, with the reason
   int axis_ = -1;  ///< axis along which the rows are ordered; negative if they are in the order of the input
   bool order_is_lost_ = false;
-  std::uint64_t unclear_ = 0;  ///< points of the sample that too many rows of the output may be
+  std::uint64_t unclear_ = 0;  ///< number of unconfirmed points that equal more than kMostPossibleRows rows
   Verdict verdict_;
 };
 

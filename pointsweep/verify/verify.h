@@ -20,7 +20,7 @@ namespace pointsweep {
 /// The stages of the run that made an output, and the facts about the output that the check needs.
 struct MadeBy {
   NeighborRule neighborhood = {};
-  SharedRule rule = {};  ///< shortens the neighbourhood
+  SharedRule rule = {};  ///< rule that shortens each neighbourhood; null for none
   std::vector<StageOperator> operators = {};
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
   /// Attributes that are not checked, because they depend on neighbours of moved points, which do not follow from a
@@ -39,9 +39,9 @@ struct MadeBy {
   /// True if stages that are not checked also drop rows, so that a row may be missing because of one of them.
   bool leaves_out_more = false;
   std::vector<std::string> untold = {};  ///< sentences about values that are not checked, with reasons
-  /// Fields that were not written: of kept made attributes, and of the input under its own names.
+  /// Names of fields that were not written: of kept made attributes, and of the input.
   std::set<std::string> left_out_made = {}, left_out_input = {};
-  OwnField own_field = nullptr;  ///< own fields of the output's format
+  OwnField own_field = nullptr;  ///< Format::own_field of the output's format; null if it has none
 };
 
 /// Checks whether `out` equals the result of a run over `in`. For all points: the count, and each attribute by value,

@@ -9,7 +9,7 @@
 
 namespace pointsweep::formulas {
 
-/// An affine map whose numbers have error bounds: the distance of the operator's float64 numbers from them.
+/// An affine map. Each of its numbers has a bound for the error of the operator's float64 number.
 class Affine {
  public:
   /// Makes the map of the first three rows of a 4×4 matrix (12 numbers), times `scale`, then moved by `translation`.
@@ -19,9 +19,9 @@ class Affine {
 
   /// Returns A p + t; a point that is not finite is returned unchanged.
   Place moved(const Place& p) const;
-  /// Returns A v with the length of v.
+  /// Returns A v, scaled to the length of v.
   Estimate tangent(const Estimate& v) const;
-  /// Returns A⁻ᵀ n with the length of n.
+  /// Returns A⁻ᵀ n, scaled to the length of n.
   Estimate normal(const Estimate& n) const;
   /// Returns √(trace(AᵀA) / 3), but 1 if that is within 1e-6 of 1.
   Real scale() const;
@@ -31,7 +31,7 @@ class Affine {
   Vector column(std::size_t c) const { return {entry_[0][c], entry_[1][c], entry_[2][c]}; }
   Vector cofactors(std::size_t c) const { return cross(column((c + 1) % 3), column((c + 2) % 3)); }
   Real determinant() const { return dot(column(0), cofactors(0)); }
-  /// Returns the directed vector with the length of `before`, and its error.
+  /// Returns `directed`, scaled to the length of `before`, and the error of the result.
   Estimate of_same_length(Vector directed, const Estimate& before) const;
 
   std::array<std::array<Real, 4>, 3> entry_{}, error_{};

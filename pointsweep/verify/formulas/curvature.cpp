@@ -59,7 +59,8 @@ Range root_of(Real eigenvalue, const std::vector<Seen>& seen) {
 /// an angle.
 class Spread {
  public:
-  /// Subtracts means at the end, since the operator sums squares of offsets from p_i.
+  /// The rounding error is relative to offsets from p_i, because the operator sums their squares and subtracts means at
+  /// the end.
   Spread(const Place& p, std::span<const Place> neighbors, const std::vector<Seen>& seen, Vector t1, Vector t2,
          Real angle)
       : angle_(angle) {

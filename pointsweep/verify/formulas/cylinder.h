@@ -14,7 +14,8 @@ class Cylinder {
  public:
   Cylinder(Vector center, const Estimate& normal, Real diameter, Real depth);
 
-  /// Returns whether the cylinder has an axis. Without an axis, counts are 0 and all other values NaN.
+  /// Returns whether the cylinder has an axis. Without an axis, change() returns counts of 0 and NaN for all other
+  /// values.
   bool has_axis() const { return norm(axis_) > 0; }
   /// Returns whether the data leave open which points are inside.
   bool is_open() const { return open_; }
@@ -31,7 +32,7 @@ class Cylinder {
   Real error_, radius_, depth_;  ///< `error_` is the error of the axis
   bool open_ = false;
   std::size_t count_ = 0;
-  Real first_ = 0, sum_ = 0, squares_ = 0, largest_ = 0;  ///< sums over a_j - first_, and the largest |a_j|
+  Real first_ = 0, sum_ = 0, squares_ = 0, largest_ = 0;  ///< sums over a_j - first_, and the largest |p_j - p|
 };
 
 /// The results of M3C2 for a point: change, level of detection, and the spread and count of each cloud.

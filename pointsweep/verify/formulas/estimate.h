@@ -81,10 +81,10 @@ struct Place {
   Real error = 0;
 };
 
-/// An attribute of up to three components.
+/// An estimate of the value of an attribute with up to three components.
 struct Estimate {
   Vector value;              ///< a scalar is in x
-  Real error = 0;            ///< bound of the distance from any correct value; infinite if the data leave it open
+  Real error = 0;            ///< bound of the distance from any correct value; infinite if the value is open
   bool either_sign = false;  ///< true if the negative value is also correct
   /// True if the data are so near to a limit that 0, the value for undefined data, is also correct.
   bool may_be_undefined = false;

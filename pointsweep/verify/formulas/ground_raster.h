@@ -26,7 +26,7 @@ class CellNumbers {
   /// `numbers`: the cell number of each point, in any order and with repetitions.
   CellNumbers(std::vector<double> numbers, std::size_t reach, std::size_t radius);
   std::size_t count() const { return count_; }
-  /// Returns the place of a cell that has points.
+  /// Returns the index, below count(), of a cell that has points.
   std::size_t place(double number) const;
 
  private:
@@ -40,7 +40,7 @@ class GroundRaster {
   /// Bytes of memory for a cell while the surface is computed.
   static constexpr std::size_t kCellBytes = 56;
 
-  /// Makes the raster for cells with these numbers, which are those of all points that take part.
+  /// Makes the raster. `columns`, `rows`: numbers, along x and y, of the cells of all points that take part.
   GroundRaster(const GroundParameters& parameters, CellNumbers columns, CellNumbers rows);
   void add(double x, double y, double z);
   /// Computes the surface. Must be called after the last point.

@@ -52,9 +52,9 @@ class JoinedSets {
   std::vector<std::uint32_t> size_;
 };
 
-/// Numbers and sizes of sets. Points of sets that do not count have the number -1.
+/// Numbers and sizes of sets. Points that do not count have the number -1.
 struct SetLabels {
-  std::vector<std::int64_t> number;  ///< number of the set of each point, from 0, in the order of first points
+  std::vector<std::int64_t> number;  ///< number of the set of each point; sets are numbered by their first points
   std::vector<std::uint64_t> size;   ///< number of points in each set
 };
 

@@ -14,7 +14,7 @@ namespace pointsweep::formulas {
 inline constexpr std::uint64_t kLevelBytes = 160;
 
 /// Returns the level of each point. All coordinates must be finite. Points with equal rounded coordinates are taken in
-/// their order.
+/// the order of `points`.
 std::vector<std::uint8_t> levels_of(const std::vector<Coordinates>& points);
 
 }  // namespace pointsweep::formulas

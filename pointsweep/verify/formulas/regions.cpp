@@ -53,7 +53,7 @@ int side_of(const Corner& p, Corner a, Corner b) {
   return sum.sign();
 }
 
-/// Returns side_of() if p is above or below both ends of the edge, which holds for most points.
+/// Returns side_of(). Needs no exact arithmetic if p is above or below both ends of the edge, as most points are.
 int quick_side_of(const Corner& p, const Corner& a, const Corner& b) {
   if (p[1] > a[1] && p[1] > b[1]) return 1;
   if (p[1] < a[1] && p[1] < b[1]) return -1;
@@ -87,7 +87,7 @@ EdgesAlongX::EdgesAlongX(std::span<const PolygonRings> polygons) {
   for (std::uint32_t e = 0; e < edges_.size(); ++e) list(e, 1, 0, stretches_ - 1);
 }
 
-/// Adds an edge to the nodes of the tree. `node` covers the intervals from `first` to `last`.
+/// Adds an edge to the nodes of the tree. `node` covers the stretches from `first` to `last`.
 void EdgesAlongX::list(std::uint32_t edge, std::size_t node, std::size_t first, std::size_t last) {
   const auto at = [&](double x) {
     return 2 * static_cast<std::size_t>(std::lower_bound(ends_.begin(), ends_.end(), x) - ends_.begin());

@@ -69,7 +69,7 @@ Estimate length_of(const WeightedNeighbors& weighted, const Estimate& n, const F
   for (const WeightedOffset& o : weighted.offsets) {
     if (!(norm(o.d) > 0)) continue;
     const Reach r = reach(o, unit(n.value), n, f);
-    if (r.low <= 0) return open();  // a neighbour that may lie exactly above p_i, so that it may not count
+    if (r.low <= 0) return open();  // the neighbour may lie exactly above p_i and then does not count
     q.push_back(r.q), low.push_back(r.low), high.push_back(r.high);
   }
   return single_scalar(held(q), {held(low), held(high)});
@@ -85,7 +85,7 @@ Splat splat(const Place& p, const Estimate& n, std::span<const Place> neighbors,
   const WeightedNeighbors weighted = weigh(p, neighbors);
   if (!weighted.finite) return whole_splat(undefined());
   if (!(weighted.farthest > 0)) return whole_splat(undefined());
-  // It is uncertain whether a neighbour counts that may coincide with p_i.
+  // A neighbour that may coincide with p_i may or may not count.
   const bool unsure = std::any_of(weighted.offsets.begin(), weighted.offsets.end(),
                                   [](const WeightedOffset& o) { return o.error > 0 && norm(o.d) <= o.error; });
   if (unsure) return whole_splat(open());

@@ -13,8 +13,8 @@ namespace pointsweep::formulas {
 struct WeightedOffset {
   Vector d;               ///< p_j - p_i
   Real error = 0;         ///< error of d
-  Real weight = 0;        ///< θ(|d|)
-  Real weight_error = 0;  ///< absolute error of θ
+  Real weight = 0;        ///< θ(|d|) / theta_of_nearest
+  Real weight_error = 0;  ///< absolute error of `weight`
 };
 
 /// The neighbours N_i (without p_i) and their weights in Equations 1 and 2: θ(r) = exp(-r²/2σ²) with σ² = π max_j |p_j
@@ -23,8 +23,8 @@ struct WeightedNeighbors {
   std::vector<WeightedOffset> offsets;
   Real farthest = 0;        ///< max_j |p_j - p_i|
   Real farthest_error = 0;  ///< error of `farthest`
-  /// θ of the nearest neighbour that does not coincide with p_i. Weights are divided by it, so that they never all
-  /// vanish.
+  /// θ of the nearest neighbour that does not coincide with p_i. All weights are divided by this θ, so that they never
+  /// all vanish.
   Real theta_of_nearest = 1;
   bool finite = true;  ///< true if no offset overflows double precision
 

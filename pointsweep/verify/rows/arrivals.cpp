@@ -38,7 +38,7 @@ class Comparison {
   }
 
  private:
-  /// Pairs the fields that both have, and notes those that the output lacks.
+  /// Pairs the fields of the input with those of the output, and notes the fields that the output lacks.
   FilePairs comparable_pairs(const std::vector<bool>& replaced, const OutputWays& ways) {
     std::vector<FieldPair> all;
     for (std::size_t f = 0; f < in_.schema().fields.size(); ++f) {

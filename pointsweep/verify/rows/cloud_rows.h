@@ -62,7 +62,7 @@ class CloudRows {
   /// fit in memory.
   void require(std::span<const ColumnSource> columns) const;
   /// Calls `use` for every row in the order of the input, with the components of the columns one after another. Throws
-  /// the error of require().
+  /// NotTold like require().
   void for_each(std::span<const ColumnSource> columns,
                 const std::function<void(std::uint64_t row, Vec3 position, std::span<const double> values)>& use);
 
@@ -76,7 +76,7 @@ class CloudRows {
   bool has_all_;
 };
 
-/// Returns a text like "6.2 GiB".
+/// Returns binary units in the form of --memory: "512M" or "6.2G", rounded up.
 std::string bytes_text(std::uint64_t bytes);
 /// Throws NeedsMemory if `bytes` exceed the allowed memory.
 void require_memory(std::uint64_t bytes, const CloudRows& rows);

@@ -19,7 +19,7 @@ namespace pointsweep {
 /// How an output stores x, y and z, according to the options of its run.
 struct StoredPlaces {
   std::optional<int> decimals = {};  ///< FileLayout::decimals, for text
-  bool single = false;               ///< true if they were rounded to float32 (RunOptions::positions)
+  bool single = false;               ///< true if coordinates were rounded to float32 (RunOptions::positions)
 };
 
 /// Compares a value of one record with its copy in another, with the precision of the copy's type. Values are equal if
@@ -37,14 +37,14 @@ class FieldPair {
 
   /// Returns the pair for records of a file of each cloud. Where files of a cloud store a field in different ways, for
   /// example LAS coordinates on different grids, its records have a float64 instead, and values are still compared as
-  /// the two files store them. Null: as the records have them.
+  /// the two files store them. A null schema stands for the fields as the records have them.
   FieldPair in_files(const Schema* from, const Schema* to) const;
 
   const std::string& name() const { return name_; }
   /// Returns a hash that is equal for equal values: expected() for a record with `from`, found() for one with `to`.
   std::uint64_t expected(const std::byte* from_record) const;
   std::uint64_t found(const std::byte* to_record) const;
-  /// Returns how much a format may change `value` when it stores it: half a unit in the last place of `to`.
+  /// Returns how much `value` may change when a format stores it: half a unit in the last place of `to`.
   double resolution(double value) const;
   double expected_value(const std::byte* from_record) const { return value_of(from_, from_record); }
   double found_value(const std::byte* to_record) const { return value_of(to_, to_record); }
@@ -87,7 +87,7 @@ class MadeValue {
   /// `pairs`: for each component, the pair of a field of result records and a field of the output; absent for a
   /// component that was not written.
   explicit MadeValue(std::vector<std::optional<FieldPair>> pairs) : pairs_(std::move(pairs)) {}
-  /// Returns the components in records of a file of the output (FieldPair::in_files).
+  /// Returns this value, to be compared as a file with the schema `to` stores it (FieldPair::in_files).
   MadeValue in_file(const Schema& to) const;
 
   /// Returns the first wrong component; nothing if the value is right. Estimates without error are compared by
@@ -99,8 +99,8 @@ class MadeValue {
   std::string difference(std::size_t component, const formulas::Estimate& estimate, const std::byte* result,
                          const std::byte* record) const;
 
-  /// Returns the distance of the output's value from the nearest right value, beyond the rounding of its type; 0 is
-  /// exact.
+  /// Returns the distance of the output's value from the nearest right value, beyond the rounding of its type; 0 if
+  /// rounding explains the difference.
   formulas::Real distance(const formulas::Estimate& estimate, const std::byte* record) const;
 
  private:

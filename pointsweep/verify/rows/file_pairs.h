@@ -15,12 +15,12 @@ namespace pointsweep {
 /// Returns the number of the file that has row `row`.
 std::size_t file_of_row(std::span<const FileOfRows> files, std::uint64_t row);
 
-/// The pairs for a row, in the ways in which its files store the values (FieldPair::in_files). Rows are best asked for
-/// in ascending order, since the pairs of one file of each cloud are kept.
+/// The pairs of fields for each row, as the file of the row stores the values (FieldPair::in_files). Only the pairs of
+/// one file of each cloud are kept, so ascending rows are fastest.
 class FilePairs {
  public:
-  /// Borrows the sources. If they have equally many files, each file of the output has rows of one file of the input,
-  /// in the same order; `in_any_order`: rows of the output may be anywhere.
+  /// Borrows the sources. If they have equally many files, file i of the output is taken to hold rows of file i of the
+  /// input. `in_any_order`: true if rows of the output may be in any file.
   FilePairs(const RowSource& in, const RowSource& out, bool in_any_order, std::vector<FieldPair> pairs);
 
   const std::vector<FieldPair>& all() const { return pairs_; }
@@ -31,7 +31,7 @@ class FilePairs {
   struct Side {
     std::span<const FileOfRows> files;
     std::uint64_t count;               ///< number of rows
-    std::uint64_t first = 0, end = 0;  ///< rows of the file of `pairs`
+    std::uint64_t first = 0, end = 0;  ///< rows of the file to which `pairs` belong
     std::vector<FieldPair> pairs = {};
   };
   std::span<const FieldPair> of(Side& side, std::uint64_t row);

@@ -9,8 +9,8 @@
 
 namespace pointsweep {
 
-/// Gives operators that need values of the input (Reduction::of_input) these values. Reads the cloud once for each
-/// value; returns all other operators unchanged.
+/// Returns the operators with the values of the whole input that they need (Reduction::of_input). Reads the cloud once
+/// for each distinct value. Operators without such values are returned unchanged.
 std::vector<StageOperator> with_input_values(std::vector<StageOperator> operators, InputCloud& cloud);
 
 }  // namespace pointsweep

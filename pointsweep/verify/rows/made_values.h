@@ -23,9 +23,9 @@ class MadeValues {
 
   bool empty() const { return values_.empty(); }
   std::size_t size() const { return values_.size(); }
-  /// Adds a value, which estimate number `estimate` of each point tells.
+  /// Adds a value that is compared with estimate number `estimate` of each point.
   void add(std::size_t estimate, MadeValue value) { values_.emplace_back(estimate, std::move(value)); }
-  /// Removes the values of the estimates that are not `told`.
+  /// Removes the values whose estimate e has told[e] == false.
   void keep(const std::vector<bool>& told);
   /// Returns how many of the values of a point its estimates leave open.
   std::uint64_t open_values(const formulas::Estimate* estimates) const;

@@ -100,7 +100,7 @@ std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& al
                                            std::span<const std::uint64_t> rows, const PhaseProgress& progress) {
   const std::size_t stride = in.schema().stride;
   std::vector<std::string> records;
-  std::unordered_map<std::uint64_t, std::vector<std::size_t>> of_word;  // rows by number of their hash
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> of_word;  // indices in `rows` by the hash of the row
   std::vector<bool> has_twin(rows.size());
   for_each_record(in, rows, [&](std::size_t i, const std::byte* record) {
     records.emplace_back(reinterpret_cast<const char*>(record), stride);

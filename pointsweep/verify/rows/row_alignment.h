@@ -40,22 +40,22 @@ std::vector<std::uint64_t> sample_of_both(const RowAlignment& alignment, std::ui
 std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& alignment, FilePairs& pairs,
                                            std::span<const std::uint64_t> rows, const PhaseProgress& progress);
 
-/// The rows of an output that may be a row of its input.
+/// The rows of an output whose values equal those of one row of the input.
 struct PossibleRows {
   std::vector<std::uint64_t> rows;  ///< at most kMostPossibleRows, ascending
-  std::uint64_t count = 0;          ///< number of all
+  std::uint64_t count = 0;          ///< number of all such rows, which may exceed rows.size()
 };
 inline constexpr std::size_t kMostPossibleRows = 64;
 
-/// Returns, for each of `rows` of the input, the rows of the output with its values in the fields of `pairs`; nothing
-/// if a row has none. `rows` ascend; the output may be in any order. Reads the output once.
+/// Returns, for each of `rows` of the input, the rows of the output that have equal values in the fields of `pairs`;
+/// nothing if the output lacks one of `rows`. `rows` ascend; the output may be in any order. Reads the output once.
 std::optional<std::vector<PossibleRows>> rows_with_values(RowSource& in, RowSource& out, FilePairs& pairs,
                                                           std::span<const std::uint64_t> rows,
                                                           const PhaseProgress& progress);
 
 /// The ways in which the output may store the input's values.
 struct OutputWays {
-  OwnField own_field = nullptr;  ///< fields of the output's format that it may lack if all values are 0
+  OwnField own_field = nullptr;  ///< fields of the format; the output may lack such a field if all its values are 0
   StoredPlaces places = {};
   bool in_any_order = false;  ///< true if the order of the output's rows is unknown
 };

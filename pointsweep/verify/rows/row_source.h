@@ -16,10 +16,11 @@
 
 namespace pointsweep {
 
-/// A function called between pieces of work with the work done and the work in total; may throw to end it.
+/// A function called between pieces of work with the work done and the work in total; may throw to end the work.
 using PhaseProgress = std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)>;
 
-/// A file of a source. Its own schema tells how it stores the values of its rows, which records of the source may not.
+/// A file of a source. Its schema tells how the file stores values; records of the source may store them in another
+/// way.
 struct FileOfRows {
   std::uint64_t first;  ///< first row
   const Schema* schema;
@@ -32,7 +33,7 @@ class RowSource {
   explicit RowSource(Reader& reader);
   /// `name`: name of all files together in messages. `left_out`: a field that the source hides.
   RowSource(InputCloud& cloud, std::string name, const std::string& left_out);
-  /// Selects some rows of another source; `chosen` ascends.
+  /// Selects the rows `chosen`, which ascend, of another source. Borrows both.
   RowSource(RowSource& rows, std::span<const std::uint64_t> chosen);
 
   const Schema& schema() const { return schema_; }
@@ -62,7 +63,7 @@ class RowSource {
 void for_each_position(RowSource& source, const char* phase, const PhaseProgress& progress,
                        const std::function<void(std::uint64_t row, Vec3 position)>& use);
 
-/// Calls `use(i, record)` for every i-th of `rows`, which ascend. Blocks without any of these rows are not read.
+/// Calls `use(i, record)` for every i-th of `rows`, which ascend. Blocks without any of `rows` are not read.
 void for_each_record(RowSource& source, std::span<const std::uint64_t> rows,
                      const std::function<void(std::size_t i, const std::byte* record)>& use);
 

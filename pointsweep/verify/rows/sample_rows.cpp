@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The random sample of rows for a check, and the rows of an output in the order of a sweep that hold them.
+/// The random sample of rows for a check, and the places of given rows in an output in the order of a sweep.
 #include <algorithm>
 #include <array>
 #include <numeric>

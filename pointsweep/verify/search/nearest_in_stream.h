@@ -72,8 +72,8 @@ struct NearestQuery {
   NearestInStream::Space space = NearestInStream::Space::all;
 };
 
-/// Returns the nearest points of each place. Reads the points twice: first about `count` of them to bound the
-/// distances.
+/// Returns the nearest points of each place. Reads the points twice: in the first reading an evenly spaced subset
+/// bounds the distances. `count`: about the number of points.
 std::vector<std::vector<NearPoint>> nearest_of_cloud(std::span<const Vec3> places, const PointsOfCloud& points,
                                                      std::uint64_t count, const NearestQuery& query);
 

@@ -13,7 +13,8 @@
 
 namespace pointsweep {
 
-/// The rule for neighbours: the k nearest other points within `radius` (inclusive); all of them without a limit k.
+/// The rule for neighbours: the k nearest other points within `radius` (inclusive); all points within `radius` without
+/// a limit k.
 struct NeighborRule {
   static constexpr std::size_t kUnlimited = NearestInStream::kAll;
   std::size_t k = 8;
@@ -26,14 +27,14 @@ struct Surroundings {
   std::vector<double> x, y, z;
   std::vector<std::uint64_t> row;
   std::vector<std::size_t> ring_end;     ///< for each ring r, number of points in the rings up to r
-  std::vector<std::size_t> list_begin;   ///< index in `neighbors` at which the list of each point begins, and the end
+  std::vector<std::size_t> list_begin;   ///< begin of each point's list in `neighbors`, and the end of the last list
   std::vector<std::uint32_t> neighbors;  ///< numbers of points, nearest first
 
   std::size_t size() const { return row.size(); }
 };
 
-/// Reads the whole input once for each of `rings` (1 or more). `subset`: a random or evenly spaced sample of the input,
-/// which bounds the distances of neighbours.
+/// Returns the chosen points with `rings` (1 or more) rings of neighbours. Reads the whole input once for each ring.
+/// `subset`: a random or evenly spaced sample of the input, which bounds the distances of neighbours.
 Surroundings find_surroundings(RowSource& in, std::span<const KnownPoint> chosen, std::span<const KnownPoint> subset,
                                const NeighborRule& rule, std::size_t rings, const PhaseProgress& progress);
 

@@ -69,8 +69,9 @@ std::unique_ptr<CloudFormula> cloud_formula_made(const FormulaSetup& stage) {
 
 /// Returns whether the operator has a formula over the whole cloud.
 bool has_cloud_formula(const Operator& op);
-/// Returns the formula of an operator; null for local operators, and if no formula has the name of the operator.
-/// `makers`: the operator that makes each attribute of contract().reads, or null for attributes of the input.
+/// Returns the formula of an operator; null for local operators, if no formula has the name of the operator, and for a
+/// voxel that only keeps rows. `makers`: the operator that makes each attribute of contract().reads, or null for
+/// attributes of the input.
 std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers);
 
 /// The formula of the classes that the ground filter gives.
@@ -82,10 +83,11 @@ NamedCloudFormula level_formula();
 /// The formula of heights above the ground.
 NamedCloudFormula height_formula();
 
-/// Returns the formula of the means of voxel(keep=centroid). A voxel that only keeps rows has nothing to evaluate.
+/// The formula of the means of voxel(keep=centroid). NamedCloudFormula::make returns null for a voxel that only keeps
+/// rows.
 NamedCloudFormula voxel_formula();
 
-/// Formulas of the operators that compare with another cloud.
+/// Formulas of the operators that compare the cloud with another cloud.
 std::vector<NamedCloudFormula> change_formulas();
 
 /// The formula of attributes that are taken from another cloud.

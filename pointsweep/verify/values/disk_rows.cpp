@@ -29,7 +29,7 @@ class KeptPoints {
   bool offer(Vec3 p) {
     const auto from = cube_of({p.x - width_, p.y - width_, p.z - width_});
     const auto to = cube_of({p.x + width_, p.y + width_, p.z + width_});
-    // Keys ascend, so that the cells of equal x and y form one range of z.
+    // Keys ascend, so that the cubes of equal x and y form one range of z.
     for (double x = from[0]; x <= to[0]; x = above(x))
       for (double y = from[1]; y <= to[1]; y = above(y))
         for (auto cube = cubes_.lower_bound({x, y, from[2]}); cube != cubes_.end(); ++cube) {

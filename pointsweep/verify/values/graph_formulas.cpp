@@ -27,7 +27,7 @@ void require_plain_neighbors(const CloudInput& in) {
 
 Estimate exact(double value) { return {.value = {value, 0, 0}}; }
 
-/// The labels of points, or of the places of points, which are found by the row of a point.
+/// The labels of points or of places, looked up by the row of a point.
 struct LabelsOfRows {
   std::vector<std::uint32_t> item_of_row;
   formulas::SetLabels labels;
@@ -159,7 +159,7 @@ class ClusterFormula final : public LabelFormula {
     return {items_of_rows(cloud, in.rows.count(), [&](std::uint32_t point) { return cloud.place_of(point); }),
             formulas::labels_of(sets, places, points_at, counts)};
   }
-  /// Returns the column that tells whether a point is a core point, as the output has it.
+  /// Returns the column that tells whether a point is a core point.
   std::vector<ColumnSource> columns(const CloudInput& in) const override { return {in.source(0)}; }
   Join joined(std::span<const double> point, std::span<const double> neighbor, double d2) const override {
     if (!(d2 <= eps2_) || neighbor[0] == 0) return Join::no;

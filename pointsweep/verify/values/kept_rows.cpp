@@ -33,7 +33,7 @@ using Mask = std::vector<bool>;
 
 constexpr std::uint64_t kVoxelSeed = 0x766f78656c;  // "voxel" in ASCII
 
-/// A point that competes with the other points of its group; the least of a group is kept.
+/// A point that competes with the other points of its group. The point with the least key() is kept.
 struct Competitor {
   Vec3 group;
   double first = 0;          ///< value that decides first
@@ -44,10 +44,10 @@ struct Competitor {
   auto key() const { return std::tuple(group.x, group.y, group.z, first, second, at.x, at.y, at.z, row); }
 };
 
-/// Returns the group of a point, and the values by which it competes there.
+/// A function that returns the group of a point, and the values by which the point competes in the group.
 using Competes = std::function<Competitor(Vec3 p, std::uint64_t row)>;
 
-/// Returns the number of the turn that processes a group, in which -0 and 0 are equal.
+/// Returns the number of the turn that processes a group; equal for -0 and 0.
 std::uint64_t turn_of(Vec3 p, std::uint64_t turns) {
   std::uint64_t hash = 0;
   for (const double v : {p.x, p.y, p.z}) {
@@ -104,7 +104,7 @@ Mask by_hash(const KeptInput& in) {
   return kept;
 }
 
-/// Keeps the points with the least hashes, or all other points. Memory: 16 bytes for each point with such a hash.
+/// Keeps the points with the least hashes, or all other points. Memory: 16 bytes × option `number`.
 Mask by_least_hashes(const KeptInput& in) {
   const auto& [cloud, options, memory_bytes, progress] = in;
   const std::uint64_t number = options.whole("number"), seed = options.whole("seed");
@@ -135,7 +135,7 @@ std::vector<formulas::PolygonRings> polygons_of(const std::string& option) {
   return polygons;
 }
 
-/// Decides by a region about every row, also of points with non-finite coordinates.
+/// Keeps the points in a region, or all other points. Also decides about points with non-finite coordinates.
 Mask by_region(const KeptInput& in) {
   const auto& [cloud, options, memory_bytes, progress] = in;
   std::vector<double> bounds;

@@ -12,7 +12,8 @@
 
 namespace pointsweep {
 
-/// Returns whether the rows that an operator keeps have a formula here; conditions on each row have a StageFormula.
+/// Returns whether kept_rows.cpp has a formula for the rows that an operator keeps; false for conditions on each row,
+/// which have a StageFormula.
 bool has_kept_formula(const Operator& op);
 
 /// Returns the cloud with the rows that `operators` keep, each of which drops rows. Conditions are evaluated row by

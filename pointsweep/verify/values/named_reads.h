@@ -15,8 +15,8 @@ struct NamedRead {
   bool is_whole = false;  ///< true if the value is a 64-bit integer
 };
 
-/// Returns the read value of each name of the expression, in its order. `reads` are the attributes that the stage
-/// reads.
+/// Returns the read value of each name of the expression, in the order of names(). `reads` are the attributes that the
+/// stage reads.
 std::vector<NamedRead> reads_of(const formulas::PlainExpression& expression, const std::vector<Attribute>& reads);
 
 /// Returns the range of the value of each name at a point.

@@ -117,7 +117,7 @@ class TakenValues final : public CloudFormula {
     return made;
   }
 
-  /// Returns the values that the point had before; for new attributes, the values of rows without a value.
+  /// Returns the values of the point before the stage; for new attributes NaN or, for whole numbers, 0.
   Estimates values_before(const CloudPoint& point) const {
     Estimates made;
     for (const Attribute& a : contract_.makes) {
