@@ -20,8 +20,8 @@ namespace {
 
 /// Files whose headers are equal except for counts and bounds.
 struct AlikeFiles {
-  FileInfo first;         ///< without extras
-  std::size_t files = 0;  ///< the first among them
+  FileInfo first;         ///< header of the first file, without extras
+  std::size_t files = 0;  ///< number of files, including the first
 };
 
 /// Some of the kinds of files, in the order of their first files.
@@ -62,7 +62,7 @@ std::string text_of(const FilesOfValues& all) {
   return text;
 }
 
-/// "Formats differ: ..." where there is more than one value.
+/// Adds a sentence such as "Formats differ: ..." if there is more than one value.
 void note_different(std::vector<std::string>& sentences, const char* what, const FilesOfValues& all) {
   if (all.size() > 1) sentences.push_back(fmt::format("{} differ: {}.", what, text_of(all)));
 }
@@ -100,7 +100,7 @@ void note_systems(std::vector<std::string>& sentences, const SomeKinds& files) {
     sentences.push_back(fmt::format("No coordinate reference system is stated in {}.", names_of(without)));
 }
 
-/// Returns the clock of the GPS times; empty where LAS has none.
+/// Returns the clock of the GPS times; empty for a file without GPS times or of another format than LAS.
 std::string clock_of(const FileInfo& info) {
   if (!info.las || !info.las->has_time) return "";
   return info.las->standard_time ? "adjusted standard GPS time" : "seconds of the GPS week";
@@ -187,15 +187,15 @@ std::string kind_of(const FileInfo& info) {
   for (const Field& field : info.schema.fields) text += '\n' + field.name + '\n' + storage_of(field);
   if (!info.crs) return text;
   const Crs& crs = *info.crs;
-  text += fmt::format("\n{}\n{}\n{}\n{}\n{}", crs.name, static_cast<int>(crs.kind), crs.epsg, crs.vertical_epsg,
-                      crs.wkt);
+  text +=
+      fmt::format("\n{}\n{}\n{}\n{}\n{}", crs.name, static_cast<int>(crs.kind), crs.epsg, crs.vertical_epsg, crs.wkt);
   return text + fmt::format("\n{}\n{}\n{}", fmt::join(crs.geotiff.directory, " "), fmt::join(crs.geotiff.doubles, " "),
                             crs.geotiff.ascii);
 }
 
-/// Some of the files.
+/// A number of files, and the path of the first.
 struct SomeFiles {
-  std::string first;  ///< its path
+  std::string first;  ///< path of the first file
   std::size_t files = 0;
 
   void add(const std::string& path) {
@@ -221,7 +221,8 @@ void note_points(std::vector<std::string>& sentences, const SomeFiles& empty, co
 void note_copies(std::vector<std::string>& sentences, const std::vector<Extent>& extents) {
   std::vector<const Extent*> ordered;
   for (const Extent& extent : extents) ordered.push_back(&extent);
-  std::ranges::stable_sort(ordered, {}, [](const Extent* extent) -> const auto& { return extent->key; });
+  std::ranges::stable_sort(
+      ordered, {}, [](const Extent* extent) -> const auto& { return extent->key; });
   for (std::size_t i = 0, end = 0; i < ordered.size(); i = end) {
     while (end < ordered.size() && ordered[end]->key == ordered[i]->key) ++end;
     if (end - i > 1)

@@ -10,8 +10,9 @@
 
 namespace pointsweep {
 
-/// A kd-tree over the sample in which every node stores the largest nearest distance below it: a point of the cloud
-/// descends only where it may be nearer than that. Memory is proportional to the sample.
+/// A kd-tree over the sample. Every node stores the largest nearest distance of the sampled points below it, and a
+/// point of the cloud visits only nodes to which it may be nearer than that distance. Memory is proportional to the
+/// sample.
 class NearestDistances {
  public:
   struct Sampled {

@@ -8,8 +8,9 @@
 namespace pointsweep {
 
 /// Counts the occupied cells of a square grid in x and y. The side of a cell is the smallest power of two for which the
-/// bounds of the points cover at most `limit` cells, occupied or not. It does not depend on the order of the points or
-/// their places within the bounds; with fewer points the cells are as large or larger. Memory: 32 bytes × limit.
+/// bounds of the points cover at most `limit` cells, occupied or not. The side does not depend on the order of the
+/// points or their places within the bounds; with fewer points the cells are as large or larger. Memory: 32 bytes ×
+/// limit.
 class PlanArea {
  public:
   /// Limits the number of cells to a sixteenth of `points`, at least 16 and at most 65,536. A cell of a cloud that
@@ -22,7 +23,7 @@ class PlanArea {
   void settle();
 
   double cell_side() const { return side_; }
-  /// Returns the area in squared units of the coordinates; 0 if points lie at fewer than 16 places.
+  /// Returns the area in squared units of the coordinates; 0 if the points lie at no more places than `limit`.
   double area() const;
 
  private:
@@ -38,7 +39,7 @@ class PlanArea {
   std::uint64_t limit_, count_ = 0;
   double lo_x_, hi_x_, lo_y_, hi_y_;
   double side_;
-  bool has_area_ = false;  ///< the points lie at more places than the limit
+  bool has_area_ = false;  ///< true if the points lie at more places than the limit
   std::vector<Cell> table_;
   Cell last_;
 };

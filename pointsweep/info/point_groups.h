@@ -39,11 +39,11 @@ class PointGroups {
   std::uint32_t number_of(std::uint64_t key, std::size_t most);
   void require_whole(std::uint64_t key) const;
 
-  std::string name_;  ///< empty: there is no attribute
+  std::string name_;  ///< empty without an attribute
   std::optional<ValueKeys> values_;
   std::vector<std::uint64_t> keys_;  ///< values of the groups
   std::unordered_map<std::uint64_t, std::uint32_t> numbers_;
-  std::vector<std::uint64_t> of_records_;  ///< keys of the records that came last
+  std::vector<std::uint64_t> of_records_;  ///< keys of the records of the last find()
 };
 
 }  // namespace pointsweep

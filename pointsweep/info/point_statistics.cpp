@@ -20,7 +20,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kBytesOfGroups = 160 << 20;  ///< limit for moments, searches and counts of all groups
-constexpr std::uint64_t kNumbersOfSearch = 8 << 20;  ///< limit; 8 bytes each
+constexpr std::uint64_t kNumbersOfSearch = 8 << 20;  ///< limit for the numbers of all searches, 8 bytes each
 constexpr std::uint64_t kMostOfInterval = 1 << 20;   ///< numbers of one interval of a search
 constexpr std::uint64_t kLeastBins = 2, kMostBins = 1000;
 
@@ -50,7 +50,7 @@ class Column {
         take_again(group, found_[at]);
     }
   }
-  /// Must be called after the first reading.
+  /// Prepares searches and bins. Must be called after the first reading.
   void settle(std::size_t groups, std::uint64_t bins) {
     add_groups(groups);
     for (const ValueMoments& moments : moments_)
@@ -118,12 +118,12 @@ class Column {
   ValueKeys keys_;
   bool values_, histogram_;
   bool is_counting_ = false;
-  std::vector<std::uint64_t> found_;   ///< keys of the records that came last
-  std::vector<ValueMoments> moments_;  ///< for each group, like all members below
-  std::vector<RankSearch> searches_;
-  std::vector<std::uint64_t> room_;  ///< numbers of the searches
+  std::vector<std::uint64_t> found_;   ///< keys of the records of the last take()
+  std::vector<ValueMoments> moments_;  ///< moments of each group
+  std::vector<RankSearch> searches_;   ///< search of each group
+  std::vector<std::uint64_t> room_;    ///< numbers in which the searches count or collect keys
   std::optional<HistogramBins> bins_;
-  std::vector<std::uint64_t> counts_;
+  std::vector<std::uint64_t> counts_;  ///< counts of the bins, group after group
 };
 
 std::vector<Column> columns_of(const Schema& schema, const PointStatisticsOptions& options) {
@@ -219,7 +219,7 @@ class Readings {
   std::vector<Column> columns_;
   PointGroups groups_;
   std::size_t most_groups_;
-  std::vector<std::uint64_t> points_;  ///< for each group
+  std::vector<std::uint64_t> points_;  ///< number of points of each group
   unsigned reading_ = 0;
 };
 

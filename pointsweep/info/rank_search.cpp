@@ -13,8 +13,7 @@ RankSearch::RankSearch(std::uint64_t count, std::uint64_t least, std::uint64_t m
   if (count == 0) return;
   found_.fill(least);
   if (least == most) return;
-  for (std::size_t r = 0; r < kRanks; ++r)
-    ranks_[r] = quantile_rank(count, PointStatistics::kPercent[r]);
+  for (std::size_t r = 0; r < kRanks; ++r) ranks_[r] = quantile_rank(count, PointStatistics::kPercent[r]);
   intervals_.push_back({least, most, count, 0, kRanks});
 }
 
@@ -50,12 +49,13 @@ void RankSearch::divide(const Interval& interval, std::span<std::uint64_t> room,
     for (std::size_t r = interval.first; r < interval.last; ++r) found_[r] = keys[ranks_[r]];
     return;
   }
-  std::uint64_t before = 0;  // keys in the parts before
+  std::uint64_t before = 0;  // number of keys in earlier parts
   std::uint64_t part = 0;
   for (std::uint8_t r = interval.first; r < interval.last;) {
     while (before + room[interval.at + part] <= ranks_[r]) before += room[interval.at + part++];
     const std::uint64_t inside = room[interval.at + part], least = interval.least + (part << interval.shift);
-    const std::uint64_t further = (std::uint64_t{1} << interval.shift) - 1;  // keys of the part after the least
+    const std::uint64_t further =
+        (std::uint64_t{1} << interval.shift) - 1;  // number of possible keys of the part after its least
     const std::uint8_t first = r;
     for (; r < interval.last && ranks_[r] < before + inside; ++r) {
       ranks_[r] -= before;

@@ -24,10 +24,10 @@ class RankSearch {
 
   /// Returns the number of intervals that the next reading divides.
   std::size_t open() const { return intervals_.size(); }
-  /// Begins a reading, in which each interval may use `share` >= 2 numbers from `next` on; advances `next`. At most
-  /// 2^63 numbers.
+  /// Begins a reading. Each interval may use up to `share` >= 2 numbers of the room, from number `next` on; advances
+  /// `next`. At most 2^63 numbers.
   void begin(std::uint64_t share, std::uint64_t& next);
-  /// Takes one of the keys. `room`: the numbers, 0 at first.
+  /// Takes one of the keys. `room`: the numbers of all intervals, 0 when the reading begins.
   void add(std::uint64_t key, std::span<std::uint64_t> room);
   /// Ends a reading. Throws Error if its keys differ from those of earlier readings.
   void end(std::span<std::uint64_t> room);
@@ -41,14 +41,14 @@ class RankSearch {
     std::uint64_t least, most, count;
     std::uint8_t first, last;
     std::uint8_t shift = 0;   ///< a part has 2^shift keys
-    bool takes_keys = false;  ///< the room is for the keys themselves
-    std::uint64_t at = 0;     ///< its first number of the room
+    bool takes_keys = false;  ///< true if the room stores the keys themselves
+    std::uint64_t at = 0;     ///< index in the room of the first number of the interval
     std::uint64_t taken = 0;
   };
   void divide(const Interval& interval, std::span<std::uint64_t> room, std::vector<Interval>& parts);
 
   std::vector<Interval> intervals_;            ///< ascending
-  std::array<std::uint64_t, kRanks> ranks_{};  ///< for each key, its rank in its interval
+  std::array<std::uint64_t, kRanks> ranks_{};  ///< for each key to be found, its rank in its interval
   std::array<std::uint64_t, kRanks> found_{};
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Number, range, mean and standard deviation of values, the same for any order of them.
+/// Number, range, mean and standard deviation of values. The results do not depend on the order of the values.
 #pragma once
 
 #include <cstdint>
@@ -42,8 +42,8 @@ class ValueMoments {
 
   std::uint64_t count_ = 0, nonfinite_ = 0;
   std::uint64_t least_ = std::numeric_limits<std::uint64_t>::max(), most_ = 0;
-  Int128 sum_ = 0, squares_ = 0;  ///< for whole numbers of up to 32 bits
-  std::unique_ptr<Sums> exact_;   ///< for all others; null if not requested
+  Int128 sum_ = 0, squares_ = 0;  ///< sums for whole numbers of up to 32 bits
+  std::unique_ptr<Sums> exact_;   ///< sums for all other values; null if not requested
 };
 
 }  // namespace pointsweep

@@ -18,8 +18,8 @@ struct ProjectedEllipse {
   double bulge = 0;
 };
 
-/// A picture while it is drawn. Each sample keeps the nearest surface that was drawn on it; of equally near surfaces
-/// the first. Memory: 8 bytes for each sample.
+/// A picture while it is drawn. Each sample keeps the nearest surface that was drawn on it; of equally near surfaces it
+/// keeps the first. Memory: 8 bytes for each sample.
 class Canvas {
  public:
   /// Makes an empty picture with fineness × fineness samples for each pixel.

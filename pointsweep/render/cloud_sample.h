@@ -27,7 +27,7 @@ struct RowStretches {
 RowStretches all_rows(const InputCloud& cloud);
 
 /// Returns the rows that can be read and drawn in about `seconds`: all rows, or every n-th stretch of rows. A stretch
-/// is a chunk of the file, or 256 rows if the file has no chunks. Reads a few stretches to measure the time of one.
+/// is a chunk of the file, or 256 rows if the file has no chunks. Reads a few stretches to measure the time per row.
 RowStretches rows_within(InputCloud& cloud, double seconds);
 
 /// Extents of a cloud along the axes of a camera, relative to the origin of the camera.
@@ -39,7 +39,7 @@ struct Extents {
 /// sample. Cost: two dot products per point and view; there are at most 12 views.
 class PossibleViews {
  public:
-  /// `angles` and `up` are those that the user has stated; without one, all automatic choices are possible.
+  /// `angles` and `up`: the choices of the user. If one is absent, all its automatic choices are possible.
   PossibleViews(std::optional<Angles> angles, std::optional<Up> up);
   void include(Vec3 p);
   /// Returns the extents for one of the possible views and a camera of that view.
@@ -67,7 +67,7 @@ struct PointBlock {
   const std::byte* record(std::size_t i) const { return records + i * stride; }
 };
 
-/// Reads these rows of the cloud once, in their order, and calls visit(block) for each block.
+/// Reads `rows` of the cloud once, in ascending order, and calls visit(block) for each block.
 void for_each_block(InputCloud& cloud, const RowStretches& rows, const std::function<void(const PointBlock&)>& visit);
 
 struct CloudSample {

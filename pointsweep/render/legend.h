@@ -48,7 +48,7 @@ struct Legend {
   bool empty() const { return !is_bar && entries.empty(); }
 };
 
-/// Lays a legend out for a picture of that size.
+/// The layout of a legend for a picture of a given size.
 class LegendColumn {
  public:
   LegendColumn(Legend legend, unsigned width, unsigned height, Rgb background);

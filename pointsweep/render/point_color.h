@@ -47,7 +47,7 @@ class PointColor {
   double number(const std::byte* record, Vec3 position) const {
     return kind_ == Kind::height ? up_.height(position) : value_of(fields_[0], record);
   }
-  /// Returns the number that the dark end of the colour map viridis shows; hi() returns that of its yellow end.
+  /// Returns the number at the dark end of the colour map viridis; hi() returns the number at the yellow end.
   double lo() const { return lo_; }
   double hi() const { return hi_; }
   /// Returns the classes that occur, ascending.

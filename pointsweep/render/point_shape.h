@@ -49,7 +49,7 @@ struct SurfaceElement {
 struct DiscRadii {
   /// Limit of estimated radii, so that the few points of a sparse place do not look like a surface.
   double largest_guess;
-  double fixed = 0;  ///< radius of every point, drawn as a disc that faces the viewer; 0 for radii of their own
+  double fixed = 0;  ///< radius of all points, as discs that face the viewer; 0 if each point has its own
 };
 
 class PointShape {

@@ -19,11 +19,12 @@ namespace pointsweep {
 namespace {
 
 constexpr double kAmbient = 0.25;
-constexpr double kBulge = 0.3;                                         // bulge of discs without a normal, in radii
-constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;  // limits of guessed radii, in longer sides
-constexpr double kSmallestLimit = 3;                                   // least limit of guessed radii, in pixels
-constexpr double kSampleSeconds = 100e-9;  // time for a sample of the canvas under overlapping discs
-constexpr double kFarOutliers = 4;         // ratio of the spans of all and of nearly all points
+constexpr double kBulge = 0.3;  // bulge of discs without a normal, in radii
+constexpr double kLargestOnSurface = 0.015,
+                 kLargestOfPoints = 0.006;  // limits of guessed radii, as shares of the longer side
+constexpr double kSmallestLimit = 3;        // least limit of guessed radii, in pixels
+constexpr double kSampleSeconds = 100e-9;   // seconds to fill a sample of the canvas under overlapping discs
+constexpr double kFarOutliers = 4;          // span of all points over the span of nearly all, from which points are far
 constexpr std::uint64_t kMostPixels = 1u << 26;
 
 void check(const RenderOptions& options) {

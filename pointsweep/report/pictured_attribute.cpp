@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The choice of the result of a run that its picture shows.
+/// The choice of the attribute that the picture of a run shows.
 #include <algorithm>
 #include <array>
 #include <ranges>

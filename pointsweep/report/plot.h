@@ -18,7 +18,7 @@ struct Tick {
 /// The scale of a plot, from values to places: a linear or logarithmic axis over [lo, hi], drawn from `begin` to `end`.
 class Scale {
  public:
-  /// Makes a scale. For a logarithmic one, `lo` and `hi` must be positive. An empty range is widened.
+  /// Makes a scale. On a logarithmic scale, `lo` and `hi` must be positive. An empty range is widened.
   Scale(double lo, double hi, double begin, double end, bool logarithmic = false);
 
   double place(double value) const;
@@ -31,7 +31,7 @@ class Scale {
   bool logarithmic_;
 };
 
-/// Formats a number briefly, in engineering's thousands where that is shorter: "0", "12", "1.5k", "20M", "3.2e-05".
+/// Formats a number briefly, with the suffix k, M or G from 1,000 on: "0", "12", "1.5k", "20M", "3.2e-05".
 std::string short_number(double value);
 
 struct PlotText {

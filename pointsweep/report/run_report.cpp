@@ -149,7 +149,7 @@ Rows rows_of_files(const RunSummary& summary) {
   return rows;
 }
 
-/// Returns the numbers of points with and without a result.
+/// Returns the rows of the table of points with and without results.
 Rows rows_of_counts(const RunSummary& summary) {
   const Statistics& s = summary.statistics;
   Rows rows = {{"kept", number(s.points_written)},

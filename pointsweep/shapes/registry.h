@@ -39,7 +39,7 @@ std::unique_ptr<Shape> make_tls();
 
 /// Returns one shape of each kind, in the order of their presentation.
 std::vector<std::unique_ptr<Shape>> all_shapes();
-/// Throws UsageError that lists the known names.
+/// Returns the shape with this name. Throws UsageError, which lists the known names, if there is none.
 std::unique_ptr<Shape> create_shape(std::string_view name);
 
 }  // namespace pointsweep

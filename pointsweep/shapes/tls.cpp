@@ -15,7 +15,7 @@ constexpr double kReach = 100;                     // longest ray in metres
 constexpr double kSteepest = -0.8660254037844386;  // sine of -60 degrees; steeper rays would meet the tripod
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// A house. It is higher than the station, so that only its walls are seen.
+/// A house, which is higher than the station, so that only its walls are seen.
 struct Block {
   Vec2 center, axis;  ///< center on the map, and unit vector along u
   double half_u, half_v, top;
