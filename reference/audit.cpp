@@ -13,7 +13,7 @@ bool may_hold_neighbors(const Slab& slab, const Suspect& suspect) {
   return slab.first < suspect.written && distance2(slab.box, suspect.point.position) <= suspect.exact.reach2();
 }
 
-/// The first place of the slab that is not too far before the point along the axis.
+/// Returns the first place of the slab that is not too far before the suspect's point along the axis.
 std::size_t first_within(const SortedSlab& slab, int axis, const Suspect& suspect, std::size_t end) {
   std::size_t low = 0;
   while (low < end) {
@@ -26,7 +26,7 @@ std::size_t first_within(const SortedSlab& slab, int axis, const Suspect& suspec
 
 bool same(const Rank& a, const Rank& b) { return a.row == b.row; }
 
-/// Returns whether no point that had been written can be within `reach2`.
+/// Returns whether no point that had been written when `point` came can be within `reach2` of it.
 bool nothing_written_within(double reach2, const StreamPoint& point) {
   return point.written == 0 || reach2 < point.written2;
 }

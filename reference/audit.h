@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Counts the exact neighbourhoods among those found by NearestOperator. The paper "observed no difference" (Section 8)
+/// Counts the neighbourhoods found by NearestOperator that are exact. The paper "observed no difference" (Section 8)
 /// and does not describe its test.
 #pragma once
 
@@ -20,7 +20,7 @@ class NearestRanks {
  public:
   /// `nearest_first`: points offered before; only the first k count.
   NearestRanks(Reach reach, std::vector<Rank> nearest_first);
-  /// Squared distance within which a point may enter.
+  /// Returns the squared distance within which a point may enter.
   double reach2() const { return ranks_.size() == reach_.k ? ranks_.back().distance2 : reach_.radius2; }
   void offer(const Rank& rank);
   std::span<const Rank> ranks() const { return ranks_; }
@@ -34,7 +34,7 @@ struct Suspect {
   RuledPoint point;
   std::vector<Rank> kept;  ///< N_i as the stages see it
   NearestRanks exact;      ///< the exact result of the search, still without the first `written` points of the stream
-  std::uint64_t written;   ///< number of points that had been written when the point came
+  std::uint64_t written;   ///< number of points that had been written when `point` came
 };
 
 /// Suspects whose exact result is not complete: it lacks the points that had been written before the suspect came.
@@ -61,9 +61,9 @@ class Suspects {
 };
 
 /// Observes a search and counts inexact results. A neighbourhood can lack only points that left S before its own point
-/// came. Those still active are in a separate kD-heap, in which the nearest of them are found when a point comes. Those
-/// already written lie before the last written point along the axis; for a neighbourhood that reaches so far, they are
-/// read again. So the counts are exact: `incomplete` neighbourhoods differ from the exact ones, after the rule of
+/// came. Points that left S but are still active are in a separate kD-heap, which is searched when a point comes.
+/// Points already written lie before the last written point along the axis; if a neighbourhood reaches that far, they
+/// are read again. So the counts are exact: `incomplete` neighbourhoods differ from the exact ones, after the rule of
 /// neighbourhoods if there is one. The audit only observes, and its time is measured separately from the algorithm.
 class Audit {
  public:
@@ -71,8 +71,8 @@ class Audit {
   Audit(const Stream& stream, Reach reach, Shortening& shortening)
       : sweep_axis_(stream.axis()), reach_(reach), shortening_(shortening), hidden_(sweep_axis_), suspects_(stream) {}
 
-  /// Notes points in this order within a step of the sweep: the points that came, the points that left S, the points
-  /// written.
+  /// The next three functions must be called in this order within a step of the sweep: for the points that came, the
+  /// points that left S, and the points written.
   void arrived(StreamPoint& point);
   void completed(StreamPoint& point);
   void written(const StreamPoint& point);

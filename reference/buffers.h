@@ -21,10 +21,11 @@ namespace pointsweep::reference {
 /// one moment are gathered into batches, a few points at a time.
 class OperatorCall {
  public:
-  /// `between`: called after every few points.
+  /// `between`: called after each batch of points.
   OperatorCall(const Stage& stage, std::function<void()> between) : stage_(stage), between_(std::move(between)) {}
 
-  /// A point enters the operator's buffer.
+  /// Makes the copies of a point's fields that the stage needs (Stage::copies). Called when the point enters the
+  /// buffer.
   void copy_fields(StreamPoint& point) const;
   void apply(std::span<StreamPoint* const> points);
   const DegenerateRows& degenerate() const { return degenerate_; }
@@ -50,7 +51,7 @@ class OperatorCall {
   std::function<void()> between_;
   Gathered own_, near_;
   std::vector<std::uint32_t> begin_, refs_;
-  std::vector<const std::byte*> pointers_;  ///< of the slots' columns
+  std::vector<const std::byte*> pointers_;  ///< columns of the slots
   std::vector<PointColumns> slots_;
   DegenerateRows degenerate_;
   FirstRowError refused_;
@@ -92,8 +93,8 @@ class PreBuffer : public StreamOperator {
  protected:
   virtual bool may_be_processed(const StreamPoint& point) { return point.max_index < prev_->smallest_element(); }
 
-  std::deque<StreamPoint*> fifo1_;  ///< deferred
-  std::deque<StreamPoint*> fifo2_;  ///< processed
+  std::deque<StreamPoint*> fifo1_;  ///< points that wait for neighbours
+  std::deque<StreamPoint*> fifo2_;  ///< processed points, not yet released
 
  private:
   OperatorCall& call_;
@@ -103,7 +104,7 @@ class PreBuffer : public StreamOperator {
 
 /// An operator that moves points, such as fairing. No operator before or after it may see a neighbourhood with both
 /// moved and unmoved points: a point also waits until no earlier point refers to it, and is released when all its
-/// neighbours are moved. Within the operator, neighbours are seen through the copies made as they entered.
+/// neighbours are moved. The operator reads copies of its neighbours, made as they entered its buffer.
 class PrePostBuffer final : public PreBuffer {
  public:
   using PreBuffer::PreBuffer;

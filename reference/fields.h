@@ -29,7 +29,8 @@ struct Field {
   }
 };
 
-/// A field that a buffer keeps of its points for their neighbours, because it or a later operator overwrites it.
+/// A field of which a buffer keeps a copy for the neighbours of a point, because its operator or a later one overwrites
+/// the field.
 struct Copy {
   Field from, to;
 };
@@ -40,9 +41,9 @@ struct Stage {
   std::vector<Field> reads, reads_neighbors, makes;
   Field neighbor_position;
   std::vector<Copy> copies;
-  bool waits = false;  ///< reads attributes of its neighbours made by earlier operators: pre-buffer
-  bool moves = false;  ///< changes positions: pre- and post-buffer
-  bool moved = false;  ///< an earlier operator moves points: the search used the old positions
+  bool waits = false;  ///< true if the operator reads attributes of neighbours or moves points: pre-buffer
+  bool moves = false;  ///< true if the operator moves points: pre- and post-buffer
+  bool moved = false;  ///< true if an earlier operator moves points; the search used the old positions
 };
 
 /// All fields of a chain of operators (AllFields): the record of the file (InputFields), then the fields of operators
@@ -64,7 +65,7 @@ class Fields {
   /// read.
   void fill(StreamPoint& point, const std::byte* record, FirstRowError& refused) const;
   const std::byte* record(const StreamPoint& point) const { return point.fields.get(); }
-  /// The attributes to be written, one after another.
+  /// Writes the kept attributes of the point into `out`, one after another.
   void result(StreamPoint& point, std::vector<std::byte>& out) const;
 
  private:
@@ -81,7 +82,7 @@ class Fields {
 
   Schema record_;
   std::size_t bytes_;
-  std::map<std::string, Field> latest_;  ///< indexed by the name of the attribute
+  std::map<std::string, Field> latest_;  ///< field of each attribute, by its name
   std::vector<FileAttribute> file_;
   std::vector<Field> rule_reads_;
   std::vector<Stage> stages_;

@@ -23,7 +23,7 @@ namespace pointsweep::reference {
 /// coordinates may stand on both sides of a line, so duplicates cannot unbalance it. Depth is O(log m), insertion and
 /// removal O(log m), amortised; the paper says no more of its balancing than the name.
 ///
-/// Points are borrowed; their `input` and `index` must not change while they are here, nor their reach, except by
+/// Points are borrowed. While a point is in the heap, its `input` and `index` must not change, and its reach only by
 /// offer_to_all().
 class KdHeap {
  public:
@@ -39,9 +39,9 @@ class KdHeap {
   /// Appends the points whose neighbourhoods end before the plane, in no order, and removes them.
   void take_passed(double plane, std::vector<StreamPoint*>& out);
 
-  /// Offers the points near p to `set`, which then has the result of brute force over all points.
+  /// Offers the points near p to `set`, which then equals the result of brute force over all points of the heap.
   void find_nearest(Vec3 p, NearestSet& set) const;
-  /// Offers `point` to the sets of all points whose reach holds it.
+  /// Offers `point` to the neighbour set of each point within whose reach it lies.
   void offer_to_all(StreamPoint& point);
 
  private:
@@ -51,9 +51,9 @@ class KdHeap {
     int axis = 0;
     double split = 0;
     std::size_t size = 1;
-    double reach2 = 0;  ///< largest of the subtree
+    double reach2 = 0;  ///< largest squared reach in the subtree
     double end = 0;     ///< smallest end of a neighbourhood in the subtree, along the sweep axis
-    double last = 0;    ///< largest of the subtree: coordinate on the sweep axis
+    double last = 0;    ///< largest coordinate on the sweep axis in the subtree
     bool is_leaf() const { return !lower && !upper; }
   };
   using Link = std::unique_ptr<Node>;

@@ -70,7 +70,7 @@ void NearestOperator::arrive(StreamPoint& point) {
   searched_.find_nearest(point.input, point.neighbors);
   searched_.offer_to_all(point);
   searched_.insert(point);
-  // Later points only push out neighbours or have larger indices, so this stays a lower bound.
+  // Later points only push out neighbours or have larger indices, so min_index stays a lower bound.
   point.min_index = point.index;
   for (const Neighbor& neighbor : point.neighbors.found())
     point.min_index = std::min(point.min_index, neighbor.point->index);

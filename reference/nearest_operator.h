@@ -18,21 +18,22 @@
 
 namespace pointsweep::reference {
 
-/// A point as the rule sees it, separate from the active set, from which it may have gone.
+/// A copy of the values of a point that the rule reads. The point itself may have left the active set.
 struct RuledPoint {
   Vec3 position;
   std::uint64_t row;
   std::vector<std::byte> attributes;  ///< attributes that the rule reads, one after another
 };
 
-/// Decides how many of the neighbours found the rule of the task keeps; all of them without a rule.
+/// Decides how many of the neighbours found the rule of the task keeps. Without a rule, all are kept.
 class Shortening {
  public:
   Shortening(SharedRule rule, const Fields& fields) : rule_(std::move(rule)), reads_(fields.rule_reads()) {}
 
   explicit operator bool() const { return static_cast<bool>(rule_); }
   RuledPoint ruled(StreamPoint& point) const;
-  /// `nearest_first`: neighbours of the point.
+  /// Returns how many of the neighbours of a point are kept, from the nearest on. `nearest_first`: all neighbours
+  /// found.
   std::size_t kept(const RuledPoint& point, std::span<const Rank> nearest_first);
   /// Shortens the neighbours found to N_i. Must be called after NearestSet::sort().
   void shorten(StreamPoint& point);
@@ -49,15 +50,15 @@ class Shortening {
 /// Returns copies of the neighbours found, independent of the active set.
 std::vector<Rank> ranks_of(std::span<const Neighbor> neighbors);
 
-/// When the plane meets p_j, its left-sided set is found among the points in S, it is offered to the right-sided sets
-/// of the points in S that reach it, and it enters S. Then every point whose neighbourhood ends before the plane leaves
-/// S for the sorting buffer B, which restores the order of the stream: its smallest point is released when nothing in S
-/// is smaller. After the end of the stream one point of S is completed at a time.
+/// When the plane meets p_j, the left-sided set of p_j is found among the points in S, p_j is offered to the
+/// right-sided sets of the points in S that reach it, and p_j enters S. Then every point whose neighbourhood ends
+/// before the plane leaves S for the sorting buffer B, which restores the order of the stream: its smallest point is
+/// released when nothing in S is smaller. After the end of the stream one point of S is completed at a time.
 ///
-/// A pre- and post-buffer in which S stands for FIFO1 and B for FIFO2 (Section 5.2.2).
+/// It is a pre- and post-buffer with S as FIFO1 and B as FIFO2 (Section 5.2.2).
 ///
-/// Approximate, as in the paper: a point that left S is not found by later points, however far they reach. Audit counts
-/// what this costs.
+/// The result is approximate, as in the paper: a point that left S is not found by later points, however far they
+/// reach. Audit counts what this costs.
 class NearestOperator final : public StreamOperator {
  public:
   NearestOperator(int sweep_axis, Shortening& shortening)
@@ -70,8 +71,8 @@ class NearestOperator final : public StreamOperator {
   std::uint64_t smallest_reference() override;
   std::size_t size() const override { return searched_.size() + sorting_.size(); }
 
-  std::size_t searched() const { return searched_.size(); }  ///< points in S
-  /// Points that came in the last pull_push(), and those that were completed in it.
+  std::size_t searched() const { return searched_.size(); }  ///< number of points in S
+  /// Returns the points that came in the last pull_push(); completed() returns the points that left S in it.
   std::span<StreamPoint* const> arrived() const { return arrived_; }
   std::span<StreamPoint* const> completed() const { return completed_; }
 

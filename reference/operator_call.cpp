@@ -12,7 +12,7 @@
 namespace pointsweep::reference {
 namespace {
 
-constexpr std::size_t kMostPoints = 64;  ///< gathered at once; bounds the memory of a call
+constexpr std::size_t kMostPoints = 64;  ///< most points gathered at once, which bounds the memory of a call
 constexpr std::size_t kMostNeighbors = 16384;
 
 std::vector<std::uint16_t> numbers(std::size_t n) {

@@ -34,8 +34,8 @@ class SortedSlab {
   std::vector<std::uint32_t> order_;
 };
 
-/// Reads and buffers one point at a time, in canonical order. Ordering itself is shared with the engine (order/): its
-/// slabs are read one by one and sorted.
+/// Reads and buffers one point at a time, in canonical order. Ordering itself is shared with the engine (order/): the
+/// slabs of its stream are read one by one and sorted.
 class ReadOperator final : public StreamOperator {
  public:
   /// The slabs of `stream` must be in canonical order (StreamOptions::canonical): the search takes every unread point
@@ -49,7 +49,7 @@ class ReadOperator final : public StreamOperator {
   std::uint64_t smallest_reference() override { return kNoIndex; }
   std::size_t size() const override { return waiting_ == nullptr ? 0 : 1; }
 
-  std::uint64_t position() const { return position_; }  ///< points read
+  std::uint64_t position() const { return position_; }  ///< number of points read
   std::uint64_t total() const { return total_; }
   /// Returns the error of the lowest row read that has a value which an operator cannot read.
   const FirstRowError& refused() const { return refused_; }
@@ -62,13 +62,13 @@ class ReadOperator final : public StreamOperator {
   StreamPoint* waiting_ = nullptr;
   std::uint64_t position_ = 0, total_ = 0;
 
-  SortedSlab slab_;  ///< being read
+  SortedSlab slab_;  ///< slab whose points are being read
   std::size_t next_slab_ = 0;
-  std::size_t next_ = 0;  ///< place in slab_
+  std::size_t next_ = 0;  ///< place of the next point in slab_
   FirstRowError refused_;
 };
 
-/// A point is written, and leaves the active set, when no neighbourhood in the operators before refers to it any more.
+/// Writes a point and removes it from the active set when no neighbourhood in earlier operators refers to it any more.
 class WriteOperator final : public StreamOperator {
  public:
   WriteOperator(ActiveSet& active, std::function<void(StreamPoint&)> write)
@@ -81,7 +81,7 @@ class WriteOperator final : public StreamOperator {
   std::uint64_t smallest_reference() override { return prev_->smallest_reference(); }
   std::size_t size() const override { return fifo_.size(); }
 
-  std::uint64_t position() const { return position_; }  ///< points written
+  std::uint64_t position() const { return position_; }  ///< number of points written
 
  private:
   ActiveSet& active_;

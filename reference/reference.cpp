@@ -17,9 +17,9 @@ namespace pointsweep::reference {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::uint64_t kRows = 1000;              ///< rows of a series
+constexpr std::uint64_t kRows = 1000;              ///< most entries of a series
 constexpr std::uint64_t kMeasurePoints = 1 << 12;  ///< least number of points read between two measurements of memory
-constexpr std::uint64_t kNodeBytes = 128;          ///< bytes of a point's place in a kD-heap and in queues, about
+constexpr std::uint64_t kNodeBytes = 128;          ///< approximate bytes of a point in a kD-heap and in queues
 constexpr double kReportSeconds = 0.1;
 constexpr std::uint64_t kReportPoints = 1024;  ///< points written between two readings of the clock
 
@@ -91,7 +91,8 @@ class Pipeline {
     return std::chrono::duration<double>(now_ - before).count();
   }
 
-  /// A step reads one point, so none that arrived could have seen what left S in the same step.
+  /// A step reads one point, which searches S before points leave S in this step, so that none of these is hidden from
+  /// it.
   void audit() {
     for (StreamPoint* point : nearest_.arrived()) {
       point->read_at = now_;
@@ -126,7 +127,7 @@ class Pipeline {
     require_memory();
   }
 
-  /// Also called while many points pass an operator in one step.
+  /// Reports progress. Also called while many points pass an operator in one step.
   void report() {
     stop_if_cancelled();
     const Clock::time_point now = Clock::now();

@@ -2,10 +2,10 @@
 /// The method of the paper, point by point: a baseline for the speed of the engine, and an independent check of its
 /// results.
 ///
-/// R. Pajarola, "Stream-Processing Points", IEEE Visualization 2005. Of the engine it shares attributes, file formats,
-/// the ordered stream (Section 3 takes it for given) and the formulas of the operators; search, buffers and the sweep
-/// are its own. One thread. Memory holds the active set, whose size depends on the cloud: in FIFO order every point
-/// waits for the slowest point before it.
+/// R. Pajarola, "Stream-Processing Points", IEEE Visualization 2005. The reference shares with the engine attributes,
+/// file formats, the ordered stream (Section 3 takes it for given) and the formulas of the operators; search, buffers
+/// and the sweep are its own. One thread. Memory holds the active set, whose size depends on the cloud: in FIFO order
+/// every point waits for the slowest point before it.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ namespace pointsweep::reference {
 struct Task {
   Reach reach;
   SharedRule rule;                       ///< shortens each list of neighbours once it is complete; may be null
-  std::vector<StageOperator> operators;  ///< checked against the attributes of the stream's records
+  std::vector<StageOperator> operators;  ///< must have been checked against the stream's records
   std::vector<Attribute> kept;           ///< attributes to write; a result record has them in this order
 };
 
@@ -38,25 +38,25 @@ struct Written {
 };
 
 struct Options {
-  std::uint64_t memory_bytes = 0;  ///< limit for the active set; Error if it grows beyond
+  std::uint64_t memory_bytes = 0;  ///< limit for the active set; run() throws Error above it
   /// Called about every tenth of a second with the points read and active so far; may throw to end the run.
   std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
 };
 
-/// A stream operator as it was seen through the run.
+/// Measurements of one stream operator.
 struct OperatorRecord {
   std::string name;  ///< "read", "knn", the names of the operators of the task, "write"
   double seconds = 0;
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points in its buffer; at most 1,000
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points in the buffer; at most 1,000
                                                                 ///< entries
 };
 
 struct Statistics {
-  std::vector<OperatorRecord> operators;   ///< for Figures 4 and 6
+  std::vector<OperatorRecord> operators;   ///< as in Figures 4 and 6, in the order of the pipeline
   double audit_seconds = 0;                ///< not included in any other time
   std::uint64_t complete = 0;              ///< neighbourhoods N_i that are exact
   std::uint64_t incomplete = 0;            ///< neighbourhoods that are not exact: a point had left the search too early
-  std::vector<DegenerateRows> degenerate;  ///< for each operator of the task
+  std::vector<DegenerateRows> degenerate;  ///< rows with degenerate results, for each operator of the task
   std::uint64_t peak_points = 0;
   double mean_points = 0;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> series;  ///< points read, points active; at most 1,000 entries

@@ -22,10 +22,10 @@ class StreamOperator {
   virtual StreamPoint* front() = 0;
   virtual void pop_front() = 0;
 
-  /// Returns an index: every point of smaller index has been released to the next operator, or to one further on;
-  /// kNoIndex: all points have been released.
+  /// Returns an index below which all points have been released to the next operator, or to a later one; kNoIndex if
+  /// all points have been released.
   virtual std::uint64_t smallest_element() = 0;
-  /// Returns an index: no point that this operator or an earlier one has not released refers to a smaller index.
+  /// Returns a lower bound of the indices to which those points refer that this operator or an earlier one still holds.
   virtual std::uint64_t smallest_reference() = 0;
   /// Returns the number of points in the buffer.
   virtual std::size_t size() const = 0;
@@ -41,8 +41,8 @@ class ReferenceHeap {
  public:
   void push(const StreamPoint& p) { heap_.push({p.min_index, p.index}); }
 
-  /// Returns the smallest index to which points from `smallest_element` on refer; earlier points have left. kNoIndex:
-  /// none.
+  /// Returns the smallest index to which points from `smallest_element` on refer, since earlier points have left;
+  /// kNoIndex without a reference.
   std::uint64_t smallest(std::uint64_t smallest_element) {
     while (!heap_.empty() && heap_.top().index < smallest_element) heap_.pop();
     return heap_.empty() ? kNoIndex : heap_.top().referenced;

@@ -46,8 +46,8 @@ struct Reach {
   double radius2;
 };
 
-/// The k nearest points. First filled with points before p_i in the stream (left-sided), then with every later point
-/// that is nearer than the farthest of them (right-sided).
+/// The k nearest points of p_i. The set is first filled with points before p_i in the stream (left-sided), then with
+/// every later point that is nearer than the farthest point in the set (right-sided).
 class NearestSet {
  public:
   explicit NearestSet(Reach reach) : k_(reach.k), reach2_(reach.radius2) {}
@@ -58,7 +58,7 @@ class NearestSet {
   bool full() const { return found_.size() == k_; }
   /// Offers a point to the set; returns whether the set changed. O(log k).
   bool offer(const Neighbor& candidate);
-  /// Puts the nearest first. Ends the filling.
+  /// Sorts the points found, nearest first. No point may be offered afterwards.
   void sort();
   /// Keeps the `count` nearest of the neighbours found as N_i; called after sort().
   void keep(std::size_t count) { kept_ = count; }
@@ -88,19 +88,19 @@ struct StreamPoint {
   Vec3 input;           ///< position in the input, which search and order use
   Vec3 position;        ///< current position, after operators that move points
   std::uint64_t row;    ///< row in the input
-  std::uint64_t index;  ///< i, in the stream
+  std::uint64_t index;  ///< place in the stream, i in the paper
   std::chrono::steady_clock::time_point read_at;
 
   // Set by the search for neighbours
   NearestSet neighbors;
-  std::uint64_t min_index = kNoIndex;  ///< smallest index among the point and the neighbours it refers to
-  std::uint64_t max_index = 0;         ///< largest; known once the neighbourhood is complete
+  std::uint64_t min_index = kNoIndex;  ///< smallest index of the point and its neighbours
+  std::uint64_t max_index = 0;         ///< largest index of the point and its neighbours; known once they are complete
 
   // Points that the search could not see when the point came (Audit)
   static constexpr double kNothing = std::numeric_limits<double>::infinity();
   std::vector<Rank> hidden;    ///< the nearest of the active points that had left S, nearest first
   std::uint64_t written = 0;   ///< number of points of the stream that had been written
-  double written2 = kNothing;  ///< squared distance along the axis to the last of them
+  double written2 = kNothing;  ///< squared distance along the axis to the last written point
 
   // Every other field, at the places that Fields gives them: the record of the file, attributes, an operator's copies
   std::unique_ptr<std::byte[]> fields;

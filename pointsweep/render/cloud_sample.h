@@ -27,7 +27,8 @@ struct RowStretches {
 RowStretches all_rows(const InputCloud& cloud);
 
 /// Returns the rows that can be read and drawn in about `seconds`: all rows, or every n-th stretch of rows. A stretch
-/// is a chunk of the file, or 256 rows if the file has no chunks. Reads a few stretches to measure the time per row.
+/// is a chunk of the file; without chunks it has 256 rows, or 8,192 rows if the reader has no decoder. Reads a few
+/// stretches to measure the time per row.
 RowStretches rows_within(InputCloud& cloud, double seconds);
 
 /// Extents of a cloud along the axes of a camera, relative to the origin of the camera.

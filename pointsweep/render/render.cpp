@@ -19,12 +19,11 @@ namespace pointsweep {
 namespace {
 
 constexpr double kAmbient = 0.25;
-constexpr double kBulge = 0.3;  // bulge of discs without a normal, in radii
-constexpr double kLargestOnSurface = 0.015,
-                 kLargestOfPoints = 0.006;  // limits of guessed radii, as shares of the longer side
-constexpr double kSmallestLimit = 3;        // least limit of guessed radii, in pixels
-constexpr double kSampleSeconds = 100e-9;   // seconds to fill a sample of the canvas under overlapping discs
-constexpr double kFarOutliers = 4;          // span of all points over the span of nearly all, from which points are far
+constexpr double kBulge = 0.3;                                         // bulge of discs without a normal, in radii
+constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;  // limits of guessed radii over the longer side
+constexpr double kSmallestLimit = 3;                                   // least limit of guessed radii, in pixels
+constexpr double kSampleSeconds = 100e-9;  // seconds to fill a sample of the canvas under overlapping discs
+constexpr double kFarOutliers = 4;         // ratio of the span of all points to the span of nearly all points
 constexpr std::uint64_t kMostPixels = 1u << 26;
 
 void check(const RenderOptions& options) {
