@@ -13,7 +13,8 @@ RankSearch::RankSearch(std::uint64_t count, std::uint64_t least, std::uint64_t m
   if (count == 0) return;
   found_.fill(least);
   if (least == most) return;
-  for (std::size_t r = 0; r < kRanks; ++r) ranks_[r] = quantile_rank(count, PointStatistics::kPercent[r]);
+  for (std::size_t r = 0; r < kRanks; ++r)
+    ranks_[r] = quantile_rank(count, PointStatistics::kPercent[r]);
   intervals_.push_back({least, most, count, 0, kRanks});
 }
 
