@@ -19,7 +19,7 @@ namespace pointsweep::reference {
 /// Three more numbers per subtree save visits: the largest reach of its points, the place where the sweep plane passes
 /// the first of their neighbourhoods, and the last coordinate along the axis.
 ///
-/// Semi-balanced: where one side holds more than three quarters, the subtree is rebuilt (a scapegoat tree). Equal
+/// Semi-balanced: if one side holds more than three quarters, the subtree is rebuilt (a scapegoat tree). Equal
 /// coordinates may stand on both sides of a line, so duplicates cannot unbalance it. Depth is O(log m), insertion and
 /// removal O(log m), amortised; the paper says no more of its balancing than the name.
 ///

@@ -55,7 +55,7 @@ std::vector<Rank> ranks_of(std::span<const Neighbor> neighbors);
 /// before the plane leaves S for the sorting buffer B, which restores the order of the stream: its smallest point is
 /// released when nothing in S is smaller. After the end of the stream one point of S is completed at a time.
 ///
-/// It is a pre- and post-buffer with S as FIFO1 and B as FIFO2 (Section 5.2.2).
+/// The operator is a pre- and post-buffer with S as FIFO1 and B as FIFO2 (Section 5.2.2).
 ///
 /// The result is approximate, as in the paper: a point that left S is not found by later points, however far they
 /// reach. Audit counts what this costs.

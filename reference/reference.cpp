@@ -91,8 +91,8 @@ class Pipeline {
     return std::chrono::duration<double>(now_ - before).count();
   }
 
-  /// A step reads one point, which searches S before points leave S in this step, so that none of these is hidden from
-  /// it.
+  /// A step reads one point, which searches S before any point leaves S in this step. So no point that leaves is hidden
+  /// from it.
   void audit() {
     for (StreamPoint* point : nearest_.arrived()) {
       point->read_at = now_;

@@ -24,7 +24,7 @@ struct AlikeFiles {
   std::size_t files = 0;  ///< number of files, including the first
 };
 
-/// Some of the kinds of files, in the order of their first files.
+/// Kinds of files with equal headers, in the order of their first files.
 using SomeKinds = std::vector<const AlikeFiles*>;
 
 /// Distinct values in the order of their first occurrence, each with the files that have it.
@@ -121,7 +121,7 @@ std::string storage_of(const Field& field) {
   return text;
 }
 
-/// An attribute of some of the files, with all files that store it in the same way.
+/// An attribute of some files, and for each way to store it the files that use this way.
 struct SharedAttribute {
   std::string name;  ///< name in the first file
   FilesOfValues storages;

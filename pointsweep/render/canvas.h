@@ -27,7 +27,7 @@ class Canvas {
 
   /// Fills the samples whose middle is inside of the ellipse, each with its own depth; at least the sample under the
   /// center, unless that is outside of the picture. Semi-axes are limited to an eighth of the picture's sides, because
-  /// a huge splat of an outlier would hide other points and take as much time as all of them.
+  /// a huge splat of an outlier would hide other points and take as much time as all other points together.
   void draw(const ProjectedEllipse& ellipse, Rgb color);
 
   /// Darkens samples that are farther from the viewer than the samples around them: light and shade for points without

@@ -35,8 +35,8 @@ void check(const RenderOptions& options) {
 }
 
 /// Returns the span from lo to hi, where all points lie. If it is more than kFarOutliers times the span of the middle
-/// 99.8 % of the sampled `values`, returns the middle span with 5 % of it added on either side: a few far points are
-/// then outside of the picture.
+/// 99.8 % of the sampled `values`, returns the middle span, extended by 5 % on either side: a few far points are then
+/// outside of the picture.
 std::pair<double, double> span_without_outliers(std::vector<double>& values, double lo, double hi) {
   std::sort(values.begin(), values.end());
   const auto cut = static_cast<std::size_t>(0.001 * static_cast<double>(values.size()));

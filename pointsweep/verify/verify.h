@@ -36,7 +36,7 @@ struct MadeBy {
   bool in_any_order = false;
   std::vector<std::string> known_differences = {};  ///< differences found before the check
   std::uint64_t more_differences = 0;               ///< number of further differences
-  /// True if stages that are not checked also drop rows, so that a row may be missing because of one of them.
+  /// True if stages that are not checked also drop rows, so that a row may be missing because of such a stage.
   bool leaves_out_more = false;
   std::vector<std::string> untold = {};  ///< sentences about values that are not checked, with reasons
   /// Names of fields that were not written: of kept made attributes, and of the input.
@@ -44,10 +44,10 @@ struct MadeBy {
   OwnField own_field = nullptr;  ///< Format::own_field of the output's format; null if it has none
 };
 
-/// Checks whether `out` equals the result of a run over `in`. For all points: the count, and each attribute by value,
-/// row by row, or for the order of a sweep by checksums of values and of whole points. For a sample: the made
-/// attributes are compared with the formulas of the operators, evaluated on neighbourhoods that a brute-force search
-/// finds. `is_array`: `out` holds made values only. Values are compared with the precision of the output's types
+/// Checks whether `out` equals the result of a run over `in`. For all points, it compares the count, and each attribute
+/// by value, row by row, or for the order of a sweep by checksums of values and of whole points. For a sample, it
+/// compares the made attributes with the formulas of the operators, evaluated on neighbourhoods that a brute-force
+/// search finds. `is_array`: `out` holds made values only. Values are compared with the precision of the output's types
 /// (FieldPair).
 ///
 /// If a select after other stages drops rows, half of the sample are rows that the output does not have. The earlier

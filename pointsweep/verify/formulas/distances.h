@@ -61,8 +61,8 @@ struct Kept {
 /// neighbours are kept if they are fewer than `least`, or if E is undefined for each k.
 Kept of_least_eigenentropy(const Place& p, std::span<const Place> neighbors, std::size_t least);
 
-/// Returns the neighbours within both limits: the first floor(k), and those with ((dx² + dy²) + dz²) <= radius · radius
-/// in float64. A k below 1, a negative radius and NaN allow none.
+/// Returns the number of neighbours within both limits: the first floor(k), and neighbours with ((dx² + dy²) + dz²) <=
+/// radius · radius in float64. A k below 1, a negative radius and NaN allow no neighbour.
 Kept within_limits(const Place& p, std::span<const Place> neighbors, std::optional<double> k,
                    std::optional<double> radius);
 

@@ -16,7 +16,7 @@
 
 namespace pointsweep {
 
-/// How an output stores x, y and z, according to the options of its run.
+/// The way in which an output stores x, y and z, according to the options of its run.
 struct StoredPlaces {
   std::optional<int> decimals = {};  ///< FileLayout::decimals, for text
   bool single = false;               ///< true if coordinates were rounded to float32 (RunOptions::positions)
