@@ -89,12 +89,11 @@ void take_record(OutputCheck& check, const ProvenanceRecord& record) {
   if (options.prefix.empty()) options.prefix = setting("prefix");
   if (const std::string crs = setting("crs"); !options.cloud.crs && (crs == "none" || crs.starts_with("EPSG:")))
     options.cloud.crs = StatedCrs{parse_crs(crs.substr(0, crs.find(' '))), true};
-  if (!options.decimals && record.setting("decimals")) options.decimals = std::stoi(setting("decimals"));
-  if (const auto word = record.setting("positions"); word && !options.positions) {
-    RunOptions recorded;
-    run_option("positions").set(recorded, *word, "the record of the output");
-    options.positions = recorded.positions;
-  }
+  RunOptions recorded;
+  for (const char* name : {"decimals", "positions"})
+    if (const auto value = record.setting(name)) run_option(name).set(recorded, *value, "the record of the output");
+  if (!options.decimals) options.decimals = recorded.layout.decimals;
+  if (!options.positions) options.positions = recorded.positions;
   if (options.cloud.format.empty()) options.cloud.format = setting("format");
   if (options.nonfinite == Nonfinite::by_format && setting("nonfinite") == "drop") options.nonfinite = Nonfinite::drop;
   if (check.says_how()) return;

@@ -170,6 +170,8 @@ TEST_F(VerifyVerb, WhatMakesNoSenseIsStatus2) {
   refused(2, "verify in.ply out.ply --order none", "--order");
   refused(2, "verify in.ply n.npy -k 9", "16 columns");
   refused(1, "verify in.ply none.ply", "none.ply");
+  write("damaged.txt", "# x y z\n# pointsweep 0.1.0\n# pointsweep stage convert\n# pointsweep decimals many\n0 0 0\n");
+  refused(2, "verify in.ply damaged.txt", "the record of the output");
 }
 
 }  // namespace
