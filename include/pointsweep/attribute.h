@@ -14,10 +14,10 @@
 
 namespace pointsweep {
 
-/// Signed and unsigned integers and IEEE floating-point numbers, with their bits.
+/// The type of a number: a signed or unsigned integer or an IEEE floating-point number, with its number of bits.
 enum class Type : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
 
-/// Returns the bytes of one value.
+/// Returns the size of one number of a type in bytes.
 POINTSWEEP_EXPORT std::size_t size_of(Type type);
 /// Returns the name of a type: "int8", "uint8", ..., "float64".
 POINTSWEEP_EXPORT std::string_view name_of(Type type);
@@ -26,7 +26,7 @@ POINTSWEEP_EXPORT std::string_view name_of(Type type);
 enum class Kind : std::uint8_t { position, vector, normal, scalar, index, color };
 
 /// One attribute of a point, e.g. {"normal", f32, kind normal, fields {"nx","ny","nz"}, unit "1", "unit surface normal
-/// ..."}. A column of it holds `fields.size()` values of `type` for each point, interleaved.
+/// ..."}. A column of an attribute holds `fields.size()` values of `type` for each point, interleaved.
 struct Attribute {
   std::string name;
   Type type = Type::f32;

@@ -7,8 +7,8 @@
 
 namespace pointsweep {
 
-/// During its lifetime, the work of this thread, and the work of other threads for it, stops when `token` asks for it.
-/// An inner scope replaces an outer one; a null token has no effect.
+/// While a scope exists, the work of its thread, and of other threads on behalf of this thread, stops once `token` is
+/// cancelled. An inner scope replaces an outer scope; a scope with a null token has no effect.
 class POINTSWEEP_EXPORT CancellationScope {
  public:
   explicit CancellationScope(const CancellationToken* token) noexcept : before_(current_) {
@@ -26,9 +26,9 @@ class POINTSWEEP_EXPORT CancellationScope {
   const CancellationToken* before_;
 };
 
-/// Throws Cancelled if the token of this thread asks for it. About 1 ns. Every loop of the library whose length depends
-/// on the data calls it, so that a run ends within a fraction of a second. Operators are not interrupted, but get a
-/// bounded number of neighbours at once.
+/// Throws Cancelled if the token of this thread is cancelled. Takes about 1 ns. Every loop of the library whose length
+/// depends on the data calls it, so that a run ends within a fraction of a second. Operators are not interrupted, but
+/// get a bounded number of neighbours at once.
 inline void stop_if_cancelled() {
   if (const CancellationToken* token = CancellationScope::current(); token != nullptr && token->cancelled())
     throw Cancelled();

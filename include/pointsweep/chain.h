@@ -18,13 +18,15 @@ namespace pointsweep {
 
 class Cloud;
 
-/// Searches the neighbourhoods again, at the current positions, for the stages after it. They are exact and certified
-/// like the first ones. The results are the same as from a file that holds these positions in float64 and all
-/// attributes made so far. Points that were moved to a place that is not finite have no neighbours from here on.
+/// Searches the neighbourhoods again, at the current positions, for all later stages. The new neighbourhoods are exact
+/// and certified like the first ones. Later stages give the same results as for a file that holds the current positions
+/// in float64 and all attributes made so far. Points that were moved to non-finite coordinates have no neighbours in
+/// later stages.
 ///
 /// Without Reneighbor, neighbourhoods remain those of the earlier positions when points move. Cost: one more sweep, and
-/// before it one temporary record for each point with its position and the attributes still needed. With Resort it is
-/// the extension that Section 8 of the paper asks for: "new sort-update and k-nearest-update stream operators".
+/// before it one temporary record for each point with its position and the attributes still needed. Reneighbor and
+/// Resort are the extension that Section 8 of the paper asks for: "new sort-update and k-nearest-update stream
+/// operators".
 struct Reneighbor {
   /// Keeps the previous definition of a neighbourhood.
   Reneighbor() = default;
@@ -76,9 +78,10 @@ struct Chain {
   std::vector<std::string> keep = {};
 };
 
-/// Returns the chain with each Neighborhood::kOfOperators replaced, for the operators up to the next Reneighbor with
-/// its own definition: by all points within their largest all_within, or by their largest default_k. Throws UsageError
-/// if one operator needs all points within a distance and another does not.
+/// Returns the chain without Neighborhood::kOfOperators. Each such default is replaced according to the operators up to
+/// the next Reneighbor with its own definition: by all points within their largest Contract::all_within, or by their
+/// largest Contract::default_k. Throws UsageError if one operator needs all points within a distance and another does
+/// not.
 POINTSWEEP_EXPORT Chain with_named_neighborhoods(Chain chain);
 
 /// Parses a pipeline: text, `knn(k=16) | normals(orient=up) | where(nz > 0.5)`, or as JSON, `[{"type": "knn", "k": 16},
@@ -88,7 +91,7 @@ POINTSWEEP_EXPORT Chain with_named_neighborhoods(Chain chain);
 /// the place in the text, for an unknown name and a value out of range.
 POINTSWEEP_EXPORT Chain parse_chain(std::string_view pipeline, const Cloud& cloud);
 
-/// Appends the stages of a pipeline, which has no `knn`, to a chain for the same cloud.
+/// Appends the stages of `pipeline`, which must not contain `knn`, to `chain`. Both are for `cloud`.
 POINTSWEEP_EXPORT void append_stages(Chain& chain, std::string_view pipeline, const Cloud& cloud);
 
 /// Appends the built-in operator `name` with these options, e.g. "normals", {{"orient", "up"}}; a value that is a text

@@ -40,8 +40,8 @@ struct StatedCrs {
 };
 
 /// Returns the system that `text` names: "EPSG:2154", "EPSG:2154+5720" (with heights), WKT, or a file of WKT such as a
-/// .prj; none for "none". A code becomes GeoTIFF keys, since the library has no registry with the WKT of codes. Throws
-/// UsageError, beginning with `where`, for anything else and for codes that GeoTIFF keys cannot state.
+/// .prj; nullopt for "none". A code becomes GeoTIFF keys, since the library has no registry with the WKT of codes.
+/// Throws UsageError, beginning with `where`, for anything else and for codes that GeoTIFF keys cannot state.
 POINTSWEEP_EXPORT std::optional<Crs> parse_crs(const std::string& text, std::string_view where = "--crs");
 
 /// Parses well-known text of one or several lines. For a text that is not WKT, the result has no name, kind or codes.

@@ -20,7 +20,7 @@ struct ListedFile {
 
 struct InputList {
   std::vector<ListedFile> files;
-  std::vector<std::string> notices;  ///< for each argument with files that are not listed, a sentence about these
+  std::vector<std::string> notices;  ///< a sentence for each argument that stands for files that are not listed
 };
 
 /// Lists the files that arguments stand for: a folder for the point files in it, if `recursive` also in its
@@ -28,7 +28,7 @@ struct InputList {
 /// names; any other path for itself. The files of a folder or pattern come in the order of the bytes of their relative
 /// names. Hidden files are not listed, and files that are no point files are left out with a notice. `format`: as
 /// CloudOptions::format; files named *.bin are point files then. Throws Error if an argument stands for no file,
-/// UsageError if a file is listed twice, unless both arguments are its own name.
+/// UsageError if a file is listed twice, unless both arguments name the file itself.
 POINTSWEEP_EXPORT InputList list_inputs(const std::vector<std::filesystem::path>& named, bool recursive,
                                         const std::string& format = "");
 

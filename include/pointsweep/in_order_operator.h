@@ -33,8 +33,8 @@ struct OrderedPoints {
   std::span<const std::array<std::byte, 8>> words;
 };
 
-/// The results of a call to an InOrderWork. A run may name each row once. A row that is never named is kept, with
-/// Attribute::fill as the value of the made attributes.
+/// The results of a call to an InOrderWork. All calls of a run together may name each row at most once. A row that is
+/// never named is kept, with Attribute::fill as the value of the made attributes.
 struct Findings {
   std::vector<std::uint64_t> dropped;    ///< rows that later stages and the output lack
   std::vector<std::uint64_t> rows;       ///< rows that are kept and whose made values are known
@@ -49,8 +49,8 @@ class POINTSWEEP_EXPORT InOrderWork {
   virtual ~InOrderWork() = default;
   /// Returns the number of rounds, in each of which the work takes all points.
   virtual unsigned rounds() const { return 1; }
-  /// Takes the next points of round `round`, which counts from 0. Appends all findings known by then, also about
-  /// earlier points.
+  /// Takes the next points of round `round`, which counts from 0. Appends all findings that are then known, also
+  /// findings about earlier points.
   virtual void add(unsigned round, const OrderedPoints& points, Findings& findings) = 0;
   /// Called after the last point of a round.
   virtual void end(unsigned round, Findings& findings) { (void)round, (void)findings; }
@@ -109,7 +109,7 @@ enum class Places : std::uint8_t {
 /// be divided into parts.
 struct Reach {
   /// With `nearest` = 0, the operator needs all points whose places are within this distance of the place of the point
-  /// along each axis. Otherwise it is the largest distance of a nearest point that the operator needs.
+  /// along each axis. Otherwise, the largest distance at which the operator needs a nearest point.
   double distance = 0;
   std::size_t nearest = 0;  ///< number of nearest points that the operator needs (in the plane with in_plane), or 0
   /// True if the distance does not suffice in all cases. A part that reports Findings::undecided is repeated with twice
@@ -135,12 +135,12 @@ class POINTSWEEP_EXPORT InOrderOperator : public Operator {
   virtual std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const = 0;
   /// Returns the place by which a point with this finite position is ordered. Called from many threads at once.
   virtual Vec3 place_of(Vec3 position) const { return position; }
-  /// Returns the least memory of a work on such a cloud.
+  /// Returns the least memory of a work on `cloud`, in bytes.
   virtual std::uint64_t least_bytes(const CloudEstimate& cloud) const {
     (void)cloud;
     return 0;
   }
-  /// Returns the effort for such a cloud.
+  /// Returns the estimated time of a work on `cloud`.
   virtual InOrderEffort effort(const CloudEstimate& cloud) const {
     (void)cloud;
     return {};
@@ -148,10 +148,11 @@ class POINTSWEEP_EXPORT InOrderOperator : public Operator {
   /// Returns the points of the cloud on which the finding about a point depends; nothing if it may depend on any point.
   /// If a Reach is returned, places must ascend along each axis with the positions.
   virtual std::optional<Reach> reach() const { return std::nullopt; }
-  /// A function that returns the numbers of the points of a batch that other parts of the cloud need, at least all of
-  /// them. Called from many threads at once.
+  /// A function that returns the indices of the points of a batch that other parts of the cloud need; it may return
+  /// more. Called from many threads at once.
   using ChoosePoints = std::function<std::vector<std::uint32_t>(const OrderedPoints& points)>;
-  /// Returns the function that chooses the points that other parts need; empty if they need all points.
+  /// Returns the function that chooses the points that other parts of the cloud need; empty if other parts need all
+  /// points.
   virtual ChoosePoints for_other_parts() const { return {}; }
   /// Returns the path, folder or pattern of the other cloud that the operator reads; empty if it reads none.
   virtual std::string other_cloud() const { return {}; }
@@ -160,14 +161,14 @@ class POINTSWEEP_EXPORT InOrderOperator : public Operator {
   virtual std::vector<Attribute> other_reads() const { return {}; }
   /// Returns the points of the other cloud on which the finding about a point depends, like reach().
   virtual std::optional<Reach> other_reach() const { return std::nullopt; }
-  /// Returns the operator for another cloud with these fields. Called before bound(), and only if other_reads() names
-  /// attributes. Throws UsageError for a name that no field has.
+  /// Returns the operator for another cloud with these fields. Called before bound(), and only if other_reads() is not
+  /// empty. Throws UsageError for a name that no field has.
   virtual std::shared_ptr<const InOrderOperator> bound_to_other(const Schema& other) const {
     (void)other;
     return nullptr;
   }
-  /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`, if its contract
-  /// depends on these; else null.
+  /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`; null if its contract
+  /// does not depend on either.
   virtual std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;

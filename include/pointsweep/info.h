@@ -55,7 +55,7 @@ struct FileSummary {
   std::vector<double> nearest;               ///< distances to the nearest neighbours of a sample, ascending
   /// True if the file has the field `classification`, and if it has return numbers.
   bool has_classes = false, has_returns = false;
-  /// True if only the header was read: `bounds` are those that it states, and other facts about the points are unknown.
+  /// True if only the header was read: `bounds` are the stated bounds, and other facts about the points are unknown.
   bool of_header = false;
 
   /// Returns the number of finite points per unit of occupied area; nothing without an area.
@@ -78,7 +78,8 @@ POINTSWEEP_EXPORT FileSummary summarize(Reader& reader, const SummaryOptions& op
 /// Returns the facts in the header, without reading points. Formats without a header were read when they were opened.
 POINTSWEEP_EXPORT FileSummary summarize_header(const Reader& reader);
 
-/// Returns the range of the field `gps_time`, with the clock of the LAS header; none without the field or if all are 0.
+/// Returns the range of the field `gps_time`, with the clock of the LAS header; nothing without this field, or if it is
+/// 0 at all points.
 POINTSWEEP_EXPORT std::optional<GpsTimes> gps_times(const FileSummary& summary);
 
 /// Returns the date and time of adjusted standard GPS time, such as "2010-06-15T12:34:56", on the GPS scale (ahead of
@@ -98,7 +99,7 @@ POINTSWEEP_EXPORT std::string text_of_class(std::uint8_t code);
 POINTSWEEP_EXPORT std::vector<std::string> inconsistencies_of(std::span<const FileSummary> files);
 
 /// Finds inconsistencies_of() files that are summarized one after another. Keeps the number of points, the bounds and
-/// the name of each file, about 150 bytes, and one copy of header facts for all files with equal ones.
+/// the name of each file, about 150 bytes, and one copy of each distinct set of header facts.
 class POINTSWEEP_EXPORT FileComparison {
  public:
   FileComparison();
@@ -172,7 +173,7 @@ struct PointStatisticsOptions {
 /// a million points, about three to five times for others, more for many groups. Every number is exact or rounded as
 /// stated, and the same for any number of threads and order of the points. Memory: at most 256 MB, and less than 100 MB
 /// without `by`. Throws UsageError for a missing attribute, and for `by` if the attribute has a value that is no whole
-/// number, more than kMostGroups values, or too many for that memory; Error for a file that cannot be read.
+/// number, more than kMostGroups values, or too many values for this memory; Error for a file that cannot be read.
 POINTSWEEP_EXPORT PointStatistics point_statistics(Cloud& cloud, const PointStatisticsOptions& options);
 
 /// Returns the JSON value that the key `statistics` has in the output of `pointsweep info`; docs/info.md lists its

@@ -57,9 +57,9 @@ struct Neighborhood {
   double radius2() const { return radius * radius; }
 };
 
-/// The memory layout of a batch begins here; class Neighborhoods hides it from operators.
-/// Bits of the index of a point in its cell. A NeighborRef consists of the slot of a cell and the index of a point in
-/// it.
+/// Number of bits of the index of a point in its cell. A NeighborRef names a point by the slot of its cell, which is
+/// the number of a place for a cell in memory, and by its index in the cell. Class Neighborhoods hides this memory
+/// layout from operators.
 inline constexpr std::uint32_t kIndexBits = 11;
 inline constexpr std::uint32_t kCellCapacity = 1u << kIndexBits;
 using NeighborRef = std::uint32_t;  ///< slot << kIndexBits | index; valid as long as the batch
@@ -82,17 +82,17 @@ struct PointColumns {
 /// A batch of at most kCellCapacity points, each with its neighbours, the point itself excluded. Valid only during
 /// LocalOperator::apply.
 ///
-/// The list of a point is in the ORDER OF THE SEARCH: nearest first, equal distances by x, y, z and input row, all of
-/// them at the positions at which the search found the neighbours (those of the input, or of the last `reneighbor`).
-/// Positions in this class are the current ones. After an operator that moves points, without `reneighbor`, N_i is the
-/// same set, but distances along a list are not sorted: the last neighbour need not be the farthest, the first not the
-/// nearest, and any neighbour may coincide with p_i or have coordinates that are not finite. For a least or greatest
-/// distance, read all of N_i unless sorted_by_distance(), or call farthest_distance2().
+/// The list of a point is in the ORDER OF THE SEARCH: nearest first, equal distances by x, y, z and input row. This
+/// order refers to the positions at which the search found the neighbours: the positions in the input, or at the last
+/// `reneighbor`. Positions in this class are the current ones. After an operator that moves points, without
+/// `reneighbor`, N_i is the same set, but distances along a list are not sorted: the last neighbour need not be the
+/// farthest, the first not the nearest, and any neighbour may coincide with p_i or have coordinates that are not
+/// finite. For a least or greatest distance, read all of N_i unless sorted_by_distance(), or call farthest_distance2().
 class Neighborhoods {
  public:
-  /// Called by the engine. `position_column`: number of the column of moved positions, which replace those of the
-  /// search; negative without one. `moved`: true if the positions in `own` and `slots` have been moved. `column_bytes`:
-  /// bytes of a value of each column; null if types are not checked.
+  /// Makes a batch for the engine. `position_column`: number of the column of moved positions, which replace those of
+  /// the search; negative without one. `moved`: true if the positions in `own` and `slots` have been moved.
+  /// `column_bytes`: bytes of a value of each column; null if types are not checked.
   Neighborhoods(const PointColumns& own, std::size_t size, const PointColumns* slots, const std::uint32_t* begin,
                 const NeighborRef* refs, std::span<const std::uint16_t> reads,
                 std::span<const std::uint16_t> reads_neighbors, int position_column = -1, bool moved = false,
@@ -176,7 +176,7 @@ class Neighborhoods {
     require_size<T>(reads_neighbors_[a]);
     return load<T>(slots_[slot_of(ref)].columns[reads_neighbors_[a]], index_of(ref));
   }
-  /// Returns an attribute of three floats as a vector: vector() of a point, vector_of() of any neighbour.
+  /// Returns attribute `a`, which has three floats, as a vector: vector() for point i, vector_of() for a neighbour.
   Vec3 vector(std::size_t a, std::size_t i) const {
     require_size<std::array<float, 3>>(reads_[a]);
     return load_vector(own_.columns[reads_[a]], i);
@@ -229,9 +229,9 @@ class Neighborhoods {
 class POINTSWEEP_EXPORT NeighborhoodRule {
  public:
   virtual ~NeighborhoodRule() = default;
-  /// Returns a description of the neighbours that the rule keeps, which ends a sentence that begins with "of these".
+  /// Returns a phrase for the neighbours that the rule keeps: "the first 10 or more with the least eigenentropy".
   virtual std::string meaning() const = 0;
-  /// Returns the attributes of the point itself that the rule reads; the input has them.
+  /// Returns the attributes of the point itself that the rule reads, which must be fields of the input.
   virtual std::vector<Attribute> reads() const = 0;
   /// Returns the options that distinguish rules of one class, e.g. {{"k_from", "scale"}}. They are part of the identity
   /// of a run.

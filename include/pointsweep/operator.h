@@ -39,8 +39,9 @@ namespace pointsweep {
 
 class DegeneratePoints;
 
-/// Takes the points of a part of the cloud. Its result depends only on the set of points that it, and the accumulators
-/// merged into it, have taken, not on their order or division. So results do not depend on threads; sums must be exact.
+/// The state of a reduction over a part of the cloud. The result of finish() depends only on the set of points that
+/// this and all merged accumulators have taken, not on the order or division of the points. So results do not depend on
+/// threads; sums must be exact.
 class POINTSWEEP_EXPORT Accumulator {
  public:
   virtual ~Accumulator() = default;
@@ -87,9 +88,10 @@ struct Contract {
   std::vector<Attribute> makes = {};
   std::vector<std::shared_ptr<const Reduction>> values = {};  ///< values of the whole cloud, passed to with_values()
   /// The default number of neighbours, for chains that state none (Neighborhood::kOfOperators). 0 if the operator reads
-  /// no neighbours, not even their positions: it then does not wait for neighbours that move, and also gets points with
-  /// non-finite coordinates. Other operators do not get such points: the positions of these, and attributes that the
-  /// operator both reads and makes, stay unchanged; other made attributes are Attribute::fill.
+  /// no neighbours, not even their positions: the operator then does not wait for neighbours that move, and also gets
+  /// points with non-finite coordinates. Other operators do not get points with non-finite coordinates. The position of
+  /// such a point, and attributes that the operator both reads and makes, stay unchanged; other made attributes are
+  /// Attribute::fill.
   std::size_t default_k = 8;
   /// The radius within which the operator reads all neighbours, in units of the coordinates; 0 if it has no such
   /// radius. A chain that states no neighbourhood, and whose operators that read neighbours all have such a radius,
@@ -113,9 +115,9 @@ class POINTSWEEP_EXPORT Columns {
 
   /// Returns the number of points in the batch.
   std::size_t size() const { return size_; }
-  /// Returns column `m` of contract().makes, all 0 before the operator runs. T is the whole value, e.g.
-  /// std::array<float, 3> or float, of Attribute::bytes() bytes. If the engine made the columns, a type of another size
-  /// throws UsageError, except std::byte.
+  /// Returns column `m` of contract().makes, all 0 before the operator runs. T is the type of a whole value of
+  /// Attribute::bytes() bytes, e.g. std::array<float, 3> or float. If the engine made the columns, a type of another
+  /// size throws UsageError, except std::byte.
   template <class T>
   std::span<T> column(std::size_t m) {
     assert(m < made_.size());
@@ -126,8 +128,8 @@ class POINTSWEEP_EXPORT Columns {
   }
   /// Returns false if column `m` is never read. An operator may then skip the work and leave the column unchanged.
   bool wanted(std::size_t m) const { return m >= unwanted_.size() || !unwanted_[m]; }
-  /// Marks point i, which gets the documented value instead of a result because its data define none. Statistics counts
-  /// it.
+  /// Marks point i as degenerate: its data define no result, and it gets the documented value. Statistics counts marked
+  /// points.
   void mark_degenerate(std::size_t i);
   /// Returns the marked points, for the engine.
   DegeneratePoints& degenerate() { return *degenerate_; }
@@ -151,7 +153,8 @@ class POINTSWEEP_EXPORT Operator {
   /// Returns the options that distinguish objects of this class: the declared options, else own_options(). Name and
   /// options are part of a run: `resume_folder` refuses a run with other options, and outputs record them.
   Options declared_options() const { return declared_ ? *declared_ : own_options(); }
-  /// Sets the declared options. Only the first call has an effect, which comes from the class with the options.
+  /// Sets the declared options. Calls after the first are no-ops: the constructor of a base class, which runs first,
+  /// decides.
   void declare_options(Options options) {
     if (!declared_) declared_ = std::move(options);
   }
@@ -174,20 +177,20 @@ class POINTSWEEP_EXPORT LocalOperator : public Operator {
   /// Neighborhoods.
   virtual void apply(const Neighborhoods& in, Columns& out) const = 0;
 
-  /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`, if its contract
-  /// depends on these; else null. Throws UsageError for a cloud that does not fit.
+  /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`; null if its contract
+  /// does not depend on either. Throws UsageError for a cloud that does not fit.
   virtual std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;
   }
   /// Returns the operator with the values of the whole cloud, in the order of contract().values. Called before apply()
-  /// if contract().values is not empty.
+  /// if contract().values is not empty; must then be overridden.
   virtual std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const {
     (void)values;
     return nullptr;
   }
-  /// Returns for x, y and z whether a point may get coordinates of another coordinate reference system. Only called for
-  /// operators that make position_attribute().
+  /// Returns for each of x, y and z whether the operator may turn it into a coordinate of another reference system.
+  /// Only called for operators that make position_attribute().
   virtual std::array<bool, 3> changes_system() const { return {true, true, true}; }
 };
 
@@ -212,8 +215,8 @@ class POINTSWEEP_EXPORT SelectOperator : public Operator {
   /// Sets kept[i] to 1 for every point i of the batch whose row is kept; all values are 0 before the call. `points`
   /// have no neighbours. Called from many threads at once.
   virtual void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const = 0;
-  /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`, if its contract
-  /// depends on these; else null.
+  /// Returns the operator for a cloud with the fields of `input`, after stages that make `made`; null if its contract
+  /// does not depend on either.
   virtual std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;

@@ -62,7 +62,7 @@ struct FairPercent {
 enum class OutlierDefinition { pointsweep, pdal, pcl, open3d, cloudcompare };
 
 struct SorOptions {
-  double multiplier = 2;  ///< a mean distance this many standard deviations above that of the cloud is an outlier; >= 0
+  double multiplier = 2;  ///< a point is an outlier if its mean distance is this many deviations above the mean; >= 0
   OutlierDefinition definition = OutlierDefinition::pointsweep;
 };
 
@@ -150,10 +150,11 @@ struct PoissonOptions {
 /// Options of simplify(), which are lengths.
 struct SimplifyOptions {
   double error = 0;  ///< largest distance of a kept point from the tangent plane of a point that it represents; > 0
-  /// The largest distance of a kept point from a point that it represents, reached on flat parts; > 0. If absent, 32
-  /// times `error`.
+  /// The largest distance of a kept point from a point that it represents, as on flat parts; > 0. If absent, 32 times
+  /// `error`.
   std::optional<double> most = {};
-  /// The smallest value of this distance, for places where noise looks like curvature; 0 to `most`.
+  /// Lower limit of the distance within which a kept point represents others, for places where noise looks like
+  /// curvature; 0 to `most`.
   double least = 0;
 };
 
@@ -161,7 +162,7 @@ struct SimplifyOptions {
 struct CropOptions {
   std::vector<double> bounds = {};  ///< corners of a box: xmin, ymin, zmin, xmax, ymax, zmax, or without z
   std::string polygon = {};         ///< name of a file with polygons as WKT or GeoJSON, or such a text itself
-  bool outside = false;             ///< true to keep the points outside instead of those inside
+  bool outside = false;             ///< true to keep the points outside instead of the points inside
   std::string checksum = {};        ///< checksum that the polygon file must have; empty for any
 };
 
@@ -181,9 +182,9 @@ struct M3c2Options {
 
 /// The choice of the value that the k nearest points of another cloud give to a point.
 enum class TakeVote {
-  majority,  ///< the most frequent value; of equally frequent values that of the nearest point
+  majority,  ///< the most frequent value; among equally frequent values, the value of the nearest point
   mean,      ///< the mean of the values
-  nearest,   ///< the value of the nearest point; k is 1
+  nearest,   ///< the value of the nearest point; k must be 1
 };
 
 /// Options of take(). `cloud` and `attributes` are required.
@@ -196,9 +197,10 @@ struct TakeOptions {
   std::optional<double> missing = {};  ///< value of points for which no point votes; needs `most`
 };
 
-/// Options of transform(). One of matrix, scale and translate is required; they apply in this order.
+/// Options of transform(). At least one of `matrix`, `scale` and `translate` is required; they apply in this order.
 struct TransformOptions {
-  /// Name of a file with 4 rows of 4 numbers, the last row 0 0 0 1, or these 12 or 16 numbers themselves, row by row.
+  /// Name of a file with 4 rows of 4 numbers, the last row 0 0 0 1, or the first 12 or all 16 numbers themselves, row
+  /// by row.
   std::string matrix = {};
   double scale = 1;                    ///< factor of the coordinates; > 0
   std::optional<Vec3> translate = {};  ///< lengths that are added to the coordinates
@@ -311,13 +313,13 @@ POINTSWEEP_EXPORT ChainStage color(const ColorOptions& options);
 POINTSWEEP_EXPORT ChainStage drop(const std::vector<std::string>& attributes);
 /// Keeps the points inside a box, polygons, or both. Throws Error for a file that cannot be read.
 POINTSWEEP_EXPORT ChainStage crop(const CropOptions& options);
-/// Keeps one of all points with equal coordinates: the point with the first row.
+/// Keeps, among points with equal coordinates, only the point with the first row.
 POINTSWEEP_EXPORT ChainStage unique();
 /// Keeps the points of the first rows of the inputs, in the order of the files.
 POINTSWEEP_EXPORT ChainStage head(const HeadOptions& options);
 /// Keeps a share of the points, chosen by a hash of their coordinates.
 POINTSWEEP_EXPORT ChainStage decimate(const DecimateOptions& options);
-/// Keeps a number of points, chosen by a hash of their coordinates, or all but these.
+/// Keeps a number of points, chosen by a hash of their coordinates, or, with SampleOptions::rest, all other points.
 POINTSWEEP_EXPORT ChainStage sample(const SampleOptions& options);
 /// Makes "level", the level of detail at which a point is first drawn: points of low levels are a thinned cloud.
 POINTSWEEP_EXPORT ChainStage level();
@@ -331,7 +333,7 @@ POINTSWEEP_EXPORT ChainStage ground(const GroundOptions& options = {});
 /// Needs "classification", of the input or of ground().
 POINTSWEEP_EXPORT ChainStage height(const HeightOptions& options = {});
 /// Makes "component" and "component_size": connected components of the graph in which points are joined to their
-/// neighbours, or, with a distance, to all points within it. Neighbourhoods must then contain all points within it.
+/// neighbours, or, with a distance, to all points within this distance, which neighbourhoods must then contain.
 POINTSWEEP_EXPORT ChainStage components(const ComponentsOptions& options = {});
 /// Makes "core", "cluster" and "cluster_size" by DBSCAN, with border points in the cluster of the nearest core point.
 /// Neighbourhoods must contain all points within eps.

@@ -47,12 +47,12 @@ struct FileInfo {
   std::filesystem::path path;  ///< path for messages; any name for an input that is not a file
   std::string format;          ///< format for messages: "PLY 1.0 binary_little_endian", "LAS 1.4 point format 7"
   Schema schema;
-  std::uint64_t count = 0;             ///< number of points in the file, even if its header states another number
-  std::uint64_t left_out = 0;          ///< number of points of the file that `count` excludes and read() skips
-  std::uint64_t bytes = 0;             ///< size of the file in bytes
-  bool decode_once = false;            ///< true if decoding takes much longer than writing and reading the records
-  std::uint64_t decoder_bytes = 0;     ///< memory that one decoding thread takes, in bytes, without the records
-  std::optional<Box> bounds;           ///< bounds in the header; they may be wrong
+  std::uint64_t count = 0;          ///< number of points that read() returns, even if the header states another number
+  std::uint64_t left_out = 0;       ///< number of points of the file that `count` excludes and read() skips
+  std::uint64_t bytes = 0;          ///< size of the file in bytes
+  bool decode_once = false;         ///< true if decoding takes much longer than writing and reading the records
+  std::uint64_t decoder_bytes = 0;  ///< memory that one decoding thread takes, in bytes, without the records
+  std::optional<Box> bounds;        ///< bounds in the header; they may be wrong
   std::optional<double> root_spacing;  ///< spacing of the points of depth 0, if chunks are nodes of levels of detail
   std::optional<HeaderClaims> claims;  ///< set if the header states more about the points than their number
   bool z_is_up = false;                ///< true if z is the height in this format
@@ -133,8 +133,8 @@ class POINTSWEEP_EXPORT Reader {
 
 /// Opens a point file, whose content decides its format. `format` is empty or one of these:
 /// - a format without a signature ("kitti", "float32-xyz"), unless the extension of the file belongs to another format;
-/// - levels of detail, of which alone the bytes are read: "depth:3" for the depths 0 to 3, "spacing:0.5" for all depths
-///   up to the first with this spacing or less. An Error for a file without levels;
+/// - chosen levels of detail (bytes of other levels are not read): "depth:3" for the depths 0 to 3, "spacing:0.5" for
+///   all depths up to the first with this spacing or less. Throws Error for a file without levels;
 /// - the columns of a text file, which replace its header: "text:x,y,z,-,intensity", with "-" for columns to skip.
 /// Throws Error if the file cannot be opened, UsageError for an unknown `format`.
 POINTSWEEP_EXPORT std::unique_ptr<Reader> open_reader(const std::filesystem::path& path, std::string_view format = "");
@@ -142,11 +142,11 @@ POINTSWEEP_EXPORT std::unique_ptr<Reader> open_reader(const std::filesystem::pat
 /// Points from arrays, which are borrowed and must outlive the reader.
 class POINTSWEEP_EXPORT ArrayReader final : public Reader {
  public:
-  /// `xyz`: N×3 values, x, y and z of a point side by side. Throws UsageError if its size is not a multiple of 3.
+  /// `xyz`: N×3 values, x, y and z of a point side by side. Throws UsageError if the size is not a multiple of 3.
   explicit ArrayReader(std::span<const float> xyz);
   explicit ArrayReader(std::span<const double> xyz);
 
-  /// Adds fields with these names, e.g. {"nx", "ny", "nz"}: N×names.size() values, those of a point side by side.
+  /// Adds fields with these names, e.g. {"nx", "ny", "nz"}: N×names.size() values, the values of a point side by side.
   void add(const std::vector<std::string>& names, std::span<const float> values);
   void add(const std::vector<std::string>& names, std::span<const double> values);
 

@@ -34,7 +34,7 @@ enum class Order : std::uint8_t {
 enum class Engine : std::uint8_t {
   exact,  ///< the engine of this library: exact, in parallel, within the memory budget
   /// The paper's own algorithm, point by point, on one thread. Neighbourhoods may lack points; Statistics::reference
-  /// counts such neighbourhoods. An Error if its active set outgrows the memory budget during the run.
+  /// counts such neighbourhoods. The run throws Error if the active set outgrows the memory budget.
   reference,
 };
 
@@ -123,7 +123,7 @@ struct RunOptions {
   bool overwrite = false;  ///< true if outputs may replace existing files
   /// Type of x, y and z in the output, Type::f64 or Type::f32; absent for the type of the input, or Type::f64 if the
   /// chain moves points. Positions are rounded to this type, while normals and other results belong to the positions
-  /// before rounding. A UsageError for LAS, which stores integers.
+  /// before rounding. The run throws UsageError for LAS, which stores integers.
   std::optional<Type> positions = {};
   FileLayout layout = {};  ///< layout of the point files
   /// Division of Outputs::points, whose path must have a * for the names of the files. More than 10,000 files are an
@@ -150,15 +150,16 @@ struct RunOptions {
   double checkpoint_seconds = 30;
   bool count_distances = false;  ///< true to fill Statistics::neighbor_distances; about 5 ns a point
   /// A .npy file of one uint8 for each input row, for pictures of the sweep: the state of the point when half of the
-  /// points have been read. 0: it is unread; 1: it waits for unread points; 2: its neighbours are known; 3: others need
-  /// it; 4: it has left the window. Takes a byte of memory for each point in addition to the budget; not with
-  /// resume_folder. Empty: no file.
+  /// points have been read. 0: it is unread; 1: it is in the window and waits for unread points; 2: its neighbours are
+  /// known, and it waits for their values; 3: it is finished or deferred, but other points still need it; 4: it has
+  /// left the window. Takes a byte of memory for each point in addition to the budget; not with resume_folder. Empty:
+  /// no file.
   std::filesystem::path half_way_states = {};
   Observer* observer = nullptr;  ///< borrowed observer of the run; null for none
 };
 
-/// Destinations of the results: any of the first three, e.g. {.points = "out.ply"}, or tiles. A run without a
-/// destination is refused.
+/// Destinations of the results: any of `points`, `arrays` and `writer`, e.g. {.points = "out.ply"}, or `tiles` alone. A
+/// run without a destination is refused.
 struct Outputs {
   /// Point file with the attributes of the input and the made attributes; its extension decides its format. With
   /// RunOptions::division, the point files, e.g. out/*.laz, where * stands for their names; missing folders are made.
@@ -167,9 +168,9 @@ struct Outputs {
   std::vector<std::pair<std::string, std::filesystem::path>> arrays = {};
   /// Function that makes a writer for the records that `points` would get: an ArrayWriter, or a writer of your own.
   std::function<std::unique_ptr<Writer>(const OutputPlan&)> writer = {};
-  /// A point file for each input of the cloud, in the order of the inputs, instead of the members above. Each file has
-  /// the rows, attributes, types, header and grid of its input, and the attributes made from the whole cloud. Each file
-  /// is complete or absent. Needs Order::input. Missing folders are made.
+  /// A point file for each input of the cloud, in the order of the inputs, instead of `points`, `arrays` and `writer`.
+  /// Each file has the rows, attributes, types, header and grid of its input, and the attributes made from the whole
+  /// cloud. Each file is complete or absent. Needs Order::input. Missing folders are made.
   std::vector<std::filesystem::path> tiles = {};
 };
 
@@ -191,7 +192,7 @@ POINTSWEEP_EXPORT Statistics sort(Cloud& cloud, const std::filesystem::path& out
 /// decide names and the size of records; the files need not exist.
 POINTSWEEP_EXPORT std::string plan_text(Cloud& cloud, const Chain& chain, const Outputs& outputs = {},
                                         const RunOptions& options = {});
-/// Describes a sort() likewise: points, order, slabs, records and memory.
+/// Describes a sort() in lines for people, like plan_text(): points, order, slabs, records and memory.
 POINTSWEEP_EXPORT std::string sort_plan_text(Cloud& cloud, const std::filesystem::path& output,
                                              const RunOptions& options = {}, const std::vector<std::string>& keep = {});
 

@@ -15,9 +15,9 @@ namespace pointsweep {
 /// Counts of exact and inexact neighbourhoods of the paper's own algorithm; each point counts once in each sweep.
 struct ReferenceCounts {
   std::uint64_t complete = 0;    ///< number of exact neighbourhoods
-  std::uint64_t incomplete = 0;  ///< number of inexact neighbourhoods, of which a point had left the search too early
+  std::uint64_t incomplete = 0;  ///< number of neighbourhoods that lack a point, which had left the search too early
   double write_seconds = 0;      ///< seconds in the write operator
-  double audit_seconds = 0;      ///< seconds for finding these counts, which are no part of the algorithm
+  double audit_seconds = 0;      ///< seconds for counting, which is no part of the algorithm
 };
 
 /// A bin [from, to) of neighbour distances, in the length unit of the cloud. `nearest` and `farthest` count the points

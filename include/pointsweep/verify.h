@@ -34,8 +34,9 @@ struct VerifyOptions {
   /// Called between pieces of work with the work done and the total; may throw to end the check.
   std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)> progress = {};
 
-  /// The run that made the output, needed if the output has no record: the pipeline as text, as JSON or as the name of
-  /// a JSON file; or the options of its knn, e.g. {{"k", std::uint64_t{12}}}, and Chain::keep.
+  /// The run that made the output, needed if the output has no record. `pipeline`: text, JSON or the name of a JSON
+  /// file. `neighborhood`, if the pipeline has no knn: the options of knn, e.g. {{"k", std::uint64_t{12}}}. `keep`:
+  /// Chain::keep.
   std::string pipeline = {};
   Options neighborhood = {};
   std::vector<std::string> keep = {};
@@ -51,7 +52,7 @@ struct AttributeArrival {
   std::uint64_t sum_in = 0, sum_out = 0;  ///< checksums that do not depend on the order of the points
   std::uint64_t rows_different = 0;       ///< number of rows whose values differ
   std::uint64_t first_different = 0;      ///< first row whose values differ
-  double expected = 0, found = 0;         ///< values of the input and of the output in that row
+  double expected = 0, found = 0;         ///< values of input and output in row `first_different`
 };
 
 /// The comparison of all points and attributes of the input with those of the output.
@@ -60,8 +61,9 @@ struct Arrivals {
   std::vector<std::string> missing;  ///< attributes of the input that the output lacks
   std::uint64_t points_in = 0, points_out = 0;
   std::uint64_t sum_in = 0, sum_out = 0;  ///< checksums of whole points, all attributes together
-  std::uint64_t rows_different = 0;       ///< number of rows of both whose points differ
-  /// First row whose points differ, or that only one of both has; absent if there is no such row.
+  std::uint64_t rows_different = 0;       ///< number of rows in which input and output have different points
+  /// First row in which input and output have different points, or that only one of them has; absent if all rows are
+  /// equal.
   std::optional<std::uint64_t> first_different;
   /// For x, y and z, true if the points of the output ascend, with non-finite points at the end.
   std::array<bool, 3> ascending{true, true, true};
@@ -69,7 +71,7 @@ struct Arrivals {
   std::uint64_t nonfinite = 0;  ///< number of points of the input with NaN or infinite coordinates
 
   bool row_by_row() const { return missing.empty() && !first_different; }
-  /// Returns whether both have the same points with the same attributes, in any order.
+  /// Returns whether input and output have the same points with the same attributes, in any order.
   bool in_some_order() const { return missing.empty() && points_in == points_out && sum_in == sum_out; }
 };
 
@@ -80,7 +82,7 @@ struct Verdict {
   std::uint64_t dropped = 0;
   Arrivals arrivals;
   bool attributes_compared = true;  ///< false for arrays, which hold no attributes of the input
-  std::string order;                ///< order of the rows: "input" or "sweep along x"; empty if they are in neither
+  std::string order;                ///< order of the rows: "input" or "sweep along x"; empty for any other order
   std::vector<std::string> made;    ///< names of the made attributes that were evaluated again by brute force
   /// Names of the made attributes without an independent formula, which the operator itself has computed again.
   std::vector<std::string> by_own_operator;
@@ -91,7 +93,7 @@ struct Verdict {
   std::uint64_t passes = 0;        ///< number of times that the whole input was read
   /// Number of rows that a select after other stages has dropped; absent without such a select.
   std::optional<std::uint64_t> left_out;
-  std::uint64_t open_rows = 0;  ///< number of rows of the sample of which the data do not decide whether they are kept
+  std::uint64_t open_rows = 0;  ///< number of sampled rows for which the data do not decide whether a select keeps them
   /// Names of unchecked attributes of the output, which neither the input has nor a stage makes.
   std::vector<std::string> unknown;
   std::vector<std::string> untold;  ///< sentences about values that are not checked, with the reasons

@@ -34,11 +34,12 @@ struct Anchor {
 /// support each option; for other formats a run throws UsageError.
 struct FileLayout {
   /// For LAS: length of a step of the integer coordinates on each axis, above 0. Coordinates are rounded to the nearest
-  /// step. If absent, the scale of the inputs, or the finest scale with which integers reach all points.
+  /// step. If absent, the writer takes the scale of the inputs, or the finest scale with which integers reach all
+  /// points.
   std::optional<Vec3> scale = {};
-  /// For LAS: the coordinates for which the integers 0 stand. A chosen offset is the multiple of 1,000 steps nearest to
-  /// the middle. If absent, the offset of the inputs if it reaches all points, else an offset a whole number of steps
-  /// away from it.
+  /// For LAS: the coordinates for which the integers 0 stand. If Anchor::at is absent, the writer takes the multiple of
+  /// 1,000 steps nearest to the middle of the points. If `offset` is absent, the writer takes the offset of the inputs
+  /// if integers then reach all points, else an offset a whole number of steps away from the offset of the inputs.
   std::optional<Anchor> offset = {};
   /// For LAS: point format, 0 to 10. Attributes for which the format has no field become extra bytes.
   std::optional<int> point_format = {};
@@ -58,7 +59,7 @@ struct OutputPlan {
   /// Box of the finite coordinates. Formats that store integers (LAS) need it if the input has another format, since
   /// their scale must be known before the first record.
   std::optional<Box> bounds = std::nullopt;
-  /// Coordinate reference system of the points. Not needed if `extras` have it for a writer of the same format.
+  /// Coordinate reference system of the points. May be absent if `extras` hold it and the output has their format.
   std::optional<Crs> crs = std::nullopt;
   /// True if `crs`, or no system if `crs` is absent, replaces the system in `extras`.
   bool replaces_crs = false;
@@ -83,8 +84,8 @@ struct OutputPlan {
   /// Folder in which an output to a URL is stored until it is complete; empty for the system's folder for temporary
   /// files.
   std::filesystem::path temp_folder = {};
-  /// Gets the number of points that have reached their place in the output, from a writer whose finish() takes long,
-  /// since it puts points in another order. May be empty, and may throw.
+  /// Function that a writer whose finish() takes long, because it puts points in another order, calls with the number
+  /// of points that have reached their place in the output. May be empty, and may throw.
   std::function<void(std::uint64_t points)> progress = {};
 };
 
@@ -123,8 +124,8 @@ class POINTSWEEP_EXPORT Writer {
 /// unknown extension, an output that exists, and a folder that is missing or read-only.
 POINTSWEEP_EXPORT std::unique_ptr<Writer> create_writer(const OutputPlan& plan);
 
-/// Collects the fields `names` of the plan into `values`, N×names.size() values, those of a point side by side. T is
-/// float, double, std::uint32_t or std::uint64_t. The path of the plan is not used.
+/// Collects the fields `names` of the plan into `values`: N×names.size() values, the values of a point side by side. T
+/// is float, double, std::uint32_t or std::uint64_t. The path of the plan is not used.
 template <class T>
 class POINTSWEEP_EXPORT ArrayWriter final : public Writer {
  public:

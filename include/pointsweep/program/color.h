@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Colours.
+/// The type of colours.
 #pragma once
 
 #include <cstdint>

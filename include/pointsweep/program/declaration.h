@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Declarations of operators, and of the stage `knn`. Pipelines as text and JSON, flags of verbs, help, docs,
-/// checkpoints and the records in outputs all come from them. For programs that show operators and options to people.
+/// checkpoints and the records in outputs all use these declarations, and so may programs that show operators and
+/// options to people.
 #pragma once
 
 #include <cstdint>
@@ -46,42 +47,45 @@ inline constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();
 struct POINTSWEEP_EXPORT OptionDeclaration {
   std::string name = {};
   OptionKind kind = OptionKind::word;
-  OptionValue preset = {};   ///< the value if none is given; std::monostate: there is none
+  OptionValue preset = {};   ///< value of an option that is not given; std::monostate if it has no such value
   std::string meaning = {};  ///< one line that begins in lower case
   double least = 0;
   double most = std::numeric_limits<double>::infinity();
   /// Unit of a number, e.g. "length"; empty if the number has none. The preset of a length is in metres. It is
-  /// converted for clouds whose unit is known to be another one.
+  /// converted for clouds whose unit is known to be another unit.
   std::string unit = {};
   std::vector<std::string> choices = {};
-  bool required = false;    ///< it has to be given
-  bool positional = false;  ///< its name may be omitted, as in where("z < 2"); only for the first option of an operator
-  OptionValue sample = {};  ///< a value for examples, where there is no preset
-  /// True for a distance R within which points count, or an attribute with such a distance: d² <= R·R in double, for
-  /// all operators.
+  bool required = false;  ///< true if a value must be given
+  bool positional =
+      false;  ///< true if pipelines omit its name, as in where("z < 2"); only for an operator's first option
+  OptionValue sample = {};  ///< value in examples of an option without a preset
+  /// True for a distance R within which points count, or for an attribute that holds R. All operators test d² <= R·R in
+  /// double.
   bool is_radius = false;
 
   /// Returns the allowed values: "1 or more", "0 to 90", "none, up or input", "[X,Y,Z]".
   std::string allowed() const;
   /// Returns whether `value` has the type of the kind and lies within the limits.
   bool allows(const OptionValue& value) const;
-  /// Throws UsageError with `where`, the allowed values and `value`.
+  /// Throws UsageError that names `where`, the allowed values and `value`.
   [[noreturn]] void refuse(const std::string& value, const std::string& where) const;
 };
 
-/// Returns numbers in their shortest form, points as "0,0,1.7"; parse_value() restores the value. Empty: no value.
+/// Returns a value as text: numbers in their shortest form, points as "0,0,1.7", std::monostate as "". parse_value()
+/// restores the value.
 POINTSWEEP_EXPORT std::string text_of_value(const OptionValue& value);
 
 /// The values of an operator's options: the given ones, else the presets.
 class POINTSWEEP_EXPORT OptionValues {
  public:
-  /// Has only presets at first. `where` begins every message about these options, e.g. "pipeline, column 12: normals".
+  /// Makes an object that holds only presets. `where` begins every message about the options, e.g. "pipeline, column
+  /// 12: normals".
   OptionValues(const std::vector<OptionDeclaration>& declared, std::string where);
 
   /// Stores a value. Returns false if the option has been given before. `name` must be declared, and its declaration
   /// must allow `value`.
   bool give(const std::string& name, OptionValue value);
-  /// Returns these values, with the presets of `declared` for options that are not given.
+  /// Returns the given values, with the presets of `declared` for options that are not given.
   OptionValues with_presets_of(const std::vector<OptionDeclaration>& declared) const;
 
   bool given(std::string_view name) const { return given_.contains(name); }
@@ -127,24 +131,24 @@ struct OperatorDeclaration {
   std::string formula = {};    ///< lines of plain text
   std::string source = {};     ///< the publication and the place in it
   std::string undefined = {};  ///< the points without a result, and the value that they get
-  /// A clause about the points that it marks as degenerate (Columns::mark_degenerate), e.g. "have no neighbours; their
-  /// density is 0"; empty: it marks none.
+  /// A clause about the points that the operator marks as degenerate (Columns::mark_degenerate), e.g. "have no
+  /// neighbours; their density is 0"; empty if it marks no points.
   std::string degenerate = {};
-  std::string cost = {};     ///< in addition to the time of `neighbor_ns`
-  double neighbor_ns = 10;   ///< CPU time for each neighbour, of about 1,000; measured with `script/bench radius`
-  bool makes_named = false;  ///< its options name the attributes that it makes
-  std::vector<AttributeNote> attributes = {};  ///< about the attributes it makes
+  std::string cost = {};     ///< costs other than the time `neighbor_ns`
+  double neighbor_ns = 10;   ///< CPU time in ns for each of about 1,000 neighbours, by `script/bench radius`
+  bool makes_named = false;  ///< true if the options name the attributes that the operator makes
+  std::vector<AttributeNote> attributes = {};  ///< notes on the attributes that the operator makes
   std::string example = {};                    ///< a complete pipeline
 };
 
 /// Splits "a,b" into {"a", "b"}: the words of an option of the kind `names`.
 POINTSWEEP_EXPORT std::vector<std::string> words_of(std::string_view list);
-/// Parses "1,2.5" to {1, 2.5}: an option of the kind `numbers`. Empty if a word is no finite number.
+/// Parses "1,2.5" to {1, 2.5}: an option of the kind `numbers`. Returns an empty list if a word is no finite number.
 POINTSWEEP_EXPORT std::vector<double> numbers_of(std::string_view list);
 /// Returns {1, 2.5} as "1,2.5": each number in its shortest form, so that equal lists have equal texts.
 POINTSWEEP_EXPORT std::string text_of_numbers(const std::vector<double>& numbers);
 
-/// The stage `knn` of a pipeline, which is no operator: it defines the neighbourhoods of all stages.
+/// The declaration of the stage `knn` of a pipeline, which is no operator: it defines the neighbourhoods of all stages.
 struct NeighborhoodDeclaration {
   std::string name;
   std::string meaning;
@@ -155,14 +159,15 @@ struct NeighborhoodDeclaration {
 
 POINTSWEEP_EXPORT const NeighborhoodDeclaration& neighborhood_declaration();
 
-/// Throws UsageError, beginning with OptionValues::where(), for values that do not go together.
+/// Returns the neighbourhood that options of `knn` define. Throws UsageError, beginning with OptionValues::where(), for
+/// values in conflict.
 POINTSWEEP_EXPORT Neighborhood make_neighborhood(const OptionValues& options);
 
-/// Returns example values: presets, and samples of required options and of options without names. For docs and checks
-/// of a declaration.
+/// Returns example values for docs and checks of a declaration: presets, and samples of required and of positional
+/// options.
 POINTSWEEP_EXPORT OptionValues sample_values(const OperatorDeclaration& declaration);
-/// Returns the contract of the operator with sample_values(): without attributes that are never written, and without
-/// made ones if its options name them.
+/// Returns the contract of the operator with sample_values(), without attributes that are never written, and without
+/// made attributes if the options name them.
 POINTSWEEP_EXPORT Contract contract_of(const OperatorDeclaration& declaration);
 
 }  // namespace pointsweep

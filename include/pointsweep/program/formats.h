@@ -15,8 +15,8 @@ namespace pointsweep {
 /// Returns ".ply" for "scan.PLY", ".copc.laz" for "scan.copc.laz", "" if there is no extension.
 POINTSWEEP_EXPORT std::string extension_of(const std::filesystem::path& path);
 
-/// Returns whether the extension of an output's name is that of points or arrays that the library writes, although this
-/// build may lack the codec. Standard output is PLY as "-" and text as "-.csv".
+/// Returns whether the extension of an output is that of a format for points or arrays that the library writes, even if
+/// this build lacks the codec. The name "-" is PLY to standard output, "-.csv" is text to standard output.
 POINTSWEEP_EXPORT bool has_output_format(const std::filesystem::path& output);
 /// Returns whether this build writes point files of this name.
 POINTSWEEP_EXPORT bool writes_points_to(const std::filesystem::path& output);
@@ -41,10 +41,9 @@ POINTSWEEP_EXPORT std::vector<std::string_view> writable_extensions();
 POINTSWEEP_EXPORT std::string_view array_extension();
 /// Returns "kitti|float32-xyz": the formats without a signature, which the user must name.
 POINTSWEEP_EXPORT std::string formats_asked_for();
-/// Throws UsageError where `name` is no value for the parameter `format` of open_reader().
+/// Throws UsageError if `name` is no value for the parameter `format` of open_reader().
 POINTSWEEP_EXPORT void require_format_asked_for(std::string_view name);
-/// Returns "LASzip", or "none (no LAZ)": the codecs of this build, or the formats that it cannot read and write without
-/// them.
+/// Returns the codecs of this build and, in parentheses, the formats that it lacks: "LASzip" or "none (no LAZ)".
 POINTSWEEP_EXPORT std::string codecs();
 /// Returns the table of docs/formats.md.
 POINTSWEEP_EXPORT std::string formats_table();

@@ -19,9 +19,9 @@ POINTSWEEP_EXPORT void remove_leftovers() noexcept;
 /// The state of all outputs of this process.
 struct OutputsSoFar {
   bool any_is_complete = false;
-  bool any_is_streamed = false;  ///< bytes have been written to standard output
-  /// The program that reads standard output has ended before the last byte, as `head` does, while no file of this
-  /// process was incomplete.
+  bool any_is_streamed = false;  ///< true if bytes have been written to standard output
+  /// True if the program that reads standard output has ended before the last byte, as `head` does, while no output
+  /// file of this process was incomplete.
   bool reader_has_ended = false;
 };
 POINTSWEEP_EXPORT OutputsSoFar outputs_so_far();

@@ -22,13 +22,13 @@ Vec3 parse_vector(std::string_view option, std::string_view text);
 /// Parses "A,B,..." as names, none of them empty. Throws UsageError beginning with `option`.
 std::vector<std::string> parse_names(std::string_view option, const std::string& text);
 
-/// "3.5G": three digits and a power of 1024.
+/// Returns a text like "3.5G": three digits and a power of 1024.
 std::string size_text(std::uint64_t bytes);
-/// "12.3M": three digits and a power of 1000; exact below 10,000.
+/// Returns a text like "12.3M": three digits and a power of 1000; all digits below 10,000.
 std::string count_text(double count);
 /// Returns "1,772": all digits, in groups of three.
 std::string grouped_text(std::uint64_t count);
-/// "1:02:03", "0:07".
+/// Returns a text like "1:02:03" or "0:07".
 std::string duration_text(double seconds);
 
 }  // namespace pointsweep

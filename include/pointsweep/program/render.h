@@ -61,7 +61,7 @@ struct RenderOptions {
   /// Approximate limit in seconds for reading and drawing. To keep it, edges are drawn coarser and only every n-th
   /// stretch of rows is drawn. 0 for no limit.
   double seconds = 0;
-  /// Called after each block of points; may throw to end it. `phase` is "looking" or "drawing".
+  /// Called after each block of points; may throw to end the drawing. `phase` is "looking" or "drawing".
   std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)> progress = {};
 };
 
@@ -81,7 +81,7 @@ struct Rendering {
 /// Draws the cloud as opaque ellipses, orthographic, with a depth buffer; edges are averaged over up to nine samples
 /// for each pixel. All points except far outliers (Rendering::outside) are inside the picture. The cloud is read twice:
 /// for its extents and a sample (direction up, spacing, range of colours), then for drawing. Memory: the picture (11 to
-/// 75 bytes for each pixel), 4 MB and 65,536 records. Of COPC files it reads no finer levels of detail than pixels
+/// 75 bytes for each pixel), 4 MB and 65,536 records. COPC files are read only down to the level of detail that pixels
 /// show. Equal files give equal bytes. Without normals, shading depends only on differences of depth. Throws Error for
 /// a cloud without finite points, UsageError for options out of range.
 POINTSWEEP_EXPORT Rendering render(Cloud& cloud, const RenderOptions& options);
@@ -92,10 +92,10 @@ POINTSWEEP_EXPORT std::vector<std::byte> to_png(const Picture& picture);
 /// Parses "white", "black" or RRGGBB in hexadecimal. Throws UsageError.
 POINTSWEEP_EXPORT Rgb parse_color(std::string_view text);
 
-/// Parses "front", "top", "iso" or "AZIMUTH,ELEVATION" in degrees, |elevation| <= 90; none for "auto". Throws
+/// Parses "front", "top", "iso" or "AZIMUTH,ELEVATION" in degrees, |elevation| <= 90; nullopt for "auto". Throws
 /// UsageError.
 POINTSWEEP_EXPORT std::optional<Angles> parse_view(std::string_view text);
-/// Parses "x", "y", "z", "-x", "-y" or "-z"; none for "auto". Throws UsageError.
+/// Parses "x", "y", "z", "-x", "-y" or "-z"; nullopt for "auto". Throws UsageError.
 POINTSWEEP_EXPORT std::optional<Up> parse_up(std::string_view text);
 
 }  // namespace pointsweep

@@ -56,9 +56,9 @@ struct RunSummary {
 /// the stream, distances of neighbours (if they were counted), all other statistics.
 POINTSWEEP_EXPORT std::string report_of(const RunSummary& summary);
 
-/// Returns the colouring, (RenderOptions::color) that shows the result of the last operator of a chain with a
-/// visible result: curvature; plain (shading by the normals) after normals and splats; for other operators the first
-/// number that was made (made_numbers). Empty if no operator has a visible result in the output.
+/// Returns the colouring (RenderOptions::color) that shows the result of the last operator of a chain with a visible
+/// result: curvature; plain (shading by the normals) after normals and splats; for other operators the first number
+/// that was made (made_numbers). Empty if no operator has a visible result in the output.
 POINTSWEEP_EXPORT std::string pictured_attribute(std::span<const std::string> operators, const Schema& input,
                                                  const Schema& output);
 

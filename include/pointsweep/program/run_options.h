@@ -36,7 +36,7 @@ struct RunOption {
 
 const std::vector<RunOption>& run_options();
 
-/// Returns the declaration of this name, which exists.
+/// Returns the declaration of the option `name`, which must exist.
 const RunOption& run_option(std::string_view name);
 
 /// The text that switches an option without a value on.
