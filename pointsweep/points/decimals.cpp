@@ -13,7 +13,7 @@ constexpr std::array<double, kMostDecimals + 1> kPowers{1, 1e1, 1e2, 1e3, 1e4, 1
 
 constexpr std::uint64_t kFewValues = 100;  ///< number of values below which a common divisor may be chance
 
-/// Returns the float64 nearest to `value` rounded to that many decimals. The quotient of two whole numbers below 2^53
+/// Returns the float64 nearest to `value` rounded to `decimals` decimals. The quotient of two whole numbers below 2^53
 /// is rounded once, so that it is the float64 nearest to the fraction.
 double nearest(double value, int decimals) {
   const double power = kPowers[static_cast<std::size_t>(decimals)];

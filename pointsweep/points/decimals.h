@@ -24,8 +24,8 @@ class CommonStep {
   /// Adds a finite value. Returns false if `value` is not a decimal fraction of up to kMostDecimals digits.
   bool take(double value);
   bool empty() const { return values_ == 0; }
-  /// Returns a step of at most 1: a power of ten, from the digits of the values, or with at least 100 values, the
-  /// largest divisor of 1 of which all values are multiples.
+  /// Returns a step of at most 1. With fewer than 100 values, a power of ten that follows from their digits; otherwise,
+  /// the largest divisor of 1 of which all values are multiples.
   double size() const;
 
  private:
@@ -35,7 +35,7 @@ class CommonStep {
 };
 
 /// Restores the decimal numbers of a field whose scale and bias are decimal fractions: raw * scale + bias, computed in
-/// float64, may differ from them in the last digits.
+/// float64, may differ from the decimal number in the last digits.
 class GridDecimals {
  public:
   explicit GridDecimals(const Field& field);
@@ -46,7 +46,7 @@ class GridDecimals {
   bool any() const { return decimals_[0] || decimals_[1]; }
 
  private:
-  /// Digits after the decimal point of the scale, and of scale and bias; absent without a scale.
+  /// Digits after the decimal point: of the scale, and of the bias if it has more; absent values are not tried.
   std::array<std::optional<int>, 2> decimals_;
   double bias_;
 };

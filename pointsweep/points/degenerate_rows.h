@@ -8,8 +8,8 @@
 
 namespace pointsweep {
 
-/// The number of rows that were added, and the lowest of these rows. Neither depends on the order in which rows are
-/// added, nor on how they are divided among objects that are added to each other later. Every row may be added once.
+/// The number of rows that were added, and the lowest of these rows. Both depend neither on the order in which rows are
+/// added, nor on the division of rows among objects that are later added to each other. Every row may be added once.
 class DegenerateRows {
  public:
   static constexpr std::uint64_t kMostListed = 1000;
@@ -29,7 +29,7 @@ class DegenerateRows {
   void keep(std::uint64_t row);
 
   std::uint64_t count_ = 0;
-  std::vector<std::uint64_t> heap_;  ///< heap of the lowest rows, with the greatest of these in front
+  std::vector<std::uint64_t> heap_;  ///< heap of the lowest rows, with the greatest of them in front
 };
 
 /// Adds the rows of each stage in `from` to the rows of this stage in `to`, which grows to the length of `from`.

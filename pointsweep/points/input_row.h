@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The number of a point's row in the inputs, as the last field of a record: conditions and assignments read it as
-/// `row`.
+/// The number of a point's row in the inputs, as the last field of a record. Conditions and assignments read this
+/// number as `row`.
 #pragma once
 
 #include "pointsweep/points/schema.h"

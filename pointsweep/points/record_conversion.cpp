@@ -8,8 +8,8 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the field of `from` with the name of `to.fields[index]`; null if `from` has none. If several fields have
-/// this name and the one in `to` is the n-th of them, the n-th in `from`.
+/// Returns the field of `from` with the name of `to.fields[index]`; null if `from` has no such field. If several fields
+/// have this name, the n-th of them in `to` belongs to the n-th of them in `from`.
 const Field* counterpart(const Schema& from, const Schema& to, std::size_t index) {
   const std::string& name = to.fields[index].name;
   const auto named = [&](const Field& field) { return field.name == name; };

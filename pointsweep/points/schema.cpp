@@ -72,11 +72,11 @@ void store_value(const Field& field, std::byte* at, double value) {
   std::memcpy(at, &raw, sizeof raw);
 }
 
-/// Returns whether a word of type T, or the bits of the word that are the field, can hold a rounded value.
+/// Returns whether `field`, which is a word of type T or some bits of such a word, can hold a rounded value.
 template <class T>
 bool is_in_range(const Field& field, double rounded) {
   if (field.bit_width != 0) return rounded >= 0 && rounded <= static_cast<double>(mask_of(field));
-  // The largest integer of 64 bits is not a double; as a double it is one too large.
+  // No double is the largest 64-bit integer: conversion to double adds one.
   constexpr auto kMost = static_cast<double>(std::numeric_limits<T>::max());
   const bool below = sizeof(T) < 8 ? rounded <= kMost : rounded < kMost;
   return rounded >= static_cast<double>(std::numeric_limits<T>::min()) && below;

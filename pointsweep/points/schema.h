@@ -27,7 +27,7 @@ std::vector<std::string> spellings_of(std::string_view name);
 /// Returns every word by which a user may name the attribute field `name`: its spellings, and the words of other
 /// programs for it.
 std::vector<std::string> words_for(std::string_view name);
-/// Returns the names of the library's attribute fields for which there are several words.
+/// Returns the names of the library's attribute fields that have several words.
 std::vector<std::string> names_with_spellings();
 /// Returns the library's own name for the attribute that a file calls `spelling`, in any case; `spelling` in lower case
 /// if it is no known alias.
@@ -53,8 +53,8 @@ PositionFields position_fields(const Schema& schema, std::string_view where);
 void decode_positions(const PositionFields& fields, const std::byte* records, std::size_t stride, std::size_t count,
                       double* x, double* y, double* z);
 
-/// Returns the type of a separate word that holds the values of `field`: the type of the field, or for a part of a word
-/// (`bit_width`) the smallest unsigned type that is wide enough.
+/// Returns the type of a field that holds the values of `field` without packing: the type of `field`, or for a field of
+/// `bit_width` bits, the smallest unsigned type that is wide enough.
 Type unpacked_type(const Field& field);
 
 /// Returns whether a reader of `field` gets `value` back to within half a step. False for NaN, infinite values and

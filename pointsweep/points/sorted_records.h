@@ -16,7 +16,7 @@
 
 namespace pointsweep {
 
-/// `Less` is a total order of the records.
+/// A sorter of records. `Less` is a total order of the records.
 template <class Record, class Less>
 class SortedRecords {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The names under which programs store the same attribute.
+/// The names under which programs store an attribute.
 #include <algorithm>
 #include <array>
 
@@ -9,9 +9,9 @@
 namespace pointsweep {
 namespace {
 
-/// Spellings of each attribute: first the library's own name, then the others, best first. All are in lower case, since
-/// case does not count. CloudCompare puts `scalar_` before the names of its scalar fields; `diffuse_` comes from older
-/// PLY exporters.
+/// Spellings of each attribute: first the library's own name, then other names, best first. All are in lower case,
+/// since case does not count. CloudCompare puts `scalar_` before the names of its scalar fields; `diffuse_` comes from
+/// older PLY exporters.
 using Row = std::array<std::string_view, 7>;
 constexpr Row kRows[] = {
     {"nx", "normal_x", "normalx", "normal x", "normal.x"},

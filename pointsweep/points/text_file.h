@@ -7,7 +7,7 @@
 
 namespace pointsweep {
 
-/// With these bytes some editors begin a file in UTF-8.
+/// The bytes with which some editors begin a UTF-8 file.
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 inline std::string_view without_byte_order_mark(std::string_view text) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Fields whose values are whole numbers, and such values with all their 64 bits.
+/// Fields whose values are whole numbers, and reading of whole numbers with all 64 bits.
 #pragma once
 
 #include <cstddef>

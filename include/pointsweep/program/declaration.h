@@ -55,9 +55,8 @@ struct POINTSWEEP_EXPORT OptionDeclaration {
   /// converted for clouds whose unit is known to be another unit.
   std::string unit = {};
   std::vector<std::string> choices = {};
-  bool required = false;  ///< true if a value must be given
-  bool positional =
-      false;  ///< true if pipelines omit its name, as in where("z < 2"); only for an operator's first option
+  bool required = false;    ///< true if a value must be given
+  bool positional = false;  ///< true if pipelines omit its name, as in where("z < 2"); only for a first option
   OptionValue sample = {};  ///< value in examples of an option without a preset
   /// True for a distance R within which points count, or for an attribute that holds R. All operators test d² <= R·R in
   /// double.
