@@ -11,7 +11,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/math/batch.cpp"
 #include <hwy/foreach_target.h>
-// These headers must be included for each target.
+// The following headers must be included for each target.
 #include "pointsweep/math/eigen3_lanes-inl.h"
 #include "pointsweep/math/exp.h"
 #include "pointsweep/math/exp_lanes-inl.h"
@@ -23,7 +23,8 @@ using Lanes = hn::ScalableTag<double>;
 
 constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
 
-/// Twelve numbers per matrix, one matrix per lane: first six entries, then three values and three vectors.
+/// One matrix per lane, twelve rows: first the six entries of each matrix; after Take(), three eigenvalues and three
+/// eigenvectors.
 struct MatrixGroup {
   HWY_ALIGN double lanes[12][kLanes];
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A tree of boxes with a fast search for those near a place.
+/// A tree of boxes with a fast search for boxes near a place.
 #pragma once
 
 #include <algorithm>
@@ -22,8 +22,8 @@ class BoxTree {
     if (!boxes_.empty()) build(order_);
   }
 
-  /// Returns whether accept(number) is true for a box within sqrt(reach2) of `place`, a box or a point. Calls accept()
-  /// for boxes in any order, until it returns true.
+  /// Returns whether accept(number) is true for the number of a box within sqrt(reach2) of `place`, which is a box or a
+  /// point. Calls accept() for boxes in any order, until it returns true.
   template <class Place, class Accept>
   bool any_within(const Place& place, double reach2, Accept accept) const {
     return !nodes_.empty() && any_within(0, place, reach2, accept);
@@ -33,8 +33,8 @@ class BoxTree {
   static constexpr std::size_t kLeafBoxes = 4;
   struct Node {
     Box box;
-    std::uint32_t first, end;  ///< in order_
-    std::uint32_t second = 0;  ///< number of the second child, the first is the next node; 0: it is a leaf
+    std::uint32_t first, end;  ///< range of the node's boxes in order_
+    std::uint32_t second = 0;  ///< number of the second child (the first child is the next node); 0 in a leaf
   };
 
   void build(std::span<std::uint32_t> numbers) {

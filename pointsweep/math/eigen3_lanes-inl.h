@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// symmetric3.h in vector lanes, one matrix per lane: the same operations in the same order, hence the same bits for
-/// any number of lanes. Only Add, Sub, Mul, Div, Sqrt and bit operations; never a fused multiply-add. Included once per
-/// instruction set.
+/// symmetric3.h in vector lanes, one matrix per lane: the same operations in the same order as in symmetric3.h, hence
+/// the same bits for any number of lanes. Only Add, Sub, Mul, Div, Sqrt and bit operations; never a fused multiply-add.
+/// Included once per instruction set.
 #if defined(POINTSWEEP_MATH_EIGEN3_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_MATH_EIGEN3_LANES_INL_H_
 #undef POINTSWEEP_MATH_EIGEN3_LANES_INL_H_
@@ -21,7 +21,7 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A matrix per lane, which is the input; the results are ascending eigenvalues and their eigenvectors.
+/// The input: one matrix per lane. Eigen3Lanes holds the results: ascending eigenvalues and their eigenvectors.
 template <class V>
 struct Symmetric3Lanes {
   V xx, xy, xz, yy, yz, zz;
@@ -69,7 +69,8 @@ HWY_INLINE Vec3Lanes<V> Choose(M mask, const Vec3Lanes<V>& yes, const Vec3Lanes<
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
 }
 
-/// The steps of eigen_symmetric3() for one matrix per lane. Each step uses the results of the previous ones.
+/// The steps of eigen_symmetric3() for one matrix per lane are structs that use the results of earlier steps. First
+/// step: the matrix, scaled by a power of two.
 template <class D, class V = hn::Vec<D>>
 struct ScaledLanes {
   Symmetric3Lanes<V> m;
@@ -121,7 +122,7 @@ struct RootLanes {
   }
 };
 
-/// The eigenvector of that root, and a basis of the plane perpendicular to it.
+/// The eigenvector of the well-separated root, and a basis of the plane perpendicular to this eigenvector.
 template <class D, class V = hn::Vec<D>>
 struct BasisLanes {
   Vec3Lanes<V> v, p, q;
@@ -150,7 +151,7 @@ struct BasisLanes {
   }
 };
 
-/// The 2×2 problem in that plane.
+/// The 2×2 eigenvalue problem in the plane perpendicular to the first eigenvector.
 template <class D, class V = hn::Vec<D>>
 struct PairLanes {
   V value_less, value_greater;
@@ -204,8 +205,8 @@ HWY_INLINE std::array<Eigen3Lanes<V>, N> SolveTogether(D d, const ScaledLanes<D>
   return {Ascending(d, scaled[I], roots[I], bases[I], pairs[I])...};
 }
 
-/// Solves several vectors of matrices at once, each like eigen_symmetric3(). A single one is a long chain of dependent
-/// operations; several independent chains use the processor better.
+/// Solves several vectors of matrices at once, each like eigen_symmetric3(). One vector of matrices is a long chain of
+/// dependent operations; several independent chains use the processor better.
 template <class D, class V = hn::Vec<D>, class... More>
 HWY_INLINE std::array<Eigen3Lanes<V>, sizeof...(More)> EigenSymmetric3(D d, const More&... m) {
   const ScaledLanes<D> scaled[] = {ScaledLanes<D>(d, m)...};

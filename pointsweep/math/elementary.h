@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Elementary functions of float64, made of plain IEEE operations like those of exp.h: equal bits on every machine.
-/// Errors are at most 8 ulps.
+/// Elementary functions of float64, made of plain IEEE operations, as in exp.h: equal bits on every machine. Errors are
+/// at most 8 ulps.
 #pragma once
 
 #include <cmath>
@@ -27,13 +27,13 @@ inline double logarithm(double x) {
   if (std::isnan(x) || x < 0) return std::numeric_limits<double>::quiet_NaN();
   if (x == 0) return -kInfinite;
   if (x == kInfinite) return x;
-  // The factor 2^54 turns all other numbers into normal ones.
+  // The factor 2^54 turns subnormal numbers into normal numbers.
   const bool is_normal = x >= std::numeric_limits<double>::min();
   return is_normal ? natural_logarithm(x) : natural_logarithm(x * 0x1p54) - 54 * 0.69314718055994530942;
 }
 
 /// Returns arctan(t) for 0 <= t <= 1. With the multiple c of 1/4 nearest to t and u = (t - c) / (1 + c t), |u| <= 1/8:
-/// arctan(t) = arctan(c) + arctan(u), the latter by its power series up to u^17.
+/// arctan(t) = arctan(c) + arctan(u). arctan(u) comes from its power series up to u^17.
 inline double arctangent_of_unit(double t) {
   constexpr double kOfQuarters[5] = {0, 0x1.f5b75f92c80ddp-3, 0x1.dac670561bb4fp-2, 0x1.4978fa3269ee1p-1,
                                      0x1.921fb54442d18p-1};

@@ -27,7 +27,8 @@ Parts parts_of(double value) {
   return {fraction | std::uint64_t{1} << 52, field - 1075};
 }
 
-/// A carry moves the upper half of a digit to the next one. Digits of 32 bits and this many terms stay below 2^63.
+/// The number of terms after which carry() is due: so many terms, added to digits of 32 bits, keep the digits below
+/// 2^63.
 constexpr std::uint32_t kMostPending = 1u << 29;
 
 }  // namespace
@@ -47,7 +48,7 @@ void ExactSum::add_product(double a, double b) {
                static_cast<std::uint64_t>(product), p.exponent + q.exponent);
 }
 
-/// Adds ± (high * 2^64 + low) * 2^exponent, high below 2^42.
+/// Adds ± (high * 2^64 + low) * 2^exponent; `high` is below 2^42.
 void ExactSum::add_scaled(bool negative, std::uint64_t high, std::uint64_t low, int exponent) {
   const int place = exponent - kLeastExponent;
   auto digit = static_cast<std::size_t>(place / kDigitBits);
@@ -80,7 +81,7 @@ void ExactSum::add(const ExactSum& other) {
   negative_infinity_ = negative_infinity_ || other.negative_infinity_;
 }
 
-/// Brings all digits but the last into [0, 2^32); the last one has the sign of the sum.
+/// Brings all digits but the last into [0, 2^32); the last digit has the sign of the sum.
 void ExactSum::carry() {
   std::int64_t above = 0;
   for (std::size_t i = 0; i + 1 < kDigits; ++i) {
@@ -132,7 +133,7 @@ double ExactSum::rounded() const {
   std::size_t top = kDigits;
   while (top > 0 && sum.digits_[top - 1] == 0) --top;
   if (top == 0) return 0;
-  // The upper 96 bits at most, and whether any bit below them is set.
+  // `leading` gets the upper three digits; `rest` is true if any bit below them is set.
   Wide leading = 0;
   std::size_t lowest = top > 3 ? top - 3 : 0;
   for (std::size_t i = top; i > lowest; --i) leading = leading << kDigitBits | static_cast<Wide>(sum.digits_[i - 1]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Sums that do not depend on the order of their terms: of doubles, exact until they are rounded once, at the end, and
-/// of squares of positions as integers of 192 bits.
+/// Sums that do not depend on the order of their terms: exact sums of doubles, which are rounded once, at the end, and
+/// sums of squares of positions as integers of 192 bits.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@ namespace pointsweep {
 /// A fixed-point number wide enough for every double and every product of two (the "small superaccumulator" of
 /// R. M. Neal, "Fast exact summation using small and large superaccumulators", 2015). 1.1 kB; about 5 ns for a term.
 ///
-/// A sum with NaN, or with infinities of both signs, is NaN; with one of them it is infinite; one that rounds beyond
-/// the largest double is infinite. An exact zero is +0. At most 2^60 terms.
+/// A sum with NaN, or with infinities of both signs, is NaN; a sum with infinities of one sign, or that rounds beyond
+/// the largest double, is infinite. An exact zero is +0. At most 2^60 terms.
 class ExactSum {
  public:
   void add(double term);
@@ -27,8 +27,8 @@ class ExactSum {
   double rounded() const;
   /// Returns -1, 0 or 1, even if the sum is too small for a double. The terms must be finite.
   int sign() const;
-  /// Returns the sum as s[0] + s[1] + s[2]: each is the rounded remainder after the previous ones, 159 bits together.
-  /// The second and third are 0 if the first is not finite.
+  /// Returns the sum as s[0] + s[1] + s[2]: each part is the rounded remainder after the previous parts, 159 bits
+  /// together. The second and third are 0 if the first is not finite.
   std::array<double, 3> expansion() const;
 
   /// The sum in a form that another process can continue: the sum of digits[i] * 2^(32 (first + i) - 2148), and the
@@ -39,13 +39,13 @@ class ExactSum {
     bool nan = false, positive_infinity = false, negative_infinity = false;
   };
   State state() const;
-  /// Adds the terms of a sum that had this state. Throws Error if no sum has it.
+  /// Adds the terms of a sum that had the state `state`. Throws Error for a state that no sum can have.
   void add(const State& state);
 
  private:
   static constexpr int kDigitBits = 32;
   static constexpr int kLeastExponent = -2148;  ///< exponent of the lowest bit of a product of two doubles
-  static constexpr std::size_t kDigits = 138;   ///< up to 2^2268
+  static constexpr std::size_t kDigits = 138;   ///< digits for numbers up to 2^2268
 
   void add_scaled(bool negative, std::uint64_t high, std::uint64_t low, int exponent);
   void add_unusual(double term);
@@ -53,13 +53,13 @@ class ExactSum {
 
   /// The sum of digits_[i] * 2^(32 i + kLeastExponent). A digit may have grown beyond 32 bits and have either sign.
   std::array<std::int64_t, kDigits> digits_{};
-  std::uint32_t pending_ = 0;  ///< terms added since the digits were brought below 2^32
+  std::uint32_t pending_ = 0;  ///< number of terms added since carry() brought the digits below 2^32
   bool nan_ = false, positive_infinity_ = false, negative_infinity_ = false;
 };
 
 /// Returns n Σ v² - (Σ v)², which is n² times the mean square distance of n values v from their mean, from the sum of
-/// the values and that of their squares; at least 0. It uses 159 bits of each sum, since values close together and far
-/// from 0 give a small difference of large numbers.
+/// the values and the sum of their squares; at least 0. It uses 159 bits of each sum, since values close together and
+/// far from 0 give a small difference of large numbers.
 double n_squared_variance(const ExactSum& sum, const ExactSum& squares, double n);
 
 __extension__ typedef __int128 Int128;
@@ -101,7 +101,7 @@ class Int192 {
       : limbs_{static_cast<std::uint64_t>(low), static_cast<std::uint64_t>(low >> 64), high} {}
   UInt128 low() const { return static_cast<UInt128>(limbs_[1]) << 64 | limbs_[0]; }
 
-  std::array<std::uint64_t, 3> limbs_{};  ///< the lowest first
+  std::array<std::uint64_t, 3> limbs_{};  ///< 64 bits each, the lowest first
 };
 
 }  // namespace pointsweep

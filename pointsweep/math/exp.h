@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// exp(-x), the logarithm and powers of two, made of plain IEEE operations, so that they have the same bits on every
-/// machine. The C library does not guarantee that: its last bit may differ between processors.
+/// machine. Results of the C library may differ in the last bit between processors.
 ///
 /// The method of exp(-x): with n = round(x / ln 2) and y = n ln 2 - x, |y| <= ln 2 / 2: exp(-x) = 2^-n exp(y). exp(y) =
 /// 1 + (y + y² q(y)), with q of degree 9 interpolated at Chebyshev nodes on |y| <= 0.3467 (error of the polynomial
 /// below 2^-57) and summed by Estrin's scheme. Error at most 1 ulp. In single precision q is of degree 4 (error below
-/// 2^-26). exp_lanes-inl.h does the same operations in the same order, one argument per lane, and those of the
-/// logarithm.
+/// 2^-26). exp_lanes-inl.h does the operations of exp(-x) and of the logarithm in the same order, one argument per
+/// lane.
 #pragma once
 
 #include <algorithm>
@@ -23,11 +23,12 @@ struct ExpConstants;
 template <>
 struct ExpConstants<double> {
   using Bits = std::uint64_t;
-  static constexpr double kLargest = 708;  ///< beyond it the result is 0; exp(-708) is still a normal number
+  static constexpr double kLargest = 708;  ///< largest x whose result is not 0; exp(-708) is still a normal number
   static constexpr double kLog2E = 0x1.71547652b82fep+0;
   static constexpr double kLn2High = 0x1.62e42feep-1;  ///< n * kLn2High is exact
   static constexpr double kLn2Low = 0x1.a39ef35793c76p-33;
-  static constexpr double kRound = 0x1.8p52;  ///< adding it rounds to an integer and leaves it in the low bits
+  static constexpr double kRound =
+      0x1.8p52;  ///< a number whose addition rounds to an integer, which is then in the low bits
   static constexpr int kMantissaBits = 52;
   static constexpr Bits kExponentOfOne = 1023;
   static constexpr double kQ[10] = {
@@ -85,12 +86,12 @@ inline double natural_logarithm(double x) {
   return 2 * z * sum + 0.69314718055994530942 * exponent;
 }
 
-/// Returns a power of two for use as a scale, since multiplying by one rounds nothing: 2^e for x in [2^e, 2^(e+1)), 0
-/// below the normal numbers, infinity if x is not finite.
+/// Returns a power of two for use as a scale, since multiplication by a power of two rounds nothing: 2^e for x in [2^e,
+/// 2^(e+1)), 0 below the normal numbers, infinity if x is not finite.
 inline double power_of_two_below(double x) {
   return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & std::uint64_t{0x7ff} << 52);
 }
-/// Returns 1 / power, for a power of two under 2^1023, or 0 (then 2^1023).
+/// Returns 1 / power for a power of two under 2^1023; returns 2^1023 for 0.
 inline double reciprocal_of_power(double power) {
   return std::bit_cast<double>((std::uint64_t{2046} << 52) - std::bit_cast<std::uint64_t>(power));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// exp.h in vector lanes: the same operations in the same order, hence the same bits. Included once per instruction
+/// exp.h in vector lanes: the operations of exp.h in the same order, hence the same bits. Included once per instruction
 /// set.
 #if defined(POINTSWEEP_MATH_EXP_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_MATH_EXP_LANES_INL_H_
@@ -46,7 +46,7 @@ HWY_INLINE V ExpNegative(D d, V x) {
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V BinaryExponent(D d, V x) {
   const hn::RebindToUnsigned<D> du;
-  // The biased exponent in the low bits of 2^52 makes 2^52 + exponent.
+  // The biased exponent, put into the low bits of 2^52, gives the double 2^52 + biased exponent.
   const auto biased = hn::Or(hn::ShiftRight<52>(hn::BitCast(du, x)), hn::Set(du, std::uint64_t{1075} << 52));
   return hn::Sub(hn::BitCast(d, biased), hn::Set(d, 0x1p52 + 1023));
 }

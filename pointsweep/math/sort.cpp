@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::uint64_t kSign = std::uint64_t{1} << 63;
 
-/// Returns bits in the order of the numbers. Highway's own order of doubles turns infinite numbers into the largest
-/// finite one.
+/// Returns an integer for `v`; integers have the order of the doubles. Highway's own sort of doubles turns infinities
+/// into the largest finite double.
 std::uint64_t ordered(double v) {
   const auto bits = std::bit_cast<std::uint64_t>(v);
   return (bits & kSign) != 0 ? ~bits : bits | kSign;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Sorting of the 32-bit keys of one neighbourhood, some ten to some thousand, in lanes. Included once per instruction
-/// set.
+/// Sorting of the 32-bit keys of one neighbourhood, tens to thousands of them, in vector lanes. Included once per
+/// instruction set.
 ///
 /// Highway's own sort is made for arrays that are larger than a cache: it asks the system for random numbers each time,
 /// which takes as long as sorting a hundred keys.
@@ -24,8 +24,8 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Bitonic sort of a matrix of R rows, each a vector. Keys ascend column by column: the first column from top to
-/// bottom, then the second. So keys of one column are compared without moving them between lanes.
+/// Bitonic sort of a matrix of R rows, each of which is a vector. Sorted keys ascend column by column: down the first
+/// column, then down the second. So keys of one column are compared without moving them between lanes.
 template <std::size_t R>
 class ColumnSort {
  public:
@@ -89,7 +89,7 @@ class ColumnSort {
     const Lanes d;
     return hn::Ne(hn::And(hn::Iota(d, 0), hn::Set(d, kBit)), hn::Zero(d));
   }
-  /// Merges every two groups of kGroup columns, each in order, into one.
+  /// Merges each pair of sorted groups of kGroup columns into one group.
   template <std::uint32_t kGroup>
   static HWY_INLINE void MergeColumns(V (&rows)[R]) {
     const auto upper = LanesWith<kGroup>();
@@ -116,7 +116,7 @@ class ColumnSort {
   }
 };
 
-/// Sorts keys of the form (bin | `low_bits` bits that distinguish keys of one bin). It is fast if keys are spread
+/// Sorts keys of the form (bin | `low_bits` bits that distinguish keys of one bin). The sort is fast if keys are spread
 /// evenly over the bins. No key may be the greatest number.
 class BinSort {
   using Few = ColumnSort<8>;
@@ -124,14 +124,14 @@ class BinSort {
   using V = Few::V;
 
  public:
-  /// Number of keys beyond the end that may be read and written.
+  /// Number of places for keys beyond the end of `keys` that Sort() may read and write.
   static constexpr std::size_t kPadding = Few::kMost;
 
   /// `spare` has room for twice as many keys as are sorted at once.
   BinSort(std::uint32_t low_bits, std::uint32_t* spare) : low_bits_(low_bits), spare_(spare) {}
 
-  /// Sorts `keys`, of the bins [first, end), until at least the first `wanted` of them are in order. Returns how many
-  /// are in order; they fill whole bins, and all other keys are greater.
+  /// Sorts `keys`, of the bins [first, end), until at least the first `wanted` keys are in order. Returns the number of
+  /// keys in order; these keys fill whole bins, and all other keys are greater.
   std::size_t Sort(std::uint32_t* keys, std::size_t size, std::size_t wanted, std::uint64_t first, std::uint64_t end) {
     return SortPart(keys, size, wanted, first, end, 0);
   }
@@ -164,7 +164,7 @@ class BinSort {
     return sorted;
   }
 
-  /// Copies the keys of the bins [first, end), and returns how many.
+  /// Copies the keys of the bins [first, end) to `to`, and returns their number.
   std::size_t Take(const std::uint32_t* keys, std::size_t size, std::uint64_t first, std::uint64_t end,
                    std::uint32_t* to) const {
     const Lanes d;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-/// Symmetric 3×3 matrices and their eigenvectors, of plain IEEE operations: the same bits on every machine.
+/// Symmetric 3×3 matrices and their eigenvectors, computed with plain IEEE operations: equal bits on every machine.
 ///
 /// Eigenvectors are computed in closed form, by deflation. Of three eigenvalues the largest or the smallest is well
-/// separated from the other two; the sign of det(A - tr(A)/3) tells which. Its root of the characteristic polynomial is
-/// simple, and so is found to rounding; its vector is the largest column of the adjugate of A - λ. In the plane across
-/// it two eigenvalues are left for a 2×2 problem, which has a stable formula however near they are to each other. So no
-/// eigenvalue is computed as a root that may be double, which is where closed forms lose half their digits. (The same
-/// plan with trigonometric functions: D. Eberly, "A robust eigensolver for 3×3 symmetric matrices", 2014.) Over 6·10^6
-/// random matrices, most of them with eigenvalues that are nearly equal or of very different sizes, residuals stayed
-/// under 8 · 2^-52 of the largest entry and vectors orthonormal to 7 · 2^-52. eigen3_lanes-inl.h does the same
-/// operations in the same order, one matrix per lane.
+/// separated from the other two; the sign of det(A - tr(A)/3) tells which of them. This eigenvalue λ is a simple root
+/// of the characteristic polynomial, and so is found to rounding; its eigenvector is the largest column of the adjugate
+/// of A - λ. The plane perpendicular to this eigenvector leaves a 2×2 problem with two eigenvalues, which has a stable
+/// formula however near they are to each other. So no eigenvalue is computed as a root that may be double, for which
+/// closed forms lose half their digits. (The same plan with trigonometric functions: D. Eberly, "A robust eigensolver
+/// for 3×3 symmetric matrices", 2014.) Over 6·10^6 random matrices, most of them with eigenvalues that are nearly equal
+/// or of very different sizes, residuals stayed under 8 · 2^-52 of the largest entry and vectors orthonormal to 7 ·
+/// 2^-52. eigen3_lanes-inl.h does the operations of this file in the same order, one matrix per lane.
 #pragma once
 
 #include <algorithm>
@@ -33,11 +33,11 @@ struct Eigen3 {
 
 namespace deflation {
 
-/// Coefficients of 2 cos(acos(r)/3), the largest root of β³ - 3β - 2r, for r in [0, 1]: to 1.3e-6, before a step of
-/// Halley's iteration that makes it accurate to rounding.
+/// Coefficients of 2 cos(acos(r)/3), the largest root of β³ - 3β - 2r, for r in [0, 1]: with an error of 1.3e-6, before
+/// a step of Halley's iteration that makes the root accurate to rounding.
 inline constexpr double kRoot[6] = {1.7320521221176661,  0.33323771303007044,  -0.09505002786486773,
                                     0.04379925469028466, -0.01793290240031093, 0.0038946032208317916};
-/// Keeps quotients of zeros from being 0/0; far below anything that matters.
+/// A term that keeps quotients from being 0/0; negligible in scaled matrices.
 inline constexpr double kFloor = 1e-150;
 
 inline double largest_root(double r) {
@@ -50,9 +50,10 @@ inline double largest_root(double r) {
 
 }  // namespace deflation
 
-/// Entries must be finite and under 2^1022; a matrix whose entries are all under 2^-1022 counts as zero. The error of a
-/// value is a few ulps of the largest value; the error of a vector is this error divided by the gap to the next value.
-/// A zero or diagonal matrix has axes as vectors.
+/// Returns the eigenvalues and eigenvectors of `m`. Entries must be finite and under 2^1022; a matrix whose entries are
+/// all under 2^-1022 counts as zero. The error of an eigenvalue is a few ulps of the largest eigenvalue; the error of
+/// an eigenvector is this error divided by the gap to the next eigenvalue. The eigenvectors of a zero or diagonal
+/// matrix are axes.
 inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   const double largest =
       std::max({std::abs(m.xx), std::abs(m.yy), std::abs(m.zz), std::abs(m.xy), std::abs(m.xz), std::abs(m.yz)});
@@ -96,18 +97,19 @@ inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   const Vec3 ap = times(p), aq = times(q);
   const double pp = dot(p, ap), qq = dot(q, aq), pq = dot(p, aq);
 
-  // The 2×2 problem. Half of an angle of tangent pq / half has tangent pq / (radius + half).
+  // The 2×2 problem in this plane. If an angle has the tangent pq / half, half of it has the tangent pq / (radius +
+  // half).
   const double half = 0.5 * (pp - qq), middle = 0.5 * (pp + qq), along = std::abs(half) + deflation::kFloor;
   const double radius = std::sqrt(along * along + pq * pq), both = radius + along;
   const double shortest = 1 / std::sqrt(both * both + pq * pq), c = both * shortest, s = pq * shortest;
-  const bool first = half >= 0;  // p is nearer to the larger
+  const bool first = half >= 0;  // true if p is nearer to the eigenvector of the larger eigenvalue
   const double gp = first ? c : s, gq = first ? s : c, lp = first ? -s : c, lq = first ? c : -s;
   const Vec3 greater{gp * p.x + gq * q.x, gp * p.y + gq * q.y, gp * p.z + gq * q.z};
   const Vec3 less{lp * p.x + lq * q.x, lp * p.y + lq * q.y, lp * p.z + lq * q.z};
   const double apart = radius - deflation::kFloor;
   const double value_greater = (middle + apart) * size, value_less = (middle - apart) * size;
-  // A root of the polynomial gives the largest value, accurate to rounding. A quotient gives the smallest value, which
-  // is exact where it is 0.
+  // The root of the polynomial gives the largest eigenvalue to rounding. The Rayleigh quotient v·Av gives the smallest
+  // eigenvalue, exactly if it is 0.
   if (root >= 0) {
     const double value = (mean + spread * root) * size;
     return {{value_less, value_greater, value < value_greater ? value_greater : value}, {less, greater, v}};

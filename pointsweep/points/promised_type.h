@@ -15,8 +15,8 @@ class PromisedType {
  public:
   PromisedType(Field stored, Type type);
 
-  /// Writes the converted value of `record`, which has the row `row`, to `out`. Notes a value that the type cannot hold
-  /// in `refused`.
+  /// Writes the converted value of `record`, which has the row `row`, to `out`. Notes in `refused` a value that the
+  /// type cannot hold.
   void convert(const std::byte* record, std::uint64_t row, std::byte* out, FirstRowError& refused) const;
 
  private:
