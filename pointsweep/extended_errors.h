@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Errors that get one more sentence on their way.
+/// Addition of a sentence to errors that pass through.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace pointsweep {
 
-/// Performs work(). Appends the text that added() returns to the sentence of an error. Leaves an error as it is if the
-/// text is empty, and leaves UsageError and Cancelled as they are.
+/// Performs work(). Appends the text that added() returns to the sentence of an Error. Errors are unchanged if the text
+/// is empty; UsageError and Cancelled are always unchanged.
 template <class Work, class Added>
 void extending_errors(const Work& work, const Added& added) {
   try {

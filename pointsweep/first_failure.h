@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The exception of a parallel loop: that of the lowest index or row, independent of the order of threads.
+/// The exception of a parallel loop: the exception at the lowest index or row, independent of the order of threads.
 #pragma once
 
 #include <atomic>
@@ -12,10 +12,10 @@ namespace pointsweep {
 
 class FirstFailure {
  public:
-  /// Returns whether body `i` need not run, since one below it has failed.
+  /// Returns whether body `i` need not run, since a body with a lower index has failed.
   bool makes_needless(std::size_t i) const { return i > lowest_.load(std::memory_order_relaxed); }
 
-  /// Calls work(), the body `i`, and stores its exception, if any.
+  /// Calls work(), which is body `i`, and notes its exception, if any.
   template <class Work>
   void note_from(std::size_t i, const Work& work) {
     try {
@@ -25,7 +25,7 @@ class FirstFailure {
     }
   }
 
-  /// Takes the current exception of body `i`.
+  /// Keeps the current exception, thrown by body `i`, unless a body with a lower index has failed.
   void note(std::size_t i) {
     const std::lock_guard lock(mutex_);
     if (error_ && i >= lowest_) return;

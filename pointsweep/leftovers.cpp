@@ -16,7 +16,8 @@ namespace {
 
 enum class State : unsigned char { free, changing, listed };
 
-/// The name stays readable while a signal handler reads it, even if other threads change the list.
+/// An entry of the list. It has a fixed address, so a signal handler can read the name even if other threads change the
+/// list.
 struct Place {
   std::atomic<State> state = State::free;
   std::array<char, 4096> name{};

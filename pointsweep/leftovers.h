@@ -7,9 +7,9 @@
 
 namespace pointsweep {
 
-/// Lists a file or an empty folder for remove_leftovers() (process.h) during its lifetime; removes nothing itself. It
-/// must be listed before it is made, since the process may be stopped in between. At most 64 are listed at once;
-/// others, and paths of 4,096 characters or more, are ignored.
+/// Lists a file or an empty folder for remove_leftovers() (process.h) during its lifetime; removes nothing itself. A
+/// file must be listed before it is made, since the process may be stopped in between. At most 64 paths are listed at
+/// once; further paths, and paths of 4,096 characters or more, are ignored.
 class Leftover {
  public:
   Leftover() = default;
@@ -17,7 +17,7 @@ class Leftover {
   ~Leftover() { forget(); }
   Leftover(const Leftover&) = delete;
   Leftover& operator=(const Leftover&) = delete;
-  /// Removes the path from the list, since it was removed or has become a complete output.
+  /// Takes the path off the list, because the file was removed or has become a complete output.
   void forget() noexcept;
 
  private:

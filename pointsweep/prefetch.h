@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Objects that are made in the background, a few ahead of their use.
+/// Objects that are made in the background, a few before they are used.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,8 @@
 
 namespace pointsweep {
 
-/// Returns make(i) for i in [first, end), in order; up to `depth` of them are made ahead.
+/// A queue of the objects make(i) for i in [first, end), in order, of which up to `depth` are made ahead in the
+/// background.
 template <class Thing>
 class Prefetch {
  public:
@@ -21,7 +22,7 @@ class Prefetch {
     fill();
   }
 
-  /// Returns the next thing, and starts to make the one `depth` further on. Throws the exception of its making.
+  /// Returns the next object, and starts to make another. Throws the exception with which make() ended for the object.
   Thing next() {
     pending_.front()->task->wait();
     Thing thing = std::move(*pending_.front()->thing);

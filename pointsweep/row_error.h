@@ -23,7 +23,7 @@ class RowError : public Error {
  public:
   RowError(std::uint64_t row, RowSentence sentence) : RowError(row, std::to_string(row), std::move(sentence)) {}
   std::uint64_t row() const { return row_; }
-  /// Returns this error with another row number, since a pass numbers only the rows that earlier selects have kept.
+  /// Returns this error with the row number `row`, since a pass numbers only the rows that earlier selects have kept.
   RowError numbered(std::uint64_t row) const { return {row, sentence_}; }
   /// Returns this error with a sentence that calls the row `name`.
   RowError named(const std::string& name) const { return {row_, name, sentence_}; }

@@ -13,7 +13,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/first_failure.h"
 
-#if !defined(__SANITIZE_THREAD__)  // threads_sanitized.cpp takes its place there
+#if !defined(__SANITIZE_THREAD__)  // threads_sanitized.cpp replaces this file under the thread sanitizer
 
 namespace pointsweep {
 
@@ -33,7 +33,7 @@ class Working {
   bool before_ = working;
 };
 
-/// A limit of the threads of this process. Of several limits the least counts.
+/// A limit of the number of threads of this process. If several limits exist, the least counts.
 class ThreadLimit {
  public:
   explicit ThreadLimit(unsigned threads) : threads_(threads) { set(); }
@@ -45,7 +45,7 @@ class ThreadLimit {
   std::optional<tbb::global_control> control_;
 };
 
-/// The limit of the innermost with_threads() around what this thread does; null outside.
+/// The limit of the innermost with_threads() that this thread runs; null outside of with_threads().
 thread_local ThreadLimit* limit_around = nullptr;
 
 class LimitAround {
@@ -79,11 +79,11 @@ class LiftedLimit {
 
 void with_threads(unsigned threads, const std::function<void()>& work) {
   threads = std::max(threads, 1u);
-  const LiftedLimit outer(limit_around);  // whose threads wait here, and may be fewer
+  const LiftedLimit outer(limit_around);  // it may be lower than `threads`, and its threads only wait here
   ThreadLimit limit(threads);
   tbb::task_arena arena(static_cast<int>(threads));
   const CancellationToken* const token = CancellationScope::current();
-  arena.execute([&] {  // perhaps by another thread
+  arena.execute([&] {  // another thread may run this function
     const CancellationScope scope(token);
     const LimitAround around(&limit);
     work();

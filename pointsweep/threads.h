@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The threads of a run: parallel loops and background tasks. This header is the library's only interface to threads,
-/// and only threads.cpp uses the library behind it.
+/// and only threads.cpp uses oneTBB.
 #pragma once
 
 #include <algorithm>
@@ -10,18 +10,18 @@
 
 namespace pointsweep {
 
-/// Calls work() so that the loops in it use `threads` threads (at least 1), the calling one among them.
+/// Calls work() so that the loops in it use `threads` threads (at least 1), including the calling thread.
 void with_threads(unsigned threads, const std::function<void()>& work);
 
-/// Returns the number of threads of a loop started here: that of with_threads(), or one for each core. Workers have
-/// lower numbers.
+/// Returns the number of threads of a loop that is started here: the number of with_threads(), or one for each core.
+/// Each `worker` of a loop is lower than this number.
 unsigned thread_count();
 
 /// Calls body(i, worker) once for each i in [0, count). Calls with the same worker never run at once, so that each
 /// worker can have its own memory. A body may itself call parallel_for, even while it holds a lock: its thread then
 /// runs no other body until the inner loop ends. Returns when all bodies have returned. An exception ends the loop for
 /// all higher `i`; the exception of the lowest `i` is thrown, for any number of threads. Bodies run in the caller's
-/// CancellationScope; if it asks to stop, Cancelled is thrown.
+/// CancellationScope; Cancelled is thrown if its token is cancelled.
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, unsigned worker)>& body);
 
 /// Calls body(first, n, worker) for successive blocks of `block` numbers that cover [0, count); the last block may be
@@ -36,7 +36,7 @@ void parallel_for_blocks(std::size_t count, std::size_t block, const Body& body)
 class BackgroundTask {
  public:
   explicit BackgroundTask(std::function<void()> work);
-  ~BackgroundTask();  ///< waits; an exception of a task that was not waited for is dropped
+  ~BackgroundTask();  ///< waits for the task; drops an exception that wait() has not thrown
   BackgroundTask(const BackgroundTask&) = delete;
   BackgroundTask& operator=(const BackgroundTask&) = delete;
   /// Returns when the task is done; throws its exception.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The threads without oneTBB, for the thread sanitizer. Debian's oneTBB is built without the sanitizer, which would
+// threads.h without oneTBB, for the thread sanitizer. Debian's oneTBB is built without the sanitizer, which would
 // report false races in its structures and miss its synchronisation.
 #if defined(__SANITIZE_THREAD__)
 
@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-thread_local unsigned run_threads = 0;  ///< threads of the run to which this thread belongs; 0: none
+thread_local unsigned run_threads = 0;  ///< number of threads of the run of this thread; 0 outside of runs
 
 class Loop {
  public:

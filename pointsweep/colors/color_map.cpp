@@ -23,7 +23,7 @@ std::uint8_t between(std::uint8_t a, std::uint8_t b, double t) {
   return static_cast<std::uint8_t>(a + (static_cast<double>(b) - a) * t + 0.5);
 }
 
-/// Coefficients from the constant up.
+/// Coefficients of Turbo's polynomials for red, green and blue, the constant first.
 constexpr double kTurbo[3][6] = {{0.13572138, 4.61539260, -42.66032258, 132.13108234, -152.94239396, 59.28637943},
                                  {0.09140261, 2.19418839, 4.84296658, -14.18503333, 4.27729857, 2.82956604},
                                  {0.10667330, 12.64194608, -60.58204836, 110.36276771, -89.90310912, 27.34824973}};
@@ -53,7 +53,7 @@ constexpr std::array<Rgb, 23> kColors = {{{150, 150, 150},    // never classifie
                                           {215, 175, 130},    // ignored ground
                                           {205, 235, 255},    // snow
                                           {235, 205, 235}}};  // temporal exclusion
-/// For reserved and user-definable classes: adjacent classes have different colours.
+/// Colours of reserved and user-definable classes from 23 on; adjacent classes have different colours.
 constexpr std::array<Rgb, 6> kOthers = {
     {{66, 105, 208}, {239, 177, 24}, {108, 197, 176}, {164, 99, 242}, {156, 107, 78}, {255, 138, 183}}};
 

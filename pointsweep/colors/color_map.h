@@ -9,22 +9,22 @@
 namespace pointsweep {
 
 /// Returns a colour of Viridis (van der Walt and Smith 2015, CC0): equal steps of the value are perceived as equal,
-/// also in grey and by colour-blind people. 0 is dark violet, 1 yellow; values outside of [0, 1] get the colours of the
-/// ends, NaN is grey.
+/// also in grey and by colour-blind people. 0 is dark violet and 1 is yellow. Values outside of [0, 1] get the colours
+/// of the ends, NaN gets no_value_color().
 Rgb viridis(double value);
 /// Returns a colour of Turbo (Mikhailov 2019, by his polynomials), a smooth rainbow from dark blue over green to dark
 /// red.
 Rgb turbo(double value);
 /// Returns a grey from black (0) to white (1).
 Rgb gray(double value);
-/// Returns the colour of NaN.
+/// Returns the grey that stands for NaN.
 Rgb no_value_color();
 
 /// Returns `color` times `light`, 0 to 1.
 Rgb shaded(Rgb color, double light);
 
-/// The colour of a class of LAS 1.4. ASPRS names the classes and leaves their colours to programs; these follow common
-/// viewers: ground brown, vegetation green, buildings red, water blue, noise magenta.
+/// Returns the colour of a class of LAS 1.4. ASPRS names the classes and leaves their colours to programs; the colours
+/// here follow common viewers: ground brown, vegetation green, buildings red, water blue, noise magenta.
 Rgb color_of_las_class(std::uint8_t code);
 
 }  // namespace pointsweep

@@ -27,8 +27,7 @@ struct ExpConstants<double> {
   static constexpr double kLog2E = 0x1.71547652b82fep+0;
   static constexpr double kLn2High = 0x1.62e42feep-1;  ///< n * kLn2High is exact
   static constexpr double kLn2Low = 0x1.a39ef35793c76p-33;
-  static constexpr double kRound =
-      0x1.8p52;  ///< a number whose addition rounds to an integer, which is then in the low bits
+  static constexpr double kRound = 0x1.8p52;  ///< its addition rounds to an integer, which is then in the low bits
   static constexpr int kMantissaBits = 52;
   static constexpr Bits kExponentOfOne = 1023;
   static constexpr double kQ[10] = {

@@ -49,8 +49,8 @@ PolygonIndex::PolygonIndex(const std::vector<Polygon>& polygons) {
   fill_strips();
 }
 
-/// Returns the number of the strip of y, which never decreases as y increases: an edge is in all strips from the strip
-/// of its low end to the strip of its high end.
+/// Returns the number of the strip of `y`. It never decreases as `y` increases, so an edge is in all strips from the
+/// strip of its low end to the strip of its high end.
 std::size_t PolygonIndex::strip_of(double y) const {
   const double strip = (y - least_.y) * scale_;
   return strip >= static_cast<double>(strips_ - 1) ? strips_ - 1 : static_cast<std::size_t>(std::max(strip, 0.0));
@@ -82,8 +82,8 @@ void PolygonIndex::fill_strips() {
     for_each_strip(edges_[i], [&](std::size_t s) { in_strip_[next[s]++] = static_cast<std::uint32_t>(i); });
 }
 
-/// Counts the edges that a ray from p towards +x crosses. An edge with an end at the y of p counts only if this is its
-/// lower end.
+/// Counts the edges that a ray from p towards +x crosses. An edge with an end at the y of p counts only if this end is
+/// the lower end.
 bool PolygonIndex::covers(Point2 p) const {
   if (!(p.x >= least_.x && p.x <= most_.x && p.y >= least_.y && p.y <= most_.y)) return false;
   bool inside = false;
@@ -97,7 +97,7 @@ bool PolygonIndex::covers(Point2 p) const {
     }
     if (p.y < e.low.y || p.y > e.high.y || (p.x > e.low.x && p.x > e.high.x)) continue;
     const bool is_left = p.x < e.low.x && p.x < e.high.x;
-    // All points between the ends of a horizontal edge are on the line.
+    // For a horizontal edge, orientation() is 0: a point at its height and between its ends lies on the edge.
     const int side = is_left ? 1 : orientation(e.low, e.high, p);
     if (side == 0) return true;
     if (side > 0 && p.y < e.high.y) inside = !inside;

@@ -14,7 +14,7 @@ struct Point2 {
 };
 
 /// Returns the sign of (a - c) x (b - c): 1 if c lies to the left of the line from a to b, -1 if to the right, 0 if the
-/// three lie on one line. Exact for all finite doubles: if float64 cannot decide, an exact sum does (Shewchuk,
+/// three points lie on one line. Exact for all finite doubles: if float64 cannot decide, an exact sum does (Shewchuk,
 /// "Adaptive precision floating-point arithmetic and fast robust geometric predicates", 1997, has the bound).
 int orientation(Point2 a, Point2 b, Point2 c);
 
@@ -28,7 +28,7 @@ struct Polygon {
 };
 
 /// The union of closed polygons. Points exactly on an edge, even of a hole, are covered. All decisions are exact. Edges
-/// are listed by strips of y, so that a point is compared with few of them.
+/// are listed by strips of y, so that a point is compared with few edges.
 class PolygonIndex {
  public:
   explicit PolygonIndex(const std::vector<Polygon>& polygons);
@@ -48,7 +48,7 @@ class PolygonIndex {
   double scale_ = 0;     ///< number of strips per unit of y
   std::size_t strips_ = 1;
   std::vector<Edge> edges_;              ///< edges of one polygon follow one another
-  std::vector<std::size_t> first_;       ///< for each strip, its first entry in in_strip_; one more at the end
+  std::vector<std::size_t> first_;       ///< for each strip, its first entry in in_strip_; then the number of entries
   std::vector<std::uint32_t> in_strip_;  ///< indices of edges, ascending in each strip
 };
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kLeastNumbers = 1 << 16;
 
-/// Returns the number of cells from one number to a larger one, at most `most`.
+/// Returns the number of cells from `from` to the larger number `to`, at most `most`.
 std::size_t step(double from, double to, std::size_t most) {
   return to - from < static_cast<double>(most) ? static_cast<std::size_t>(to - from) : most;
 }
@@ -34,7 +34,7 @@ void CellAxis::add(double number) {
   if (added_.size() >= std::max(kLeastNumbers, runs_.size())) merge();
 }
 
-/// Merges the added numbers and the runs into runs, ascending.
+/// Merges the added numbers and the runs into ascending runs.
 void CellAxis::merge() {
   std::vector<Run> all = std::move(runs_);
   for (const double number : added_) all.push_back({number, number});

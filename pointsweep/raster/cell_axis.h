@@ -2,8 +2,9 @@
 /// Numbers of rows and columns of a raster that leaves out wide empty strips.
 ///
 /// Cells of an absolute grid have numbers floor(coordinate / cell). A strip of empty cells that is wider than the reach
-/// of all filters is shortened: `most` of its columns are kept. A strip of rows is left out, and the rows on its two
-/// sides become separate rasters. An outlier far away does not make the raster large.
+/// of all filters is shortened. A strip of columns is reduced until the columns on its two sides are AxisRule::most
+/// places apart. A strip of rows is left out, and the rows on its two sides become separate rasters. So an outlier far
+/// away does not make the raster large.
 #pragma once
 
 #include <cstddef>
@@ -61,7 +62,7 @@ class CellAxis {
 
   AxisRule rule_;
   std::vector<double> added_;  ///< numbers that are not yet in runs_
-  std::vector<Run> runs_;      ///< ascending
+  std::vector<Run> runs_;      ///< runs of the other added numbers, ascending
   std::size_t size_ = 0;
 };
 

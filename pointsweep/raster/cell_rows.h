@@ -17,7 +17,7 @@ inline constexpr double kNoCell = std::numeric_limits<double>::infinity();
 struct CellRows {
   std::size_t rows = 0;
   std::vector<double> values;       ///< rows × columns; finite or kNoCell
-  std::vector<std::uint8_t> marks;  ///< rows × columns; 1: the value does not belong to the ground
+  std::vector<std::uint8_t> marks;  ///< rows × columns; 1 if the value does not belong to the ground, else 0
 };
 
 /// A source of rows from the first to the last.
@@ -33,9 +33,9 @@ class RowStream {
   std::size_t columns_;
 };
 
-/// Rows that a source of rows makes at once.
+/// Number of rows that LowestRows and FilledRows make at once, except for fewer last rows.
 inline constexpr std::size_t kRowsAtOnce = 16;
-/// Columns that one thread takes at once.
+/// Number of columns that a thread takes at once.
 inline constexpr std::size_t kColumnsAtOnce = 512;
 
 /// The few rows of a surface around the row of the current points.
@@ -55,7 +55,7 @@ class SurfaceWindow {
  private:
   std::unique_ptr<RowStream> from_;
   std::size_t around_;
-  std::uint64_t first_ = 0;  ///< the number of the first row in memory
+  std::uint64_t first_ = 0;  ///< number of the first row in memory
   std::size_t rows_ = 0;
   bool ended_ = false;
   std::vector<double> values_;

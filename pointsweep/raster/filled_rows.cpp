@@ -9,12 +9,13 @@
 namespace pointsweep {
 namespace {
 
-/// The nearest known cell on one side: its value and its distance in cells; distance 0: none within reach.
+/// The nearest known cell on one side: its value, and its distance in cells, which is 0 if no known cell is within
+/// reach.
 struct Side {
   double value = 0;
   std::size_t distance = 0;
 
-  /// Moves on by one cell. `next`: the value of that cell, kNoCell if it is not known.
+  /// Moves on by one cell, to a cell with the value `next`; kNoCell if the cell is not known.
   void pass(double next, std::size_t reach) {
     if (next != kNoCell)
       *this = {next, 1};

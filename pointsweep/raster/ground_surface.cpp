@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// A stream that was read to its end, in scratch.
+/// A copy of a stream in scratch, which the constructor reads to its end.
 class KeptRows final : public RowStream {
  public:
   KeptRows(RowStream& from, std::unique_ptr<Scratch> scratch)
@@ -41,7 +41,7 @@ class KeptRows final : public RowStream {
   std::uint64_t at_ = 0;
 };
 
-/// A stream of the minima with the marks of another stream, which has as many rows.
+/// A stream of the minima with the marks of another stream, which has the same rows and columns.
 class MarkedRows final : public RowStream {
  public:
   MarkedRows(const CellBand& lowest, std::unique_ptr<RowStream> marks)
@@ -63,14 +63,14 @@ class MarkedRows final : public RowStream {
   std::vector<std::uint8_t> held_;
 };
 
-/// Returns the bytes per column that are needed for any number of filters: both rasters of minima, marks that wait, and
-/// the rows that the caller holds.
+/// Returns the bytes per column that ground_surface() needs besides the openings: for both FilledRows, marks that wait,
+/// and the rows that the caller holds.
 std::size_t other_column_bytes(const GroundRule& rule) {
   const std::size_t block = kRowsAtOnce * (sizeof(double) + 1);
   return 2 * FilledRows::column_bytes(rule.reach()) + 6 * block + 2 * rule.radius + 4 * sizeof(double);
 }
 
-/// Filters that run together while their rows fit in memory.
+/// A sequence of filters, of which as many run together as fit in memory.
 class Filters {
  public:
   Filters(std::unique_ptr<RowStream> first, std::uint64_t memory_bytes, const MakeScratch& make_scratch)

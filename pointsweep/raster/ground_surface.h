@@ -22,24 +22,27 @@ struct GroundRule {
   double slope;        ///< steepest slope of the ground, rise over run
   std::size_t radius;  ///< radius of the largest disk, in cells
 
-  /// Half of the height of the lowest pit or object. Filled and opened surfaces stay within the range of the minima,
-  /// apart from rounding. If the range of the minima is smaller than this height, as for a distant outlier, the filters
-  /// change nothing.
+  /// Returns half of the height of the lowest pit or object, as a length. Filled and opened surfaces stay within the
+  /// range of the minima, apart from rounding. If the range of the minima is smaller than this height, as for a distant
+  /// outlier, the filters change nothing.
   double least_height() const { return std::min(slope, kPitSlope) * cell / 2; }
-  /// Returns the distance, in cells, of the farthest cells from which a hole is filled. It spans what the largest disk
-  /// erases, in any direction.
+  /// Returns the distance, in cells, of the farthest cells from which a hole is filled. This distance spans what the
+  /// largest disk erases, in any direction.
   std::size_t reach() const { return 3 * radius + 3; }
-  /// Rule for strips without points: strips wider than this separate the ground on their two sides.
+  /// Returns the rule for strips without points. The ground on the two sides of a strip is independent if they are
+  /// AxisRule::most cells apart.
   AxisRule axis_rule() const { return {reach(), 2 * reach() + radius + 2}; }
 };
 
-/// 1. The raster of minima is filled. 2. Cells that lie below the opening of the raster upside down by more than 5 *
-/// cell, with a disk of one cell, are marked as pits. 3. With disks of 1, 2, ... `radius` cells each surface is opened;
-/// cells that lie above the opened surface by more than slope * (cell * disk) are objects, and the opened surface is
-/// opened next. 4. Minima of cells that are neither pits nor objects are filled again.
+/// Returns the surface of the ground. 1. The raster of minima is filled. 2. Cells that lie below the opening of the
+/// raster upside down by more than 5 * cell, with a disk of one cell, are marked as pits. 3. With disks of 1, 2, ...
+/// `radius` cells each surface is opened; cells that lie above the opened surface by more than slope * (cell * disk)
+/// are objects, and the opened surface is opened next. 4. Minima of cells that are neither pits nor objects are filled
+/// again.
 ///
 /// Filters whose rows do not fit in `memory_bytes` together run one after another, with their surfaces in scratch. The
-/// result does not depend on that. `lowest` must outlive it. Throws as require_ground_memory().
+/// surface does not depend on `memory_bytes`. `lowest` must outlive the returned stream. Throws the Error of
+/// require_ground_memory().
 std::unique_ptr<RowStream> ground_surface(const CellBand& lowest, const GroundRule& rule, std::uint64_t memory_bytes,
                                           const MakeScratch& make_scratch);
 

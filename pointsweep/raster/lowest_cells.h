@@ -26,7 +26,8 @@ struct LowestCell {
 class LowestCells {
  public:
   LowestCells(AxisRule rule, std::unique_ptr<Scratch> scratch);
-  /// `row` and `column` are the numbers of the cell. Points of a cell follow one another, and rows ascend.
+  /// Takes a point of the cell with the numbers `row` and `column`. Points of a cell must follow one another, and rows
+  /// must ascend.
   void add(double row, double column, double z);
   /// Must be called after the last add().
   void finish();
@@ -39,7 +40,7 @@ class LowestCells {
  private:
   friend class CellBand;
   struct Band {
-    std::uint64_t first, end;  ///< cells
+    std::uint64_t first, end;  ///< range of the cells of the band
     std::uint64_t rows;
   };
   void put();
@@ -61,7 +62,7 @@ class LowestCells {
   std::size_t most_columns_ = 0;
 };
 
-/// View of one band of the cells. The cells must outlive the view.
+/// A view of one band of the cells, which must outlive the view.
 class CellBand {
  public:
   CellBand(const LowestCells& cells, std::size_t number);
@@ -83,7 +84,8 @@ class CellBand {
   double lowest_ = kNoCell, highest_ = -kNoCell;
 };
 
-/// The raster of minima: cells without a point have kNoCell, and no cell is marked. `band` must outlive it.
+/// The raster of minima of a band as rows: cells without a point have kNoCell, and no cell is marked. `band` must
+/// outlive the stream.
 class LowestRows final : public RowStream {
  public:
   explicit LowestRows(const CellBand& band) : RowStream(band.columns().size()), band_(band) {}
@@ -91,9 +93,9 @@ class LowestRows final : public RowStream {
 
  private:
   const CellBand& band_;
-  std::uint64_t row_ = 0, read_ = 0;  ///< rows given, cells read
+  std::uint64_t row_ = 0, read_ = 0;  ///< number of rows returned, number of cells read
   std::vector<LowestCell> buffer_;
-  std::size_t at_ = 0;  ///< the next index into buffer_
+  std::size_t at_ = 0;  ///< index of the next cell in buffer_
 };
 
 }  // namespace pointsweep

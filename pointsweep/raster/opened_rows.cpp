@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Morphological opening of a raster by a disk: an erosion (the least value within the radius), then a dilation of it.
-/// Minima over disks come from minima over pieces of rows.
+/// Morphological opening of a raster by a disk: an erosion (the least value within the radius), then a dilation of the
+/// eroded surface. Minima over disks come from minima over pieces of rows.
 #include <algorithm>
 #include <utility>
 
@@ -34,8 +34,8 @@ void DiskMinima::add(const double* values, std::size_t rows) {
   given_ += rows;
 }
 
-/// Minima over 2w + 1 successive cells of a row come from those over 2w - 1; a row of the disk of that width takes
-/// them.
+/// Takes the columns `first` to `end` of new rows. Minima over 2w + 1 successive cells of a row come from minima over
+/// 2w - 1 cells. The rows of the disk with the half width w take the minima over 2w + 1 cells.
 void DiskMinima::add_part(const double* values, std::size_t rows, std::size_t first, std::size_t end) {
   const std::size_t radius = disk_.radius(), width = end - first;
   std::vector<double> minima(width + 2 * radius);
@@ -55,7 +55,8 @@ void DiskMinima::add_part(const double* values, std::size_t rows, std::size_t fi
   }
 }
 
-/// Includes the minima `values` in each row of the results for which the disk has this half width at `row`.
+/// Includes the minima `values`, over pieces of `row`, in each row of the results whose disk has the half width
+/// `half_width` at `row`.
 void DiskMinima::spread(const double* values, std::size_t row, std::size_t half_width, std::size_t first,
                         std::size_t end) {
   const auto take = [&](std::size_t to) {

@@ -11,8 +11,9 @@
 
 namespace pointsweep {
 
-/// A cell is known if it has a value and no mark. An unknown cell becomes the mean of the nearest known cells west,
-/// east, south and north of it, each at most `reach` cells away, with the reciprocals of their distances as weights:
+/// Fills the unknown cells of a raster. A cell is known if it has a value and no mark. An unknown cell becomes the mean
+/// of the nearest known cells west, east, south and north of it, each at most `reach` cells away, with the reciprocals
+/// of their distances as weights:
 ///   ((W/w + E/e) + (S/s + N/n)) / ((1/w + 1/e) + (1/s + 1/n)), w, e, s, n: distances in cells.
 /// A missing neighbour has no weight; without any neighbour the cell stays empty (kNoCell). Across a hole with two
 /// sides this is linear interpolation. Exchanging rows and columns does not change any bit of the result. Marks are
@@ -37,21 +38,21 @@ class FilledRows final : public RowStream {
   CellRows block_;
   bool ended_ = false;
   std::vector<double> known_;           ///< rows that are not returned yet, up to reach_ rows ahead; kNoCell: not known
-  std::vector<double> south_;           ///< by column, the last known value before these rows
-  std::vector<std::size_t> since_;      ///< for each column, how many rows back that value lies; 0: none within reach
-  std::vector<double> sums_, weights_;  ///< for each cell of the rows to be returned: known cells south and north
+  std::vector<double> south_;           ///< for each column, the last known value before known_
+  std::vector<std::size_t> since_;      ///< for each column, rows since the value in south_; 0: none within reach
+  std::vector<double> sums_, weights_;  ///< for each cell to be returned, sums over the known cells south and north
 };
 
-/// The cells at most `radius` cells from a centre: those with dx² + dy² <= radius².
+/// The cells with dx² + dy² <= radius² around a centre.
 class Disk {
  public:
   explicit Disk(std::size_t radius);
   std::size_t radius() const { return half_widths_.size() - 1; }
-  /// The largest |dx| at this |dy|.
+  /// Returns the largest |dx| at the |dy| `dy`.
   std::size_t half_width(std::size_t dy) const { return half_widths_[dy]; }
 
  private:
-  std::vector<std::size_t> half_widths_;  ///< by |dy|; they do not ascend
+  std::vector<std::size_t> half_widths_;  ///< half widths by |dy|, none greater than the one before
 };
 
 /// Minima over disks, for rows that come one after another.
@@ -61,14 +62,15 @@ class DiskMinima {
     minima_.reserve(most_rows(radius) * columns);
   }
 
-  /// Takes `rows` more rows, on all threads. kNoCell does not count.
+  /// Takes `rows` more rows, on all threads. Cells with kNoCell do not count.
   void add(const double* values, std::size_t rows);
-  /// Number of rows taken.
+  /// Returns the number of rows taken.
   std::size_t given() const { return given_; }
-  /// Number of rows, dropped ones included, that no later row changes. `ended`: no row follows, so all are complete.
+  /// Returns the number of rows of minima, dropped rows included, that no later row changes. `ended`: true if no row
+  /// follows, so that all rows are complete.
   std::size_t complete(bool ended) const;
   double* row(std::size_t number) { return minima_.data() + (number - dropped_) * columns_; }
-  /// Forgets the rows before `number`.
+  /// Frees the rows of minima before `number`.
   void drop(std::size_t number);
   /// Returns the bytes of memory per column.
   static std::size_t column_bytes(std::size_t radius) { return most_rows(radius) * sizeof(double); }
@@ -88,8 +90,8 @@ enum class Opens : std::uint8_t {
   pit_marks  ///< marks cells below the opening of the negated surface, and passes on the surface unchanged
 };
 
-/// Marks a cell if it differs from the opened surface by more than `threshold`; earlier marks stay. Cells without a
-/// value (kNoCell) are ignored and stay empty.
+/// Opens a surface by a disk, and marks a cell if it differs from the opened surface by more than `threshold`; earlier
+/// marks stay. Cells without a value (kNoCell) are ignored and stay empty.
 class OpenedRows final : public RowStream {
  public:
   OpenedRows(std::unique_ptr<RowStream> from, std::size_t radius, double threshold, Opens opens);
@@ -109,7 +111,7 @@ class OpenedRows final : public RowStream {
   bool upside_down_, ended_ = false;
   CellRows block_;
   std::vector<double> turned_;   ///< values on their way into eroded_ or dilated_
-  CellRows held_;                ///< rows taken and not returned yet, `rows` of them
+  CellRows held_;                ///< rows that were taken and not returned yet
   std::size_t given_ = 0;        ///< number of rows returned
   DiskMinima eroded_, dilated_;  ///< erosion and dilation; dilation takes negated values
 };
