@@ -8,6 +8,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/cancellation.h"
@@ -21,8 +22,8 @@ template <class Record, class Less>
 class SortedRecords {
  public:
   /// Makes a sorter for at most `count` records.
-  SortedRecords(const MakeScratch& make_scratch, std::uint64_t memory_bytes, std::uint64_t count, Less less = {})
-      : make_scratch_(make_scratch),
+  SortedRecords(MakeScratch make_scratch, std::uint64_t memory_bytes, std::uint64_t count, Less less = {})
+      : make_scratch_(std::move(make_scratch)),
         most_(std::max<std::uint64_t>(kLeastRun, memory_bytes / sizeof(Record))),
         less_(less) {
     // Reserved at once, because growth would need up to three times this memory.
@@ -85,7 +86,7 @@ class SortedRecords {
     run.first += run.block.size();
   }
 
-  const MakeScratch& make_scratch_;
+  MakeScratch make_scratch_;
   std::uint64_t most_, count_ = 0;
   Less less_;
   std::vector<Record> records_;
