@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Records that come row by row on their way to a RowStore.
+/// Batches of records that arrive row by row and go to a RowStore.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace pointsweep {
 /// Brings records to a store, 4,096 at a time.
 class BatchedRows {
  public:
-  /// `bytes`: of a record.
+  /// `bytes`: bytes of a record.
   BatchedRows(RowStore& store, std::size_t bytes) : store_(store), bytes_(bytes) {}
   /// Returns a place for the record of a row, filled with zeros. The place is valid until the next call.
   std::byte* add(std::uint64_t row) {
@@ -22,7 +22,7 @@ class BatchedRows {
     records_.resize(records_.size() + bytes_);
     return records_.data() + records_.size() - bytes_;
   }
-  /// To be called after the last add().
+  /// Hands the collected records to the store. Must be called after the last add().
   void flush() {
     store_.put(rows_, records_);
     rows_.clear();

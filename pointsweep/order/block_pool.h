@@ -27,7 +27,7 @@ class BlockPool {
   std::size_t block_bytes_;
   mutable std::mutex mutex_;
   std::vector<PageMemory> pieces_;
-  std::size_t piece_used_ = 0;  ///< bytes of pieces_.back()
+  std::size_t piece_used_ = 0;  ///< used bytes of pieces_.back()
   std::size_t held_ = 0;        ///< bytes of all pieces
   std::vector<std::byte*> free_;
   std::size_t taken_ = 0;

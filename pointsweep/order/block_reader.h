@@ -22,7 +22,7 @@ class BlockReader {
   /// `wanted`: the required fields; empty: all. The source must outlive the reader and have for_thread().
   BlockReader(const PointSource& source, const std::vector<std::size_t>& wanted);
 
-  /// Throws Error if the source ends before.
+  /// Reads `rows` rows from `first_row` on. Throws Error if the source has fewer rows.
   void read(std::uint64_t first_row, std::size_t rows);
 
   // Returns the number of rows of the last read().

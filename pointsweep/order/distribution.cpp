@@ -107,8 +107,9 @@ class Distribution {
     return true;
   }
 
-  /// Takes the next records: of the thread's own range, else of the rows that no thread has. A new range ends at `end`,
-  /// or where the chunk is full if `end` is not after next_.
+  /// Takes the next records of the thread's own range; if there are none, begins a range of rows that no thread has
+  /// taken. A new range ends at `end`, or where the chunk is full if `end` is not after next_. Returns false if no
+  /// records are left, or if an earlier row has failed.
   bool take(Chunk& chunk, std::uint64_t end) {
     if (chunk.next == chunk.end) {
       if (next_ == input_.count) return false;
@@ -190,7 +191,7 @@ class Distribution {
   SlabStore& store_;
   PositionFields position_;
   PieceFinder finder_;
-  std::size_t lists_;         ///< pieces, and one more for points without a place in space
+  std::size_t lists_;         ///< number of pieces, plus one list for points that are not finite
   std::size_t capacity_ = 0;  ///< most records of a chunk
   std::uint64_t next_ = 0;    ///< number of the first record that no thread has taken
   std::uint64_t read_ = 0;    ///< records read

@@ -24,21 +24,22 @@ enum class SortKey : std::uint8_t { x, y, z, row };
 /// Fills `records` with consecutive records, from number `first` on.
 using ReadRecords = std::function<void(std::uint64_t first, std::span<std::byte> records)>;
 
-/// Records to partition, and how.
+/// The input of one pass: the records, and the pieces into which they are divided.
 struct PartitionInput {
   const Schema& schema;  ///< schema of the records read
   std::uint64_t count;
   ReadRecords read;             ///< called by one thread at a time, in order
   const WorkingRecord& record;  ///< makes the stored record from a record read
   SortKey key;
-  std::span<const Splitters> splitters;  ///< one, or a second one for sparse places, whose pieces are numbered after
-                                         ///< the first
+  std::span<const Splitters> splitters;  ///< one for all places, or one for dense and one for sparse places; the pieces
+                                         ///< of the second are numbered after those of the first
   std::size_t first_list;                ///< piece p goes to list first_list + p of the store
-  std::optional<std::size_t> nonfinite_list;  ///< absent: all points are finite, or the key is the row
-  std::size_t memory_bytes;               ///< aim for all buffers of the pass
-  const LocalSpacing* spacing = nullptr;  ///< knows the sparse places, where there are two splitters
-  /// Returns a function that replaces `read` for one thread while other threads read with theirs; may return an empty
-  /// function.
+  std::optional<std::size_t>
+      nonfinite_list;                     ///< list of nonfinite points; absent if there are none, or the key is the row
+  std::size_t memory_bytes;               ///< bytes that all buffers of the pass should take together
+  const LocalSpacing* spacing = nullptr;  ///< knows the sparse places; null if there is one Splitters
+  /// Returns a function that replaces `read` for one thread, or an empty function. Threads call their own functions at
+  /// the same time.
   std::function<ReadRecords()> for_thread = {};
   std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};  ///< see PointSource::chunk_end
   std::function<void(std::uint64_t rows)> progress = {};  ///< called with the number of records read, by one thread at

@@ -20,7 +20,7 @@ constexpr Encoding kSpacingEncoding{"local spacing", 1};
 constexpr double kRootSide = 2.1;
 constexpr int kLevels = 21;          ///< three coordinates of this many bits fit in 64 bits
 constexpr int kTableLevels = 4;      ///< levels of the table that finds a run
-constexpr std::size_t kFew = 16;     ///< a leaf has fewer sample points
+constexpr std::size_t kFew = 16;     ///< each leaf has fewer sample points than this
 constexpr double kInLeaf = 6;        ///< average number of sample points in a leaf that a surface crosses
 constexpr int kSparser = 4;          ///< levels by which a sparse place is above the median: a factor of 16
 constexpr std::size_t kLeast = 8;    ///< sparse places need at least this many sample points to count

@@ -14,9 +14,9 @@ namespace pointsweep {
 
 /// The local spacing of points, from an octree over the sample: a cube with fewer than 16 sample points is a leaf,
 /// whose side measures the spacing in it. A place off a surface is in a leaf about as large as its distance to it, so
-/// that outliers are found too. Far outside the middle 98 % of the sample, the distance to it replaces the side. No
-/// result depends on it: it decides how slabs and cells are cut. The paper has no such structure, and names outliers as
-/// its major limitation (Section 8).
+/// that outliers are found too. Far outside the box of the middle 98 % of the sample, the distance to that box replaces
+/// the side. No result depends on it: it decides how slabs and cells are cut. The paper has no such structure, and
+/// names outliers as its major limitation (Section 8).
 class LocalSpacing {
  public:
   /// Makes an empty object, by which no place is sparse.
@@ -40,7 +40,7 @@ class LocalSpacing {
 
  private:
   struct Leaf {
-    std::uint64_t begin;  ///< its first code along the Z-curve
+    std::uint64_t begin;  ///< first code of the leaf along the Z-curve
     int level;            ///< the side of the leaf is the side of the root times 2^-level
   };
   static void grow(std::span<const std::uint64_t> codes, std::uint64_t begin, int level, std::vector<Leaf>& leaves);
@@ -57,8 +57,8 @@ class LocalSpacing {
   std::int32_t sparse_level_ = 0;  ///< leaves of this level and coarser ones are sparse
   std::vector<std::uint64_t>
       begin_;  ///< begins of runs of leaves along the Z-curve, ascending: not sparse, sparse, not sparse...
-  std::vector<std::uint32_t> first_;  ///< for each value of the leading bits of a code: its run; one more entry at the
-                                      ///< end
+  std::vector<std::uint32_t> first_;  ///< for each value of the leading bits of a code: the run in which these codes
+                                      ///< begin; one more entry at the end
   double inverse_side_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A reading of a source that counts the points of each piece and stores none.
+/// One pass over a source that counts the points of each piece and stores no points.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ struct PieceRange {
   }
 };
 
-/// Rows that are decoded together, and the range of pieces that hold their points, one range for each Splitters.
+/// Rows that are decoded together, and for each Splitters the range of pieces that hold their points.
 struct RowBlock {
   std::uint64_t first_row = 0, rows = 0;
   std::array<PieceRange, 2> pieces;
@@ -35,7 +35,7 @@ struct RowBlock {
 struct PieceCounts {
   std::vector<std::uint64_t> points;  ///< for each piece
   std::vector<Box> boxes;             ///< tight box of each piece
-  std::uint64_t nonfinite = 0;        ///< points in no piece
+  std::uint64_t nonfinite = 0;        ///< number of points that are not finite, which belong to no piece
   std::vector<RowBlock> blocks;       ///< cover all rows, ascending
 };
 

@@ -14,7 +14,7 @@ namespace pointsweep {
 /// those of the first.
 class PieceFinder {
  public:
-  /// Borrows both. `spacing` tells sparse places; it may be null if there is one Splitters.
+  /// Borrows `splitters` and `spacing`. `spacing` knows the sparse places; it may be null if there is one Splitters.
   PieceFinder(std::span<const Splitters> splitters, const LocalSpacing* spacing)
       : splitters_(splitters), spacing_(spacing) {}
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Records by row, carried between two passes in memory or in a temporary file.
+/// Records of all rows, carried from one pass to the next in memory or in a temporary file.
 #pragma once
 
 #include <cstddef>
@@ -17,17 +17,18 @@ class RowFile {
  public:
   /// Makes room for `rows` records of `record_bytes`, in memory or in a spill file.
   RowFile(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& spill);
-  /// Refers to records that are stored elsewhere: read(row, records) fills `records`, and is thread-safe.
+  /// Fills `records` from `row` on; thread-safe. Reads records that are stored elsewhere.
   using ReadRecords = std::function<void(std::uint64_t row, std::span<std::byte> records)>;
+  /// Refers to `rows` records that are stored elsewhere.
   RowFile(std::uint64_t rows, std::size_t record_bytes, ReadRecords read);
-  /// Opens a kept file that has `rows` records.
+  /// Opens the file `kept`, which holds `rows` records.
   static RowFile kept(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& kept);
 
   /// Appends whole records, up to `rows` of them in all. Throws Error if the disk is full.
   void append(std::span<const std::byte> records);
   /// Appends `rows` records that write() will fill, and returns the row of the first.
   std::uint64_t extend(std::uint64_t rows);
-  /// Stores whole records from `row` on. Thread-safe for different rows. Throws Error where the disk is full.
+  /// Stores whole records from `row` on. Thread-safe for different rows. Throws Error if the disk is full.
   void write(std::uint64_t row, std::span<const std::byte> records);
   /// Fills `records` (whole records, all appended before) from `row` on. Thread-safe.
   void read(std::uint64_t row, std::span<std::byte> records) const;
@@ -38,7 +39,7 @@ class RowFile {
   explicit RowFile(std::size_t record_bytes) : record_bytes_(record_bytes) {}
 
   std::size_t record_bytes_;
-  std::uint64_t rows_ = 0;  ///< appended
+  std::uint64_t rows_ = 0;  ///< number of records appended so far
   PageMemory memory_;
   std::unique_ptr<SpillFile> file_;
   ReadRecords elsewhere_;

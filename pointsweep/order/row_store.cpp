@@ -47,7 +47,7 @@ void consume_in_runs(std::uint64_t first_row, std::span<const std::byte> records
   }
 }
 
-/// Fills `records` with copies of a record.
+/// Fills `records` with copies of `record`.
 void repeat(std::span<const std::byte> record, std::span<std::byte> records) {
   if (std::ranges::count(record, record.front()) == std::ssize(record))
     return void(std::ranges::fill(records, record.front()));

@@ -123,8 +123,8 @@ class SlabsOnDemand::State {
   }
 
  private:
-  /// Returns whether the slab is the next one or within the read-ahead, and not begun before; marks it as begun. Only
-  /// such slabs are read in order.
+  /// Marks the slab as begun and returns true if it lies within the read-ahead and was not begun before. Such a slab is
+  /// read in order; every other read makes the slab again.
   bool begin(std::size_t slab) {
     const std::lock_guard lock(mutex_);
     if (begun_[slab] || slab >= next_slab_ + ahead_) return false;
@@ -173,7 +173,8 @@ class SlabsOnDemand::State {
     }
   }
 
-  /// Appends the points of a block that are in the slabs [first, end) to lists of `store`, whose list 0 is `first`.
+  /// Appends the points of a block that are in the slabs [first, end) to lists of `store`. List 0 takes the points of
+  /// slab `first`.
   void partition(const SlabBlock& block, SlabStore& store, std::size_t first, std::size_t end) {
     stop_if_cancelled();
     std::unique_ptr<Partition> p = take_partition();
@@ -210,7 +211,7 @@ class SlabsOnDemand::State {
     record_.scatter(p.rows.records(), source_.schema.stride, n, block.first_row, p.place.data(), p.sorted.data());
   }
 
-  /// A slab is list `list` of the store.
+  /// Copies a slab, which is list `list` of the store, to `out`, ascending by row.
   void copy(const SlabStore& store, std::size_t slab, std::size_t list, std::span<std::byte> out) const {
     if (store.count(list) != slabs_.points[slab]) fail_changed();
     std::vector<std::byte> records(out.size());
@@ -249,7 +250,7 @@ class SlabsOnDemand::State {
   }
 
   /// Returns the range of slabs around `slab` that fits in memory, half of it on each side. While points wait for slabs
-  /// in order, these have the memory, and the range is one slab.
+  /// that are read in order, the range is `slab` alone, since the waiting points use the memory.
   std::pair<std::size_t, std::size_t> slabs_around(std::size_t slab) const {
     std::size_t first = slab, end = slab + 1;
     {
@@ -290,16 +291,16 @@ class SlabsOnDemand::State {
   const std::uint64_t most_points_;
   const std::size_t block_bytes_;
 
-  mutable std::mutex mutex_;                      ///< guards all members below, except the lists of waiting_
-  std::condition_variable decoded_;               ///< a block was decoded, or failed
-  std::vector<std::uint32_t> by_slab_;            ///< blocks, ascending by first slab
-  std::size_t next_block_ = 0;                    ///< index in by_slab_ of the first block that is not yet taken
-  std::vector<std::uint32_t> decoding_;           ///< first slabs of the blocks that are being decoded
-  std::exception_ptr failure_;                    ///< error of a thread that decoded a block for all
-  std::vector<bool> begun_;                       ///< for each slab: it was begun in order
-  std::size_t next_slab_ = 0;                     ///< the first slab that is not begun
-  std::size_t left_;                              ///< slabs that have not been returned in order
-  std::optional<SlabStore> waiting_;              ///< lists of points by slab, until all have been returned
+  mutable std::mutex mutex_;             ///< guards all members below, except the lists of waiting_
+  std::condition_variable decoded_;      ///< notified when a block was decoded, or its decoding failed
+  std::vector<std::uint32_t> by_slab_;   ///< blocks, ascending by first slab
+  std::size_t next_block_ = 0;           ///< index in by_slab_ of the first block that is not yet taken
+  std::vector<std::uint32_t> decoding_;  ///< first slabs of the blocks that are being decoded
+  std::exception_ptr failure_;           ///< error of a thread that decoded a block for all
+  std::vector<bool> begun_;              ///< for each slab, true if it was begun in order
+  std::size_t next_slab_ = 0;            ///< the first slab that has not been begun
+  std::size_t left_;                     ///< slabs that have not been returned in order
+  std::optional<SlabStore> waiting_;     ///< waiting points by slab, until all slabs have been returned in order
   std::vector<std::unique_ptr<Partition>> free_;  ///< partitions that no thread uses now
   std::mutex again_mutex_;                        ///< guards again_
   std::shared_ptr<Again> again_;

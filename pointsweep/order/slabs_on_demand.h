@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Makes slabs from the input when they are read, without a distribution pass before.
+/// Slabs that are made from the input when they are read, without a distribution pass.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,8 @@ struct SlabBlock {
 
 /// The slabs and their blocks, after all points have been counted.
 struct CountedSlabs {
-  std::vector<Splitters> splitters;  ///< one, or a second one for sparse places
-  LocalSpacing spacing;              ///< knows the sparse places where there are two splitters
+  std::vector<Splitters> splitters;  ///< one for all places, or one for dense and one for sparse places
+  LocalSpacing spacing;              ///< knows the sparse places; used if there are two Splitters
   std::vector<std::uint32_t> slab_of_piece;
   std::vector<std::uint64_t> points;  ///< for each slab
   std::vector<SlabBlock> blocks;      ///< ascending by first row; blocks without points are left out
@@ -45,8 +45,8 @@ std::size_t waiting_block_bytes(std::uint64_t slab_points, std::size_t record_by
 /// together with neighbouring slabs as far as `most_points` allows, since a recall reads neighbouring slabs.
 class SlabsOnDemand {
  public:
-  /// Copies `source`, which must have for_thread(). `wanted`: its fields that working records have. At most `ahead`
-  /// slabs are read concurrently.
+  /// Copies `source`, which must have for_thread(). `wanted`: the source fields that working records contain. At most
+  /// `ahead` slabs are read concurrently.
   SlabsOnDemand(const PointSource& source, const WorkingRecord& record, std::vector<std::size_t> wanted, int axis,
                 CountedSlabs slabs, std::size_t ahead, std::uint64_t most_points);
   ~SlabsOnDemand();

@@ -124,8 +124,8 @@ class Splitting {
     return std::clamp<std::uint64_t>((piece.count - 1) / options_.aim + 1, 2, options_.most_pieces);
   }
 
-  /// Returns all keys of some records. The choice depends only on the rows of the records, since the order in which
-  /// threads stored them differs between runs.
+  /// Returns all keys of a sample of the records. The sample depends only on the rows of the records, since the order
+  /// in which threads stored them differs between runs.
   Sample sample_of(const StreamPiece& piece) const {
     const std::uint64_t size = std::max(kLeastSample, kSamplesPerPiece * parts(piece));
     const std::uint64_t every = piece.count / size + 1;

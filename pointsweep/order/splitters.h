@@ -15,7 +15,7 @@ class Splitters {
  public:
   /// Makes one piece of all values.
   Splitters() : Splitters(std::vector<double>()) {}
-  /// `limits` strictly ascending, at most 65,534.
+  /// `limits` must ascend strictly and be at most 65,534 values.
   explicit Splitters(std::vector<double> limits);
 
   std::size_t pieces() const { return limits_.size(); }
@@ -48,9 +48,9 @@ class Splitters {
 /// can be split by another key. Reorders the sample.
 std::vector<double> quantile_limits(std::vector<double>& sample, std::size_t pieces);
 
-/// Returns the subset of the ascending `limits` that leaves every piece at least as thick as four times the median
-/// spacing of its points. Thinner slabs would wait for each other. `spacing` holds the spacing at each sample point; if
-/// it is empty, all limits are kept.
+/// Returns the subset of the ascending `limits` that leaves every piece but the last at least as thick as four times
+/// the median spacing of its points. Thinner slabs would wait for each other. `spacing` holds the spacing at each
+/// sample point; if it is empty, all limits are kept.
 std::vector<double> limits_not_too_near(std::span<const double> limits, std::span<const double> sample,
                                         std::span<const double> spacing);
 

@@ -25,23 +25,23 @@ namespace pointsweep {
 
 /// A contiguous piece of the stream between two planes; the unit of reading.
 struct Slab {
-  std::uint64_t first = 0;  ///< points in slabs before it
+  std::uint64_t first = 0;  ///< number of points in the slabs before this slab
   std::uint64_t count = 0;
-  Box box;                      ///< tight box of its points, in double precision
-  std::uint64_t least_row = 0;  ///< least input row in it, or less
-  bool is_halo = false;         ///< in a part of a cloud: its points are only neighbours of points of other slabs
+  Box box;                      ///< tight box of the points, in double precision
+  std::uint64_t least_row = 0;  ///< lower bound of the input rows of the points
+  bool is_halo = false;  ///< true in a part of a cloud if the points only serve as neighbours of points of other slabs
 };
 
 struct StreamOptions {
   int axis = 0;
-  std::uint64_t slab_points = 65536;  ///< aim
-  std::uint64_t max_slab_points = 0;  ///< a slab above it is split again; 0: twice slab_points
-  /// Slabs in canonical order, as an output in that order needs them. Otherwise in the order in which a sweep should
-  /// read them.
+  std::uint64_t slab_points = 65536;  ///< number of points that a slab should have
+  std::uint64_t max_slab_points = 0;  ///< larger slabs are split again; 0: twice slab_points
+  /// True for slabs in canonical order, which an output in that order needs. False for slabs in the order in which a
+  /// sweep should read them.
   bool canonical = true;
   bool whole_records = false;  ///< working records contain the whole input record instead of the position and `payload`
-  /// True if records of the source are working records, which end with their row instead of being at the place of their
-  /// row.
+  /// True if the records of the source are working records already: the last field of a record is its row. False if the
+  /// place of a record in the source is its row.
   bool numbered = false;
   std::vector<std::size_t> payload = {};  ///< indices of source fields to carry when not whole_records
   SpillPlace spill = nullptr;
@@ -53,11 +53,11 @@ struct StreamOptions {
 struct OnDemandOptions {
   std::vector<RowBox> boxes;       ///< no block of rows that are decoded together extends past the end of a box
   std::uint64_t block_rows = 0;    ///< most rows of a block; 0: chosen by the stream
-  std::size_t read_ahead = 1;      ///< slabs that are read at once
-  std::uint64_t most_waiting = 0;  ///< points that may be decoded and wait for their slabs
+  std::size_t read_ahead = 1;      ///< number of slabs that are read at once
+  std::uint64_t most_waiting = 0;  ///< most points that may be decoded and wait for their slabs
 };
 
-/// Slabs whose records are stored elsewhere: those that a part of a cloud sweeps, and further slabs for its recall.
+/// Slabs whose records are stored elsewhere: slabs that a part of a cloud sweeps, then further slabs for its recall.
 struct StoredSlabs {
   int axis = 0;
   std::vector<Slab> slabs;
@@ -70,8 +70,9 @@ struct StoredSlabs {
 
 /// The ordered stream: slabs ascending in canonical order (coordinate along the axis; ties by x, then y, then z, then
 /// input row). Every point of slab s precedes every point of slab s+1 in that order; inside a slab points lie in no
-/// order. Unless the options give that up: then points in sparse places have slabs of their own, merged with the others
-/// by where they begin along the axis. Points with a NaN or infinite coordinate are in no slab but in `nonfinite`.
+/// order. If StreamOptions::canonical is false, points in sparse places have slabs of their own instead, merged with
+/// the other slabs by where they begin along the axis. Points with a NaN or infinite coordinate are in no slab;
+/// read_nonfinite() reads them.
 class Stream {
  public:
   /// Performs the distribution pass: reads the source once, and the records of too large slabs once more to split them.
@@ -97,7 +98,8 @@ class Stream {
   /// Returns the number of slabs that a sweep reads, which are the first ones; in a part of a cloud, later slabs are
   /// for the recall alone.
   std::size_t swept_slabs() const { return swept_slabs_; }
-  /// Returns the sparse places of the cloud. Slabs may have points inside and outside of them.
+  /// Returns the sparse places of the cloud if slabs may have points inside and outside of them; else an object without
+  /// sparse places.
   const LocalSpacing& spacing_in_slabs() const { return spacing_; }
   std::uint64_t nonfinite_count() const { return nonfinite_count_; }
   std::uint64_t spilled_bytes() const;
@@ -110,7 +112,7 @@ class Stream {
   const Schema& record_schema() const { return record_schema_; }
   /// Reads all working records of a slab. `out.size()` = count * record_schema().stride. Thread-safe.
   void read(std::size_t slab, std::span<std::byte> out) const;
-  /// Reads working records [first, ...) of the nonfinite points, in ascending row.
+  /// Reads working records [first, ...) of the nonfinite points, ascending by row.
   void read_nonfinite(std::uint64_t first, std::span<std::byte> out) const;
 
  private:

@@ -17,7 +17,7 @@ namespace {
 constexpr Encoding kSurveyEncoding{"survey", 1};
 
 constexpr std::uint64_t kSample = 65536;
-constexpr std::uint64_t kRuns = 1024;              ///< jumps a reader has to make
+constexpr std::uint64_t kRuns = 1024;              ///< runs of sampled rows; a reader jumps to each of them
 constexpr std::uint64_t kInRun = kSample / kRuns;  ///< rows sampled in each run
 constexpr std::uint64_t kMostGap = 16;             ///< at most this many times the rows of the sample are read
 
@@ -64,7 +64,7 @@ class Surveyor {
     }
   }
 
-  /// Takes the sample, or all rows if there are no more than that, and the bounds of all finite points. Uses all
+  /// Takes the sample, or all rows if there are no more than kSample, and the bounds of all finite points. Uses all
   /// threads.
   void look_at_all() {
     std::optional<SampledRows> rows;

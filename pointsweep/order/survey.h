@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A survey of a sample of the cloud before the work starts.
+/// The survey: properties of a cloud, estimated from a sample before the work starts.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +19,14 @@ struct Survey {
   std::vector<Vec3> sample;  ///< at most 65,536 finite points
   Box bounds;                ///< box of the sample, or of all finite points if `exact`
   bool exact = false;
-  int axis = 0;          ///< sweep axis: largest extent of `bounds` unless chosen
+  int axis = 0;          ///< sweep axis: the axis of the largest extent of `bounds`, unless the user chooses one
   double dimension = 2;  ///< estimate of the intrinsic dimension, in [1, 3], by counting occupied boxes
 
   void encode(Encoder& out) const;
   static Survey decode(Decoder& in);
 };
 
-/// `exact` reads the whole cloud, so that the axis does not depend on the order of its points.
+/// Surveys the cloud. `exact`: reads the whole cloud, so that the axis does not depend on the order of its points.
 Survey survey(const PointSource& source, std::optional<int> axis, bool exact);
 
 /// Returns the box-counting dimension of a sample, in [1, 3]; outliers beyond the middle 98 % of each coordinate do not

@@ -15,8 +15,8 @@ namespace pointsweep {
 /// Makes working records from source records: copies parts of them, then adds the row.
 class WorkingRecord {
  public:
-  /// Working records have the position and the fields `payload`, or every byte of a record if `whole`. `rows`: rows are
-  /// below this.
+  /// Working records have the position and the fields `payload`, or every byte of a record if `whole`. All rows are
+  /// below `rows`, which decides the type of the row field.
   WorkingRecord(const Schema& source, bool whole, std::span<const std::size_t> payload, std::uint64_t rows);
   /// Copies records that are working records already.
   explicit WorkingRecord(const Schema& working);
