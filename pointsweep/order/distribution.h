@@ -34,10 +34,9 @@ struct PartitionInput {
   std::span<const Splitters> splitters;  ///< one for all places, or one for dense and one for sparse places; the pieces
                                          ///< of the second are numbered after those of the first
   std::size_t first_list;                ///< piece p goes to list first_list + p of the store
-  std::optional<std::size_t>
-      nonfinite_list;                     ///< list of nonfinite points; absent if there are none, or the key is the row
-  std::size_t memory_bytes;               ///< bytes that all buffers of the pass should take together
-  const LocalSpacing* spacing = nullptr;  ///< knows the sparse places; null if there is one Splitters
+  std::optional<std::size_t> nonfinite_list;  ///< list of nonfinite points; absent: none, or the key is the row
+  std::size_t memory_bytes;                   ///< bytes that all buffers of the pass should take together
+  const LocalSpacing* spacing = nullptr;      ///< knows the sparse places; null if there is one Splitters
   /// Returns a function that replaces `read` for one thread, or an empty function. Threads call their own functions at
   /// the same time.
   std::function<ReadRecords()> for_thread = {};

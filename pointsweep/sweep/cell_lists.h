@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// Adds the time until its end to `seconds`.
+/// Adds the seconds of its lifetime to `seconds`.
 class Stopwatch {
  public:
   explicit Stopwatch(double& seconds) : seconds_(seconds) {}
@@ -25,10 +25,10 @@ class Stopwatch {
 };
 
 struct ListMemory {
-  /// Memory for the cells of the window with their lists. Lists for later steps that do not fit are dropped; a later
+  /// Bytes for the cells of the window with their lists. Lists for later steps that do not fit are dropped; a later
   /// step finds equal lists again.
   std::uint64_t cells_bytes;
-  /// Memory for the lists that one thread uses at a time; the list of a single point may take more. A cell with larger
+  /// Bytes for the lists that one thread uses at a time; the list of a single point may take more. A cell with larger
   /// lists is processed in runs of points.
   std::uint64_t lists_bytes;
 };
@@ -40,21 +40,21 @@ class CellLists {
   CellLists(const SweepPlan& plan, const CellSet& cells, const ListMemory& memory)
       : plan_(plan), cells_(cells), memory_(memory), point_bytes_(window_point_bytes(plan)) {}
 
-  /// Fills worker.reach2, the squared radius of each neighbourhood of the cell. Returns whether this has found all
-  /// lists, in worker.neighbors. Without a limit k the reach is the radius, so no search is needed.
+  /// Fills worker.reach2, the squared radius of each neighbourhood of the cell. Returns whether worker.neighbors holds
+  /// the lists of all points of the cell. Without a limit k the reach is the radius, so no search is needed.
   bool find_reaches(std::uint32_t slot, Worker& worker) const;
-  /// Finds the lists of the first of `points`, as many as fit in memory, in worker.neighbors, without the rule. Returns
-  /// their number.
+  /// Finds the lists of the first of `points`, as many as fit in memory, before the rule shortens them. Stores the
+  /// lists in worker.neighbors and returns their number.
   std::uint32_t find(std::uint32_t slot, const CellSubset& points, Worker& worker) const;
   /// Applies the rule of the plan to worker.neighbors, the lists of `points`.
   void truncate(const WindowCell& cell, const CellSubset& points, Worker& worker) const;
 
-  /// Adds the slots of all cells to which the lists refer to worker.named.
+  /// Adds to worker.named the slots of all cells to which the lists of points that are not deferred refer.
   static void note_references(const WindowCell& cell, std::uint32_t first, const CellNeighbors& lists, Worker& worker);
-  /// Moves worker.named to cell.refers_to, so that the window keeps those cells until this cell is finished.
+  /// Moves worker.named to cell.refers_to, so that the window keeps the named cells until `cell` is finished.
   static void hold_references(WindowCell& cell, Worker& worker);
 
-  /// Stores a copy of the lists in the cell if memory allows. Returns whether it has done so.
+  /// Stores a copy of the lists in the cell if memory allows. Returns whether the copy was stored.
   bool keep(WindowCell& cell, const CellNeighbors& found) const;
   void release(WindowCell& cell) const;
 

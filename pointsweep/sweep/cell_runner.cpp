@@ -248,7 +248,7 @@ void CellRunner::hand_over(const WindowCell& cell, Worker& worker) const {
   }
 }
 
-/// Drops the columns of a finished cell, except columns that stages may still read of this cell for points of others.
+/// Drops the columns of a finished cell, except columns that stages may still read for points of other cells.
 void CellRunner::drop_columns(WindowCell& cell) const {
   for (std::size_t c = 0; c < cell.columns.size(); ++c) {
     if (read_of_neighbors_[c]) continue;

@@ -9,8 +9,8 @@
 
 namespace pointsweep {
 
-/// Counts of distances in eight bins per octave. The leading bits of the squared distance, as an IEEE double, are the
-/// number of its bin. Counts do not depend on the order of distances. Memory: 64 KB.
+/// Counts of distances in eight bins per octave. The number of a bin is the leading bits of the squared distance as an
+/// IEEE double. Counts do not depend on the order of distances. Memory: 64 KB.
 class DistanceHistogram {
  public:
   static constexpr std::size_t kBins = 8192;

@@ -93,7 +93,7 @@ class Sink {
   virtual void finished(const Finished& points) = 0;
   /// Receives points that the sweep deferred and the recall has finished. Calls finished() unless overridden.
   virtual void recalled(const Finished& points) { finished(points); }
-  /// Tells that a point of this slab will be finished only after the whole stream has been read. Thread-safe.
+  /// Reports that a point of `slab` will be finished only after the whole stream has been read. Must be thread-safe.
   virtual void deferred(std::uint32_t slab, std::uint32_t index_in_slab) {
     (void)slab;
     (void)index_in_slab;
@@ -105,8 +105,8 @@ class Sink {
     (void)slab;
     (void)records;
   }
-  /// Tells that `points` points of a slab that was read had been finished before the run was resumed. Called only if
-  /// wants_records().
+  /// Reports that `points` points of a slab were finished before the run was resumed, after slab_read() for that slab.
+  /// Called only if wants_records().
   virtual void were_finished(std::uint32_t slab, std::uint64_t points) {
     (void)slab;
     (void)points;

@@ -81,7 +81,8 @@ bool PointCollector::is_needed(std::uint32_t slab) const {
          std::ranges::any_of(wanted_.whole_balls, touches_slab);
 }
 
-/// Notes a point inside a ball. The ball shrinks to the distance of the last of the nearest points that are wanted.
+/// Records a point inside a ball. Once the ball has as many points as are wanted, it shrinks to the farthest of the
+/// nearest points.
 void PointCollector::shrink(std::uint32_t ball, double d2) {
   const std::scoped_lock lock(mutexes_[ball % mutexes_.size()]);
   std::vector<double>& nearest = distances2_[ball];
@@ -121,8 +122,8 @@ std::vector<std::uint32_t> PointCollector::numbers_of(std::span<const std::byte>
   return numbers;
 }
 
-/// Returns the numbers of the records whose points lie inside a ball, ascending. `shrinks`: the points are met for the
-/// first time, so balls shrink.
+/// Returns the numbers of the records whose points lie inside a ball, ascending. `shrinks`: the records are searched
+/// for the first time, so the balls shrink.
 std::vector<std::uint32_t> PointCollector::numbers_inside(std::uint32_t slab, std::span<const std::byte> records,
                                                           bool shrinks) {
   std::vector<std::uint32_t> numbers;
@@ -161,7 +162,7 @@ CollectedPoints PointCollector::search(std::uint32_t slab, std::span<const std::
   return found;
 }
 
-/// Drops points that came in before the balls had shrunk.
+/// Drops points that were collected before the balls had shrunk and now lie outside.
 void PointCollector::drop_points_outside() {
   if (wanted_.balls.empty()) return;
   points_ = 0;

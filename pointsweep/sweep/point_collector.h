@@ -16,19 +16,19 @@
 
 namespace pointsweep {
 
-/// Place in the stream of a point that is wanted in any case, also if it is a superfluous copy of another point.
+/// Place in the stream of a point that is collected even if it is a superfluous copy of another point.
 struct NeededPlace {
   std::uint32_t slab, index_in_slab;
   auto operator<=>(const NeededPlace&) const = default;
 };
 
-/// The points to be collected, and how many at most.
+/// The points to be collected, and the limit of their number.
 struct WantedPoints {
   /// Balls for which the `nearest` nearest points are needed, with all further points at the same distance.
   std::vector<Ball> balls = {};
   std::uint64_t nearest = 1;
-  /// Balls for which all points are needed. Some points near the balls are collected, too. Much cheaper than `balls` if
-  /// many balls overlap.
+  /// Balls for which all points are needed. Some points near the balls are collected, too. Costs much less time than
+  /// `balls` if many balls overlap.
   std::vector<Ball> whole_balls = {};
   std::vector<NeededPlace> places = {};  ///< places of points that are needed in any case, ascending
   std::uint64_t most_points = 0;         ///< limit of the number of points; the search ends when it finds more

@@ -9,8 +9,8 @@
 namespace pointsweep {
 namespace {
 
-/// The share of the memory that a group of points is planned to take. The memory that it really takes is known only
-/// afterwards.
+/// The share of the memory that a group of points is planned to take. The memory that the group really takes is known
+/// only afterwards.
 constexpr double kPlannedShare = 0.7;
 /// The largest factor by which the size of a group grows from one group to the next.
 constexpr std::size_t kMostGrowth = 4;

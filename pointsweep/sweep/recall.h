@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Finishes the points that the sweep deferred because some of their neighbours had left the window. These neighbours
-/// are read again.
+/// Finishes the points that the sweep deferred because of neighbours that were not in the window, by reading these
+/// neighbours again.
 ///
 /// The paper has no recall; its neighbourhoods are approximate in such places (Section 8). A recall collects the points
 /// around some deferred points in a region, finds the neighbourhoods of these points, of their neighbours, and so on
-/// for each step of the chain, and takes them all through the steps: by the same search and stages as the sweep, cell
-/// by cell, on all threads. It evaluates each point at most once in each step, and reads each slab that the points
-/// touch once for each step.
+/// for each step of the chain, and takes all of these points through the steps: by the search and the stages of the
+/// sweep, cell by cell, on all threads. It evaluates each point at most once in each step, and reads each slab that the
+/// points touch once for each step.
 #pragma once
 
 #include <cstdint>

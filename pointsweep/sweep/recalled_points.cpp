@@ -13,16 +13,17 @@
 namespace pointsweep {
 namespace {
 
-/// Values of CellState::reached: the point will be in the next level, or is in a level. 0: no list names the point yet.
+/// Values of CellState::reached: kReachedNow if the point will be in the next level, kInLevel if it is in a level, 0 if
+/// no list names it yet.
 constexpr std::uint8_t kReachedNow = 1, kInLevel = 2;
 
 /// A ball may hold many points if the cells that it touches hold more than kFewPoints + k * kFewForNeighbor.
 constexpr std::uint64_t kFewPoints = 8192, kFewForNeighbor = 128;
-/// Reach of a BallCover in multiples of the radius of a ball: three radii along each axis.
+/// Reach of a BallCover in multiples of the radius of a ball: the diagonal of three radii along each axis.
 constexpr double kCoverReach = 5.2;
 
-/// Memory of a ball while points are collected, without its distances; memory of a whole ball with the cells that it
-/// marks, most of which it shares with other balls.
+/// Bytes of one of WantedPoints::balls while points are collected, without its distances, and bytes of one of
+/// `whole_balls` with its share of the cells that it marks in the BallCover.
 constexpr std::uint64_t kBallBytes = 2 * sizeof(Ball) + sizeof(std::vector<double>) + 8 * 24;
 constexpr std::uint64_t kWholeBallBytes = 2 * sizeof(Ball) + 64;
 
@@ -87,7 +88,7 @@ bool RecalledPoints::may_hold_many(const Ball& ball, double widths) const {
          region_.touches_more_than(few, ball.center, widths * widths * ball.reach2);
 }
 
-/// Returns the ball, or a smaller one in which whole cells hold enough points: k and the point itself.
+/// Returns the ball, or a smaller ball in which whole cells hold enough points: k and the point itself.
 Ball RecalledPoints::smaller(const Ball& ball) const {
   const double reach2 = region_.reach2_that_holds(ball.center, std::uint64_t{plan_.neighborhood.k} + 1);
   return {ball.center, std::min(ball.reach2, reach2)};
@@ -151,7 +152,7 @@ void RecalledPoints::place(std::span<const DeferredPoint> points, std::span<cons
   if (placed != points.size()) throw std::logic_error("a deferred point is not where the sweep has found it");
 }
 
-/// Takes the points that the lists name and that are in no level yet into the preceding level, and collects the points
+/// Adds the points that the lists name and that are in no level yet to the preceding level, and collects the points
 /// that the searches of these points need.
 bool RecalledPoints::begin_next_level() {
   for (std::uint32_t slot = 0; slot < cells_.size(); ++slot) {
@@ -255,7 +256,7 @@ void RecalledPoints::keep(std::uint32_t slot, std::uint32_t level, const CellSub
   cells_[slot].listed.push_back(std::move(listed));
 }
 
-/// Gives each point that the lists name a bound of its neighbourhood, since these points come into the preceding level.
+/// Gives each point that the lists name a bound of its neighbourhood, for the search of the preceding level.
 void RecalledPoints::bound_neighbors(std::uint32_t slot, const CellSubset& points, const CellNeighbors& lists) {
   for (std::uint32_t n = 0; n < points.size(); ++n) {
     const Vec3 p = region_.at(slot).cell.position(points[n]);

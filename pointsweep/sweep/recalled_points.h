@@ -49,15 +49,16 @@ class Region : public CellSet {
   SlabsRead slabs_read_;
 };
 
-/// Level s contains the points whose values after step s are needed. The last level contains the deferred points; every
-/// other level contains the points of the next level and their neighbours. Lists are found from the last level to the
-/// first, values from the first step to the last.
+/// The deferred points, and in levels all points on which their values depend. Level s contains the points whose values
+/// after step s are needed. The last level contains the deferred points; every other level contains the points of the
+/// next level and their neighbours. Lists are found from the last level to the first, values from the first step to the
+/// last.
 ///
 /// A bound of the neighbourhood of each point is known before its list is found. The bound of a deferred point is the
 /// reach that the sweep found, or a shorter one within which whole cells hold enough points. The bound of a neighbour q
 /// of p is |q - p| + r, where r is the radius of the neighbourhood of p, because that ball holds p and all neighbours
-/// of p; a search among the points in memory may give a shorter one. So one reading of the stream for each level brings
-/// all points that the searches of the level need.
+/// of p; a search among the points in memory may give a shorter one. So the stream is read once for each level, to
+/// collect all points that the searches of the level need.
 class RecalledPoints {
  public:
   RecalledPoints(const Stream& stream, const SweepPlan& plan, const SlabLoader& loader, const Frontier& frontier,
@@ -71,15 +72,15 @@ class RecalledPoints {
         point_bytes_(window_point_bytes(plan) + kStateBytes),
         record_bytes_(stream.record_schema().stride + sizeof(std::uint32_t)) {}
 
-  /// Collects the surroundings of `points` and finds all lists. Returns false if these take more memory than allowed; a
-  /// single point is always taken.
+  /// Collects the surroundings of `points` and finds all lists. Returns false if points and lists take more memory than
+  /// allowed; a single deferred point may take any amount.
   bool gather(std::span<const DeferredPoint> points);
-  /// Takes everything through the steps and hands the deferred points over. Returns how many were handed over; the
-  /// others are unresolved.
+  /// Takes the points of all levels through the steps and hands the deferred points over to `sink`. Returns the number
+  /// of deferred points.
   std::size_t finish(Sink& sink);
 
   const SlabsRead& slabs_read() const { return region_.slabs_read(); }
-  /// Memory of points and lists, as long as the last lists are being found.
+  /// Returns the bytes of points and lists and, during collect(), of the balls.
   std::uint64_t bytes() const {
     return region_.points() * point_bytes_ + region_.slot_count() * sizeof(WindowCell) + list_bytes_ + pending_bytes_;
   }
@@ -93,9 +94,9 @@ class RecalledPoints {
     CellNeighbors lists;
     bool has_lists;
   };
-  /// Knowledge about a cell of the region.
+  /// The state of a cell of the region.
   struct CellState {
-    std::vector<std::uint8_t> reached;   ///< for each point, whether it is in a level or will be in the next one
+    std::vector<std::uint8_t> reached;   ///< for each point, 0, kReachedNow or kInLevel
     std::vector<double> bound2;          ///< for each reached point, a squared distance that bounds its neighbourhood
     std::vector<std::uint32_t> pending;  ///< points whose lists are to be found, ascending
     std::vector<Listed> listed;

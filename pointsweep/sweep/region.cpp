@@ -73,7 +73,7 @@ bool Region::touches_more_than(std::uint64_t count, Vec3 p, double reach2) const
   return false;
 }
 
-/// Looks at the nearest slab first: the distance that it gives leaves few other slabs to be looked at.
+/// Searches the nearest slab first: its distance excludes most other slabs.
 double Region::reach2_that_holds(Vec3 p, std::uint64_t count) const {
   const std::vector<Slab>& slabs = stream_.slabs();
   WholeCells found{p, count, Box::kInf, {}};

@@ -54,7 +54,7 @@ std::uint64_t row_at(const Field& field, const std::byte* record) {
 }
 
 /// Fills s.points with the positions of the records, relative to the middle of the slab. Points in sparse places come
-/// last. Returns the number of points before them.
+/// last. Returns the number of the other points.
 std::size_t make_cut_points(const PositionFields& position, std::size_t stride, const std::vector<std::byte>& records,
                             Vec3 middle, const LocalSpacing& spacing, LoadScratch& s) {
   constexpr std::size_t kChunk = 1024;

@@ -20,11 +20,11 @@ struct LoadScratch;
 
 struct LoadedSlab {
   std::vector<std::unique_ptr<WindowCell>> cells;  ///< cells of the slab, ascending by number
-  std::vector<std::byte> records;  ///< records of the slab, if the caller has asked for them; else empty
+  std::vector<std::byte> records;  ///< records of the slab if the caller has asked for records; else empty
 };
 
 /// Reads slabs and cuts them into cells. A slab gives equal cells every time, so that a resumed run finds the cells of
-/// the first one. Thread-safe.
+/// the earlier run. Thread-safe.
 class SlabLoader {
  public:
   SlabLoader(const Stream& stream, const SweepPlan& plan, std::uint32_t cell_points);
@@ -34,7 +34,7 @@ class SlabLoader {
   /// their indices in the slab.
   std::vector<std::unique_ptr<WindowCell>> cells_of(std::uint32_t slab, std::span<const std::uint32_t> index_in_slab,
                                                     const std::vector<std::byte>& records) const;
-  /// Returns the error of the lowest row loaded so far with a value that a stage cannot read.
+  /// Returns the error of the lowest row loaded so far with a value that a stage cannot read; empty if there is none.
   FirstRowError refused() const;
 
  private:
@@ -57,8 +57,8 @@ class SlabLoader {
   mutable FirstRowError refused_;
 };
 
-/// Fills `out` with the values of a file column, in the type that stages were promised, for records of `schema` whose
-/// rows are `rows`. Notes in `refused` values that this type cannot hold.
+/// Fills `out` with the values of a file column, in the type that operators expect, for records of `schema` whose rows
+/// are `rows`. Notes in `refused` values that this type cannot hold.
 void fill_file_column(const FileColumn& file, const Schema& schema, const std::byte* records,
                       std::span<const std::uint64_t> rows, std::byte* out, FirstRowError& refused);
 

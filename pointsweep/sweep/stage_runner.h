@@ -27,7 +27,7 @@ class EdgeEmitter {
   explicit EdgeEmitter(EdgeSink& sink) : sink_(sink) {}
   void take(const ConnectOperator& op, const Neighborhoods& in, const Batch& batch);
 
-  /// Bytes that the edges to one neighbour take while the batch is worked on.
+  /// Returns the bytes that the edges to one neighbour take while a batch is processed.
   static constexpr std::uint64_t bytes_per_neighbor(bool weighted) {
     constexpr std::uint64_t kGrowth = 2;  // capacity of a growing vector, as a multiple of its size
     return kGrowth * sizeof(NeighborEdge) + EdgeBatch::bytes_per_edge(weighted);
@@ -40,11 +40,11 @@ class EdgeEmitter {
   std::vector<std::byte> ballots_;
 };
 
-/// Number of points that a bucket should hold.
+/// Number of points that a bucket of a graph should hold (see BucketedGraph).
 inline constexpr std::uint64_t kBucketPoints = 16384;
 
-/// Returns the places where buckets begin: at each slab, at `places`, and within large slabs, so that each bucket
-/// contains about kBucketPoints if points are spread evenly along the axis.
+/// Returns the places where buckets of a graph begin: at each slab, at `places`, and within large slabs, so that each
+/// bucket contains about kBucketPoints if points are spread evenly along the axis.
 std::vector<PointKey> bucket_begins(const class Stream& stream, std::span<const Vec3> places);
 
 /// Times, degenerate points and errors of the stages that one thread ran.
@@ -58,7 +58,8 @@ struct StageTally {
   std::unique_ptr<EdgeEmitter> edges;            ///< takes the edges of a connecting stage if not null
 };
 
-/// A batch as the stages see it. `own_columns` are the columns of the batch itself, which a stage both reads and fills.
+/// A batch as the stages see it. A stage reads the columns of the batch through `own`, and fills columns through
+/// `made`.
 struct Batch {
   PointColumns own;  ///< points of the batch and their columns
   std::size_t size = 0;

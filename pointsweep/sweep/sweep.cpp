@@ -59,7 +59,7 @@ class Sweep {
   }
 
  private:
-  /// Goes back to where the run is to be resumed, and returns the slab to read first.
+  /// Restores the progress of a resumed run, and returns the slab to read first.
   std::uint32_t restart() {
     if (!restart_) return 0;
     restart_->restore(loader_, window_, frontier_, sink_, workers_.front());

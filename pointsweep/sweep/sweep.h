@@ -29,8 +29,8 @@ enum class PointState : std::uint8_t {
   gone,      ///< the point has left the window
 };
 
-/// A cell of the window in a stored progress. Its slab and its number identify it, since a slab is always cut into
-/// equal cells.
+/// A cell of the window in a stored progress. Slab and number identify a cell, since a slab is cut into equal cells
+/// every time.
 struct WindowedCell {
   std::uint32_t slab;
   std::uint32_t number;  ///< number of the cell in its slab
@@ -57,7 +57,7 @@ struct SweepProgress {
   std::vector<DroppedCellOfSlab> dropped;  ///< dropped cells; the recall needs them even if all slabs have been read
   std::vector<SaturatedLocation> saturated_locations;
   std::vector<DeferredPoint> deferred;  ///< points of finished cells that are not yet recalled
-  /// Counts over finished cells and recalled points, with the meaning that they have in SweepStatistics.
+  /// Counts over finished cells and recalled points, with the meanings of the members of SweepStatistics.
   std::uint64_t certified = 0, recalled = 0, recalled_slabs = 0, peak_points = 0;
   /// For each stage, rows whose data define no result. Entries for the last stages may be missing.
   std::vector<DegenerateRows> degenerate;
@@ -66,11 +66,11 @@ struct SweepProgress {
   static SweepProgress decode(Decoder& in);
 };
 
-/// Keeps the progress of a sweep. Called by the thread of the sweep, while no points are handed to the sink.
+/// Keeps the progress of a sweep. The thread of the sweep calls both functions, while no points are handed to the sink.
 class ProgressKeeper {
  public:
   virtual ~ProgressKeeper() = default;
-  /// Asked after every turn and every batch of recalled points.
+  /// Returns whether keep() is to be called now. Called after every turn and every group of recalled points.
   virtual bool wants_progress() = 0;
   /// Keeps `progress`. The sink has received exactly the points that `progress` calls finished.
   virtual void keep(const SweepProgress& progress) = 0;
@@ -78,9 +78,9 @@ class ProgressKeeper {
 
 struct SweepOptions {
   std::uint32_t cell_points = 1024;      ///< a multiple of 16, at most kCellCapacity
-  std::size_t read_ahead = 1;            ///< slabs being read and cut while others are worked on
+  std::size_t read_ahead = 1;            ///< slabs that are read and cut while earlier slabs are processed
   std::uint32_t slabs_per_turn = 1;      ///< slabs that are read before the steps are taken; at least 1
-  std::size_t recall_bytes = 64u << 20;  ///< memory for a batch of recalled points
+  std::size_t recall_bytes = 64u << 20;  ///< bytes of memory for a group of recalled points
   /// Memory for the cells of the window. Cells may exceed it; lists for later steps use only the rest.
   std::uint64_t cells_bytes = std::numeric_limits<std::uint64_t>::max();
   /// Memory for the lists that each thread uses at a time. Cells with larger lists are processed in runs of points, at
@@ -94,16 +94,17 @@ struct SweepOptions {
   EdgeSink* edges = nullptr;
   ProgressKeeper* keeper = nullptr;
   /// If not null, the sweep continues from this progress, which a keeper has received, perhaps in another process.
-  /// Stream, plan and `cell_points` must be equal to those of that sweep, and the sink must contain the results
-  /// delivered by then. Not together with half_way.
+  /// Stream, plan and `cell_points` must equal those of the earlier sweep, and the sink must contain the results that
+  /// the earlier sweep had delivered. `half_way` must be null.
   const SweepProgress* resume_from = nullptr;
-  /// Called by the thread of the sweep after each turn with the number of points read so far and the number of points
-  /// in the window; may throw to end the run.
+  /// Called by the thread of the sweep, after each turn with the numbers of points read so far and of points in the
+  /// window, and after each group of the recall with the number of points left as `points_active`. May throw to end the
+  /// run.
   std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
 };
 
 struct SweepStatistics {
-  /// Points whose neighbourhoods are proven exact; at the end all of them, except points of a halo.
+  /// Points whose neighbourhoods are proven exact; at the end all points, except points of a halo.
   std::uint64_t certified = 0;
   std::uint64_t recalled = 0;  ///< certified points that were finished in the recall
   std::uint64_t recalled_slabs = 0;
@@ -115,14 +116,14 @@ struct SweepStatistics {
   double mean_points = 0;
   /// For each turn, the number of points read so far and the number of points in the window.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> series;
-  /// A series for each step, named after its operators: points read, and points in the window that have not taken this
+  /// A series for each step, named after its operators: points read, and points in the window whose next step is this
   /// step. The last series counts the points of finished cells that stay in the window for other cells.
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
   double lifespan_mean = 0, lifespan_max = 0;  ///< seconds that points have stayed in the window
-  NeighborDistances distances;                 ///< one count for each finite point, if requested
+  NeighborDistances distances;                 ///< one count for each finite point with neighbours, if requested
 };
 
-/// Runs the plan over the whole stream; every point of every slab that is no halo is handed to `sink` exactly once.
+/// Runs the plan over the whole stream; hands every point of the slabs, except slabs of a halo, to `sink` exactly once.
 /// Uses all threads of the calling arena. The results do not depend on threads, slabs, cells or memory. An exception in
 /// any part ends the run and is thrown.
 SweepStatistics sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options);

@@ -65,7 +65,7 @@ void SweepObserver::cells_were_dropped(const Window& window) {
   if (points_read_ >= all - points_read_) note_half_way(window);
 }
 
-/// Records the states of the points in the window. All other points that were read have left it.
+/// Records the states of the points in the window. All other points that were read have left the window.
 void SweepObserver::note_half_way(const Window& window) {
   half_way_noted_ = true;
   for (const std::uint32_t slot : window.occupied()) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Observation of a sweep: its statistics, series of the sizes of the window and its buffers, and the state of each
-/// point when half of the points have been read.
+/// Observation of a sweep: statistics, series of the sizes of the window and the buffers, and the state of each point
+/// when half of the points have been read.
 #pragma once
 
 #include <cstdint>
@@ -24,12 +24,12 @@ class SweepObserver {
   /// Must be called when all steps of a turn have been taken, before cells are dropped from the window.
   void steps_were_taken(const Window& window);
   void cells_were_dropped(const Window& window);
-  /// Records that the recall has finished `points` more points. `read`: all slabs it has read. `left`: points still to
-  /// be finished.
+  /// Records that the recall has finished `points` more points. `read`: all slabs that the recall has read so far.
+  /// `left`: points still to be finished.
   void recalled(std::uint64_t points, const SlabsRead& read, std::uint64_t left);
 
   const SweepStatistics& so_far() const { return statistics_; }
-  /// Returns the statistics of the sweep that has ended, except the seconds of reading and of the recall.
+  /// Returns the statistics of the sweep after its end, except the seconds of reading and of the recall.
   SweepStatistics finish(const Window& window, const std::vector<Worker>& workers);
 
  private:

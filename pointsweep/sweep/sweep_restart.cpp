@@ -11,8 +11,8 @@ namespace {
 
 constexpr Encoding kProgressEncoding{"sweep progress", 1};
 
-/// The reciprocal of the largest share of unfinished points that may lie before the slabs to be read again. Points so
-/// far back are sparse and have waited for long.
+/// The reciprocal of the largest share of unfinished points that may lie before the slabs to be read again. These
+/// points are sparse and have waited for long.
 constexpr std::uint64_t kLeftBehind = 64;
 
 }  // namespace
@@ -50,8 +50,8 @@ SweepRestart::SweepRestart(const SweepProgress& from, const Stream& stream, cons
 }
 
 /// Returns the slab to read first. In a plan with a single step, a point needs only file columns of its neighbours, and
-/// these neighbours are in the window. Otherwise a value of step s depends on values of step s-1 around it, and so on;
-/// reading one slab further back for each step usually suffices.
+/// these neighbours are in the window. Otherwise a value of step s depends on values of step s-1 of the neighbours, and
+/// so on; reading one slab further back for each step usually suffices.
 std::uint32_t SweepRestart::slab_to_begin_with() const {
   std::uint32_t slab = from_.slabs_read;
   if (plan_.step_count() == 1 || slab == stream_.slabs().size()) return slab;

@@ -28,15 +28,15 @@ class SweepRestart {
   /// All arguments must outlive the restart.
   SweepRestart(const SweepProgress& from, const Stream& stream, const SweepPlan& plan);
 
-  /// Returns the slab from which slabs are to be read, some of them for the second time.
+  /// Returns the slab with which reading begins. Slabs for which was_read() is true are read for the second time.
   std::uint32_t first_slab() const { return first_slab_; }
-  /// Returns whether the slab had been read before.
+  /// Returns whether the earlier sweep had read the slab.
   bool was_read(std::uint32_t slab) const { return slab < from_.slabs_read; }
-  /// Restores all knowledge of the slabs before the first one to be read, and gives the counts and deferred points of
-  /// the other sweep to a worker.
+  /// Restores the state of all slabs before first_slab(), and gives the counts and deferred points of the earlier sweep
+  /// to `worker`.
   void restore(const SlabLoader& loader, Window& window, Frontier& frontier, Sink& sink, Worker& worker) const;
-  /// Prepares a slab that was read again, before its cells go into the window: marks the cells that had been finished,
-  /// and tells the sink.
+  /// Prepares a slab that was read again, before its cells go into the window: marks the cells that the earlier sweep
+  /// had finished, and reports the slab to `sink` if it takes records.
   void prepare(std::uint32_t slab, LoadedSlab& loaded, Sink& sink) const;
 
  private:

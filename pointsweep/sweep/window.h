@@ -15,8 +15,8 @@
 namespace pointsweep {
 
 /// The cells that the sweep has read and still needs. Each cell leaves separately: a dense cell leaves early while a
-/// sparse one beside it stays, so that neither an outlier nor a scanner's far field keeps dense parts in memory.
-/// Changed only by the thread of the sweep.
+/// sparse one beside it stays, so that neither an outlier nor a scanner's far field keeps dense parts in memory. Only
+/// the thread of the sweep changes the window.
 class Window : public CellSet {
  public:
   Window(const SweepPlan& plan, Frontier& frontier) : plan_(plan), frontier_(frontier) {}

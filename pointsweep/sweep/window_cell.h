@@ -38,14 +38,14 @@ struct WindowCell {
 
   std::uint32_t steps_done = 0;
   std::vector<double> leaf_reach;        ///< expected reach of the neighbourhoods of each leaf, until the search
-  double wait_reach = 0;                 ///< distance within which no slab may be unread when the cell is searched
-  std::size_t wait_for_slabs = 0;        ///< number of slabs, of all, that must be read before the cell is searched
+  double wait_reach = 0;                 ///< no unread slab may be nearer than this when the cell is searched
+  std::size_t wait_for_slabs = 0;        ///< the cell is searched once this many slabs of the stream have been read
   double reach = 0;                      ///< reach of most neighbourhoods of the cell, known after the search
   std::vector<CellNeighbors> lists;      ///< lists of runs of points, if a later step needs them and memory allows
   std::vector<std::uint32_t> refers_to;  ///< slots of the cells that the lists name
-  /// For each point, 1 if the sweep could not finish it, so that the recall will; empty if it is 0 for all. A cell
-  /// marks its own points in `deferred` while cells are processed in parallel; other cells read `deferred_before`, the
-  /// state before the step.
+  /// For each point, 1 if the sweep deferred the point to the recall; empty if no point was deferred. A cell marks its
+  /// own points in `deferred` while cells are processed in parallel; other cells read `deferred_before`, the state
+  /// before the step.
   std::vector<std::uint8_t> deferred, deferred_before;
   /// Counts and points that the cell adds to the counts and the deferred points of the run when it is finished.
   std::uint64_t certified = 0;
@@ -102,7 +102,7 @@ class CellSet {
  protected:
   CellSet() = default;
   ~CellSet() = default;
-  /// Puts the cell into a slot that a removed cell has left, or into the next new one.
+  /// Puts the cell into a slot that a removed cell has left, or into a new slot.
   void add(std::unique_ptr<WindowCell> cell);
   void remove(std::uint32_t slot);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Memory and counters of one thread, and the functions that apply a step to points whose neighbour lists are known.
-/// The sweep and the recall share both, so that a value never depends on which of the two has computed it.
+/// The sweep and the recall share these functions, so that a value never depends on which of the two has computed it.
 #pragma once
 
 #include <cstddef>
@@ -56,10 +56,10 @@ struct Worker {
   CellNeighbors chosen_lists;
   std::vector<std::byte> results;
   StageTally tally;
-  StageTally halo;          ///< tally of points that a recall evaluates only because others need their values
+  StageTally halo;          ///< tally of points that are evaluated only because other points need their values
   FirstRowError unwritten;  ///< error of a row whose results the sink cannot take; ends the sweep
   double search_seconds = 0;
-  /// Deferred points, and number of certified points, of the cells that this thread has finished.
+  /// Deferred points of the cells that this thread has finished, and the number of their certified points.
   std::vector<DeferredPoint> deferred;
   std::uint64_t certified = 0;
 };
@@ -70,7 +70,7 @@ void place_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, 
 /// Sets worker.columns as place_columns() does, but leaves the columns that do not outlast the step null.
 void place_cell_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
 
-/// Drops all lists but those with the numbers `kept`, which ascend.
+/// Drops all lists except the lists with the numbers `kept`, which ascend.
 void keep_lists_of(std::span<const std::uint32_t> kept, CellNeighbors& lists);
 
 /// Applies the step to `points` of the cell; `lists` holds one list for each. Operators get a bounded number of
