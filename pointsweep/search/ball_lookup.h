@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Look-up of the balls that contain a point, and the union of many balls, for balls of very different sizes. For each
-/// power of two there is a grid of cells for balls of about that size.
+/// Look-up of the balls that contain a point, and the union of many balls, for balls of very different sizes. Each
+/// power of two has a grid of cells for balls of about that size.
 #pragma once
 
 #include <bit>
@@ -45,7 +45,7 @@ struct BallGrid {
   std::uint64_t key_at(Vec3 p) const { return key_of(cell_of(p.x), cell_of(p.y), cell_of(p.z)); }
 };
 
-/// Returns the grid of that exponent, and makes it if it is missing.
+/// Returns the grid of `exponent`; adds the grid if it is missing.
 inline BallGrid& grid_with(int exponent, std::vector<BallGrid>& grids) {
   for (BallGrid& grid : grids)
     if (grid.exponent == exponent) return grid;
@@ -53,7 +53,7 @@ inline BallGrid& grid_with(int exponent, std::vector<BallGrid>& grids) {
 }
 
 /// Balls of similar size share a grid whose cells are at least twice as wide, so that each ball lies in eight cells at
-/// most. A query looks one cell up for each size: about 10 ns. Thread-safe.
+/// most. A query looks up one cell for each size of balls, in about 10 ns. Thread-safe.
 class BallLookup {
  public:
   explicit BallLookup(std::span<const Ball> balls);

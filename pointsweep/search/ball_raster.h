@@ -14,7 +14,7 @@
 namespace pointsweep {
 
 /// The cells of a box that balls touch. If most points of the box lie in no ball, a test of the cell of a point, about
-/// 2 ns, saves the look-up of the balls around it. Thread-safe.
+/// 2 ns, saves the look-up of the balls around the point. Thread-safe.
 class BallRaster {
  public:
   BallRaster(const Box& box, std::span<const Ball> balls);

@@ -29,7 +29,8 @@ inline bool nearer(const Candidate& a, const Candidate& b) {
   return a.row < b.row;
 }
 
-/// Inserts `c` into an ordered list of `size` candidates, which keeps the `most` nearest. Returns its new size.
+/// Inserts `c` into an ordered list of `size` candidates, and keeps the `most` nearest. Returns the new size of the
+/// list.
 inline std::size_t insert_sorted(const Candidate& c, Candidate* list, std::size_t size, std::size_t most) {
   std::size_t place = size;
   if (size == most && !nearer(c, list[--place])) return size;
@@ -64,8 +65,8 @@ class BestList {
     if (kept_.size() > k_) kept_.resize(k_);
     return kept_;
   }
-  /// Returns whether k candidates are known, so that limit() is the distance of the kth nearest so far; else it is the
-  /// radius.
+  /// Returns whether k candidates are known, so that limit() is the squared distance of the kth nearest so far;
+  /// otherwise limit() is as start() has set it.
   bool full() const { return full_; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Gathered points within a distance of one of them, sorted by bins of their squared distances. Included once per
+/// Search for the gathered points within a distance of a point, sorted by bins of squared distances. Included once per
 /// instruction set.
 #if defined(POINTSWEEP_SEARCH_BIN_SEARCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_SEARCH_BIN_SEARCH_INL_H_
@@ -26,20 +26,20 @@ namespace pointsweep {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Sorts points by keys of a bin of distances and the number of the gathered point. Such a key has half the bits of a
-/// distance with a name, so that sorting takes half the time. Bins ascend with distance; the caller orders points of
-/// equal bins.
+/// Sorts points by keys that hold a bin of distances and the number of the gathered point. A key has half the bits of a
+/// distance with a NeighborRef, so that sorting takes half the time. Bins ascend with distance; the caller orders
+/// points of equal bins.
 class BinSearch {
  public:
   /// Prepares searches among the first `size` of the gathered points, within a squared distance of `limit2`.
   BinSearch(GatheredPoints& points, std::size_t size, double limit2)
       : points_(points), size_(size), limit2_(limit2), low_bits_(static_cast<std::uint32_t>(std::bit_width(size))) {}
 
-  /// Returns whether distances up to this limit can be divided into bins.
+  /// Returns whether squared distances up to `limit2` can be divided into bins.
   static bool can_bin(double limit2) { return limit2 > 1e-280 && limit2 < 1e280; }
 
-  /// Finds the points within sqrt(limit2) of p, except number `self`, and returns their number. At least the first
-  /// `wanted` of them are then in order.
+  /// Finds the points within sqrt(limit2) of p, except number `self`, and returns their number. Sorts at least the
+  /// first `wanted` of the found points.
   std::size_t find(Vec3 p, std::size_t self, std::size_t wanted) {
     const std::size_t count = keep(p, self);
     sorted_ = BinSort(low_bits_, points_.spare_key.data())

@@ -20,8 +20,8 @@ namespace pointsweep {
 inline constexpr std::uint32_t kLeafCapacity = 16;
 
 /// The points of a cell as a structure of arrays, in one allocation. Leaf l holds the points [16 l, min(16 l + 16,
-/// size)). Its box is kept in single precision relative to `origin`, rounded outward, so that distances to it are never
-/// overestimated.
+/// size)). Boxes of leaves are in single precision relative to `origin`, rounded outward, so that distances to them are
+/// never overestimated.
 class Cell {
  public:
   Cell() = default;
@@ -40,7 +40,7 @@ class Cell {
 
   Box box;
   Vec3 origin;
-  /// Value of a lowest row for points that are not all at one place.
+  /// Value of `lowest_row` and `leaf_lowest_row` for points that are not all at one place.
   static constexpr std::uint64_t kSeveralPlaces = ~std::uint64_t{0};
   /// Lowest row of the points if all of them are at one place; kSeveralPlaces otherwise.
   std::uint64_t lowest_row = kSeveralPlaces;
@@ -51,7 +51,8 @@ class Cell {
   /// Sides of the leaf boxes: lo x, y, z, hi x, y, z. Each array is padded to a multiple of 16 with boxes infinitely
   /// far away.
   float* leaf_box[6] = {};
-  std::uint64_t* leaf_lowest_row = nullptr;  ///< least row of each leaf
+  /// For each leaf, the lowest row of its points if all of them are at one place; kSeveralPlaces otherwise.
+  std::uint64_t* leaf_lowest_row = nullptr;
 
  private:
   Box bounds_of_leaf(std::uint32_t leaf) const;
@@ -73,7 +74,7 @@ inline float round_down(double v) {
 /// Returns a float that is not below v, and at most two steps above it.
 inline float round_up(double v) { return -round_down(-v); }
 
-/// Indices of points in a cell, ascending: a run of points, or chosen ones in an array of the caller.
+/// Indices of points in a cell, ascending: a run of points, or chosen points in an array that the caller owns.
 class CellSubset {
  public:
   CellSubset(const Cell& cell) : CellSubset(0, cell.size()) {}  ///< all points of the cell

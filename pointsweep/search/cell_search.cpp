@@ -177,7 +177,8 @@ class CellSearch {
     collect_near_leaves(query_.directory, scratch_.near.cells, query_box_, reach2, kAll, untried, scratch_.leaves);
   }
 
-  /// Tries the collected leaves until no other leaf can matter. Returns false if there are too many.
+  /// Tries the collected leaves until no further leaf can hold a neighbour. Returns false if more leaves are needed
+  /// than can be packed.
   bool try_leaves() {
     float limit = not_near(unscaled(farthest_reach2()));
     for (const std::uint64_t key : scratch_.leaves) {
@@ -201,8 +202,8 @@ class CellSearch {
     return true;
   }
 
-  /// Packs the points of a leaf. Of a leaf much wider than the leaf of the queries, keeps only the points that a query
-  /// may need.
+  /// Packs the points of a leaf. If the leaf is much wider than the leaf of the queries, keeps only the points that a
+  /// query may need.
   void take_within_reach(const Cell& cell, std::uint32_t slot, std::uint32_t leaf, float farthest) {
     const float others = packed_.farthest;
     pack(frame_, cell, slot, leaf, farthest, packed_);
@@ -211,8 +212,8 @@ class CellSearch {
   }
 
   /// Writes the lists. If two keys are too close to decide their order, the neighbours found are sorted by exact
-  /// distances. If they are too close to decide which points belong to the list, at the kth neighbour or the radius,
-  /// the point is searched in double.
+  /// distances. If two keys are too close to decide which points belong to the list, at the kth neighbour or the
+  /// radius, the point is searched in double.
   void settle(const Group<K>& group, std::uint32_t first, std::uint32_t queries) {
     const Vec empty = hn::Set(d_, kEmptyKey), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
@@ -282,8 +283,8 @@ class CellSearch {
     near <= kFew ? settle_few(point, near) : settle_many(point, near);
   }
 
-  /// Notes in near_ all candidates whose key may be as small as the key of the last wanted candidate, and returns their
-  /// number.
+  /// Writes to near_ the numbers of all candidates whose key may be as small as the key of the last wanted candidate,
+  /// and returns how many there are.
   std::size_t find_near(const Group<K>& group, std::uint32_t lane, float reach) {
     const float limit = reach * (1 + 2 * kRelativeMargin) + packed_.farthest * packed_.farthest * 2 * kAbsoluteMargin;
     const auto all = [&](Vec v) HWY_ATTR { return hn::Set(d_, lane_of(v, lane)); };
@@ -350,7 +351,7 @@ class CellSearch {
   const Neighborhood what_;
   SearchScratch& scratch_;
   CellNeighbors& out_;
-  std::uint32_t wanted_ = ~0u;  ///< one bit for each wanted point of the current leaf; lists of others may be wrong
+  std::uint32_t wanted_ = ~0u;  ///< one bit for each wanted point of the current leaf; other lists may be wrong
   double leaf_extent_ = 1;
   bool limited_ = false;
   float radius2_ = 0;
@@ -358,7 +359,7 @@ class CellSearch {
   Frame frame_{};
   Packed packed_;
   Group<K> groups_[kGroups];
-  Vec limits_[kGroups];          ///< for each query: the squared distance in the frame beyond which it needs no point
+  Vec limits_[kGroups];  ///< for each query: the squared distance in the frame beyond which the query needs no point
   float group_reach2_[kGroups];  ///< for each group: the largest squared reach of its queries
   std::uint32_t group_count_ = 0;
   HWY_ALIGN float keys_[K + 1][kLeafCapacity];

@@ -19,7 +19,7 @@ namespace pointsweep {
 
 /// Neighbour lists of the points of one cell, in the order of its points.
 struct CellNeighbors {
-  std::vector<std::uint32_t> begin;  ///< size + 1; list of point i is refs[begin[i] .. begin[i+1]), nearest first
+  std::vector<std::uint32_t> begin;  ///< size() + 1 entries; list i is refs[begin[i] .. begin[i+1]), nearest first
   std::vector<NeighborRef> refs;
   /// For each point: an upper bound of the squared radius of the ball in which every point must be known for the list
   /// to be exact. The ball extends to the kth neighbour or has the radius of the query; the bound is infinite if fewer
@@ -31,7 +31,7 @@ struct CellNeighbors {
   std::uint64_t list_bytes() const { return refs.size() * sizeof(NeighborRef) + begin.size() * sizeof(std::uint32_t); }
 };
 
-/// Points copied together with their names, and buffers for a search among them.
+/// Points copied to one place with their references, and buffers for a search among them.
 struct GatheredPoints {
   std::vector<double> x, y, z;
   std::vector<NeighborRef> ref;
@@ -57,7 +57,7 @@ struct GatheredPoints {
 };
 
 /// A search for at most kMostInLanes neighbours handles the points of a leaf in vector lanes. A search for more
-/// neighbours, or for all within a radius, gathers the points around a leaf, at most kMostGathered of them.
+/// neighbours, or for all points within a radius, gathers the points around a leaf, at most kMostGathered of them.
 inline constexpr std::size_t kMostInLanes = 64;
 inline constexpr std::size_t kMostGathered = 1 << 15;
 /// Bytes of memory for each gathered point in GatheredPoints, including the unused places of leaves that are not full.
@@ -92,13 +92,12 @@ struct SearchScratch {
   std::uint64_t settled_in_double = 0;  ///< points that single precision could not decide
 };
 
-/// Finds the neighbourhoods of the first of `points`, until `most` neighbours are found (lists are complete) or there
-/// are no more points. Returns the number of points; `out` holds exactly their lists. Thread-safe with one scratch per
-/// thread.
+/// Finds the neighbourhoods of the first of `points`, until `most` neighbours are found or all points are searched.
+/// Returns the number of searched points; `out` holds exactly the lists of these points, each complete. Thread-safe
+/// with one scratch per thread.
 ///
-/// If k is at most 64, all points are searched; a leaf is searched as a whole if `points` has any of its points, at the
-/// cost of all 16. Memory in addition to `out`: 8 bytes for each point within the radius of one point, or 100 bytes for
-/// each of k.
+/// If k is at most 64, all points are searched; a leaf of which `points` has any point is searched at the cost of all
+/// 16 points. Memory in addition to `out`: 8 bytes for each point within the radius of one point, or k times 100 bytes.
 std::uint32_t search(const CellQuery& query, const CellSubset& points, std::uint64_t most, SearchScratch& scratch,
                      CellNeighbors& out);
 
@@ -107,8 +106,9 @@ inline constexpr std::uint64_t kAllLists = ~std::uint64_t{0};
 
 /// The function search() for any k > 0 and any radius, for many neighbours: the points around a leaf are gathered once,
 /// then every point of the leaf scans them, a candidate per vector lane, all in double precision. Appends to `out`. If
-/// more than 32,768 points lie around a leaf, they are not gathered: each point of the leaf scans their cells, or, with
-/// a limit k, is searched plainly. 15 to 30 ns per neighbour on one core with AVX-512, about half of it for sorting.
+/// more than 32,768 points lie around a leaf, they are not gathered: each point of the leaf scans the cells around it,
+/// or, with a limit k, is searched by search_plainly(). 15 to 30 ns per neighbour on one core with AVX-512, about half
+/// of it for sorting.
 std::uint32_t search_gathered(const CellQuery& query, const CellSubset& points, std::uint64_t most,
                               SearchScratch& scratch, CellNeighbors& out);
 

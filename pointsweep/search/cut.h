@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Cutting a slab top-down into cells, and cells into leaves, across the longest side of each piece.
+/// Functions that cut a slab top-down into cells, and cells into leaves, across the longest side of each piece.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace pointsweep {
 /// boxes are made from doubles later.
 struct alignas(16) CutPoint {
   std::array<float, 3> c;
-  std::uint32_t index;  ///< number of the point, for the caller
+  std::uint32_t index;  ///< number by which the caller knows the point
 };
 
 /// Reorders fewer than 2^32 points into cells of at most `cell_points` (a multiple of 16, at most kCellCapacity): cell
@@ -29,7 +29,7 @@ void cut(std::span<CutPoint> points, std::uint32_t cell_points,
          const std::function<std::uint64_t(std::uint32_t index)>& row_of, std::vector<std::uint32_t>& begin);
 
 /// Reorders at most kCellCapacity points so that consecutive runs of 16 are compact, by recursive halving across the
-/// longest side, at a multiple of 16. Coincident points are ordered by `row_of(index)`. The same order on every
+/// longest side, at a multiple of 16. Coincident points are ordered by `row_of(index)`. The order is equal on every
 /// instruction set. About 30 ns per point.
 void cut_into_leaves(std::span<CutPoint> points, const std::function<std::uint64_t(std::uint32_t index)>& row_of);
 

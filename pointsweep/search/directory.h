@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The cells that a search may visit, with a look-up of those near a box.
+/// The cells that a search may visit, with a look-up of the cells near a box.
 #pragma once
 
 #include <cstdint>

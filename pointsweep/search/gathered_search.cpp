@@ -28,14 +28,14 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep {
 namespace HWY_NAMESPACE {
 
-/// The search for the points of one cell. A bound of each reach is known beforehand from the point q that was settled
-/// last: the neighbourhood of a point p ends within the reach of q plus |p - q|.
+/// The search for the points of one cell. Before a point is searched, a bound of its reach follows from the point q
+/// that was searched last: the neighbourhood of a point p ends within the reach of q plus |p - q|.
 class GatheredSearch {
  public:
   GatheredSearch(const CellQuery& query, std::uint64_t most, SearchScratch& scratch, CellNeighbors& out)
       : query_(query), cell_(query.cell()), what_(query.what), scratch_(scratch), out_(out), most_(most) {}
 
-  /// Searches the first of `points`, and returns how many it has searched.
+  /// Searches the first of `points`, and returns how many points were searched.
   std::uint32_t run(const CellSubset& points) {
     scratch_.near.find(query_, 0);
     if (!unlimited()) settle_first(points[0]);
@@ -83,8 +83,8 @@ class GatheredSearch {
     }
   }
 
-  /// Searches for points [i, end) of whole leaves that all coincide. They have the same neighbours, and are neighbours
-  /// of each other.
+  /// Searches points [i, end), which are in leaves whose points all coincide. Coincident points share their neighbours,
+  /// and are neighbours of each other. Returns the end of the points that were searched.
   std::uint32_t search_same(std::uint32_t i, std::uint32_t end) {
     if (!unlimited()) {
       const std::uint64_t points = std::max<std::uint64_t>((most_ - out_.refs.size()) / what_.k, 1);
@@ -106,7 +106,7 @@ class GatheredSearch {
     return i;
   }
 
-  /// Searches point `i` plainly. Its reach bounds the reach of the next point, and so on.
+  /// Searches point `i` plainly. Its reach bounds the reach of the point that is searched next, and so on.
   void settle_first(std::uint32_t i) {
     search_point_plainly(query_, i, scratch_);
     const std::vector<Candidate>& found = scratch_.best.finish();
@@ -127,7 +127,7 @@ class GatheredSearch {
   }
 
   /// Copies all points that the points of a leaf may need into one place, leaf after leaf by distance. Returns false if
-  /// there are too many.
+  /// there are more than kMostGathered points.
   bool gather(std::uint32_t leaf) {
     const Box around = box_of(leaf);
     const Vec3 a = around.lo - settled_at_, b = around.hi - settled_at_;
@@ -142,7 +142,8 @@ class GatheredSearch {
 
   /// Finds the leaves within sqrt(reach2) of a box in the cell, nearest first; unordered if there are more than `most`.
   void find_leaves(const Box& around, double reach2, std::size_t most) {
-    // Without a limit k, no later reach is larger than the radius; with one, twice the reach saves later look-ups.
+    // Without a limit k, no later reach exceeds the radius. With a limit k, a look-up within twice the reach saves
+    // later look-ups.
     if (!(reach2 <= scratch_.near.reach2))
       scratch_.near.find(query_, unlimited() ? reach2 : 4 * reach2);
     const auto all = [](std::uint32_t, std::uint32_t) { return true; };
@@ -190,7 +191,7 @@ class GatheredSearch {
     for (const std::uint64_t key : keys) out_.refs.push_back(static_cast<NeighborRef>(key));
   }
 
-  /// Makes room for `more` entries: twice what is needed, or up to the limit of the lists.
+  /// Reserves room for `more` entries: twice the needed capacity, but at most `most_` unless more is needed.
   void make_room(std::size_t more) {
     const std::size_t needed = out_.refs.size() + more;
     if (needed <= out_.refs.capacity()) return;
@@ -233,7 +234,7 @@ class GatheredSearch {
     finish_point(i, count >= what_.k ? distance2(position(out_.refs.back()), p) : what_.radius2());
   }
 
-  /// Adds the list of a point whose candidates are the first `candidates` gathered points. Returns how many of the
+  /// Appends the list of a point whose candidates are the first `candidates` gathered points. Returns how many of the
   /// candidates are within sqrt(limit2).
   std::size_t append_by_distances(std::uint32_t i, Vec3 p, double limit2, std::size_t candidates) {
     const std::size_t count = keep_within(limit2, p, make_ref(query_.slot, i), candidates);
@@ -246,7 +247,7 @@ class GatheredSearch {
     return count;
   }
 
-  /// Adds the list like append_by_distances(). If too many points share a bin, adds nothing and clears by_bins_.
+  /// Appends the list like append_by_distances(). If too many points share a bin, appends nothing and clears by_bins_.
   std::size_t append_by_bins(std::uint32_t i, Vec3 p, double limit2, std::size_t candidates) {
     BinSearch bins(scratch_.gathered, candidates, limit2);
     const std::size_t count = bins.find(p, own_begin_ + i % kLeafCapacity, what_.k);
@@ -275,8 +276,8 @@ class GatheredSearch {
     return beyond == leaves.begin() ? 0 : scratch_.gathered.end[static_cast<std::size_t>(beyond - leaves.begin()) - 1];
   }
 
-  /// Writes the keys of the candidates within sqrt(limit2) of p, all but itself: the upper half of their squared
-  /// distance, below it their name.
+  /// Writes the keys of the candidates within sqrt(limit2) of p, except `self`. A key holds the upper half of the bits
+  /// of the squared distance, and below them the NeighborRef. Returns the number of keys.
   std::size_t keep_within(double limit2, Vec3 p, NeighborRef self, std::size_t size) {
     const hn::ScalableTag<double> d;
     const hn::RebindToUnsigned<decltype(d)> du;
@@ -300,8 +301,8 @@ class GatheredSearch {
     return count;
   }
 
-  /// Puts candidates whose distances begin with the same bits into exact order, unless they are beyond the end of the
-  /// list.
+  /// Puts candidates whose distances begin with the same bits into exact order, unless these candidates are beyond the
+  /// end of the list.
   void settle_ties(Vec3 p, std::size_t count, std::size_t size) {
     std::uint64_t* keys = scratch_.gathered.key.data();
     for (std::size_t begin = 0; begin + 1 < count && begin < size; ++begin) {
@@ -323,7 +324,7 @@ class GatheredSearch {
     for (std::size_t i = 0; i < wanted; ++i) keys[i] = run[i].ref;
   }
 
-  /// Sorts a long run in place, so that the many points at one distance that copies of a point or a grid have take no
+  /// Sorts a long run in place, so that many points at one distance, as in a grid or among copies of a point, take no
   /// additional memory.
   void order_long_run(Vec3 p, std::uint64_t* keys, std::size_t size, std::size_t wanted) const {
     const auto candidate = [&](std::uint64_t key) {

@@ -76,8 +76,8 @@ class LeafCut {
     return sides[x >= y && x >= z ? 0 : y >= z ? 1 : 2];
   }
 
-  /// Makes different keys in the order of the coordinates: a coordinate as a whole number, then the place in the range.
-  /// Returns a number above all keys.
+  /// Fills keys_ with distinct keys in the order of the coordinates: the leading bits hold a coordinate as a whole
+  /// number, the others the place in the range. Returns a number above all keys.
   std::int32_t make_keys(const Side& side, std::size_t first, std::size_t n) {
     const Floats d;
     const Keys di;
@@ -150,7 +150,7 @@ class LeafCut {
 
   static constexpr int kCoordinateBits = 20;  ///< bits of a coordinate in a key of 31 bits; 11 bits hold the place
   static constexpr std::int32_t kBeyondKeys = 0x7FFFFFFF;
-  /// Least extent of a range that is divided: a smaller one would overflow the scale of the keys.
+  /// Least extent of a range that is divided: a smaller extent would overflow the scale of the keys.
   static constexpr float kLeastExtent = 1e-30f;
 
   const std::span<CutPoint> points_;

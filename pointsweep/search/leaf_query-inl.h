@@ -32,10 +32,10 @@ inline constexpr std::uint32_t kCandidates = 1u << kCandidateBits;
 inline constexpr float kEmptyKey = 1e30f;      ///< key of an empty entry
 inline constexpr float kPadding = 1e16f;       ///< coordinate of padding: its key is above kEmptyKey
 inline constexpr float kFarthest = 1e14f;      ///< coordinates are clamped here: their keys stay below kEmptyKey
-inline constexpr float kSmallest = 0x1p-100f;  ///< added to every key, keeps it normal
+inline constexpr float kSmallest = 0x1p-100f;  ///< added to every squared distance, so that keys are normal numbers
 
-/// Bounds of the difference between keys and squared distances in double, if all coordinates are at most m from the
-/// centre:
+/// Bounds of the difference between a key and the squared distance d² in double, if all coordinates are at most m from
+/// the centre:
 ///   |key - d²| <= 2^-12.4 d² + 2^-30 m²
 /// from rounding to single precision (2^-24 m per coordinate; the mixed term 2d·e is at most 2^-14 d² + 2^14 e²) and
 /// from the 10 bits taken by the candidate's number (2^-13). Twice that, rounded up, separates two keys with certainty.
@@ -48,7 +48,7 @@ HWY_INLINE void exchange(Vec& lower, Vec& upper) {
   lower = least;
 }
 
-/// Batcher's odd-even merge sort of sixteen.
+/// The comparisons of Batcher's odd-even merge sort of sixteen keys.
 struct Comparators {
   static constexpr std::size_t kCount = 63;
   std::uint8_t lower[kCount] = {}, upper[kCount] = {};
@@ -222,8 +222,8 @@ struct Group {
     const hn::RebindToUnsigned<Lanes> du;
     const std::size_t first = (packed.leaves - 1) * kLeafCapacity;
     const Vec limit = hn::Min(selection.list[K], radius_key);
-    // First computes all keys and finds the candidates that any query needs, then inserts these: one branch to
-    // mispredict instead of sixteen.
+    // First computes all keys and finds the candidates that any query needs, then inserts these candidates: one branch
+    // to mispredict instead of sixteen.
     HWY_ALIGN float keys[kLeafCapacity * hn::MaxLanes(Lanes())];
     std::uint32_t wanted = 0;
     for (std::size_t j = 0; j < kLeafCapacity; ++j) {
@@ -250,8 +250,8 @@ struct Group {
     selection = best;
   }
 
-  /// Searches the last packed leaf if it is the leaf of the queries, the first of which is at `first_query`. A point is
-  /// not its own neighbour.
+  /// Tries the candidates of the last packed leaf, which is the leaf of the queries; the first query is point
+  /// `first_query` of the leaf. A point is not its own neighbour.
   HWY_INLINE void try_own_leaf(Lanes d, const Packed& packed, std::size_t first_query) {
     const hn::RebindToUnsigned<Lanes> du;
     const auto lane = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<std::uint32_t>(first_query)));
@@ -297,7 +297,8 @@ HWY_INLINE std::uint32_t bits_of(Lanes d, hn::Mask<Lanes> mask) {
   return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
 }
 
-/// Notes the numbers of the packed candidates within `reach2` (squared) of a place, and returns how many.
+/// Writes to `numbers` the numbers of the packed candidates within sqrt(reach2) of a place, and returns how many there
+/// are.
 HWY_INLINE std::size_t packed_within(Lanes d, const Packed& packed, Vec x, Vec y, Vec z, float reach2,
                                      std::uint16_t* numbers) {
   const Vec limit = hn::Set(d, reach2);

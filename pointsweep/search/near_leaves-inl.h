@@ -25,8 +25,8 @@ namespace pointsweep {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A leaf and its squared distance in one number, so that sorting them sorts by distance:
-/// distance (bits of a float) | place of the cell in a list | leaf.
+/// A leaf and its squared distance in one number, so that sorting the numbers sorts leaves by distance: distance (bits
+/// of a float) | place of the cell in a list | leaf.
 struct NearLeaf {
   static std::uint64_t key(float distance2, std::size_t place, std::uint32_t leaf) {
     std::uint32_t bits;
@@ -44,8 +44,8 @@ struct NearLeaf {
 };
 static_assert(kCellCapacity / kLeafCapacity <= 256);
 
-/// The smallest squared distance in single precision that is surely not near when `reach2` is the reach: covers the
-/// rounding of the distances, also where they are denormal.
+/// Returns the smallest squared distance in single precision that surely exceeds `reach2`. A margin covers the rounding
+/// of the distances, even of denormal ones.
 inline float not_near(double reach2) { return static_cast<float>(reach2 * (1 + 1e-6)) + 0x1p-140f; }
 
 /// Calls found(distance2, leaf) for the leaves of `cell` within sqrt(reach2) of `box`; distance2 is in single
@@ -85,7 +85,7 @@ HWY_INLINE void find_near_leaves(const Cell& cell, const Box& box, double reach2
 
 /// Collects the near leaves of all cells in `near` (in the order of CellDirectory::find) for which wanted(slot, leaf)
 /// is true: writes their keys to `leaves`, nearest first. Ends early, with keys in no order, once there are more than
-/// `most`.
+/// `most` keys.
 template <class Wanted>
 HWY_INLINE void collect_near_leaves(const CellDirectory& directory, const std::vector<CellDirectory::Near>& near,
                                     const Box& box, double reach2, std::size_t most, Wanted wanted,

@@ -42,7 +42,7 @@ void search_leaf(const Cell& cell, std::uint32_t slot, std::uint32_t leaf, Vec3 
 constexpr double kSafety = 1 - 1e-12;
 
 /// Returns whether points with this lowest row may belong to the list. Points at several places always may. Points that
-/// are all at the place of point `first` are skipped once the list holds k points in front of the one with the lowest
+/// are all at the place of point `first` are skipped once the list holds k points nearer than the point with the lowest
 /// row, so that a million copies of one point cost little.
 bool wants_place(const Cell& cell, std::uint32_t first, std::uint64_t lowest_row, Vec3 p, const BestList& best) {
   if (lowest_row == Cell::kSeveralPlaces) return true;

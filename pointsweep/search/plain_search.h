@@ -15,8 +15,8 @@ namespace pointsweep {
 /// finish(). scratch.near holds cells near the cell of the query, and grows as needed.
 void search_point_plainly(const CellQuery& query, std::uint32_t i, SearchScratch& scratch);
 
-/// Searches the neighbourhood of a place in the cell, without the point with row `self_row`, and leaves it in
-/// scratch.best.
+/// Searches the neighbourhood of a place in the cell, without the point with row `self_row`, and leaves the
+/// neighbourhood in scratch.best.
 void search_place_plainly(const CellQuery& query, Vec3 place, std::uint64_t self_row, SearchScratch& scratch);
 
 /// Appends the neighbourhood in scratch.best to `out`, and the squared distance at which it ends.
@@ -41,8 +41,9 @@ void order_runs(const CellDirectory& directory, Vec3 p, std::uint64_t close_to_n
 /// differ.
 std::uint32_t end_of_copies(const Cell& cell, std::uint32_t leaf);
 
-/// Appends the neighbourhoods of points [first, end), which coincide, to `out`. One search is enough: the points have
-/// the same k + 1 nearest points, and each leaves out itself. scratch.near is used as in search_point_plainly().
+/// Appends the neighbourhoods of points [first, end), which coincide, to `out`. One search is enough: coincident points
+/// share their k + 1 nearest points, and each point leaves out itself. scratch.near is used as in
+/// search_point_plainly().
 void search_copies(const CellQuery& query, std::uint32_t first, std::uint32_t end, SearchScratch& scratch,
                    CellNeighbors& out);
 
