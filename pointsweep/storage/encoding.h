@@ -82,8 +82,8 @@ class Encoder {
   std::vector<std::byte> bytes_;
 };
 
-/// Returns fields in the order in which an Encoder has appended them. Throws Error where the bytes hold a value of
-/// another kind or version, or end too early.
+/// Returns fields in the order in which an Encoder has appended them. Throws Error if the bytes hold a value of another
+/// kind or version, or end too early.
 class Decoder {
  public:
   /// Reads the values in `bytes`, which it borrows.
@@ -111,7 +111,7 @@ class Decoder {
   void get_bytes(std::span<std::byte> to);
   Vec3 get_point() { return {get<double>(), get<double>(), get<double>()}; }  // braces evaluate from left to right
   Box get_box() { return {get_point(), get_point()}; }
-  /// Returns a list, of which get_element() reads one element after another. An element takes at least one byte.
+  /// Returns a list. get_element() reads and returns one element, which takes at least one byte.
   template <class T, class GetElement>
   std::vector<T> get_list(GetElement get_element) {
     std::vector<T> elements;

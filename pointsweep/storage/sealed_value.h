@@ -13,8 +13,8 @@
 
 namespace pointsweep {
 
-/// Returns the value whose bytes seal_bytes() has stored. Throws Error, which calls the object damaged, if it is
-/// incomplete or its checksum is wrong.
+/// Returns the value whose bytes seal_bytes() has stored. Throws Error, which calls the object damaged, if the object
+/// is incomplete or its checksum is wrong.
 template <class T>
 T sealed_value(const Storage& storage, const std::string& key) {
   const std::optional<std::vector<std::byte>> bytes = sealed_bytes(storage, key);

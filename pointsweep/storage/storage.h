@@ -18,11 +18,11 @@ class Source {
   virtual ~Source() = default;
   virtual std::string name() const = 0;  ///< name for messages
   virtual std::uint64_t size() const = 0;
-  /// Fills `bytes` from `offset` on. Throws Error if the source ends before.
+  /// Fills `bytes` from `offset` on. Throws Error if the source has fewer bytes.
   virtual void read_at(std::uint64_t offset, std::span<std::byte> bytes) const = 0;
 };
 
-/// An object that is being written. Without seal(), nothing of it remains.
+/// An object that is being written. Without seal(), nothing of the object remains.
 class Unsealed {
  public:
   virtual ~Unsealed() = default;
@@ -48,12 +48,13 @@ class Storage {
   virtual void remove(const std::string& key) = 0;
 };
 
-/// Returns a checksum: FNV-1a over little-endian words of eight bytes, with the last word filled up with zeros. Every
-/// fourth word goes into the same one of four sums, which are joined at the end.
+/// Returns a checksum: a variant of FNV-1a over little-endian words of eight bytes, with the last word filled up with
+/// zeros. Four sums take the words in turn. The number of bytes, the four sums and the words after the last four are
+/// then joined into one sum.
 std::uint64_t checksum_of(std::span<const std::byte> bytes);
 /// Stores and seals an object that holds the number of `bytes`, a checksum, and the bytes.
 void seal_bytes(Storage& storage, const std::string& key, std::span<const std::byte> bytes);
-/// Returns the bytes of an object that was written with its checksum; nothing if it is damaged.
+/// Returns the bytes of an object that seal_bytes() has stored; nothing if the object is damaged.
 std::optional<std::vector<std::byte>> sealed_bytes(const Storage& storage, const std::string& key);
 
 }  // namespace pointsweep

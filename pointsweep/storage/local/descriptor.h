@@ -13,7 +13,7 @@ namespace pointsweep {
 /// A file or folder that the destructor closes.
 class FileDescriptor {
  public:
-  /// Takes an open file of the system; -1 for none.
+  /// Takes ownership of an open file of the system; -1 for no file.
   explicit FileDescriptor(int number = -1) : number_(number) {}
   ~FileDescriptor() { close(); }
   FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
@@ -24,8 +24,8 @@ class FileDescriptor {
 
   int number() const { return number_; }
   explicit operator bool() const { return number_ >= 0; }
-  /// Closes the file. Returns 0 or an errno: network file systems and quotas report here bytes that they could not
-  /// store.
+  /// Closes the file. Returns 0 or an errno: network file systems and quotas may report only now that bytes could not
+  /// be stored.
   int close();
 
   /// Writes all bytes from `offset` on. Returns 0, or the errno of the system, ENOSPC if it accepts no more bytes.
@@ -33,7 +33,7 @@ class FileDescriptor {
   int write_at(std::uint64_t offset, std::span<const std::byte> bytes) const;
   struct Got {
     std::size_t bytes;  ///< number of bytes read; fewer than requested at the end of the file or if `error` is set
-    int error;          ///< 0 or the errno of a failure
+    int error;          ///< 0, or the errno of a failure
   };
   /// Reads bytes from `offset` on. Thread-safe.
   Got read_at(std::uint64_t offset, std::span<std::byte> bytes) const;

@@ -16,11 +16,11 @@ namespace pointsweep {
 /// ETag of its object, or the size and the time.
 class FileState {
  public:
-  /// Reads the state of the file. Input that is no file (an array, standard input) has no known state and never
-  /// changes. Throws Error for a URL that cannot be opened.
+  /// Reads the state of the file. Input that is no file (an array, standard input) has no known state and counts as
+  /// unchanged. Throws Error for a URL that cannot be opened.
   explicit FileState(const std::filesystem::path& path);
-  /// Returns whether the file has changed, by the clock of the file system. Writes within its tick (some milliseconds)
-  /// of the first look may be missed.
+  /// Returns whether the file has changed, by the clock of the file system. A write within one tick of that clock (some
+  /// milliseconds) after the state was read may be missed.
   bool has_changed() const;
   bool is_known() const { return known_; }
   /// Returns a text like "2400312 bytes, written at 1763705104.123456789"; for a URL like "2400312 bytes, ETag
@@ -31,7 +31,7 @@ class FileState {
   std::string path_;  ///< path as a string, which takes a fourth of the memory of a std::filesystem::path
   bool known_ = false;
   std::uint64_t device_ = 0, inode_ = 0, size_ = 0;
-  std::int64_t seconds_ = 0, nanoseconds_ = 0;  ///< time of the last change of its content
+  std::int64_t seconds_ = 0, nanoseconds_ = 0;  ///< time of the last change of the file's content
   /// Object of a URL, kept open so that readers need not open it again; null for a file.
   std::shared_ptr<const RemoteObject> object_;
 };

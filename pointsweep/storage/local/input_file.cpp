@@ -74,7 +74,7 @@ class InputFile::Lease {
   const InputFile& file_;
 };
 
-/// Closes files until one more may be opened. The caller holds the lock of the open files.
+/// Closes files that no thread reads, until one more file may be opened. The caller holds the lock of the open files.
 void InputFile::close_idle_files() {
   static const std::size_t most = most_open_files();
   OpenFiles& files = open_files().files;

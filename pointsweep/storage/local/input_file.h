@@ -17,11 +17,12 @@
 namespace pointsweep {
 
 /// A file or object for reading. Every failure is an Error that names the file and the remedy. Opening a file reads
-/// nothing, and no content is kept in memory; for a URL see RemoteObject. Any number may exist: if more than 256 files,
-/// or a quarter of the system's limit, were open, the least recently read are closed, and reopened when they are read.
+/// nothing, and no content is kept in memory; for a URL see RemoteObject. Any number of objects may exist: if more than
+/// 256 files, or a quarter of the system's limit, were open, the least recently read files are closed, and reopened
+/// when they are read.
 class InputFile final : public Source {
  public:
-  /// Throws when the file is missing, a folder, no regular file, or may not be read.
+  /// Throws if the file is missing, a folder, no regular file, or may not be read.
   explicit InputFile(const std::filesystem::path& path);
   ~InputFile() override;
   InputFile(const InputFile&) = delete;
@@ -31,7 +32,7 @@ class InputFile final : public Source {
   std::string name() const override { return path_; }
   std::uint64_t size() const override { return size_; }  ///< returns the size that the file had when it was opened
 
-  /// Fills `bytes` from `offset` on. Thread-safe. Throws when the file has become shorter.
+  /// Fills `bytes` from `offset` on. Thread-safe. Throws if the file has become shorter.
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const override;
   /// Reads up to bytes.size() bytes, fewer at the end of the file, and returns their number.
   std::size_t read_some(std::uint64_t offset, std::span<std::byte> bytes) const;
@@ -51,7 +52,7 @@ class InputFile final : public Source {
   // The lock of all open files guards the members below.
   mutable FileDescriptor file_;        ///< holds no file while close_idle_files() has closed it
   mutable unsigned leases_ = 0;        ///< number of running reads, during which the file stays open
-  mutable OpenFiles::iterator place_;  ///< place of this file in the list of open files, while it is open
+  mutable OpenFiles::iterator place_;  ///< place of this file in the list of open files, while the file is open
 };
 
 }  // namespace pointsweep

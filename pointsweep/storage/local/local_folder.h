@@ -12,28 +12,29 @@
 
 namespace pointsweep {
 
-/// A folder whose sealed objects are safely on the disk: even after a power failure each is complete. No other process
-/// can use the folder during the lifetime of this object.
+/// A folder whose sealed objects are safely on the disk: each object is complete even after a power failure. No other
+/// process can use the folder during the lifetime of this object.
 class LocalFolder final : public Storage {
  public:
-  /// Makes the folder if it is missing. Throws Error if that is not possible, or another process uses the folder.
+  /// Makes the folder if it is missing. Throws Error if the folder cannot be made, or if another process uses it.
   /// Sentences of errors call an object `object` ("a checkpoint") and name the `option` that chose the folder.
   LocalFolder(const std::filesystem::path& path, const std::string& object, const std::string& option);
 
   const std::filesystem::path& path() const { return path_; }
   std::unique_ptr<Source> open(const std::string& key) const override;
   std::unique_ptr<Unsealed> create(const std::string& key) override;
-  /// Returns the names of all files except those of unsealed objects; none if the folder does not exist.
+  /// Returns the names of all files except files of unsealed objects; empty if the folder does not exist.
   std::vector<std::string> list() const override;
-  /// Removes the file, and the file that a killed process may have left of an unsealed object of this key.
+  /// Removes the file of the object, and the file that a killed process may have left of an unsealed object with this
+  /// key.
   void remove(const std::string& key) override;
   /// Writes the content of a file that was changed in place through to the disk.
   void flush(const std::string& key) const;
-  /// Writes the names of the files through to the disk. On file systems that cannot flush a folder it has no effect.
+  /// Writes the names of the files through to the disk. Has no effect on file systems that cannot flush a folder.
   void flush() const;
-  /// Throws the Error for a failed write with this errno.
+  /// Throws the Error for a write that failed with the errno `error`.
   [[noreturn]] void fail_to_write(int error) const;
-  /// Removes the folder itself, unless it holds anything.
+  /// Removes the folder if it is empty.
   void remove_folder();
 
  private:

@@ -28,8 +28,8 @@ namespace fs = std::filesystem;
 std::atomic<bool> any_complete = false, any_streamed = false, reader_ended = false;
 std::atomic<int> incomplete_files = 0;  ///< number of incomplete outputs, without standard output
 
-/// Throws Error for an impossible output to a URL. Looks for the object even if it may be replaced, so that a wrong
-/// bucket is found before the work. A user who may only write cannot see whether the object exists.
+/// Throws Error if no output to the URL is possible. With `overwrite`, does not ask the server whether the object
+/// exists, because a user who may only write cannot see the object.
 void check_url(const fs::path& destination, bool overwrite) {
   const std::string& url = destination.native();
   require_writable_url(url);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A file, or an object in the network, that appears complete or not at all.
+/// An output: a file, or an object in the network, that appears complete or not at all.
 #pragma once
 
 #include <cstddef>

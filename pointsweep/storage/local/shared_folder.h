@@ -22,7 +22,7 @@ class SharedFolder final : public Storage {
 
   std::unique_ptr<Source> open(const std::string& key) const override;
   std::unique_ptr<Unsealed> create(const std::string& key) override;
-  /// Returns the names of all files except those of unsealed objects.
+  /// Returns the names of all files except files of unsealed objects.
   std::vector<std::string> list() const override;
   void remove(const std::string& key) override;
 
@@ -37,7 +37,7 @@ class RemoteFolder final : public Storage {
   explicit RemoteFolder(std::string url) : url_(std::move(url)) {}
 
   std::unique_ptr<Source> open(const std::string& key) const override;
-  /// The object waits in the system's folder for temporary files until it is sealed.
+  /// Begins an object, whose bytes are in the system's folder for temporary files until it is sealed.
   std::unique_ptr<Unsealed> create(const std::string& key) override;
   std::vector<std::string> list() const override;
   void remove(const std::string& key) override;

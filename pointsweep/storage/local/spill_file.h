@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// One temporary file in which many threads write and read at reserved places.
+/// Spilled data: one temporary file in which many threads write and read at reserved places.
 #pragma once
 
 #include <atomic>
@@ -37,17 +37,17 @@ class SpillFile {
  public:
   /// Creates a new file; replaces a kept file of the same name.
   explicit SpillFile(const SpillPlace& place);
-  /// Opens a kept file whose first `bytes` bytes are in use. Throws Error if the file has fewer.
+  /// Opens a kept file whose first `bytes` bytes are in use. Throws Error if the file is shorter.
   SpillFile(const SpillPlace& place, std::uint64_t bytes);
 
   /// Reserves `bytes` bytes of the file for the caller and returns their offset. Thread-safe.
   std::uint64_t reserve(std::uint64_t bytes) { return reserved_.fetch_add(bytes, std::memory_order_relaxed); }
-  /// Throws Error that says what to do when no space is left.
+  /// Throws Error, which says what to do if no space is left.
   void write(std::uint64_t offset, std::span<const std::byte> bytes);
   void read(std::uint64_t offset, std::span<std::byte> bytes) const;
   /// Turns the read-ahead of the system off, for files that are read in scattered pieces.
   void expect_scattered_reads() const;
-  /// Lets the system begin to read a piece that read() will ask for soon.
+  /// Lets the system begin to read bytes that read() will soon request.
   void will_read(std::uint64_t offset, std::uint64_t bytes) const;
 
   /// Returns the bytes reserved so far, which are the part of the file in use.

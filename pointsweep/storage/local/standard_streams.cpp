@@ -36,7 +36,8 @@ std::string text_of(int error) { return std::generic_category().message(error); 
       folder.string(), text_of(error));
 }
 
-/// Returns when the next read or write does not wait. A request to stop is seen within a fraction of a second.
+/// Returns when the next read or write does not wait. Throws Cancelled within a fraction of a second after a request to
+/// stop.
 void wait_for(int descriptor, short events) {
   constexpr int kMilliseconds = 100;
   pollfd waiting{.fd = descriptor, .events = events, .revents = 0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The descriptors behind standard_streams.h.
+/// File descriptors of the streams that program/standard_streams.h declares.
 #pragma once
 
 #include <sys/types.h>
@@ -11,11 +11,11 @@
 
 namespace pointsweep {
 
-/// Returns the descriptor that take_standard_input() has made readable; -1 before.
+/// Returns the descriptor from which standard input is read; -1 until take_standard_input() has been called.
 int standard_input_descriptor();
 
 /// Writes like write(2). Streams other than regular files get small pieces, so that a request to stop is noticed while
-/// the reader is slow; then throws Cancelled.
+/// the reader is slow. Throws Cancelled on such a request.
 ssize_t write_to_stream(int descriptor, std::span<const std::byte> bytes);
 
 }  // namespace pointsweep

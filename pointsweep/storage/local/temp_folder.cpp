@@ -25,7 +25,7 @@ namespace {
 constexpr std::string_view kPrefix = "pointsweep-";
 constexpr std::size_t kRandomLetters = 6;
 
-/// Returns the process that made a folder with this name; nothing if the name is not that of a TempFolder.
+/// Returns the number of the process that made a folder with this name; nothing if it is not the name of a TempFolder.
 std::optional<pid_t> maker_of(std::string_view name) {
   if (!name.starts_with(kPrefix)) return {};
   name.remove_prefix(kPrefix.size());
@@ -38,8 +38,8 @@ std::optional<pid_t> maker_of(std::string_view name) {
 
 bool is_alive(pid_t pid) { return ::kill(pid, 0) == 0 || errno != ESRCH; }
 
-/// Removes a folder that no process uses. The lock protects folders of processes that this one cannot see (another
-/// container on the same disk).
+/// Removes a folder that no process uses. The lock protects folders of processes that this process cannot see, such as
+/// in another container on the same disk.
 void remove_if_abandoned(const std::filesystem::path& path) {
   const FileDescriptor folder = open_folder(path, false);
   if (!folder) return;

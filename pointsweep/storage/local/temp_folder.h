@@ -17,11 +17,12 @@ void require_temp_parent(const std::filesystem::path& parent);
 /// Returns `asked`, or the system's folder for temporary files if `asked` is empty.
 std::filesystem::path temp_parent(const std::filesystem::path& asked);
 
-/// Returns `begin` and six letters. The name differs in each call, and almost certainly in each process.
+/// Returns `begin` and six lower-case letters or digits. The name differs in each call, and almost certainly in each
+/// process.
 std::string random_name(const std::string& begin);
 
 /// A folder `<parent>/pointsweep-<pid>-<random>`, mode 0700, which the destructor removes with all its files. The
-/// constructor first removes the folders in the same parent whose process has ended, for example by kill -9.
+/// constructor first removes temporary folders in `parent` whose process has ended, for example by kill -9.
 class TempFolder {
  public:
   explicit TempFolder(const std::filesystem::path& parent);

@@ -17,8 +17,8 @@ std::filesystem::path target_of(const std::filesystem::path& destination);
 /// Returns `.<name>.<pid>.part` beside `target`: the file of an output of this process until it is complete.
 std::filesystem::path part_of(const std::filesystem::path& target);
 
-/// Removes incomplete files of `target` that killed processes have left. Lists its folder, unless a ManyOutputs has
-/// done so.
+/// Removes incomplete files of `target` that killed processes have left. Lists the folder of `target`, unless a
+/// ManyOutputs has listed it.
 void remove_abandoned_parts(const std::filesystem::path& target);
 
 /// The outputs of a run that writes many files into folders. Lists each folder once, and removes the files that killed

@@ -71,8 +71,7 @@ RemoteObject::~RemoteObject() {
     cache().objects.erase(known);
 }
 
-/// Asks the server for a newer version if it was last asked more than 2 seconds ago. A newer version becomes a new
-/// RemoteObject.
+/// A newer version becomes a new RemoteObject; readers of the old object keep the old version.
 std::shared_ptr<RemoteObject> RemoteObject::open(const std::string& url) {
   constexpr std::chrono::seconds kSeenLately(2);
   std::shared_ptr<RemoteObject> object;
@@ -124,7 +123,8 @@ std::shared_ptr<RemoteObject::Block> RemoteObject::known_block(std::uint64_t off
 }
 
 /// Returns the offset at which a request for the byte at `offset` begins: the begin of an announced range if the byte
-/// is among its first 64 kB and none of these are in the cache, else `offset`. The caller holds the lock of the cache.
+/// is among its first 64 kB and no byte from there to `offset` is in the cache, else `offset`. The caller holds the
+/// lock of the cache.
 std::uint64_t RemoteObject::begin_of_request(std::uint64_t offset) const {
   const auto said = said_.upper_bound(offset);
   if (said == said_.begin()) return offset;
@@ -180,7 +180,8 @@ void RemoteObject::load(Block& block) {
   cache().loaded.notify_all();
 }
 
-/// Returns the block that holds the byte at `offset`, and loads it if needed.
+/// Returns the block that holds the byte at `offset`; if the cache has none, loads a block for `wanted` bytes from
+/// `offset` on.
 std::shared_ptr<RemoteObject::Block> RemoteObject::block_at(std::uint64_t offset, std::uint64_t wanted) {
   std::shared_ptr<Block> block;
   {

@@ -35,7 +35,7 @@ std::string address_for_request(const std::string& url) {
   return address_of(url);
 }
 
-/// Returns the names of the environment variables that hold the credentials of a bucket.
+/// Returns a clause for messages that tells how to give the credentials for a URL.
 const char* credentials_for(const std::string& url) {
   if (url.starts_with("s3"))
     return "set AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and AWS_REGION, or AWS_SKIP_SIGNATURE=true for a public "

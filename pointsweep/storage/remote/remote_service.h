@@ -30,14 +30,14 @@ struct RemoteEntry {
   std::uint64_t size;
 };
 
-/// The requests that this process has made, without repeated attempts, and the bytes that they have brought.
+/// The number of requests that this process has made, without repeated attempts, and of bytes that it has read.
 struct RemoteTraffic {
   std::uint64_t requests = 0;
   std::uint64_t bytes_read = 0;
 };
 
-// Each of these functions throws Error with the URL, what happened and what to do. If a server does not answer, they
-// fail after about half a minute.
+// Each function below, except remote_traffic(), throws Error on failure, with the URL, what happened and what to do. If
+// a server does not answer, it fails after about half a minute.
 
 /// Returns the version of an object; nothing if the object does not exist.
 std::optional<RemoteVersion> look_at(const std::string& url);
@@ -45,12 +45,12 @@ std::optional<RemoteVersion> look_at(const std::string& url);
 /// object is not the `expected` version; if `expected` is empty, sets it.
 std::size_t read_remote(const std::string& url, std::optional<RemoteVersion>& expected, std::uint64_t offset,
                         std::span<std::byte> bytes);
-/// Returns the objects in a folder, whose URL ends in '/', and if `recursive` also those in nested folders.
+/// Returns the objects in a folder, whose URL ends in '/'. `recursive`: also objects in nested folders.
 std::vector<RemoteEntry> list_remote(const std::string& folder, bool recursive);
-/// Uploads a file as an object, which is visible only when it is complete. Throws if the object exists, unless
-/// `overwrite`.
+/// Uploads a file as an object, which is visible only when it is complete. Throws if the object exists and `overwrite`
+/// is false.
 void upload(const std::string& url, const std::filesystem::path& file, bool overwrite);
-/// Writes bytes as an object, in one request.
+/// Writes bytes as an object, in one request. Throws if the object exists and `overwrite` is false.
 void put_remote(const std::string& url, std::span<const std::byte> bytes, bool overwrite);
 /// Writes bytes as an object. Returns false, and writes nothing, if the object exists.
 bool put_remote_if_absent(const std::string& url, std::span<const std::byte> bytes);

@@ -7,7 +7,7 @@
 
 namespace pointsweep {
 
-/// Calls body(i) for each i < count, up to 16 of them at once. Throws what the body of the lowest i has thrown.
+/// Calls body(i) for each i < count, up to 16 of them at once. If bodies throw, rethrows the exception of the lowest i.
 void for_each_waiting(std::size_t count, const std::function<void(std::size_t i)>& body);
 
 }  // namespace pointsweep
