@@ -57,7 +57,7 @@ inline std::uint64_t interleave(std::uint64_t x, std::uint64_t y, std::uint64_t 
 
 }  // namespace curve
 
-/// Returns the key of the cell of the finest depth with these numbers, each below 2^31.
+/// Returns the key of the cell of the finest depth with the numbers `cell` along x, y and z, each below 2^31.
 inline CurveKey key_of_cell(const std::array<std::uint32_t, 3>& cell) {
   const auto [x, y, z] = cell;
   return {curve::interleave(x >> curve::kLowBits, y >> curve::kLowBits, z >> curve::kLowBits),
@@ -79,7 +79,7 @@ inline Octant octant_of(const CurveKey& key, int depth) {
   return octant;
 }
 
-/// Returns the octant of the next lower depth that contains this one. `octant` must not be the cube.
+/// Returns the octant of the next lower depth that contains `octant`. `octant` must not be the cube.
 inline Octant parent_of(Octant octant) {
   --octant.depth;
   for (std::uint32_t& number : octant.at) number >>= 1;

@@ -22,7 +22,7 @@ class CurvePoints {
   CurvePoints(const LevelGrid& grid, std::uint64_t count, ScratchRoom& room)
       : grid_(grid), scratch_(room.make(count * sizeof(GridPoint))) {}
 
-  /// Appends points; a record begins with its point.
+  /// Appends the points with which the records begin.
   void add(std::span<const std::byte> records, std::size_t record_bytes);
 
   const LevelGrid& grid() const { return grid_; }
@@ -36,7 +36,7 @@ class CurvePoints {
   LevelGrid grid_;
   std::unique_ptr<Scratch> scratch_;
   std::uint64_t count_ = 0;
-  std::vector<GridBounds> bounds_;  ///< of blocks
+  std::vector<GridBounds> bounds_;  ///< bounds of each block
   std::vector<GridPoint> added_;
 };
 

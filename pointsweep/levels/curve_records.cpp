@@ -17,7 +17,7 @@ constexpr std::uint64_t kMostPieceBytes = 16 << 20, kMostStretchBytes = 16 << 20
                         kLeastBytes = 64 << 10;
 /// Largest number of stretches. Each piece stores one number per stretch.
 constexpr std::uint64_t kManyStretches = 4096;
-/// Number of records in the sample; while it is drawn, up to twice as many are in memory.
+/// Number of records in the sample; up to twice as many are in memory while the sample is drawn.
 constexpr std::uint64_t kSampleRecords = 64 << 10;
 constexpr std::size_t kRowsAtOnce = 8192;
 

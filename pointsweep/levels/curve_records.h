@@ -24,10 +24,11 @@ namespace pointsweep {
 /// sorted in parallel.
 class CurveRecords {
  public:
-  /// `memory_bytes`: limit for the memory of this object. Without `files` all records stay in memory, beyond the limit.
+  /// `memory_bytes`: limit for the memory of this object. Without `files`, all records stay in memory, even beyond the
+  /// limit.
   CurveRecords(std::size_t record_bytes, std::uint64_t memory_bytes, MakeScratch files);
 
-  /// Returns whether so many bytes of records do not fit in the memory.
+  /// Returns whether `bytes` bytes of records exceed the half of `memory_bytes` that is meant for records.
   static bool puts_aside(std::uint64_t bytes, std::uint64_t memory_bytes) { return bytes > memory_bytes / 2; }
 
   void add(std::span<const std::byte> records);
@@ -48,7 +49,7 @@ class CurveRecords {
     std::uint32_t row;
   };
   struct Piece {
-    std::uint64_t offset = 0;  ///< in the scratch
+    std::uint64_t offset = 0;  ///< offset of the piece in the scratch
     std::size_t rows = 0;
     std::vector<std::byte> held = {};      ///< empty if the piece is in the scratch
     std::vector<std::uint32_t> ends = {};  ///< the first row after each stretch

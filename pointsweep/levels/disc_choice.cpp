@@ -14,7 +14,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kAllRanks = std::numeric_limits<std::uint64_t>::max();
-/// Number of points expected below the first limit, and the factor from one limit to the next.
+/// Number of points expected below the first limit of ranks, and the factor from one limit to the next.
 constexpr std::uint64_t kFirstCandidates = 64 << 10, kNextLimit = 16;
 /// Largest number of candidates in memory.
 constexpr std::size_t kMostCandidates = 256 << 10;

@@ -25,9 +25,9 @@ struct KeptPoint {
 /// Takes the points by rank_of(), then by coordinates, then by number. A point that no point of `kept` covers is kept
 /// and added to `kept`. Returns the kept points in that order; nothing if there would be more than `most`.
 ///
-/// The choice among the points of the lowest ranks is the beginning of the choice among all. So the points are read
-/// several times, each time with a higher limit for the rank. From the second time on most of them are covered, and
-/// UncoveredPlaces skips many at once.
+/// The choice among the points of the lowest ranks is the beginning of the choice among all points. So the points are
+/// read several times, each time with a higher limit for the rank. From the second time on most points are covered, and
+/// UncoveredPlaces skips many points at once.
 std::optional<std::vector<KeptPoint>> choose_discs(const CurvePoints& points, NodeRows rows, KeptGrid& kept,
                                                    std::size_t most);
 

@@ -52,7 +52,8 @@ void KeptGrid::grow() {
   }
 }
 
-/// Returns whether `use` returns true for a point of the cell, or for one of another cell in its bucket.
+/// Returns whether `use` returns true for a point of the cell, or for a point of another cell in the bucket of the
+/// cell.
 template <class Use>
 bool KeptGrid::any_of_cell(const Cell& cell, const Use& use) const {
   for (std::uint32_t i = first_[bucket_of(cell)]; i != kNone; i = next_[i])

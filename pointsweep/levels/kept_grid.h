@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The kept points that exclude other points from a level: points nearer to them than the spacing of the level.
+/// The kept points of a level, which exclude all points nearer to them than the spacing of the level.
 #pragma once
 
 #include <array>

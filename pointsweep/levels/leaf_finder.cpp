@@ -27,8 +27,8 @@ void LeafFinder::add(std::span<const CurveKey> keys) {
   }
 }
 
-/// Ends the octants of the last point at `depth` and below. The largest one that need not be divided becomes a leaf,
-/// and replaces the leaves within it.
+/// Ends the octants of the last point from `depth` down to the finest. The largest octant that need not be divided
+/// becomes a leaf, and replaces the leaves within it.
 void LeafFinder::close(int depth) {
   for (; depth <= kMostDepth; ++depth) {
     const std::uint64_t first = first_[static_cast<std::size_t>(depth)];

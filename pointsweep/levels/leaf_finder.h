@@ -31,17 +31,17 @@ class LeafFinder {
   LeafFinder() { first_.fill(0); }
   /// Takes the keys of the next points. Keys ascend.
   void add(std::span<const CurveKey> keys);
-  /// Returns the leaves in order; none if there are no points.
+  /// Returns the leaves in the order of the curve; empty if there are no points.
   std::vector<Leaf> finish();
 
  private:
   void close(int depth);
 
-  std::array<std::uint64_t, kMostDepth + 1> first_;  ///< for each depth, the first point of the octant of the last
-                                                     ///< point
+  std::array<std::uint64_t, kMostDepth + 1> first_;  ///< for each depth, number of the first point in the octant of
+                                                     ///< the last point
   CurveKey last_;
   std::uint64_t count_ = 0;
-  std::uint64_t first_at_last_ = 0;  ///< the first of the points that coincide with the last one
+  std::uint64_t first_at_last_ = 0;  ///< number of the first point with the key of the last point
   std::vector<Leaf> leaves_;
 };
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kDepthBits = 5;
 static_assert(kMostDepth < 1 << kDepthBits);
-/// The limit for nodes other than the root: none.
+/// The largest number of points that nodes other than the root may keep: no limit.
 constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
 
 bool is_in(const Box& box, Vec3 p) {

@@ -47,7 +47,7 @@ class LevelChoice {
     CurveKey key;
     NodeRows rows;
     bool is_done = false;
-    PointLists::List list = {};  ///< its points of this and lower depths
+    PointLists::List list = {};  ///< points in the node that this and lower depths have taken
   };
   struct Depth {
     int depth;
@@ -79,7 +79,7 @@ class LevelChoice {
   PointLists borders_;                              ///< points of leaves near enough to their faces to exclude points
                                                     ///< outside of the leaf
   std::vector<PointLists::List> border_;            ///< list of each leaf in borders_
-  SortedRecords<std::uint64_t, std::less<>> kept_;  ///< row * 32 + depth
+  SortedRecords<std::uint64_t, std::less<>> kept_;  ///< row * 32 + depth of each kept point
   std::optional<std::uint64_t> next_kept_;
   std::uint64_t next_row_ = 0;
   std::size_t next_leaf_ = 0;

@@ -17,7 +17,8 @@ double unit_of(Vec3 scale) {
   return longest / scale.x <= 0x1p30 ? scale.x : longest;
 }
 
-/// Returns the least width of at least `steps` that is 8 to 16 times a power of two, or a multiple of 8 below 128.
+/// Returns the least width of at least `steps` that is a whole number from 8 to 16 times a power of two, or a multiple
+/// of 8 below 128.
 double even_width(double steps) {
   const auto whole = static_cast<std::uint64_t>(std::ceil(steps));
   const int bits = std::max(7, static_cast<int>(std::bit_width(whole)));

@@ -52,9 +52,9 @@ class LevelGrid {
   CurveKey key(const GridPoint& point) const;
   Box box(const Octant& octant) const;
   double width() const { return width_; }
-  /// Returns the corner of the cube in the coordinates of a file with this offset.
+  /// Returns the corner of the cube in the coordinates of a file whose offset is `offset`.
   Vec3 corner(Vec3 offset) const;
-  /// Returns the length of a unit.
+  /// Returns the length of a unit of places in units of the cloud.
   double unit() const { return unit_; }
 
  private:

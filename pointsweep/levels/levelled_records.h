@@ -18,16 +18,16 @@
 
 namespace pointsweep {
 
-/// Returns the least memory of LevelledRecords for this many threads.
+/// Returns the least bytes of memory of LevelledRecords for `threads` threads.
 std::uint64_t least_level_bytes(unsigned threads);
 
-/// Returns whether LevelledRecords with this memory writes so many bytes of records to scratch.
+/// Returns whether LevelledRecords with `memory_bytes` of memory writes `bytes` bytes of records to a scratch.
 bool puts_records_aside(std::uint64_t bytes, std::uint64_t memory_bytes);
 
 class LevelledRecords {
  public:
-  /// Takes records that begin with a GridPoint. `memory_bytes`: limit for the memory of this object. Without `files`
-  /// all records stay in memory, beyond the limit.
+  /// Takes records that begin with a GridPoint. `memory_bytes`: limit for the memory of this object. Without `files`,
+  /// all records stay in memory, even beyond the limit.
   LevelledRecords(std::size_t record_bytes, std::uint64_t memory_bytes, const MakeScratch& files);
 
   void add(std::span<const std::byte> records) { records_.add(records); }
@@ -42,7 +42,7 @@ class LevelledRecords {
   using Use = std::function<void(const CurveKey& key, int depth, const std::byte* record)>;
   /// Calls `use` with all records in Morton order. Must be called only once.
   void for_each(const Use& use);
-  /// Returns the memory and files that are left for scratch of the caller.
+  /// Returns the memory and files that are left for scratches of the caller.
   ScratchRoom& room() { return room_; }
 
  private:

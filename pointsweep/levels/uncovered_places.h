@@ -12,8 +12,8 @@
 
 namespace pointsweep {
 
-/// Halves the block recursively. A kept point near enough to all places of a half covers them at once. The places of a
-/// half are compared only with the kept points near that half.
+/// Halves the block recursively. A kept point near enough to all places of a half covers these places at once. The
+/// places of a half are compared only with the kept points near that half.
 class UncoveredPlaces {
  public:
   /// Returns the numbers of the uncovered places, ascending, valid until the next call. `box`: a box around all places.
@@ -24,7 +24,7 @@ class UncoveredPlaces {
 
   std::span<const Vec3> places_;
   double spacing2_ = 0;
-  std::vector<Vec3> near_;  ///< a stack: the points near a half follow those near the half that contains it
+  std::vector<Vec3> near_;  ///< a stack: the points near a half follow the points near the half that contains it
   std::vector<std::uint32_t> uncovered_;
 };
 
