@@ -18,7 +18,7 @@
 namespace pointsweep {
 namespace {
 
-/// Names a component of a tile.
+/// A component of a tile: the number of the tile, and the number of the component in the tile.
 struct Node {
   std::uint64_t tile, number;
 
@@ -63,7 +63,7 @@ class Joined {
     bool counts = true;
     std::optional<std::uint64_t> number;
   };
-  /// Returns the component of the cloud that holds a component of a tile; null if no crossing touches the latter.
+  /// Returns the component of the cloud that holds `node`; null if no crossing touches `node`.
   Whole* find(Node node) {
     const auto found = places_.find(node);
     return found == places_.end() ? nullptr : &whole_[set_of(parents_, found->second)];
@@ -89,7 +89,7 @@ class ComponentReader {
  public:
   ComponentReader(const Storage& scratch, const std::string& name, std::size_t record_bytes)
       : list_(scratch, name + ".components", record_bytes), record_bytes_(record_bytes) {}
-  /// Returns the next record; null after the last one.
+  /// Returns the next record, which is valid until the next call; null after the last record.
   const std::byte* next() {
     if (at_ == block_.size() && !fill()) return nullptr;
     at_ += record_bytes_;
@@ -163,8 +163,8 @@ class NumbersWriter {
   std::vector<std::vector<Segment>> segments_;   ///< written records of each tile
 };
 
-/// Joins the two components that each crossing connects. The crossings are sorted by the row they lead to, so that the
-/// labels of one tile after another are opened.
+/// Joins the two components that each crossing connects. The crossings are sorted by the row to which they lead, so
+/// that the labels of each tile are opened once.
 void join_crossings(const Storage& scratch, const TileCatalogue& tiles, const std::vector<std::string>& names,
                     const TileGraphSetup& setup, Joined& joined) {
   struct From {

@@ -38,16 +38,17 @@ class Chooser {
     in_plane_ = op.in_order_contract().places == Places::in_plane;
   }
 
-  /// Converts a box of positions into the space in which the operator compares points: positions, flattened for an
-  /// operator in the plane, where the operator looks for nearest points; else its places, which ascend with positions.
+  /// Converts a box of positions into the space in which the operator compares points. An operator that looks for
+  /// nearest points compares positions, with z = 0 if it works in the plane. Other operators compare their places,
+  /// which ascend with positions.
   Box compared(const Box& box) const {
     if (box.empty()) return box;
     if (reach_.nearest == 0) return {op_.place_of(box.lo), op_.place_of(box.hi)};
     return in_plane_ ? Box{{box.lo.x, box.lo.y, 0}, {box.hi.x, box.hi.y, 0}} : box;
   }
 
-  /// Returns for each candidate whether points in any of `boxes` need it. All boxes come from compared(). Cost: lowest
-  /// where successive boxes lie close together.
+  /// Returns for each candidate whether points in any of `boxes` need it. All boxes come from compared(). Fastest if
+  /// successive boxes lie close together.
   std::vector<bool> needed(const std::vector<Box>& boxes, const std::vector<Candidate>& candidates) const {
     std::vector<bool> chosen(candidates.size());
     std::vector<std::size_t> all(candidates.size());
@@ -141,7 +142,8 @@ class BlockSource {
     std::uint64_t first;  ///< number of the first record of the piece among the records of all pieces
   };
 
-  /// Reads as many whole blocks as fit into `records`; if none fits or `from` lies inside a block, reads a part of one.
+  /// Reads as many whole blocks as fit into `records`; if no block fits or `from` lies inside a block, reads a part of
+  /// one block.
   std::size_t read_blocks(const Piece& piece, std::uint64_t from, std::span<std::byte> records,
                           std::vector<std::byte>& block) const {
     const std::size_t stride = schema_.stride, wanted = records.size() / stride;
@@ -216,8 +218,8 @@ std::vector<Candidate> needed_blocks(TileReader& reader, const TileCatalogue& ti
   return only_needed(std::move(blocks));
 }
 
-/// Returns a function that tells whether points within a distance of a position may be missing, given that all blocks
-/// within `reach` of the boxes of the tile are present. It uses the triangle inequality, with a factor for rounding.
+/// Returns a function that returns whether points within a distance of a position may be missing, if all blocks within
+/// `reach` of the boxes of the tile are present. It uses the triangle inequality, with a factor for rounding.
 std::function<bool(Vec3, double)> beyond(const TileIndex& own, double reach) {
   std::vector<Box> boxes;
   for (std::uint32_t b = 0; b < own.own_blocks(); ++b) boxes.push_back(own.blocks[b].box);

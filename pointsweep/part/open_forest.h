@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// The border of a tile: its points at which edges between tiles end, and the edges from it to earlier tiles.
+/// The border of a tile: its points at which edges between tiles end, and the edges between it and earlier tiles.
 struct TileBorder {
   struct Point {
     std::uint64_t row;
@@ -25,10 +25,10 @@ struct TileBorder {
   static TileBorder decode(Decoder& in);
 };
 
-/// Appends a forest to the encoded values.
+/// Appends the encoded forest to `out`.
 void encode(Encoder& out, const OpenForest& forest);
-/// Reads a forest. Throws Error where it names a supernode that it does not hold, or where the votes of a supernode do
-/// not have `vote_bytes`.
+/// Reads a forest. Throws Error if the forest names a supernode that it does not hold, or if the votes of a supernode
+/// do not have `vote_bytes` bytes.
 OpenForest decode_open_forest(Decoder& in, std::size_t vote_bytes);
 
 }  // namespace pointsweep

@@ -17,8 +17,8 @@ namespace {
 constexpr std::uint64_t kSmallHalo = 1000;
 constexpr int kMostTries = 6;
 
-/// The blocks of a tile that make one slab of a part, as a segment of a list of ranges that all slabs share: one list
-/// takes less memory than a list for each of many slabs.
+/// The blocks of a tile that make one slab of a part, as a segment of a list of ranges. All slabs share the list, which
+/// takes less memory than a list for each slab.
 struct BlocksOfTile {
   std::size_t tile;
   std::size_t first_range, ranges;
@@ -69,7 +69,7 @@ class PartCutter {
     return {slab == 0 ? 0 : tile.slab_ends[slab - 1], tile.slab_ends[slab]};
   }
 
-  /// Divides the blocks of the other tiles into those that touch the box and those that do not.
+  /// Divides the blocks of the other tiles into blocks that touch the box and blocks that do not.
   void look_around(const Box& known) {
     for (std::size_t t = 0; t < tiles_.tiles.size(); ++t) {
       if (t == own_) continue;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The stream of one tile of a cloud: the points of the tile, points of other tiles near it (the halo), and the places
-/// of all other points, which are read only where the sweep's recall needs them.
+/// of all other points, which only the recall of the sweep reads.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +21,9 @@ struct PartStream {
   std::uint64_t swept_points = 0;  ///< points of the tile and its halo
 };
 
-/// Returns the stream of tile `number`. For the points of the tile, a sweep over it has the results of a sweep over the
-/// whole cloud. `what` and `steps`, the neighbourhood and number of steps of that sweep, set the width of the halo.
-/// `working`: Stream::record_schema() of the tile when it was stored. The stream borrows the scratch.
+/// Returns the stream of tile `number`. For the points of the tile, a sweep over this stream has the results of a sweep
+/// over the whole cloud. `what` and `steps`, the neighbourhood and number of steps of that sweep, set the width of the
+/// halo. `working`: Stream::record_schema() of the tile when it was stored. The stream borrows the scratch.
 PartStream part_stream(const Storage& scratch, const TileCatalogue& tiles, std::size_t number, const Schema& working,
                        const Neighborhood& what, std::size_t steps);
 

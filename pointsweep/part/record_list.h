@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Records of one size in an object of a storage: they are appended one after another and read at any index, and each
-/// chunk of them has a checksum.
+/// A list of records of one size in an object of a storage. Records are appended one after another and read at any
+/// index; each chunk of records has a checksum.
 #pragma once
 
 #include <cstddef>
@@ -37,7 +37,7 @@ class RecordListWriter {
 /// Reads a list. Thread-safe.
 class RecordList {
  public:
-  /// Opens the list with this key. Throws Error if its size does not fit records of `record_bytes`.
+  /// Opens the list under `key`. Throws Error if its size does not fit records of `record_bytes`.
   RecordList(const Storage& storage, const std::string& key, std::size_t record_bytes);
   std::uint64_t count() const { return count_; }
   /// Fills `records` with the records from number `first` on. Throws Error, which calls the object damaged, if the list

@@ -53,19 +53,18 @@ struct TileIndex {
 /// that it does not depend on the coordinate grid of a tile; the other fields; the row as u64.
 Schema schema_in_scratch(const Schema& working);
 
-/// Returns the numbers of the records, among the given ones, that other tiles have to know. Called from many threads at
-/// once.
+/// Returns the indices, in `records`, of the records that other tiles have to know. Called by many threads at once.
 using ChooseForOthers = std::function<std::vector<std::uint32_t>(std::span<const std::byte> records)>;
 
 /// Stores the points of a tile, whose rows count from 0, under `name`, on all threads. `survey`: survey of the points.
-/// `choose`: empty if other tiles have to know all points. Throws Error where the storage fails.
+/// `choose`: empty if other tiles have to know all points. Throws Error if the storage fails.
 TileIndex store_tile(const Stream& stream, const Survey& survey, std::uint64_t rows, Storage& scratch,
                      const std::string& name, const ChooseForOthers& choose = {});
 
 /// Stores a tile that has no rows under `name`.
 void store_no_points(Storage& scratch, const std::string& name);
 
-/// Reads the index of the tile stored under `name`. Throws Error where it is damaged.
+/// Reads the index of the tile stored under `name`. Throws Error if the index is damaged.
 TileIndex tile_index(const Storage& scratch, const std::string& name);
 
 /// Returns the distance within which the neighbourhoods of most points of the tile end, estimated from the densities of

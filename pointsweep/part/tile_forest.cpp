@@ -44,8 +44,8 @@ struct BorderEdge {
   }
 };
 
-/// A record of NAME.labels: the sign of a point. If all points of its component lie in the tile, the sign holds in the
-/// component; otherwise it is relative to the supernode of the point.
+/// A record of NAME.labels: the sign of a point. If all points of its component lie in the tile, the sign is final;
+/// otherwise it is relative to the supernode of the point.
 struct SignOfPoint {
   /// Value of `supernode` for a point whose component lies in the tile alone.
   static constexpr std::uint64_t kWhole = ComponentLabel::kNone;
@@ -176,7 +176,7 @@ void leave_forest(Storage& scratch, const std::string& graph, const std::string&
 void leave_no_forest(Storage& scratch, const std::string& name) { seal_forest(scratch, name, {}); }
 
 /// For each tile in order: the forest adopts the supernodes that the tile's forest has left, takes the edges between
-/// this tile and earlier ones, and closes the points that have no edges to later tiles.
+/// this tile and earlier tiles, and closes the points that have no edges to later tiles.
 void join_forests(Storage& scratch, const std::vector<std::string>& names, const std::string& borders,
                   const TileGraphSetup& setup, const std::string& key) {
   ForestLog log(setup.make_scratch, result_bytes_of(setup.votes));

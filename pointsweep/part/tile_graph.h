@@ -60,19 +60,19 @@ class TileEdges final : public EdgeSink {
 struct TileGraphSetup {
   const VoteRule* votes = nullptr;  ///< null if components need no votes
   MakeScratch make_scratch;
-  SpillPlace spill = nullptr;      ///< folder for labels that do not fit in memory; null: they stay in memory
-  std::uint64_t memory_bytes = 0;  ///< memory for sorting and for labels
+  SpillPlace spill = nullptr;      ///< place for labels that do not fit in memory; null: all labels stay in memory
+  std::uint64_t memory_bytes = 0;  ///< bytes of memory for sorting and for labels
   std::function<void(std::uint64_t points)> progress;
 };
 
 /// Finds the components of a tile and seals three lists: NAME.labels, the number of the component of each row, kNoLabel
 /// for non-finite points; NAME.components, the components in the order of their first points, which gives their
-/// numbers; NAME.crossings, a Crossing for each edge to another tile, `from` the row there, `to` the number of the
-/// component here.
+/// numbers; NAME.crossings, a Crossing for each edge to another tile: `from` is the row in the other tile, `to` the
+/// number of the component in this tile.
 void leave_graph(const EdgeBuckets& own, SortedCrossings& crossings, RowsOfTile rows, const TileGraphSetup& setup,
                  Storage& scratch, const std::string& name);
 
-/// Seals the three lists, empty, for a tile without rows. `votes`: TileGraphSetup::votes.
+/// Seals the three lists of leave_graph() without records, for a tile without rows. `votes`: TileGraphSetup::votes.
 void leave_no_graph(const VoteRule* votes, Storage& scratch, const std::string& name);
 
 /// Joins the components of all tiles by their crossings, and numbers them by their first points. Seals the list

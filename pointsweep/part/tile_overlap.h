@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// The box of a tile, which may be empty, and how many points lie in it.
+/// The box of a tile, which may be empty, and the number of points of the tile.
 struct TileExtent {
   Box box;
   std::uint64_t points = 0;

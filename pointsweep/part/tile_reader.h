@@ -43,8 +43,8 @@ struct TileCatalogue {
   static TileCatalogue decode(Decoder& in);
 };
 
-/// Makes the catalogue from the indices of the tiles with these names, in the order of the inputs. Throws Error where
-/// two tiles have records of different layouts; `paths` are the inputs, which the message names.
+/// Makes the catalogue from the indices of the tiles with these names, in the order of the inputs. Throws Error if two
+/// tiles have records of different layouts; `paths` are the names of the inputs in the message.
 TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string>& names,
                            const std::vector<std::string>& paths);
 
@@ -66,9 +66,10 @@ class TileReader {
   std::uint64_t points_before(std::size_t tile, std::uint32_t block) { return opened(tile).first[block]; }
 
   /// Fills `out` with the records of the blocks of a tile, and converts their rows into rows of the cloud. Throws Error
-  /// where a checksum is wrong or the tile belongs to another run.
+  /// if a checksum is wrong or the tile belongs to another run.
   void read(std::size_t tile, std::span<const BlockRange> ranges, std::span<std::byte> out);
-  /// Fills `out` with the records of points with non-finite coordinates, from the one with number `first` on.
+  /// Fills `out` with records of points with non-finite coordinates, from number `first` of these points on. Checks the
+  /// checksum only if `out` takes the records of all these points.
   void read_nonfinite(std::size_t tile, std::uint64_t first, std::span<std::byte> out);
 
  private:
