@@ -107,8 +107,8 @@ inline constexpr std::uint64_t kAllLists = ~std::uint64_t{0};
 /// The function search() for any k > 0 and any radius, for many neighbours: the points around a leaf are gathered once,
 /// then every point of the leaf scans them, a candidate per vector lane, all in double precision. Appends to `out`. If
 /// more than 32,768 points lie around a leaf, they are not gathered: each point of the leaf scans the cells around it,
-/// or, with a limit k, is searched by search_plainly(). 15 to 30 ns per neighbour on one core with AVX-512, about half
-/// of it for sorting.
+/// or, with a limit k, is searched by search_point_plainly(). 15 to 30 ns per neighbour on one core with AVX-512, about
+/// half of it for sorting.
 std::uint32_t search_gathered(const CellQuery& query, const CellSubset& points, std::uint64_t most,
                               SearchScratch& scratch, CellNeighbors& out);
 

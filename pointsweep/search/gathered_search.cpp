@@ -127,7 +127,7 @@ class GatheredSearch {
   }
 
   /// Copies all points that the points of a leaf may need into one place, leaf after leaf by distance. Returns false if
-  /// there are more than kMostGathered points.
+  /// these points lie in more than kMostGathered / 16 leaves.
   bool gather(std::uint32_t leaf) {
     const Box around = box_of(leaf);
     const Vec3 a = around.lo - settled_at_, b = around.hi - settled_at_;

@@ -25,8 +25,8 @@ namespace pointsweep {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A leaf and its squared distance in one number, so that sorting the numbers sorts leaves by distance: distance (bits
-/// of a float) | place of the cell in a list | leaf.
+/// A leaf and its squared distance in one number, so that sorting the numbers sorts leaves by distance:
+/// distance (bits of a float) | place of the cell in a list | leaf.
 struct NearLeaf {
   static std::uint64_t key(float distance2, std::size_t place, std::uint32_t leaf) {
     std::uint32_t bits;

@@ -105,8 +105,8 @@ class Sink {
     (void)slab;
     (void)records;
   }
-  /// Reports that `points` points of a slab were finished before the run was resumed, after slab_read() for that slab.
-  /// Called only if wants_records().
+  /// Reports that `points` points of a slab were finished before the run was resumed. Called after slab_read() for
+  /// the slab, and only if wants_records().
   virtual void were_finished(std::uint32_t slab, std::uint64_t points) {
     (void)slab;
     (void)points;
