@@ -41,7 +41,7 @@ ChosenChunks::ChosenChunks(std::shared_ptr<Reader> all, const Choice& is_chosen,
     : Reader(*all), all_(std::move(all)) {
   if (!word.empty()) {
     info_.asked_for_as = word;
-    info_.bounds.reset();  // those of the file include all points
+    info_.bounds.reset();  // the bounds of the file include all points
     info_.claims.reset();
   }
   const std::uint64_t rows = info_.count;

@@ -17,20 +17,21 @@ namespace pointsweep {
 class ChosenChunks final : public Reader {
  public:
   using Choice = std::function<bool(const Chunk&)>;
-  /// `all` must have decoders. Bytes of chunks that are not chosen are not read. `word`: FileInfo::asked_for_as.
+  /// `all` must have decoders. Bytes of chunks that are not chosen are not read. A `word` that is not empty becomes
+  /// FileInfo::asked_for_as.
   ChosenChunks(std::shared_ptr<Reader> all, const Choice& is_chosen, std::string_view word = "");
 
   Chunk chunk_of(std::uint64_t row) const override;
   bool has_decoders() const override { return true; }
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted) const override;
   void rest() override;
-  /// Returns the row of the file that is row `row`.
+  /// Returns the row in the file of the chosen row `row`.
   std::uint64_t input_row(std::uint64_t row) const;
 
  private:
   class Decoder;
   struct Chosen {
-    std::uint64_t first_row;  ///< among the chosen rows
+    std::uint64_t first_row;  ///< its first row, counted among the chosen rows
     Chunk chunk;              ///< the chunk of the file
   };
   const Chosen& chosen_at(std::uint64_t row) const;
@@ -44,9 +45,9 @@ int depth_of_spacing(double root, double spacing);
 
 /// Returns whether a word for the format of inputs chooses levels of detail: "depth:3" for nodes of depths 0 to 3, or
 /// "spacing:0.5" for nodes of all depths up to the first with this spacing or less. Throws UsageError for a word that
-/// begins like one of these and is invalid.
+/// begins with "depth:" or "spacing:" and is invalid.
 bool chooses_levels(std::string_view word);
-/// Returns a reader of only these nodes. Throws Error for a file without levels.
+/// Returns a reader of only the nodes that `word` chooses. Throws Error for a file without levels.
 std::unique_ptr<Reader> with_chosen_levels(std::unique_ptr<Reader> all, std::string_view word);
 
 }  // namespace pointsweep

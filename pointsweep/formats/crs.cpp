@@ -128,7 +128,7 @@ int epsg_of(const WktNode& node) {
   return 0;
 }
 
-/// The system that BOUNDCRS[SOURCECRS[...], ...] wraps.
+/// Returns the system that BOUNDCRS[SOURCECRS[...], ...] wraps; `node` if it is another node.
 const WktNode& unwrapped(const WktNode& node) {
   if (node.keyword != "BOUNDCRS") return node;
   for (const WktNode& child : node.children) {
@@ -179,7 +179,8 @@ struct LengthUnit {
 
 constexpr LengthUnit kLengthUnits[] = {{9001, 1, "m"}, {9002, 0.3048, "ft"}, {9003, 1200.0 / 3937, "US survey ft"}};
 
-/// Returns null for a number that belongs to no length unit, as for a degree, which is 0.01745 radians.
+/// Returns the unit of this length; null for a number that belongs to no length unit, e.g. 0.01745, the radians of a
+/// degree.
 const LengthUnit* unit_of_metres(double metres) {
   const auto same = [&](const LengthUnit& unit) { return std::abs(metres - unit.metres) < 1e-9; };
   const auto found = std::ranges::find_if(kLengthUnits, same);

@@ -12,14 +12,14 @@
 
 namespace pointsweep {
 
-/// `KEYWORD["value", 12, CHILD[...]]`; round brackets mean the same.
+/// A node `KEYWORD["value", 12, CHILD[...]]` of WKT, which may also have round brackets.
 struct WktNode {
   std::string keyword;              ///< in upper case
   std::vector<std::string> values;  ///< quoted texts and numbers in their order
   std::vector<WktNode> children;
 };
 
-/// Parses WKT; nothing for a text that is not WKT or has more than 64 nested levels.
+/// Parses WKT. Returns nothing for a text that is not WKT or has more than 64 nested levels.
 std::optional<WktNode> parse_wkt(std::string_view text);
 
 /// Returns the text up to its first NUL, with each run of white space outside of quotes as one space and without spaces
@@ -32,11 +32,12 @@ Crs crs_of_geotiff(GeoTiffKeys keys);
 /// systems and for codes that GeoTIFF keys cannot hold.
 CrsKind kind_of_epsg(int code);
 
-/// Returns GeoTIFF keys that state the projected or geographic system of an EPSG code, and heights; code 0 means none.
+/// Returns GeoTIFF keys that state the projected or geographic system `epsg` and the heights `vertical_epsg` (0: none).
 GeoTiffKeys geotiff_of_epsg(int epsg, int vertical_epsg);
 
-/// Returns the coordinate reference system of a file with a text and keys, either of which may be empty. `wkt_counts`
-/// decides which of the two is read; the other is kept, too. Returns none if both are empty.
+/// Returns the coordinate reference system that the WKT and the GeoTIFF keys of a file state; either may be empty. If
+/// both are stated, `wkt_counts` decides which of them is interpreted, and the result holds both. Returns none if both
+/// are empty.
 std::optional<Crs> crs_of_both(const std::string& wkt, GeoTiffKeys keys, bool wkt_counts);
 
 enum class CrsAgreement : std::uint8_t { same, different, undecided };
@@ -46,7 +47,7 @@ enum class CrsAgreement : std::uint8_t { same, different, undecided };
 /// two statements defines.
 CrsAgreement compare(const Crs& a, const Crs& b);
 
-/// Returns the metres in that unit; nothing if unknown.
+/// Returns the length in metres of the length unit of `crs`; nothing for degrees and unknown units.
 std::optional<double> metres_of_unit(const Crs& crs);
 
 }  // namespace pointsweep

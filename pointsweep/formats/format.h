@@ -20,7 +20,7 @@ namespace pointsweep {
 
 class InputCloud;
 
-/// Returns the coordinate on an axis (0, 1, 2) that a reader of an output gets where `value` is written.
+/// Returns the coordinate on an axis (0, 1, 2) that is read back from an output after `value` was written.
 using StoredCoordinate = std::function<double(std::size_t axis, double value)>;
 
 struct Format {
@@ -29,15 +29,16 @@ struct Format {
     array    ///< the values of one attribute, without coordinates
   };
 
-  std::string_view name;     ///< in sentences: "LAS"
-  std::string_view title;    ///< in tables: "LAS 1.0 to 1.4"
+  std::string_view name;     ///< name for sentences: "LAS"
+  std::string_view title;    ///< name for tables: "LAS 1.0 to 1.4"
   std::string_view details;  ///< page or section of docs/formats.md with more details; "" if there is none
   std::string_view reads;    ///< for tables: which files of the format can be read; "no" if none
   std::string_view writes;   ///< for tables: which files can be written; "no" if none
-  /// Endings of the names of its files, in lower case. An output with such a name is written in this format, if
+  /// File extensions of the format, in lower case. An output with one of these extensions is written in this format, if
   /// `create` is set.
   std::span<const std::string_view> extensions;
-  /// The codec that its files need; "" if none. A build without it recognises the files and refuses them with an error.
+  /// The codec that files of the format need; "" if none. A build without the codec recognises the files and refuses
+  /// them with an error.
   std::string_view codec = "";
   bool (*has_codec)() = nullptr;  ///< returns whether this build has the codec; null without a codec
 
@@ -51,21 +52,23 @@ struct Format {
   /// For a format without signature: returns whether the first lines of a file belong to the format. A folder may
   /// contain other texts. `columns`: as for open_columns; empty if none are stated.
   bool (*fits)(const std::filesystem::path& path, std::span<const std::string> columns) = nullptr;
-  std::unique_ptr<Reader> (*open)(const std::filesystem::path& path) = nullptr;  ///< null: it is not read
-  /// Opens a file whose columns have these names, "-" for a column that is skipped; its own header is ignored. Null for
-  /// formats whose files describe themselves.
+  std::unique_ptr<Reader> (*open)(const std::filesystem::path& path) = nullptr;  ///< null if the format is not read
+  /// Opens a file whose columns have these names, "-" for a column that is skipped. The header of the file is ignored.
+  /// Null for formats whose files describe themselves.
   std::unique_ptr<Reader> (*open_columns)(const std::filesystem::path& path,
                                           std::span<const std::string> columns) = nullptr;
-  std::unique_ptr<Writer> (*create)(const OutputPlan& plan) = nullptr;  ///< null: it is not written
+  std::unique_ptr<Writer> (*create)(const OutputPlan& plan) = nullptr;  ///< null if the format is not written
 
   Content content = Content::points;
-  bool holds_crs = false;         ///< a coordinate reference system
-  bool holds_provenance = false;  ///< lines that say how the file was made
-  bool is_sequential = false;     ///< its writer writes all bytes in order, as for standard output
+  bool holds_crs = false;         ///< its files can hold a coordinate reference system
+  bool holds_provenance = false;  ///< its files can hold lines that say how they were made
+  bool is_sequential = false;     ///< its writer can write to standard output, since it writes all bytes in order
   bool reorders = false;          ///< its writer changes the order of points
-  /// Coordinates may be any float64, NaN and infinity included. False: integers on a grid of finite steps.
+  /// True if coordinates may be any float64, NaN and infinity included; false if they are integers on a grid of finite
+  /// steps.
   bool real_coordinates = true;
-  /// The header has the box of all points (FileInfo::bounds), which is known without reading the points.
+  /// True if the header states the box of all points (FileInfo::bounds), so that it is known without reading the
+  /// points.
   bool states_bounds = false;
   /// Returns the bytes that its writer needs to encode records of `record_bytes` on `threads` threads; null:
   /// negligible.
@@ -74,7 +77,7 @@ struct Format {
   /// `memory` as OutputPlan::encoder_bytes on `threads` threads; null: none.
   std::uint64_t (*aside_bytes)(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                                unsigned threads) = nullptr;
-  std::size_t name_bytes = 0;  ///< longest name of an attribute; 0: any length
+  std::size_t name_bytes = 0;  ///< most bytes in the name of an attribute; 0: any number
   /// Returns the name of an attribute in its outputs; null: unchanged.
   std::string (*stored_name)(const std::string& name) = nullptr;
   /// Returns the value of a field in its outputs if neither an input nor a stage gives one; none for names that are not
@@ -88,14 +91,13 @@ struct Format {
   /// the number of points read; it may throw.
   KnownValues (*values)(InputCloud& cloud, const FileLayout& layout,
                         const std::function<void(std::uint64_t rows)>& progress) = nullptr;
-  /// Returns whether values() reads the points of the cloud; null where values() is.
+  /// Returns whether values() reads the points of the cloud; null if `values` is null.
   bool (*values_need_points)(const InputCloud& cloud, const FileLayout& layout) = nullptr;
   /// Returns how the output of a plan rounds coordinates; none if it stores them unchanged. Null: all outputs store
   /// them unchanged.
   StoredCoordinate (*stored_coordinate)(const OutputPlan& plan) = nullptr;
 
-  /// Returns whether this build supports the format. `open` is null if it is never read, `create` if it is never
-  /// written.
+  /// Returns whether this build has the codec that the format needs, or the format needs none.
   bool is_built_in() const { return has_codec == nullptr || has_codec(); }
 };
 
@@ -108,7 +110,7 @@ extern const Format kNpyPointsFormat;               ///< points, as input only
 extern const Format kNpyFormat;                     ///< neighbours and distances
 extern const Format kKittiFormat, kFloatXyzFormat;  ///< files without a signature
 
-/// Returns null for extras of a format other than Extras::kFormat, and for no extras.
+/// Returns the extras as an `Extras`; null for extras of a format other than Extras::kFormat, and for no extras.
 template <class Extras>
 const Extras* extras_as(const std::shared_ptr<const FormatExtras>& extras) {
   return extras && extras->format() == Extras::kFormat ? static_cast<const Extras*>(extras.get()) : nullptr;

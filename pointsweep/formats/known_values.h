@@ -53,12 +53,11 @@ inline ValueRange range_of_type(const Field& field) {
 
 struct KnownValues {
   std::vector<ValueRange> ranges;  ///< one for each field of the cloud
-  /// The grid on which LAS stores the coordinates: every one of them lies on it, or all inputs are LAS and their
-  /// coordinates are rounded to the finest scale among them. Absent: no grid is known.
+  /// The grid on which LAS stores the coordinates. Every coordinate lies on the grid, or all inputs are LAS and their
+  /// coordinates are rounded to the finest scale of the inputs. Absent if no grid is known.
   std::optional<LasQuantization> grid = std::nullopt;
-  bool rounds = false;       ///< the coordinates are rounded to that grid
-  bool by_decimals = false;  ///< the grid follows from the decimals of the coordinates, and does not apply to moved
-                             ///< points
+  bool rounds = false;       ///< the coordinates are rounded to `grid`
+  bool by_decimals = false;  ///< `grid` follows from the decimals of the coordinates and does not apply to moved points
 };
 
 }  // namespace pointsweep

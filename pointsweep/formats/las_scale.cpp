@@ -41,7 +41,8 @@ double round_number(double value, double size) {
                        : std::nearbyint(value * power_of_ten(-exponent)) / power_of_ten(-exponent);
 }
 
-/// `useful`: the smallest useful step, so that a flat axis does not get an absurdly fine scale.
+/// Chooses scale and offset for coordinates in [lo, hi]. `useful`: the smallest useful step, so that a flat axis does
+/// not get an absurdly fine scale.
 void quantize_axis(double lo, double hi, double useful, double& scale, double& offset) {
   const double largest = std::max(std::abs(lo), std::abs(hi));
   const double half = 0.5 * hi - 0.5 * lo;

@@ -34,28 +34,28 @@ bool is_on_las_grid(double value, double scale, double offset);
 LasQuantization las_quantization(const Box& bounds);
 
 /// Returns `grid` with its offsets moved by whole steps if `bounds` are out of the reach of 32 bits. An axis that is
-/// too long for its scale gets that of las_quantization().
+/// too long for its scale gets the scale and offset of las_quantization().
 LasQuantization las_grid_within(const LasQuantization& grid, const Box& bounds);
 
-/// Returns the grid for points that stages have moved: `grid`, or if `bounds` are out of the reach of 32 bits, the same
-/// scale with another offset, whole steps from the first. An axis that is too long for its scale keeps its offset: its
-/// points do not fit.
+/// Returns the grid for points that stages have moved. If 32 bits do not reach `bounds` on an axis of `grid`, the
+/// offset of that axis moves by whole steps, and its scale stays. An axis that is too long for its scale keeps its
+/// offset: not all of its points fit.
 LasQuantization las_grid_for_moved(const LasQuantization& grid, const Box& bounds);
 
 /// Returns `grid` with the multiple of 1,000 steps nearest to the middle of `bounds` as offset.
 LasQuantization las_grid_in_the_middle(const LasQuantization& grid, const Box& bounds);
 
-/// Returns the smallest powers of ten at which 32 bits reach `bounds` from this offset, and that are no finer than
-/// those of las_quantization().
+/// Returns the smallest powers of ten at which 32 bits reach `bounds` from this offset, and that are no finer than the
+/// scale of las_quantization().
 Vec3 las_scale_from(Vec3 offset, const Box& bounds);
 
 class Reader;
 
-/// The meaning of the coordinates and times of a LAS file, kept where its points become another format.
+/// The meaning of the coordinates and times of a LAS file, kept for outputs in other formats.
 struct LasOrigin {
   LasQuantization grid;        ///< scale and offset of the integer coordinates
   bool has_time = false;       ///< the points have a GPS time
-  bool standard_time = false;  ///< it is adjusted standard GPS time, not seconds of the GPS week
+  bool standard_time = false;  ///< GPS times are adjusted standard GPS time, not seconds of the GPS week
   /// Class 12 means the overlap of flight lines, as in LAS files of point formats 0 to 5.
   bool overlap_is_class_12 = false;
 };

@@ -21,7 +21,7 @@
 
 namespace pointsweep {
 
-/// The beginning of every line.
+/// The beginning of every line of provenance.
 inline constexpr std::string_view kProvenanceMark = "pointsweep ";
 
 struct ProvenanceInput {
@@ -46,7 +46,7 @@ struct ProvenanceRecord {
 std::vector<std::string> lines_of(const ProvenanceRecord& record);
 /// Parses lines into records, oldest first. Ignores unknown lines.
 std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines);
-/// Returns "pointsweep 0.1.0: knn(k=12) | normals; order sweep; from scan.ply", in printable ASCII.
+/// Returns a line such as "pointsweep 0.1.0: knn(k=12) | normals; order sweep; from scan.ply", in printable ASCII.
 std::string to_text(const ProvenanceRecord& record);
 
 /// Appends those records of `more` that `lines` does not have yet. Beyond 256 KiB, records are left out, and one line
@@ -55,8 +55,8 @@ void add_provenance(std::vector<std::string>& lines, std::span<const std::string
 /// Returns the rest of `all` after `present`, if `all` begins with `present`; returns `all` otherwise.
 std::span<const std::string> provenance_beyond(std::span<const std::string> all, std::span<const std::string> present);
 
-/// Returns the line without surrounding spaces and line ends if it begins with the mark and is printable; otherwise
-/// nothing.
+/// Returns the line without surrounding spaces and line ends if it begins with kProvenanceMark and is printable;
+/// otherwise nothing.
 std::optional<std::string> provenance_line(std::string_view text);
 
 }  // namespace pointsweep

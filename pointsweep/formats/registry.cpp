@@ -54,10 +54,9 @@ constexpr Magic kExtensions[] = {
   fail("{}: is {}, which pointsweep does not read; {}.", path.string(), magic.what, magic.remedy);
 }
 
-/// Throws Error for a file that begins with `head` and is of a known format that is not read; the message has the
-/// format and the remedy. Also refuses other binary files, unless the user has chosen a format: `known` lists the
-/// formats with signatures ("A, B nor C"), `asked_for` those to choose ("a or b", Format::asked_for_as). Returns for
-/// all other files.
+/// Throws Error for a file that begins with `head` if it is of a known format that is not read, or binary. The message
+/// names the format and a remedy. For a binary file, it lists the formats with signatures, `known` ("A, B nor C"), and
+/// the formats that a user can choose, `asked_for` ("a or b", Format::asked_for_as). Returns for all other files.
 void refuse_foreign_format(const std::filesystem::path& path, std::string_view head, std::string_view known,
                            std::string_view asked_for) {
   for (const Magic& magic : kMagics) {
@@ -90,18 +89,18 @@ bool has_extension(const Format& format, std::string_view extension) {
   return std::ranges::find(format.extensions, extension) != format.extensions.end();
 }
 
-/// Returns null for "".
+/// Returns the format that --format NAME means; null for "" and for other words.
 const Format* format_asked_for(std::string_view name) {
   for (const Format* format : kFormats)
     if (!name.empty() && format->asked_for_as == name) return format;
   return nullptr;
 }
 
-/// Begins the word for text whose columns are stated: "text:x,y,z,-,intensity".
+/// The beginning of the word for text whose columns are stated: "text:x,y,z,-,intensity".
 constexpr std::string_view kColumnsStated = "text:";
 
-/// Returns the columns in the word for a format; empty if it is another word. Throws UsageError unless they include x,
-/// y and z, and no name twice.
+/// Returns the columns that a word such as "text:x,y,z" states; empty for a word that states none. Throws UsageError
+/// unless the columns include x, y and z, and no name twice.
 std::vector<std::string> stated_columns(std::string_view name) {
   if (!name.starts_with(kColumnsStated)) return {};
   name.remove_prefix(kColumnsStated.size());
@@ -123,7 +122,8 @@ std::vector<std::string> stated_columns(std::string_view name) {
   return columns;
 }
 
-/// Returns whether a file has the extension of a format other than `asked`, which has no signature.
+/// Returns whether a file has the extension of another format than `asked`. Formats that are read only if --format
+/// names them do not count.
 bool names_another(const std::filesystem::path& path, const Format& asked) {
   const std::string extension = extension_of(path);
   return std::ranges::any_of(kFormats, [&](const Format* format) {
@@ -143,7 +143,7 @@ std::string head_of(const std::filesystem::path& path, const InputFile& file) {
   return head_of(file);
 }
 
-/// Returns "A, B`last`C": the names of the formats for which `chosen` is true, each once.
+/// Returns the names of the formats for which `chosen` is true, each once, as "A, B`last`C".
 template <class Chosen>
 std::string names_of(Chosen chosen, std::string_view last) {
   std::vector<std::string_view> names;
@@ -165,7 +165,7 @@ std::string names_asked_for(std::string_view separator) {
   return names;
 }
 
-/// The binary formats that are read, for refuse_foreign_format().
+/// Returns the names of the formats with a signature that are read, for refuse_foreign_format().
 std::string formats_with_signature() {
   return names_of([](const Format& f) { return is_read_as_points(f) && f.is; }, " nor ");
 }
@@ -282,7 +282,7 @@ std::unique_ptr<Reader> open_reader(const std::filesystem::path& named, std::str
   const std::filesystem::path path = known_place(named);
   require_format_asked_for(format_name);
   if (chooses_levels(format_name)) return with_chosen_levels(open_reader(path), format_name);
-  const InputFile file(path);  // open until the reader has opened it
+  const InputFile file(path);  // stays open until the reader has opened the path
   const std::string head = head_of(path, file);
   if (const Format* const asked = format_asked_for(format_name); asked != nullptr && !names_another(path, *asked))
     return asked->open(path);

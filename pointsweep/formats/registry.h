@@ -18,7 +18,7 @@ std::span<const Format* const> formats();
 /// PLY as "-" and text as "-.csv".
 const Format* format_of_output(const std::filesystem::path& path);
 
-/// The format of arrays.
+/// Returns the format of arrays, NPY.
 const Format& array_format();
 
 }  // namespace pointsweep

@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-/// "b.las" or "b.las and 3 other inputs".
+/// Returns "b.las" or "b.las and 3 other inputs".
 std::string names_of(const std::vector<const FileInfo*>& files) {
   const std::string first = files.front()->path.string();
   if (files.size() == 1) return first;
@@ -41,7 +41,7 @@ CommonCrs stated_crs(const std::vector<std::shared_ptr<Reader>>& readers, const 
     const FileInfo& info = reader->info();
     if (!info.crs) continue;
     if (stated.crs && compare(*stated.crs, *info.crs) == CrsAgreement::same) {
-      common.crs = info.crs;  // may state more than a code
+      common.crs = info.crs;  // the input may state more than a code
       if (common.crs->wkt.empty()) common.crs->wkt = stated.crs->wkt;
       continue;
     }

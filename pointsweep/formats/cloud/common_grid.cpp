@@ -11,7 +11,8 @@
 namespace pointsweep {
 namespace {
 
-/// A middle offset is a multiple of this many steps, so that it is a round number.
+/// The distance of a middle offset from the offset of the first input is a multiple of this many steps, so that the
+/// offset has few digits.
 constexpr double kRoundSteps = 1000;
 
 bool is_grid(const Field& field) {
@@ -24,7 +25,7 @@ struct AxisOfInput {
   double lo, hi;  ///< bounds of the real coordinates in the header; lo > hi if there are none
 };
 
-/// Returns the number of steps of `scale` in one step of `coarse`; nothing if it is not whole.
+/// Returns the number of steps of `scale` in one step of `coarse`; nothing unless it is a whole number from 1 to 2^30.
 std::optional<std::int64_t> factor_between(double coarse, double scale) {
   const double ratio = coarse / scale, factor = std::nearbyint(ratio);
   const bool whole = std::abs(ratio - factor) <= 4 * std::numeric_limits<double>::epsilon() * ratio;
@@ -32,8 +33,8 @@ std::optional<std::int64_t> factor_between(double coarse, double scale) {
   return static_cast<std::int64_t>(factor);
 }
 
-/// Returns the number of whole steps from the grid of `input` to a grid that begins at `offset`; nothing if the
-/// coordinates would not fit in 32 bits there.
+/// Returns the number of steps from `offset` to the offset of `input`; nothing if it is not whole, or if the
+/// coordinates would not fit in 32 bits on the grid of `scale` and `offset`.
 std::optional<std::int64_t> steps_between(const AxisOfInput& input, double scale, double offset) {
   if (input.field.scale == scale && input.field.bias == offset) return 0;
   const double distance = (input.field.bias - offset) / scale, steps = std::nearbyint(distance);

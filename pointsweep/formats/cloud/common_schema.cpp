@@ -152,14 +152,16 @@ bool has_field(const Schema& schema, const std::string& name) {
 /// Returns whether `name` is a flag for which point formats 0 to 5 of LAS have no bits. There the flag counts as 0.
 bool is_flag_of_las14(std::string_view name) { return name == "overlap" || name == "scanner_channel"; }
 
-/// Points that have neither number get 1 for both (MissingFields).
+/// Returns whether `field` is a return number or number of returns and the input has neither. Its points get 1 for both
+/// (MissingFields).
 bool is_return_number(const Field& field, const Schema& input) {
   const std::string name = library_name_of(field.name);
   const bool has_any = input.find("return_number") || input.find("number_of_returns");
   return (name == "return_number" || name == "number_of_returns") && !has_any;
 }
 
-/// "b.las: has no red, green and blue, which a.las has; they are 0 for its points." `schemas` use the names of `all`.
+/// Returns "b.las: has no 'nir', which a.las has; it is 0 for its points."; empty if nothing is missing. `schemas` use
+/// the names of `all`.
 std::string what_is_missing(const Readers& readers, const std::vector<Schema>& schemas, std::size_t input,
                             const Schema& all) {
   std::string names;

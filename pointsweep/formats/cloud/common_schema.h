@@ -27,7 +27,7 @@ struct GridShift {
   bool is_needed() const {
     return steps != std::array<std::int64_t, 3>{} || factors != std::array<std::int64_t, 3>{1, 1, 1};
   }
-  /// Throws Error naming `path` if a coordinate leaves the 32 bits.
+  /// Moves the coordinates of all records. Throws Error with `path` if a coordinate does not fit in 32 bits.
   void run(std::span<std::byte> records, std::size_t stride, const std::filesystem::path& path) const;
 };
 
@@ -37,14 +37,15 @@ struct CommonGrid {
 };
 
 /// Returns the grid of the finest scale on which every coordinate of every input lies, if there is one. Its conditions:
-/// all x, y and z are scaled int32, each scale is a whole multiple of the finest, offsets differ by whole steps of it,
-/// and the bounds in the headers stay within 32 bits. The offset of each axis is that of the first input for which the
-/// bounds fit; if there is none, it lies in the middle of all bounds, whole steps away from the first input's.
+/// all x, y and z are scaled int32, each scale is a whole multiple of the finest, offsets differ by whole steps of the
+/// finest scale, and the bounds in the headers stay within 32 bits. The offset of each axis is that of the first input
+/// for which the bounds fit. If they fit for no input, the offset lies in the middle of all bounds, whole steps away
+/// from the offset of the first input.
 std::optional<CommonGrid> common_grid(const std::vector<std::shared_ptr<Reader>>& readers);
 
 /// The values other than 0 of fields that an input lacks and other inputs have. Points without return numbers are
 /// return 1 of 1, as LAS requires. Points of LAS point formats 0 to 5 in the overlap of flight lines have class 12;
-/// together with inputs of formats 6 to 10 they also get the overlap flag of these, and keep their class.
+/// together with inputs of formats 6 to 10 they also get the overlap flag of formats 6 to 10, and keep their class.
 class MissingFields {
  public:
   MissingFields() = default;
@@ -63,7 +64,7 @@ class MissingFields {
 /// The steps that turn a record of one input into a record of the cloud: shift, then conversion, then completion.
 struct InputMapping {
   GridShift shift;
-  std::shared_ptr<const RecordConversion> conversion;  ///< null where the layout is the same
+  std::shared_ptr<const RecordConversion> conversion;  ///< null if the input has the layout of the cloud
   MissingFields missing = {};
 };
 
@@ -71,12 +72,13 @@ struct CommonSchema {
   Schema schema;
   std::vector<InputMapping> mappings;  ///< one for each input
   std::vector<ValueRange> ranges;      ///< range of the values of each field that the types of the inputs allow
-  /// One sentence for each input that lacks fields of another one, at most five.
+  /// One sentence for each input that lacks fields of another input, after five of them one sentence about all others,
+  /// and one sentence about inputs whose 8-bit colours become 16-bit colours.
   std::vector<std::string> warnings;
 };
 
 /// Returns the schema that class InputCloud documents. Names with the same meaning (`nx`, `NormalX`) are one field,
-/// under the first of these names.
+/// under the name that comes first.
 CommonSchema common_schema(const std::vector<std::shared_ptr<Reader>>& readers);
 
 /// One coordinate reference system for several inputs.
@@ -85,14 +87,15 @@ struct CommonCrs {
                                       ///< input
   std::vector<std::string> warnings;  ///< about inputs without a system, and systems that could not be compared or
                                       ///< differ
-  bool replaces = false;              ///< an input states another system, which is ignored
+  bool replaces = false;              ///< true if an input states another system, which is ignored
 };
 
-/// Throws UsageError for inputs with different systems. With `ignore` there is a warning instead, and coordinates stay
-/// unchanged.
+/// Returns the system of the inputs. Throws UsageError for inputs with different systems. With `ignore` there is a
+/// warning instead, and coordinates stay unchanged.
 CommonCrs common_crs(const std::vector<std::shared_ptr<Reader>>& readers, bool ignore);
 
-/// Returns the system that the user states. Throws UsageError if an input states another one, unless it replaces that.
+/// Returns the system that the user states. Throws UsageError if an input states another system, unless
+/// StatedCrs::replaces is set.
 CommonCrs stated_crs(const std::vector<std::shared_ptr<Reader>>& readers, const StatedCrs& stated);
 
 /// Returns ", e.g. by 'pdal translate ...'": a command that transforms a file to the system; empty without an EPSG

@@ -33,7 +33,7 @@ ReadInputRows reading_by(Reader& reader) {
   return [&reader](std::uint64_t row, std::span<std::byte> records) { return reader.read(row, records); };
 }
 
-/// Calls `use(i)` for every record of a block that is not finite.
+/// Calls `use(i)` for every record of a block that is not finite, and extends `bounds` by all other points.
 template <class Use>
 void for_each_nonfinite_record(const PositionFields& position, std::span<const std::byte> records, std::size_t stride,
                                Box& bounds, Use use) {
@@ -54,12 +54,12 @@ bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path) {
   return can_be_nonfinite(p.x) || can_be_nonfinite(p.y) || can_be_nonfinite(p.z);
 }
 
-/// Successive blocks of an input that one thread reads, with its results.
+/// Successive blocks of an input that one thread reads, with their finite and nonfinite rows.
 struct FiniteRowIndex::Piece {
   std::uint64_t first, end;           ///< rows
-  std::vector<std::uint64_t> finite;  ///< rows of each block
-  std::vector<std::uint64_t> others;  ///< the first of the rows that are not finite
-  std::uint64_t count = 0;            ///< number of finite rows in them
+  std::vector<std::uint64_t> finite;  ///< number of finite rows in each block
+  std::vector<std::uint64_t> others;  ///< the first nonfinite rows, at most kMostListed
+  std::uint64_t count = 0;            ///< number of nonfinite rows
   Box bounds;
 };
 
@@ -93,7 +93,7 @@ FiniteRowIndex::FiniteRowIndex(Reader& reader, std::uint64_t first_row, Nonfinit
   }
 }
 
-/// Returns the end of the blocks from `row` on that one thread reads: those that begin in the same chunk.
+/// Returns the row after the blocks from `row` on that one thread reads: the blocks that begin in the chunk of `row`.
 std::uint64_t FiniteRowIndex::end_of_piece(const Reader& reader, std::uint64_t row) const {
   constexpr std::uint64_t kBlocks = 4;  // for inputs that may be split at any row, or that one thread reads
   if (!reader.has_decoders() || reader.decodes_any_range()) return std::min(rows_, row + kBlocks * kBlock);
@@ -187,7 +187,7 @@ class FiniteRows::Decoder final : public RowDecoder {
   ReadInputRows read_;
   std::size_t loaded_ = std::numeric_limits<std::size_t>::max();  ///< block whose finite rows `block_` holds
   std::vector<std::byte> block_;
-  std::vector<std::size_t> gaps_;  ///< records of that block that are left out, ascending
+  std::vector<std::size_t> gaps_;  ///< records of block `loaded_` that are left out, ascending
 };
 
 FiniteRows::FiniteRows(std::shared_ptr<Reader> all, FiniteRowIndex index)

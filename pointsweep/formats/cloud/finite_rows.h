@@ -22,7 +22,7 @@ namespace pointsweep {
 struct NonfiniteRows {
   static constexpr std::size_t kMostListed = 1000;
   std::uint64_t count = 0;
-  std::vector<std::uint64_t> rows;  ///< the first of them, ascending, at most kMostListed
+  std::vector<std::uint64_t> rows;  ///< the first nonfinite rows, ascending, at most kMostListed
   std::string first;                ///< "row 17 of scan.ply"; empty if there are none
   Box bounds;                       ///< bounds of all other points
 };
@@ -45,7 +45,7 @@ class FiniteRowIndex {
   bool has_all() const { return count() == rows_; }
 
   std::size_t blocks() const { return before_.size() - 1; }
-  /// Returns the block that holds finite row `row`.
+  /// Returns the block that holds the finite row `row`.
   std::size_t block_of(std::uint64_t row) const;
   std::uint64_t before(std::size_t block) const { return before_[block]; }
   std::uint64_t rows_in(std::size_t block) const { return std::min(kBlock, rows_ - block * kBlock); }
@@ -57,7 +57,7 @@ class FiniteRowIndex {
   static void look_at(const FileInfo& info, const ReadInputRows& read, Piece& piece);
 
   std::uint64_t rows_;
-  std::vector<std::uint64_t> before_;  ///< for each block, and one more at the end
+  std::vector<std::uint64_t> before_;  ///< finite rows before each block, and in total
 };
 
 /// The finite rows of an input: row i is the i-th finite row of `all`.
@@ -73,7 +73,7 @@ class FiniteRows final : public Reader {
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted) const override;
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
   void rest() override { all_->rest(); }
-  /// Returns the row of the input that is finite row `row`.
+  /// Returns the row in the input of the finite row `row`.
   std::uint64_t input_row(std::uint64_t row);
 
  private:

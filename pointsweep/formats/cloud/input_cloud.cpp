@@ -25,7 +25,7 @@ bool decodes_side_by_side(const std::shared_ptr<Reader>& reader) {
   return reader->info().count == 0 || reader->decodes_any_range() || reader->chunk_of(0).rows <= kLongestChunk;
 }
 
-/// Calls work(i) for all inputs, for many at once where they are in the network.
+/// Calls work(i) for all inputs; for many at once if `is_remote`, since each call then waits for the network.
 void for_each_input(std::size_t count, bool is_remote, const std::function<void(std::size_t i)>& work) {
   if (is_remote) return for_each_waiting(count, work);
   for (std::size_t i = 0; i < count; ++i) work(i);
@@ -94,7 +94,7 @@ void InputCloud::begin(CloudOptions options) {
   take_common_schema();
   warnings_.insert(warnings_.end(), missing_attributes_.begin(), missing_attributes_.end());
   const PositionFields p = position_fields(schema_, readers_.front()->info().path.string());
-  if (las && p.x.type == Type::i32)  // inputs share a grid, whose offset may differ
+  if (las && p.x.type == Type::i32)  // the common grid of the inputs may have another offset
     las->grid = {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
   if (las) las_ = std::make_shared<const LasOrigin>(*las);
   count_rows();
@@ -274,7 +274,7 @@ class InputCloud::Decoder final : public RowDecoder {
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
     const auto read_rows = [this](std::size_t input, std::uint64_t first, std::span<std::byte> bytes) {
       if (!decoder_ || input != input_) {
-        // If records are converted, field numbers of the input differ.
+        // If records are converted, the field numbers of the input differ from the numbers in `wanted_`.
         const bool all = (*cloud_.mappings_)[input].conversion != nullptr;
         decoder_ = cloud_.readers_[input]->decoder(all ? WantedFields{} : wanted_);
         input_ = input;

@@ -26,9 +26,9 @@
 namespace pointsweep {
 
 /// The inputs of a run as one cloud; class Cloud documents its schema. LAS integers are kept if all lie on one grid
-/// (common_schema.h). Class MissingFields has the values of fields that an input lacks. Only read() changes an object,
-/// and that only its reading state. Clouds with other rows or fields of the same inputs are made by numbered(),
-/// with_chunks(), finite(), read_by() and selected(), in this order; they share the readers.
+/// (common_schema.h). Class MissingFields has the values of fields that an input lacks. Only read(), place_of_row() and
+/// input_row() change an object, and only its reading state. Clouds with other rows or fields of the same inputs are
+/// made by numbered(), with_chunks(), finite(), read_by() and selected(), in this order; they share the readers.
 class InputCloud {
  public:
   explicit InputCloud(const std::vector<std::filesystem::path>& paths, CloudOptions options = {});
@@ -39,28 +39,29 @@ class InputCloud {
   /// Returns the number of rows of all inputs, or of the selected rows.
   std::uint64_t count() const { return selection_ ? selection_->count() : count_; }
   const std::vector<std::shared_ptr<Reader>>& readers() const { return readers_; }
-  /// Extras of the first input.
+  /// Returns the extras of the first input; null if it has none.
   std::shared_ptr<const FormatExtras> extras() const;
-  /// Returns the extras of the inputs after the first; one for neighbouring inputs that are alike (OutputPlan).
+  /// Returns the extras of the inputs after the first, without extras that are like earlier ones (OutputPlan).
   std::vector<std::shared_ptr<const FormatExtras>> other_extras() const;
   /// Returns the coordinate reference system that the user states, or else that of the first input that states one.
   const std::optional<Crs>& crs() const { return crs_; }
-  /// CloudOptions::crs
+  /// Returns CloudOptions::crs.
   const std::optional<StatedCrs>& stated_crs() const { return stated_crs_; }
   /// Returns whether crs() counts in place of another system that an input states.
   bool replaces_crs() const { return replaces_crs_; }
   /// Returns whether inputs may have different coordinate reference systems.
   bool ignores_crs() const { return ignores_crs_; }
-  /// The meaning of coordinates and times of inputs that are or were LAS; null if there are no such inputs.
+  /// Returns the meaning of coordinates and times of inputs that are or were LAS; null if there are no such inputs.
   const std::shared_ptr<const LasOrigin>& las() const { return las_; }
   /// Returns the range of each field that the types of the inputs allow.
   const std::vector<ValueRange>& ranges() const { return ranges_; }
-  /// Harmless faults in the combination of inputs, one sentence each. Faults of a single input are in its FileInfo.
+  /// Returns sentences about harmless faults in the combination of inputs. Faults of a single input are in its
+  /// FileInfo.
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// Returns the warnings about inputs that lack attributes of other inputs.
   const std::vector<std::string>& missing_attributes() const { return missing_attributes_; }
-  /// Appends stated boxes of the points of all rows, ascending: boxes of chunks if a file states them, else of whole
-  /// files. Returns the first input with points that states none, or null.
+  /// Appends the stated boxes of the points of all rows, ascending: boxes of chunks if a file states them, else the box
+  /// of the whole file. Returns the first input with points that states no box, or null.
   const Reader* stated_boxes(std::vector<RowBox>& boxes) const;
   /// Returns the bytes of all input files.
   std::uint64_t bytes() const;
@@ -81,7 +82,7 @@ class InputCloud {
   std::pair<std::size_t, std::uint64_t> place_of_row(std::uint64_t row);
   /// Returns the first row of each input, and last the number of all rows.
   std::vector<std::uint64_t> first_rows() const;
-  /// Returns the number of row `row`, counting dropped rows. Not thread-safe.
+  /// Returns the number of row `row` among the rows of all inputs, counting dropped rows. Not thread-safe.
   std::uint64_t input_row(std::uint64_t row);
 
   /// Returns the selection; null if no rows are selected.
@@ -93,9 +94,9 @@ class InputCloud {
   /// Returns the cloud with the number of the row in the inputs, counting rows that are dropped later, in each record
   /// as its last field (input_row.h). The first row has the number `first`.
   InputCloud numbered(std::uint64_t first = 0) const;
-  /// Returns the cloud without the rows with NaN or infinite coordinates, and these rows in their old numbers; their
-  /// bounds are absent if some input was not read. Reads every input that can have such rows once; `progress` is called
-  /// with the number of rows read.
+  /// Returns the cloud without the rows with NaN or infinite coordinates, and the dropped rows by their old numbers.
+  /// NonfiniteRows::bounds is empty if an input with points was not read. Reads every input that can have such rows
+  /// once; `progress` is called with the number of rows read.
   std::pair<InputCloud, NonfiniteRows> finite(const std::function<void(std::uint64_t rows)>& progress = {}) const;
   /// Returns the cloud that reads the same records by other readers, one for each input.
   InputCloud read_by(std::vector<std::shared_ptr<Reader>> readers) const;
@@ -103,7 +104,7 @@ class InputCloud {
   /// cloud, those included that selection() leaves out.
   InputCloud selected(RowSelection selection) const;
 
-  /// The state of each input before it was opened.
+  /// Returns the state of each input before it was opened.
   const std::vector<FileState>& states() const { return *states_; }
   /// Throws Error if an input has changed since it was opened: the data read may be a mixture of old and new.
   void require_unchanged() const;
@@ -116,7 +117,7 @@ class InputCloud {
   void count_rows();
   std::size_t input_of(std::uint64_t row) const;
   class Decoder;
-  /// Reads rows of an input, which has at least one more.
+  /// A function that reads rows of an input. The input has at least one row from `row` on.
   using ReadInput = std::function<std::size_t(std::size_t input, std::uint64_t row, std::span<std::byte> records)>;
   /// The state of reading rows one after another. A copy has no state yet.
   struct Reading {
@@ -136,10 +137,11 @@ class InputCloud {
   std::size_t read_input(const ReadInput& read, std::vector<std::byte>& scratch, std::size_t input, std::uint64_t row,
                          std::span<std::byte> records) const;
 
-  // What takes memory for each input is shared by all clouds over the same inputs.
+  // Clouds over the same inputs share states_, mappings_ and the readers, which take memory for each input.
   std::shared_ptr<const std::vector<FileState>> states_;  ///< states of the inputs before they were opened
   std::vector<std::shared_ptr<Reader>> readers_;
-  /// The readers that know rows of each input by other numbers; null if the input has none, empty if no input has one.
+  /// The readers of a part of the rows of each input, which know the old row numbers; null if the input has no such
+  /// reader, empty if no input has one.
   std::vector<std::shared_ptr<const ChosenChunks>> chosen_;
   std::vector<std::shared_ptr<FiniteRows>> finite_;
   std::vector<std::uint64_t> first_row_;
@@ -152,12 +154,12 @@ class InputCloud {
   std::shared_ptr<const LasOrigin> las_;
   std::vector<ValueRange> ranges_;
   std::vector<std::string> warnings_, missing_attributes_;
-  std::uint64_t count_ = 0;  ///< before the selection
+  std::uint64_t count_ = 0;  ///< number of rows before the selection
   std::shared_ptr<const RowSelection> selection_;
 };
 
-/// Opens the files that a path, a folder or a pattern means (files.h) as one cloud. `ignore_crs`: they may have
-/// different coordinate reference systems.
+/// Opens the files that a path, a folder or a pattern means (files.h) as one cloud. With `ignore_crs`, the files may
+/// have different coordinate reference systems.
 std::unique_ptr<InputCloud> opened_cloud(const std::string& name, bool ignore_crs);
 
 }  // namespace pointsweep

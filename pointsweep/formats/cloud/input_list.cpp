@@ -121,7 +121,7 @@ ArgumentKind kind_of(const fs::path& path) {
   return is_virtual_cloud(path) ? ArgumentKind::virtual_cloud : ArgumentKind::file;
 }
 
-/// Returns `path` relative to `folder`, with which it begins.
+/// Returns the rest of `path` after `folder`, with which `path` begins.
 fs::path below(const fs::path& folder, const fs::path& path) {
   return folder.empty() ? path : path.lexically_relative(folder);
 }
@@ -205,8 +205,7 @@ class Lister {
            std::ranges::min(files).string());
   }
 
-  /// Adds those of `files` that are point files, and a notice about the others. Returns false if there are no point
-  /// files.
+  /// Adds the point files among `files`, and a notice about the other files. Returns false if there are no point files.
   bool add_point_files(const fs::path& named, const fs::path& folder, const std::vector<fs::path>& files) {
     std::vector<std::pair<std::string, fs::path>> ordered;
     for (const fs::path& file : files) ordered.emplace_back(below(folder, file).generic_string(), file);
@@ -250,7 +249,7 @@ class Lister {
   bool recursive_;
   std::string format_;  ///< value of --format
   InputList out_;
-  std::size_t checked_ = 0;  ///< files of the list
+  std::size_t checked_ = 0;  ///< number of listed files that are checked
   std::map<Identity, Seen> seen_;
 };
 

@@ -47,7 +47,7 @@ bool SelectionCursor::has(std::uint64_t row) {
   return is_set(bits_, row % RowSelection::kBlockRows);
 }
 
-/// Returns the place in its block of the `kept`-th kept row, counted from 0.
+/// Returns the row within `block` of the `kept`-th kept row of the block; both count from 0.
 std::uint64_t SelectionCursor::place_in_block(std::uint64_t block, std::uint64_t kept) {
   load_bits(block);
   std::uint64_t i = 0;

@@ -10,15 +10,15 @@
 
 namespace pointsweep {
 
-/// One bit for each row, in blocks that are read when needed. 8 bytes of memory for 4,096 rows. Many threads may use
-/// it, each with a SelectionCursor.
+/// One bit for each row, in blocks that are read when needed. 8 bytes of memory for 4,096 rows. Many threads may use a
+/// selection, each with a SelectionCursor.
 class RowSelection {
  public:
   static constexpr std::uint64_t kBlockRows = 4096;
   static constexpr std::size_t kBlockBytes = kBlockRows / 8;
 
   /// `read(block, bits)` fills `bits`, kBlockBytes, with the bits of a block: bit i % 8 of byte i / 8 is set if its row
-  /// i is kept. It is called for every block now, and later from any thread.
+  /// i is kept. The constructor calls `read` for every block; later, any thread may call it.
   RowSelection(std::uint64_t rows, std::function<void(std::uint64_t block, std::span<std::byte> bits)> read);
 
   std::uint64_t rows() const { return rows_; }            ///< number of rows of the whole cloud
@@ -43,13 +43,14 @@ class SelectionCursor {
 
   /// Returns whether row `row` of the whole cloud is kept.
   bool has(std::uint64_t row);
-  /// Returns the row of the whole cloud that is kept row `kept`.
+  /// Returns the row in the whole cloud of the kept row `kept`.
   std::uint64_t row_of(std::uint64_t kept);
   /// Returns how many rows before row `row` of the whole cloud are kept. `row` may be the end.
   std::uint64_t kept_before(std::uint64_t row);
 
   /// Reads kept rows: as many whole records of `stride` bytes from kept row `first` on as fit. `read_all(row, records)`
-  /// fills `records` with rows of the whole cloud; it is called only for rows between the first and the last of them.
+  /// fills `records` with rows of the whole cloud; it is called only for rows between the first and the last kept row
+  /// that is read.
   using ReadAll = std::function<void(std::uint64_t row, std::span<std::byte> records)>;
   std::size_t read(std::uint64_t first, std::size_t stride, std::span<std::byte> records, const ReadAll& read_all);
 

@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kReadBytes = 64 << 10;  // for each thread that reads
+constexpr std::size_t kReadBytes = 64 << 10;  // bytes of a read; each reading thread has a buffer of this size
 constexpr std::size_t kLongestLine = 1 << 20;
 
 std::string_view without_carriage_return(const std::byte* text, std::size_t size) {
@@ -46,7 +46,7 @@ void LineReader::jump(std::uint64_t offset, std::uint64_t line) {
   next_line_ = line;
 }
 
-/// Appends a block to the unread bytes; false at the end of the file.
+/// Appends a block to the unread bytes. Returns false at the end of the file.
 bool LineReader::read_more() {
   const std::size_t unread = end_ - at_;
   if (unread > kLongestLine) {

@@ -33,7 +33,7 @@ class LineReader {
 
   const InputFile* file_;
   std::vector<std::byte> block_;
-  std::size_t at_ = 0, end_ = 0;  ///< the unread bytes of the block
+  std::size_t at_ = 0, end_ = 0;  ///< range of the unread bytes in the block
   std::uint64_t block_offset_ = 0;
   std::uint64_t next_line_ = 1;
 };

@@ -12,8 +12,8 @@
 
 namespace pointsweep {
 
-/// Counts the lines that hold values, and keeps the place of each 16,384th. Several threads can read between these
-/// places side by side, and a jump reads at most 16,384 lines again.
+/// Counts the rows, that is, the lines that hold values, and keeps the place of every 16,384th row. Several threads can
+/// read between these places side by side, and a jump reads at most 16,384 rows again.
 class RowLines {
  public:
   using IsRow = bool (*)(std::string_view line);
@@ -22,7 +22,8 @@ class RowLines {
   };
   static constexpr std::uint64_t kRowsPerPlace = 16384;
 
-  /// Called once for each line that is no row, with the number of the line and the number of rows before it.
+  /// A function that is called once for each line that is no row, with the number of the line and the number of rows
+  /// before it.
   using UseOther = std::function<void(std::string_view line, std::uint64_t number, std::uint64_t rows)>;
 
   /// Counts the rows from the position of `lines` on, and stops after `most` rows.
@@ -31,9 +32,9 @@ class RowLines {
   std::uint64_t count() const { return count_; }
   const InputFile& file() const { return *file_; }
   bool is_row(std::string_view line) const { return is_row_(line); }
-  /// Returns a place at or before the begin of row i * kRowsPerPlace < count(); lines between them are no rows.
+  /// Returns the place of row i * kRowsPerPlace < count().
   const Place& place(std::uint64_t i) const { return places_[i]; }
-  /// Range of bytes of the rows from place i to the next place.
+  /// Return the range of bytes, [begin_of(i), end_of(i)), of the rows from place i to the next place.
   std::uint64_t begin_of(std::uint64_t i) const { return places_[i].offset; }
   std::uint64_t end_of(std::uint64_t i) const { return i + 1 < places_.size() ? places_[i + 1].offset : end_; }
 
@@ -48,10 +49,10 @@ class RowLines {
 /// Reads rows by number for one thread.
 class RowCursor {
  public:
-  /// `rows` must outlive it.
+  /// `rows` must outlive the cursor.
   explicit RowCursor(const RowLines& rows) : rows_(&rows), lines_(rows.file()), next_row_(rows.count()) {}
 
-  /// Returns the line of row `row` < count(), valid until the next call. The row after the last returned row is quick.
+  /// Returns the line of row `row` < count(), valid until the next call. Fast for the row after the row returned last.
   /// Throws if the file has changed.
   std::string_view at(std::uint64_t row);
   /// Frees the buffer until the next call of at().
@@ -65,7 +66,7 @@ class RowCursor {
 
   const RowLines* rows_;
   LineReader lines_;
-  std::uint64_t next_row_;  ///< row that the next line holds; count(): unknown, at() searches from a place
+  std::uint64_t next_row_;  ///< row in the next line; count() if it is unknown, so that at() searches from a place
 };
 
 }  // namespace pointsweep

@@ -32,18 +32,18 @@ class ColumnsReader : public Reader {
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const override;
 
  protected:
-  /// Sets the columns, after info_.schema and info_.count. The caller has checked that the file has the bytes of all
-  /// rows. `big_endian`: the fields with big-endian values.
+  /// Sets the columns. info_.schema and info_.count must be set before. The caller has checked that the file has the
+  /// bytes of all rows. `big_endian`: the fields with big-endian values.
   void has_columns(std::shared_ptr<const InputFile> file, std::vector<StoredColumn> columns,
                    std::vector<Field> big_endian = {});
-  /// For files with whole records one after another, row 0 at byte `first`.
+  /// Sets the columns of a file with whole records one after another, row 0 at byte `first`.
   void has_records(std::shared_ptr<const InputFile> file, std::uint64_t first, std::vector<Field> big_endian = {}) {
     has_columns(std::move(file), {{first, info_.schema.stride, 0}}, std::move(big_endian));
   }
 
  private:
   class Decoder;
-  /// Returns whether the values of a row in the column are its record.
+  /// Returns whether the column holds whole records.
   bool is_record(const StoredColumn& column) const { return column.bytes == info_.schema.stride; }
 
   std::shared_ptr<const InputFile> file_;

@@ -27,21 +27,21 @@ class RecordWriter : public Writer {
  protected:
   RecordWriter(const OutputPlan& plan, std::string_view header, const Schema& stored);
 
-  /// Called with every block of input records before it is stored, from row `row` on; may throw.
+  /// Checks a block of input records, whose first row is `row`, before it is stored. May throw.
   virtual void check(std::uint64_t row, std::span<const std::byte> records) { (void)row, (void)records; }
   const OutputPlan& plan() const { return plan_; }
 
  private:
-  void write_header();  ///< once, so that an error before the first record leaves standard output empty
+  void write_header();  ///< waits for the first record, so that an earlier error leaves standard output empty
 
   OutputPlan plan_;
   OutputFile file_;
-  std::string header_;  ///< until it is written
+  std::string header_;  ///< empty after it is written
   std::uint64_t header_bytes_;
   std::uint32_t stored_stride_;
   RecordConversion conversion_;
-  std::vector<std::vector<std::byte>> converted_;  ///< for each thread
-  std::uint64_t rows_written_ = 0;                 ///< by write() and write_at() together
+  std::vector<std::vector<std::byte>> converted_;  ///< converted records of each thread
+  std::uint64_t rows_written_ = 0;                 ///< rows written by write() and write_at() together
 };
 
 }  // namespace pointsweep

@@ -13,16 +13,16 @@
 
 namespace pointsweep {
 
-/// Passes records to several writers in the background. The next call throws their errors.
+/// Passes records to several writers in the background. The next call throws the errors of the writers.
 class WriteBehind {
  public:
   void add(std::unique_ptr<Writer> writer) { writers_.push_back(std::move(writer)); }
   bool empty() const { return writers_.empty(); }
   const std::vector<std::unique_ptr<Writer>>& writers() const { return writers_; }
 
-  /// Appends whole records: waits for the previous ones, takes these, and returns memory for the next in their place.
+  /// Waits until the previous records are written, then takes whole records and leaves a used buffer in `records`.
   void write(std::vector<std::byte>& records);
-  /// Returns when everything is written that has come.
+  /// Waits until all records are written.
   void wait();
   /// Completes the files and gives them their names.
   void finish();
