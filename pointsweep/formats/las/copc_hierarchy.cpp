@@ -41,7 +41,7 @@ class Hierarchy {
         points_(points),
         nodes_{std::vector<Box>(points.chunks()), std::vector<int>(points.chunks()), info.spacing} {}
 
-  /// Returns an empty text, or why the hierarchy cannot be used.
+  /// Reads all pages. Returns an empty text, or the reason why the hierarchy cannot be used.
   std::string read() {
     const Vec3 half{info_.half_size, info_.half_size, info_.half_size};
     const bool is_cube = info_.half_size > 0 && is_finite(info_.center - half) && is_finite(info_.center + half);
@@ -65,7 +65,7 @@ class Hierarchy {
   void read_page(std::uint64_t offset, std::uint64_t bytes) {
     if (bytes == 0 || bytes % kCopcEntryBytes != 0 || offset > file_.size() || bytes > file_.size() - offset)
       return refuse(fmt::format("{} bytes at byte {} are no page of it", bytes, offset));
-    // Overlapping pages could otherwise be read very often.
+    // Without this check, overlapping pages could be read very often.
     if (!seen_.insert(offset).second || bytes > file_.size() - read_)
       return refuse(fmt::format("it leads to the page at byte {} more than once", offset));
     read_ += bytes;

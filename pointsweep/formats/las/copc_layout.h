@@ -39,12 +39,12 @@ struct CopcNode {
   std::uint32_t bytes = 0, points = 0;
 };
 
-/// Returns the content of the hierarchy record: one page, nodes ordered by depth, then along the curve. Missing
+/// Returns the content of the hierarchy record: one page, nodes ordered by depth, then along the Morton curve. Missing
 /// ancestors of the nodes are added as empty nodes.
 std::vector<std::byte> copc_hierarchy_bytes(std::vector<CopcNode> nodes);
 
-/// Returns the layout with a point format that COPC allows: the stated one, else 8 if there is near infrared, 7 if
-/// there are colours, else 6. Throws UsageError for a stated format or version that COPC does not allow.
+/// Returns the layout with a point format that COPC allows: the stated point format, else 8 if there is near infrared,
+/// 7 if there are colours, else 6. Throws UsageError for a stated format or version that COPC does not allow.
 FileLayout copc_file_layout(const Schema& schema, FileLayout layout, const std::string& path);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The nodes of a COPC file, made of points in Morton order: each becomes a chunk.
+/// The nodes of a COPC file, made of points in Morton order. Each node becomes a chunk.
 #pragma once
 
 #include <array>
@@ -24,8 +24,8 @@ struct TimeRange {
 };
 
 /// Collects the points of nodes. One node of each depth is open at a time, since the points of a node are consecutive
-/// on the curve. The points of a node are compressed in the order of their GPS times, points of equal time in the order
-/// of the curve. The threads compress several nodes at once.
+/// on the Morton curve. The points of a node are compressed in the order of their GPS times, points of equal time in
+/// the order of the curve. The threads compress several nodes at once.
 class CopcNodes {
  public:
   /// `memory_bytes`: memory for the points of complete nodes that wait to be compressed. `most_node_bytes`: largest
@@ -41,7 +41,7 @@ class CopcNodes {
 
   using Put = std::function<void(std::uint64_t at, std::span<const std::byte> bytes)>;
   /// Must be called after the last point. Puts the chunks of all nodes, by depth, then along the curve, from byte `at`
-  /// on. Returns the nodes in that order.
+  /// on. Returns the nodes in the order of their chunks.
   std::vector<CopcNode> finish(std::uint64_t at, const Put& put);
 
  private:

@@ -30,7 +30,8 @@ constexpr std::uint64_t kUsefulBytes = 96 << 20;
 /// Number of copies of a node that are in memory while the node is sorted and compressed.
 constexpr std::uint64_t kCopiesOfNode = 3, kAnyNumberOfBytes = ~std::uint64_t{0};
 
-/// Returns the memory that a writer of `bytes` bytes of records uses, at most `memory`; more would not make it faster.
+/// Returns the memory that a writer of `bytes` bytes of records uses: at most `memory`, if that is not less than the
+/// minimum, and no more than makes the writer faster.
 std::uint64_t useful_memory(std::uint64_t bytes, std::uint64_t memory, unsigned threads) {
   const std::uint64_t least = copc_encoder_bytes(0, threads);
   return std::clamp(memory, least, least + std::max(kUsefulBytes, bytes / 32));
@@ -148,8 +149,9 @@ std::uint64_t copc_encoder_bytes(std::uint64_t, unsigned threads) {
   return kLeastNodeBytes + least_level_bytes(threads);
 }
 
-// Bytes of scratch: the record and its place, the points kept at all depths but the last (at most a third of all) in
-// lists and by number, and the compressed chunk.
+// The scratch holds the record and the grid point of each point; two more grid points and a number for each point that
+// is kept at a depth before the last (at most a third of all points); and the compressed chunks, counted as half of the
+// records.
 std::uint64_t copc_aside_bytes(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                                unsigned threads) {
   constexpr std::uint64_t kPlace = sizeof(GridPoint);

@@ -18,7 +18,7 @@ constexpr std::uint8_t kHasLeast = 1 << 1, kHasMost = 1 << 2, kHasScale = 1 << 3
 struct Descriptor {
   std::uint8_t reserved[2];
   std::uint8_t type;
-  std::uint8_t options;  ///< bits above; for type 0 the number of bytes
+  std::uint8_t options;  ///< kHasLeast, ...; for type 0 the number of bytes
   char name[kLasNameBytes];
   std::uint8_t unused[4];
   std::uint8_t no_data[24], lo[24], hi[24];
@@ -28,7 +28,8 @@ struct Descriptor {
 static_assert(sizeof(Descriptor) == kExtraBytesDescriptor);
 static_assert(offsetof(Descriptor, scale) == 112);
 
-/// The types 1 to 10 of LAS in their order. Types 11 to 20 are pairs of these, and 21 to 30 triples.
+/// The types 1 to 10 of LAS in their order. Types 11 to 20 are pairs of values of types 1 to 10, and types 21 to 30 are
+/// triples.
 constexpr Type kTypes[] = {Type::u8,  Type::i8,  Type::u16, Type::i16, Type::u32,
                            Type::i32, Type::u64, Type::i64, Type::f32, Type::f64};
 

@@ -22,18 +22,19 @@ inline constexpr std::size_t kMaxExtraBytes = 65535 / kExtraBytesDescriptor;
 
 /// Largest number of bytes of an attribute's name.
 inline constexpr std::size_t kLasNameBytes = 32;
-/// Returns the name of an attribute in LAS outputs: NormalX for nx, ..., else its own, cut to kLasNameBytes.
+/// Returns the name of an attribute in LAS outputs: NormalX for nx, ..., else `name`, cut to kLasNameBytes.
 std::string las_dimension_name(const std::string& name);
 
 /// Appends the attributes that `descriptors` (the content of the VLR) describe to `schema`, the fields of the point
 /// format. Types 1 to 10 are one field each, the deprecated arrays 11 to 30 a field of count 2 or 3 (several fields
-/// `name[0]`, ... where scale or offset differ), type 0 is that many uint8. A number is appended to a name that another
-/// field has. Returns nothing on success, else the reason why the VLR does not describe records of `record_length`
-/// bytes; `schema` is then unchanged.
+/// `name[0]`, ... where scale or offset differ), type 0 is a field of as many uint8 as the descriptor states. A number
+/// is appended to a name that another field has. Returns nothing on success, else the reason why the VLR does not
+/// describe records of `record_length` bytes; `schema` is then unchanged.
 std::optional<std::string> append_extra_bytes(std::span<const std::byte> descriptors, std::uint32_t record_length,
                                               Schema& schema);
 
-/// Returns the descriptor of a single value that has the name and the stored form of `field`; none if there is none.
+/// Returns the descriptor of a single value that has the name and the stored form of `field`; none if no descriptor has
+/// both.
 std::optional<std::span<const std::byte>> find_extra_bytes(std::span<const std::byte> descriptors, const Field& field);
 
 /// Returns the description of component `component` of a made attribute, in at most 32 bytes: the beginning of its
@@ -47,9 +48,9 @@ class ExtraBytesVlr {
   /// Continues the VLR that a file already has.
   explicit ExtraBytesVlr(std::span<const std::byte> descriptors) : bytes_(descriptors.begin(), descriptors.end()) {}
 
-  /// Adds a descriptor of `field`. Its name is the usual one of LAS (NormalX for nx, ...) or its own, cut to 32 bytes.
-  /// An older attribute of that name is renamed to `<name>_input`; both stay in the file. A field of several values
-  /// becomes `name[0]`, `name[1]`, ... `description` (at most 32 bytes) states its meaning.
+  /// Adds a descriptor of `field`. The descriptor gets the usual name in LAS (NormalX for nx, ...) or the name of the
+  /// field, cut to 32 bytes. An older attribute of this name is renamed to `<name>_input`; both stay in the file. A
+  /// field of several values becomes `name[0]`, `name[1]`, ... `description` (at most 32 bytes) states its meaning.
   void append(const Field& field, std::string_view description = {});
   /// Adds a copy of `descriptor`, which describes one value of another file, without its smallest and largest value.
   void append_again(std::span<const std::byte> descriptor);

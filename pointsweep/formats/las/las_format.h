@@ -22,7 +22,7 @@ KnownValues las_values(InputCloud& cloud, const FileLayout& layout, const std::f
 /// Returns whether las_values() reads the cloud.
 bool las_values_need_points(const InputCloud& cloud, const FileLayout& layout);
 
-/// Returns the rounding of coordinates to the grid of the output.
+/// Returns the rounding of coordinates to the grid of the output; none if the output stores them unchanged.
 StoredCoordinate las_stored_coordinate(const OutputPlan& plan);
 
 /// Creates a writer. Throws Error, before anything is written, if the points cannot be stored as LAS. Without a LAS
@@ -34,7 +34,7 @@ std::unique_ptr<Writer> create_las_writer(const OutputPlan& plan);
 std::unique_ptr<Writer> create_laz_writer(const OutputPlan& plan);
 
 /// Creates a writer of COPC, that is, LAZ with levels of detail. It stores all points in OutputPlan::scratch, and
-/// writes the file when the last point has come (levels/level_choice.h).
+/// writes the file after the last point (levels/level_choice.h).
 std::unique_ptr<Writer> create_copc_writer(const OutputPlan& plan);
 StoredCoordinate copc_stored_coordinate(const OutputPlan& plan);
 KnownValues copc_values(InputCloud& cloud, const FileLayout& layout,

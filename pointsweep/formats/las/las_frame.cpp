@@ -97,7 +97,7 @@ void LasFrame::put(std::uint64_t at, std::span<const std::byte> bytes) {
   bytes_written_ += bytes.size();
 }
 
-/// Copies a piece of the input to byte `to` of the output and returns the byte after it.
+/// Copies a piece of the input to byte `to` of the output and returns the byte after the copy.
 std::uint64_t LasFrame::copy(const LasPiece& piece, std::uint64_t to) {
   for (std::uint64_t from = piece.begin; from < piece.end;) {
     scratch_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kCopiedAtOnce, piece.end - from)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Code that the writers of LAS and LAZ share: the header, the VLRs and the bytes after the points; the count and
+/// Code that the writers of LAS, LAZ and COPC share: the header, the VLRs and the bytes after the points; the count and
 /// bounds of the points; the encoding of records.
 #pragma once
 
@@ -59,7 +59,7 @@ class LasFrame {
 
   /// Throws Error unless `came` equals the number of points in the plan.
   void require_count(std::uint64_t came) const;
-  /// Returns the number of bytes of the input that follow the points.
+  /// Returns the number of bytes that are copied from the input to the place after the points.
   std::uint64_t tail_bytes() const;
   /// Finishes a file whose points end before byte `points_end`: writes the pieces of the input that follow the points,
   /// then `last`, then the final header, and renames the file to its destination.
@@ -96,8 +96,8 @@ class LasEncoder {
   /// cannot hold: NaN, infinite, or too far from the offset.
   void run(std::uint64_t row, const std::byte* from, std::byte* to, std::size_t count) const;
 
-  /// Returns a warning if coordinates were rounded although stages have moved them or the user has stated the grid;
-  /// else empty.
+  /// Returns a warning if coordinates were rounded to a grid that the user has stated, or if coordinates that stages
+  /// have moved were rounded to the grid of the input; else an empty text.
   std::string rounding() const;
 
  private:
@@ -110,7 +110,7 @@ class LasEncoder {
   std::size_t stride_in_, stride_out_;
   std::optional<Vec3> fitting_scale_;
   bool positions_change_, returns_missing_, overlap_by_class_, moved_, notes_rounding_;
-  mutable std::atomic<bool> rounds_ = false;  ///< a coordinate was not on the grid
+  mutable std::atomic<bool> rounds_ = false;  ///< true if a coordinate was not on the grid
   std::byte only_return_;
   std::string path_;
 };

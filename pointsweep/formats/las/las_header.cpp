@@ -177,7 +177,7 @@ LasHeader new_las_header() {
 
 void upgrade_las_header(LasHeader& header, int minor) {
   if (header.minor >= minor) return;
-  if (header.minor < 2) header.global_encoding = 0;  // these bytes were reserved
+  if (header.minor < 2) header.global_encoding = 0;  // LAS 1.0 and 1.1 reserve these bytes
   const std::uint16_t old = standard_header_size(header.minor), now = standard_header_size(minor);
   const auto behind = header.bytes.begin() + std::min<std::ptrdiff_t>(old, std::ssize(header.bytes));
   header.bytes.insert(behind, now - old, std::byte{0});

@@ -40,7 +40,7 @@ struct LasHeader {
   std::uint64_t waveform_start = 0;
   std::uint64_t evlr_start = 0;
   std::uint32_t evlr_count = 0;
-  std::uint64_t count = 0;  ///< number of points of LAS 1.4; see point_count()
+  std::uint64_t count = 0;  ///< number of points, from LAS 1.4 on; see point_count()
   std::array<std::uint64_t, 15> by_return{};
 
   std::vector<std::byte> bytes;  ///< the block as read, including user bytes after the standard bytes
@@ -63,16 +63,16 @@ std::uint64_t point_count(const LasHeader& header);
 /// Returns a header of LAS 1.4 without points, VLRs and dates. Dates would make the bytes of equal runs differ.
 LasHeader new_las_header();
 
-/// Turns an older header into one of LAS 1.`minor`, with 64-bit counts for LAS 1.4; a newer header stays unchanged.
-/// User bytes after the header stay after it.
+/// Turns an older header into a header of LAS 1.`minor`, with 64-bit counts for LAS 1.4. A newer header stays
+/// unchanged. User bytes after the header stay after it.
 void upgrade_las_header(LasHeader& header, int minor);
 
-/// Turns a header into one of LAS 1.`minor`, older or newer. Clears the bits of the global encoding that an older
-/// version reserves. If that version is older, the file must have no extended VLRs and no waveforms.
+/// Turns a header of any version into a header of LAS 1.`minor`. Clears the bits of the global encoding that an older
+/// version reserves. If LAS 1.`minor` is older than the header, the file must have no extended VLRs and no waveforms.
 void set_las_version(LasHeader& header, int minor);
 
-/// Sets the counts of the header by the rules of its version: legacy counts are 0 where LAS 1.4 demands 0.
-/// `by_return[r]` is the number of points with return number r (entry 0 is not used).
+/// Sets the counts of the header by the rules of its version: legacy counts are 0 if LAS 1.4 demands 0. `by_return[r]`
+/// is the number of points with return number r (entry 0 is not used).
 void set_counts(LasHeader& header, std::uint64_t count, const std::array<std::uint64_t, 16>& by_return);
 
 /// Returns `header.header_size` bytes: `header.bytes` with the entries of `header` written into it.

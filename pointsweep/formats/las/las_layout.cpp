@@ -97,7 +97,7 @@ class Builder {
     layout_.to.fields.push_back(std::move(to));
   }
 
-  /// Adds `field` as extra bytes. The description is that of the input, or the meaning of a made attribute.
+  /// Adds `field` as extra bytes. Their description comes from the input, or is the meaning of a made attribute.
   void append_extra(const Field& field) {
     Field stored = field;
     stored.type = unpacked_type(field);
@@ -194,7 +194,8 @@ class Builder {
     connect(from, rest);
   }
 
-  /// Finds the source of x, y and z: the last connected field that is stored there. It must fit 32 bits.
+  /// Sets the sources of x, y and z: for each, the last connected field that is stored in its place. Sets
+  /// positions_change if a source is not stored unchanged.
   void watch_positions(const Schema& format) {
     Field* const places[] = {&layout_.x, &layout_.y, &layout_.z};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -238,7 +239,7 @@ class Builder {
     for (std::size_t i = 0; i < schema.fields.size(); ++i) {
       if (stored[i]) continue;
       if (choice.is_stated() && is_las_name(schema.fields[i].name)) {
-        if (!is_made(schema.fields[i].name) && ranges[i].within(0, 0)) continue;  // files without the field also mean 0
+        if (!is_made(schema.fields[i].name) && ranges[i].within(0, 0)) continue;  // a missing field means 0, too
         without_field.push_back(schema.fields[i].name);
       }
       append_extra(schema.fields[i]);
@@ -322,7 +323,7 @@ class Builder {
     return offset && offset->at ? las_scale_from(*offset->at, bounds) : las_quantization(bounds).scale;
   }
 
-  /// Sets the grid of the user. `own`: the grid of the coordinates, if they have one; it completes a partly stated
+  /// Sets the grid of the user. `own`: the grid of the coordinates, if they have one, which completes a partly stated
   /// grid.
   void take_stated_grid(const std::optional<LasQuantization>& own) {
     const auto& [scale, offset, format, version, decimals] = plan_.layout;
@@ -378,7 +379,7 @@ class Builder {
 
   /// Chooses the statements of the coordinate reference system that the file gets in addition to the input's VLRs, and
   /// the statement that counts. Point formats 6 to 10 must have WKT. GeoTIFF keys cannot be turned into WKT without a
-  /// registry of systems, so they are the valid statement if there is no other.
+  /// registry of systems, so they count if no WKT is known.
   void choose_crs() {
     LasHeader& header = layout_.header;
     if (plan_.replaces_crs && input_ != nullptr && input_->crs_in_evlrs)
@@ -455,7 +456,7 @@ class Builder {
   const LasParts* const input_;  ///< LAS parts of the first input, owned by parts_; null unless that input is LAS
   LasLayout layout_;
   ExtraBytesVlr vlr_;
-  Crs added_crs_;          ///< systems that VLRs state in addition to the VLRs of the input
+  Crs added_crs_;          ///< system that new VLRs state in addition to the VLRs of the input
   bool kept_ = false;      ///< records begin with the records of the input
   bool extended_ = false;  ///< vlr_ must be written
 };

@@ -38,16 +38,16 @@ struct LasLayout {
   std::vector<LasPiece> before, between;
   LasPiece after;
   std::vector<LasPiece> tail;
-  std::vector<std::byte> first_vlrs;       ///< the COPC VLR with its header, filled in later
-  std::vector<std::byte> added_vlrs;       ///< VLRs with their headers; empty if the pieces of the input contain all
-  std::vector<std::byte> provenance_vlrs;  ///< new VLRs with their headers; old ones are in the pieces of the input
+  std::vector<std::byte> first_vlrs;  ///< the COPC VLR with its header, filled in later
+  std::vector<std::byte> added_vlrs;  ///< VLRs with their headers; empty if the pieces of the input contain all VLRs
+  std::vector<std::byte> provenance_vlrs;  ///< new VLRs with their headers; old VLRs are in the pieces of the input
   std::vector<std::string> warnings;       ///< about properties of the cloud that the file cannot hold
   std::optional<LazLayout> laz;            ///< set if points are compressed
 
   /// Two schemas of equally many fields: field i of the incoming records is stored in field i of the file's records.
   Schema from, to;
-  Field x, y, z;                      ///< fields of `from`
-  bool positions_change = false;      ///< coordinates have to be quantised, which may fail
+  Field x, y, z;                      ///< the coordinates, as fields of `from`
+  bool positions_change = false;      ///< coordinates are quantised, which may fail
   bool points_moved = false;          ///< the coordinates were changed by stages
   bool keeps_scale = false;           ///< coordinates are rounded to the grid of the input
   bool grid_is_stated = false;        ///< coordinates are rounded to a grid that the user states
@@ -60,13 +60,13 @@ struct LasLayout {
 };
 
 /// Lays out the file in one of two ways.
-/// 1. The records begin with the records of a LAS input, except that coordinates may be real numbers. Everything of the
-/// input is kept. Made fields become extra bytes, or are stored in the field of the point format that has their name
+/// 1. The records begin with the records of a LAS input, except that coordinates may be real numbers. All parts of the
+/// input are kept. Made fields become extra bytes, or are stored in the field of the point format that has their name
 /// (classification, ...).
-/// 2. Other records, or a made field that only another point format has (colours). The shortest point format that holds
-/// the fields is chosen (choose_las_point_format(); one of 6 to 10, unless an input is LAS or was LAS). The VLRs and
-/// EVLRs of a LAS input are kept. A value that does not fit its LAS field is stored there rounded, and exactly in extra
-/// bytes.
+/// 2. The input has other records, or a made field exists only in another point format (colours). The shortest point
+/// format that holds the fields is chosen (choose_las_point_format(); one of 6 to 10, unless an input is LAS or was
+/// LAS). The VLRs and EVLRs of a LAS input are kept. A value that does not fit its LAS field is stored there rounded,
+/// and exactly in extra bytes.
 LasLayout lay_out_las(const OutputPlan& plan, LasPoints points = LasPoints::plain);
 
 /// Returns whether `schema` begins with the records of `input`. The coordinates may have another scale and offset, or
@@ -80,8 +80,8 @@ bool las_keeps_records(const LasParts& input, const Schema& schema, const FileLa
 /// Returns the point formats to choose from. `from_las`: an input is or was LAS.
 LasChoice las_choice(const FileLayout& layout, bool from_las);
 
-/// Returns whether the coordinates are integers of 32 bits as LAS stores them. They stay unchanged, and no bounds are
-/// needed to choose a scale.
+/// Returns whether signed integers of 32 bits, as LAS stores them, hold all coordinates. The coordinates stay
+/// unchanged, and no bounds are needed to choose a scale.
 bool las_keeps_scale(const PositionFields& p);
 
 /// The VLRs that describe the records of the output.
@@ -89,7 +89,7 @@ struct LasDescriptions {
   ExtraBytesVlr extra_bytes;
   bool extended = false;       ///< extra_bytes must be written
   bool keeps_records = false;  ///< records begin with the records of the input
-  Crs added_crs;               ///< systems that VLRs state in addition to the VLRs of the input
+  Crs added_crs;               ///< system that new VLRs state in addition to the VLRs of the input
 };
 
 /// Sets the pieces and VLRs of the layout, and the header entries about them. `input`: null unless the input is LAS.

@@ -86,7 +86,7 @@ class PiecePlacer {
     if (--layout_.header.evlr_count == 0) layout_.header.evlr_start = 0;
   }
 
-  /// Adds the extended VLR with the nodes after those of the input.
+  /// Sets the header entries for the extended VLR with the nodes, which follows the extended VLRs of the input.
   void add_hierarchy() {
     LasHeader& header = layout_.header;
     const LasVlrChain none, &evlrs = input_ != nullptr ? input_->evlrs : none;
@@ -131,7 +131,7 @@ class PiecePlacer {
   void add_extra_bytes_vlr() {
     std::vector<std::byte> vlr =
         las_vlr(kLasSpecUser, kExtraBytesRecord, "Extra bytes", descriptions_.extra_bytes.bytes());
-    if (input_ != nullptr && input_->vlrs.extra_bytes) {  // keeps the header of the input's VLR
+    if (input_ != nullptr && input_->vlrs.extra_bytes) {  // the input's VLR keeps its header
       input_->file->read_at(input_->vlrs.extra_bytes->start, std::span(vlr).first(kLasVlrHeader));
       const auto length = static_cast<std::uint16_t>(descriptions_.extra_bytes.bytes().size());
       std::memcpy(vlr.data() + 20, &length, sizeof length);
@@ -139,7 +139,7 @@ class PiecePlacer {
     append(layout_.added_vlrs, vlr);
   }
 
-  /// Adds VLRs that state the coordinate reference system in addition to those of the input. Returns their number.
+  /// Adds VLRs that state the coordinate reference system in addition to the VLRs of the input. Returns their number.
   std::uint32_t add_crs_vlrs() {
     const LasCrsVlrs vlrs = las_crs_vlrs(descriptions_.added_crs);
     append(layout_.added_vlrs, vlrs.bytes);

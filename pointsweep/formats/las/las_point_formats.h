@@ -48,7 +48,7 @@ std::vector<std::string> las_names_in(const Schema& schema);
 /// may be rounded to the steps of 0.006 degrees.
 bool las_field_holds(const Field& target, const Field& source, const ValueRange& range);
 
-/// The point formats from which one is chosen.
+/// The point formats among which choose_las_point_format() chooses.
 struct LasChoice {
   std::optional<int> format = {};  ///< the only format allowed
   bool legacy = false;             ///< formats 0 to 5 are allowed
@@ -58,12 +58,12 @@ struct LasChoice {
   bool has(int point_format) const;
 };
 
-/// Returns the point format of `choice` that holds most of las_names_in(schema), and among those the one with the
-/// shortest records. `ranges` has one entry for each field of `schema`.
+/// Returns the point format of `choice` that holds most of las_names_in(schema); of several such formats, the format
+/// with the shortest records. `ranges` has one entry for each field of `schema`.
 int choose_las_point_format(const Schema& schema, const std::vector<ValueRange>& ranges, const LasChoice& choice);
 
 /// Returns the indices of fields whose values must be read, since their types do not decide whether the allowed point
-/// formats hold them. If the choice is stated, also of fields that the allowed formats do not have.
+/// formats hold them. If the choice is stated, includes fields that the allowed formats do not have.
 std::vector<std::size_t> undecided_las_fields(const Schema& schema, const std::vector<ValueRange>& ranges,
                                               const LasChoice& choice);
 

@@ -31,7 +31,7 @@ LasHeader read_header(const InputFile& file, const std::string& path, std::vecto
   return header;
 }
 
-/// Returns the chain of EVLRs after the points; empty if the header states an impossible one.
+/// Returns the chain of EVLRs after the points; empty if the header states an impossible place.
 LasVlrChain walk_evlrs(const LasParts& parts, std::vector<std::string>& warnings) {
   const LasHeader& header = parts.header;
   if (header.minor < 4 || header.evlr_count == 0) return {};
@@ -66,8 +66,8 @@ void read_provenance(LasParts& parts, const LasVlr& vlr) {
     if (auto found = provenance_line(line)) parts.provenance.push_back(std::move(*found));
 }
 
-/// Returns the byte after the points. The header does not state the end of compressed points: they take all bytes
-/// before the extended VLRs.
+/// Returns the byte after the points. The header does not state the end of compressed points; all bytes before the
+/// extended VLRs belong to them.
 std::uint64_t end_of_points(const LasHeader& header, std::uint64_t file_size) {
   if (!header.is_compressed) return header.offset_to_points + point_count(header) * header.record_length;
   const bool has_evlrs = header.minor >= 4 && header.evlr_count != 0 && header.evlr_start >= header.offset_to_points;

@@ -22,8 +22,8 @@ struct LasParts {
   std::shared_ptr<const InputFile> file;
   LasHeader header;
   Schema schema;                        ///< schema of the point records
-  LasVlrChain vlrs;                     ///< between header and points
-  LasVlrChain evlrs;                    ///< after the points
+  LasVlrChain vlrs;                     ///< VLRs between header and points
+  LasVlrChain evlrs;                    ///< extended VLRs after the points
   std::vector<std::byte> extra_bytes;   ///< descriptors that fit the records; empty if there are none
   std::uint64_t points_end = 0;         ///< byte after the last point, or after all bytes of compressed points
   std::optional<Crs> crs;               ///< system that VLRs or extended VLRs state

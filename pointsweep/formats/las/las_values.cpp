@@ -21,7 +21,8 @@ LasQuantization grid_of(const PositionFields& p) {
   return {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
 }
 
-/// Reads points until no question is open. The questions: the ranges of some fields, and the grid of the coordinates.
+/// Reads points to find the ranges of some fields and the grid of the coordinates. Ends early if no ranges are wanted
+/// and the coordinates lie on no grid.
 class Look {
  public:
   enum class For : std::uint8_t { nothing, grid, decimals };
@@ -43,7 +44,7 @@ class Look {
     }
   }
 
-  /// Returns the grid on which all coordinates lie. Must be called after run().
+  /// Returns the grid on which all coordinates lie; nothing if there is none. Must be called after run().
   std::optional<LasQuantization> grid() const {
     if (coordinates_ == For::grid) return cloud_.las()->grid;
     if (coordinates_ == For::nothing || common_.empty()) return std::nullopt;
@@ -56,7 +57,7 @@ class Look {
     for (const std::size_t f : fields_) values_.ranges[f].include(value_of(cloud_.schema().fields[f], record));
   }
 
-  /// Returns false if a coordinate lies on no grid. Points that are not finite do not count.
+  /// Returns false if the coordinates read so far lie on no common grid. Coordinates that are not finite do not count.
   bool take_coordinates(const std::byte* records, std::size_t rows) {
     for (auto& axis : xyz_) axis.resize(kBlockRows);
     decode_positions(positions_, records, cloud_.schema().stride, rows, xyz_[0].data(), xyz_[1].data(), xyz_[2].data());

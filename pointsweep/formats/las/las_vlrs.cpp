@@ -38,7 +38,7 @@ class Window {
 
 constexpr std::size_t kMostProvenance = 256;
 
-/// Returns the member of `chain` for records of this kind; null for other kinds.
+/// Returns the member of `chain` for records of this user and number; null for kinds that readers do not use.
 std::optional<LasVlr>* place_of(LasVlrChain& chain, std::string_view user, std::uint16_t record) {
   if (user == kLasSpecUser && record == kExtraBytesRecord) return &chain.extra_bytes;
   if (user == kLaszipUser && record == kLaszipRecord) return &chain.laszip;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The chain of (extended) variable length records of a LAS file: where it ends, where its extra-bytes record is, and
-/// the coordinate reference system that VLRs of the user LASF_Projection state.
+/// The chain of (extended) variable length records of a LAS file: its end, the places of the records that readers use,
+/// and the coordinate reference system that VLRs of the user LASF_Projection state.
 #pragma once
 
 #include <cstddef>
@@ -40,13 +40,14 @@ struct LasVlr {
   std::uint64_t end() const { return content + length; }
 };
 
-/// The result of walking the chain. Contents are not kept: there may be many, and a writer copies them from the file.
+/// The result of walking the chain. The contents of records are not kept: there may be many records, and a writer
+/// copies them from the file.
 struct LasVlrChain {
   std::uint64_t start = 0, end = 0;                             ///< bytes of the complete records
   std::uint32_t count = 0;                                      ///< number of complete records
   std::optional<LasVlr> extra_bytes;                            ///< the first VLR of extra bytes
-  std::optional<LasVlr> laszip, copc, copc_hierarchy;           ///< the first of each kind
-  std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first of each: see read_las_crs()
+  std::optional<LasVlr> laszip, copc, copc_hierarchy;           ///< the first record of each kind
+  std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first record of each kind; see read_las_crs()
   std::vector<LasVlr> provenance;                               ///< the first 256 records
   std::vector<LasVlr> projection;                               ///< the first 256 records that state a system
 };
@@ -74,8 +75,8 @@ std::vector<std::byte> las_evlr(std::string_view user, std::uint16_t record, std
 /// Largest number of bytes in a VLR.
 inline constexpr std::size_t kLongestVlr = 65535;
 
-/// VLRs that state a system, one after another, and their number: the WKT, the GeoTIFF keys, or both, as they were
-/// read.
+/// VLRs that state a system by its WKT, its GeoTIFF keys, or both: their bytes, one VLR after another, and their
+/// number.
 struct LasCrsVlrs {
   std::vector<std::byte> bytes;
   std::uint32_t count = 0;

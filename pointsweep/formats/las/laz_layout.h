@@ -27,10 +27,10 @@ inline constexpr std::uint64_t kLazOffsetBytes = 8;
 /// The compression of records. Immutable, so that any number of threads may use it.
 class LazLayout {
  public:
-  /// Decodes the content of the VLR. Throws Error: "PATH: cannot be decompressed: ...".
+  /// Decodes the content of the LASzip VLR. Throws Error, which begins with `path`.
   static LazLayout parse(std::span<const std::byte> vlr, const std::string& path);
   /// Makes a layout for writing records of a point format (0 to 10) with extra bytes; `chunk_points` may be kVariable.
-  /// Throws Error.
+  /// Throws Error for other formats.
   static LazLayout for_format(std::uint8_t point_format, std::uint16_t extra_bytes, std::uint32_t chunk_points,
                               const std::string& path);
 

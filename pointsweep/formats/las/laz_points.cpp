@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint64_t kMostTableEntry = 16;    ///< bytes of one entry of the chunk table, at most; the table is
                                                  ///< compressed
-constexpr std::uint64_t kTableOverhead = 64;     ///< bytes of its header, and bytes that the entropy coder reads ahead
+constexpr std::uint64_t kTableOverhead = 64;     ///< bytes of the table's header, and read-ahead of the entropy coder
 constexpr std::size_t kDecodedAtOnce = 1 << 12;  ///< records between two checks for cancellation
 
 std::uint64_t u64_at(const InputFile& file, std::uint64_t offset) {

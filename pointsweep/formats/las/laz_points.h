@@ -21,7 +21,7 @@ class LazPoints {
 
  public:
   /// `begin`: the byte where the compressed data begin. `count`: records of `record_bytes`. Throws Error if the VLR or
-  /// the chunk table contradicts these or the file.
+  /// the chunk table contradicts these arguments or the file.
   LazPoints(std::shared_ptr<const InputFile> file, std::span<const std::byte> vlr, std::uint64_t begin,
             std::uint64_t count, std::uint32_t record_bytes);
 
@@ -29,10 +29,10 @@ class LazPoints {
   /// successive pieces is decoded once.
   class Cursor {
    public:
-    /// `points` must outlive it.
+    /// `points` must outlive the cursor.
     explicit Cursor(const LazPoints& points);
     ~Cursor();
-    /// Reads whole records from `row` on; all must exist. Throws Error.
+    /// Reads whole records from `row` on, all of which must exist. Throws Error for damaged data.
     void read(std::uint64_t row, std::span<std::byte> records);
 
    private:
@@ -42,7 +42,7 @@ class LazPoints {
 
   std::size_t chunks() const { return first_row_.size() - 1; }
   std::size_t chunk_of(std::uint64_t row) const;
-  /// Returns the first row or the first byte of a chunk. `chunk` may be chunks(), for the end of the last chunk.
+  /// Return the first row and the first byte of a chunk. `chunk` may be chunks(), for the end of the last chunk.
   std::uint64_t first_row(std::size_t chunk) const { return first_row_[chunk]; }
   std::uint64_t first_byte(std::size_t chunk) const { return first_byte_[chunk]; }
 
@@ -70,9 +70,9 @@ struct CopcChunks {
   double spacing = 0;  ///< spacing of the root, as the file states it
 };
 
-/// Returns the nodes of the chunks of `points` by the hierarchy; none if it contradicts itself, the chunk table or the
-/// file. `why_not` then states the reason as the end of a sentence. `info`: the byte where the content of the info VLR
-/// begins. Reads at most as many bytes as the file has.
+/// Returns the nodes of the chunks of `points` by the hierarchy; none if the hierarchy contradicts itself, the chunk
+/// table or the file. In this case `why_not` states the reason as the end of a sentence. `info`: the byte where the
+/// content of the info VLR begins. Reads at most as many bytes as the file has.
 CopcChunks read_copc_nodes(const InputFile& file, std::uint64_t info, const LazPoints& points, std::string& why_not);
 
 }  // namespace pointsweep

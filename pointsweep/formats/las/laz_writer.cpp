@@ -15,7 +15,8 @@
 namespace pointsweep {
 namespace {
 
-/// Number of chunks that are compressed at once with the least memory: two megabytes each, and half as much compressed.
+/// Number of chunks that are compressed at once with the least memory: about two megabytes each, and half as much for
+/// the compressed chunk.
 constexpr unsigned kFewChunksAtOnce = 4;
 
 /// Returns the memory for compressing a chunk of records of `record_bytes`.
