@@ -19,8 +19,8 @@
 namespace pointsweep {
 namespace {
 
-/// The library's names of groups of attributes for which E57 or its extension has names; a group is stored under these
-/// names only as a whole.
+/// Groups of attributes, by the library's names, for which E57 or its extension has names. A group gets the names of
+/// E57 only as a whole.
 constexpr std::array<std::string_view, 3> kPosition{"x", "y", "z"}, kColors{"red", "green", "blue"},
     kNormal{"nx", "ny", "nz"};
 constexpr std::array<std::string_view, 2> kReturns{"return_index", "return_count"};
@@ -68,7 +68,7 @@ Field component_of(const Field& field, std::uint32_t component) {
   return one;
 }
 
-/// Gives fields the names of a group if all of them exist and `may_be` is true for each.
+/// Gives the fields of a group their names in E57 if all fields of the group exist and `may_be` is true for each.
 template <std::size_t N, class MayBe>
 void name_group(const Schema& schema, const std::array<std::string_view, N>& group, MayBe may_be,
                 std::vector<std::string>& names) {
@@ -81,7 +81,7 @@ void name_group(const Schema& schema, const std::array<std::string_view, N>& gro
   for (std::size_t i = 0; i < N; ++i) names[found[i]] = stored_name_of(group[i]);
 }
 
-/// Returns the names of the standard and its extension for each field; empty for a field without one.
+/// Returns the name of each field in the standard or its extension; empty for a field without such a name.
 std::vector<std::string> standard_names(const Schema& schema) {
   std::vector<std::string> names(schema.fields.size());
   const auto any = [](const Field&) { return true; };

@@ -16,10 +16,10 @@ namespace pointsweep {
 /// The names of attributes in E57 and in the library.
 struct E57Name {
   std::string_view ours, theirs;
-  std::string_view extension = "";  ///< extension that defines the name; empty: the standard
+  std::string_view extension = "";  ///< extension that defines the name; empty for the standard
 };
 
-/// The coordinates come first.
+/// The attributes that E57 or its extension names, the coordinates first.
 inline constexpr E57Name kE57Names[] = {
     {"x", "cartesianX"},
     {"y", "cartesianY"},
@@ -51,7 +51,7 @@ inline constexpr std::size_t kE57Coordinates = 3;
 /// One value of a point: an attribute of the file, and its place in a record.
 struct E57Column {
   E57Attribute attribute;  ///< name "cartesianX", "nor:normalX", "ps:NAME"
-  Field field;             ///< has one component
+  Field field;             ///< place of the value in a record; has one component
 
   /// Returns the number that the file stores: an integer without its scale, or the bits of a double.
   std::uint64_t stored(const std::byte* record) const;

@@ -22,10 +22,10 @@ struct E57Attribute {
   std::string name;  ///< name in the file, e.g. "cartesianX"
   Kind kind = Kind::real;
   std::int64_t least = 0, most = 0;  ///< range of stored integers, before scale and offset
-  double scale = 1, offset = 0;      ///< for scaled integers
+  double scale = 1, offset = 0;      ///< of scaled integers; 1 and 0 for other kinds
 
   bool is_stored_as_integer() const { return kind == Kind::scaled_integer || kind == Kind::integer; }
-  /// Returns the value for a `stored` number that E57Scan::read() gives.
+  /// Returns the value for a `stored` number that E57File::Points::read() returns.
   double value(std::uint64_t stored) const;
 };
 
@@ -48,7 +48,7 @@ class E57File {
   std::size_t images() const { return images_; }
   const std::string& coordinate_system() const { return coordinate_system_; }  ///< WKT; empty if there is none
 
-  /// Points of one scan, from the first to the last.
+  /// A reader of the points of one scan, from the first to the last.
   class Points {
    public:
     Points(const E57File& file, std::size_t scan);
@@ -57,9 +57,9 @@ class E57File {
     Points& operator=(const Points&) = delete;
 
     std::size_t scan() const { return scan_; }
-    std::uint64_t next() const { return next_; }  ///< row in the scan
-    /// Reads one number for each attribute of each point: a stored integer, or the bits of a double. All points must
-    /// exist. Throws Error.
+    std::uint64_t next() const { return next_; }  ///< row in the scan of the next point
+    /// Reads one number for each attribute of each point: a stored integer, or the bits of a double. The scan must have
+    /// so many more points. Throws Error for a damaged file.
     void read(std::span<std::uint64_t> values);
 
    private:

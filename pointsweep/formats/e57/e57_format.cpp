@@ -12,7 +12,7 @@ constexpr std::string_view kE57Extensions[] = {".e57"};
 
 bool starts_as_e57(std::string_view head) { return head.starts_with("ASTM-E57"); }
 
-/// Outputs are one scan whose points all have places.
+/// Returns 0 for the number of the scan and the invalid state, since an output is one scan; nothing for other names.
 std::optional<double> own_field(std::string_view name) {
   if (name == "scan" || name == "invalid_state") return 0;
   return std::nullopt;

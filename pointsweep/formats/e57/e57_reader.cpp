@@ -57,7 +57,7 @@ Type integer_type(std::int64_t least, std::int64_t most) {
   return Type::i64;
 }
 
-/// Returns the lines of a description about how the points were made.
+/// Returns the lines of provenance in the description of a scan.
 std::vector<std::string> provenance_of(std::string_view description) {
   std::vector<std::string> lines;
   while (!description.empty()) {
@@ -68,7 +68,7 @@ std::vector<std::string> provenance_of(std::string_view description) {
   return lines;
 }
 
-/// A field for an attribute of all scans that have it.
+/// An attribute of one or more scans, which becomes one field.
 struct CommonAttribute {
   std::string name;
   bool single = true, integer = true;
@@ -135,7 +135,7 @@ class E57Reader : public Reader {
   };
   /// The columns of one scan.
   struct Columns {
-    std::array<std::size_t, 3> position{};  ///< attributes: x, y, z, or range, azimuth, elevation
+    std::array<std::size_t, 3> position{};  ///< indices of the attributes x, y, z, or range, azimuth, elevation
     bool spherical = false;
     std::optional<std::size_t> invalid;
     std::vector<Column> others;
@@ -242,7 +242,7 @@ class E57Reader : public Reader {
     return {turned.x + scan.translation[0], turned.y + scan.translation[1], turned.z + scan.translation[2]};
   }
 
-  /// Returns q p q* for the unit quaternion q.
+  /// Returns q p q* for the unit quaternion q, the rotation of the scan.
   static Vec3 rotated(const E57Scan& scan, const Vec3& p) {
     const auto [w, x, y, z] = scan.rotation;
     return {(w * w + x * x - y * y - z * z) * p.x + 2 * (x * y - w * z) * p.y + 2 * (x * z + w * y) * p.z,
@@ -271,7 +271,7 @@ class E57Reader : public Reader {
   E57File file_;
   std::vector<std::uint64_t> first_row_;
   std::vector<Columns> columns_;
-  std::optional<std::size_t> scan_;  ///< field of the number of the scan; none if an attribute has it
+  std::optional<std::size_t> scan_;  ///< index of the field "scan" of make_schema(); none if has_scan_numbers()
   std::vector<Field> normal_;        ///< nx, ny, nz, if the file has them
   std::unique_ptr<E57File::Points> points_;
   std::vector<std::uint64_t> values_;

@@ -27,8 +27,8 @@ namespace {
 constexpr std::size_t kBatchPoints = 4096;
 constexpr std::uint64_t kInvalid = 2;  ///< value of cartesianInvalidState for coordinates without meaning
 
-/// Returns 128 bits in the form of E57's identifiers. They depend only on the points and the provenance, so that equal
-/// runs give equal bytes.
+/// Returns 128 bits in the form of E57's identifiers. They depend only on the number and the fields of the points and
+/// on the provenance, so that equal runs give equal bytes.
 std::string identifier_of(const OutputPlan& plan) {
   std::uint64_t state[2] = {0xcbf29ce484222325u, 0x84222325cbf29ce4u};  // FNV-1a, from two beginnings
   const auto add = [&](std::string_view bytes) {
@@ -130,7 +130,7 @@ class E57Writer final : public Writer {
     }
   }
 
-  /// Throws the exception of a callback, else the error of the codec.
+  /// Throws the exception of a callback, else the error of the codec, unless `status` is 0.
   void require(int status, const psc_error& error) {
     if (status == 0) return;
     if (met_) std::rethrow_exception(std::exchange(met_, nullptr));
@@ -163,7 +163,7 @@ class E57Writer final : public Writer {
   OutputPlan plan_;
   std::vector<E57Column> columns_;  ///< x, y, z first
   OutputFile file_;
-  std::size_t width_ = 0;  ///< values of a point
+  std::size_t width_ = 0;  ///< number of values of a point
   psc_e57_writer* codec_ = nullptr;
   std::exception_ptr met_;  ///< exception of a callback, which must not pass through C code
   std::vector<std::uint64_t> values_;

@@ -38,8 +38,8 @@ struct LasLayout {
   std::vector<LasPiece> before, between;
   LasPiece after;
   std::vector<LasPiece> tail;
-  std::vector<std::byte> first_vlrs;  ///< the COPC VLR with its header, filled in later
-  std::vector<std::byte> added_vlrs;  ///< VLRs with their headers; empty if the pieces of the input contain all VLRs
+  std::vector<std::byte> first_vlrs;       ///< the COPC VLR with its header, filled in later
+  std::vector<std::byte> added_vlrs;       ///< VLRs with their headers; empty if the input's pieces contain all VLRs
   std::vector<std::byte> provenance_vlrs;  ///< new VLRs with their headers; old VLRs are in the pieces of the input
   std::vector<std::string> warnings;       ///< about properties of the cloud that the file cannot hold
   std::optional<LazLayout> laz;            ///< set if points are compressed
@@ -63,7 +63,7 @@ struct LasLayout {
 /// 1. The records begin with the records of a LAS input, except that coordinates may be real numbers. All parts of the
 /// input are kept. Made fields become extra bytes, or are stored in the field of the point format that has their name
 /// (classification, ...).
-/// 2. The input has other records, or a made field exists only in another point format (colours). The shortest point
+/// 2. The records begin otherwise, or a made field exists only in another point format (colours). The shortest point
 /// format that holds the fields is chosen (choose_las_point_format(); one of 6 to 10, unless an input is LAS or was
 /// LAS). The VLRs and EVLRs of a LAS input are kept. A value that does not fit its LAS field is stored there rounded,
 /// and exactly in extra bytes.

@@ -29,8 +29,8 @@ struct OffHeader {
   std::uint64_t vertices = 0, faces = 0;
 };
 
-/// Removes the keyword from the begin of `line`, which consists of letters and ends with OFF, and returns its meaning.
-/// Nothing if there is none.
+/// Removes the keyword, letters that end with OFF, from the begin of `line` and returns its meaning. Returns nothing if
+/// there is no keyword.
 std::optional<OffHeader> take_keyword(std::string_view& line) {
   OffHeader header;
   const auto take = [&](std::string_view word) {
@@ -102,8 +102,8 @@ class OffReader final : public VertexLineReader {
 bool starts_as_off(std::string_view head) { return take_keyword(head).has_value(); }
 
 /// Opens an OFF file. Reads normals of NOFF, colours of COFF, and colours after the coordinates of a plain OFF; ignores
-/// faces with a warning. Throws Error for a binary file, one of four dimensions, and one with fewer vertices than its
-/// header states.
+/// faces with a warning. Throws Error for a binary file, a file of four dimensions, and a file with fewer vertices than
+/// its header states.
 std::unique_ptr<Reader> open_off(const std::filesystem::path& path) {
   auto file = std::make_unique<InputFile>(path);
   LineReader lines(*file);

@@ -16,7 +16,7 @@
 namespace pointsweep {
 
 /// The meaning of the numbers of a line, in order. Coordinates, normals and texture coordinates are read as float64;
-/// colours as uint8, from the range [0, 1] if no number in the file is larger, else from [0, 255].
+/// colours as uint8, from the range [0, 1] if no colour in the file is larger than 1, else from [0, 255].
 struct VertexColumns {
   bool normal = false;
   std::size_t color = 0;  ///< components: 0, 3 or 4
@@ -31,13 +31,13 @@ class VertexLineReader : public Reader {
   void fill(std::uint64_t row, std::size_t rows, std::byte* to, std::size_t stride);
 
  protected:
-  /// The rows are the lines for which `is_row` is true, from the position of `lines` on, at most `most`. `skipped`:
-  /// characters before the numbers of each line.
+  /// The rows are the lines for which `is_row` is true, from the position of `lines` on, at most `most`. `has_keyword`:
+  /// each line has a word before its numbers.
   VertexLineReader(std::unique_ptr<InputFile> file, const LineReader& lines, RowLines::IsRow is_row, std::uint64_t most,
                    bool has_keyword);
 
   const InputFile& file() const { return *file_; }
-  std::string_view first_line() { return cursor_.at(0); }  ///< there must be one
+  std::string_view first_line() { return cursor_.at(0); }  ///< there must be a row
   /// Returns the numbers in a line, after its keyword; valid until the next call.
   const std::vector<double>& numbers(std::string_view line);
   /// Makes the fields. Reads all colours to find their range.

@@ -18,7 +18,7 @@ std::unique_ptr<Reader> open_npy(const std::filesystem::path& path);
 
 /// Writes an array. The schema of the plan must have one plain field. The array has shape (n, count), or (n,) if the
 /// count is 1 and the attribute in OutputPlan::made is not a list, in C order and little-endian. numpy.load(path,
-/// mmap_mode="r") opens one of any size.
+/// mmap_mode="r") opens an array of any size.
 class NpyWriter final : public RecordWriter {
  public:
   explicit NpyWriter(const OutputPlan& plan);
@@ -31,8 +31,8 @@ bool starts_as_npy_points(std::string_view head);
 /// Fortran order, or of a structured type with fields x, y, z (or xyz, ... of three values), in either byte order;
 /// values keep their type. Arrays with more axes, such as organised clouds, are flattened, with a warning. In an
 /// archive the positions are the member xyz, points, position(s), vertices or coordinates, or members x, y and z, or
-/// the only one that can be; members of as many rows become attributes under their names, others are left out with a
-/// warning. Throws Error for anything else.
+/// the only member that can hold positions. Members of as many rows become attributes under their names; others are
+/// left out with a warning. Throws Error for other files.
 std::unique_ptr<Reader> open_npy_points(const std::filesystem::path& path);
 
 }  // namespace pointsweep

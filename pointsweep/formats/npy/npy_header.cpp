@@ -101,11 +101,11 @@ class PyParser {
     }
     PyLiteral out{.kind = PyLiteral::Kind::number, .text = {}, .items = {}};
     const auto parsed = std::from_chars(text_.data(), text_.data() + text_.size(), out.number);
-    // A number too large for 64 bits becomes the largest one, which no file reaches.
+    // A number too large for 64 bits becomes the largest number, which no file reaches.
     if (parsed.ec == std::errc::result_out_of_range) out.number = std::numeric_limits<std::uint64_t>::max();
     if (parsed.ec == std::errc::invalid_argument) return std::nullopt;
     text_.remove_prefix(static_cast<std::size_t>(parsed.ptr - text_.data()));
-    if (text_.starts_with('L')) text_.remove_prefix(1);  // Python 2
+    if (text_.starts_with('L')) text_.remove_prefix(1);  // Python 2 writes long integers with an L
     return out;
   }
 
@@ -118,8 +118,8 @@ const PyLiteral* PyLiteral::find(std::string_view key) const {
   return nullptr;
 }
 
-/// Parses texts, whole numbers, True and False, tuples, lists and dictionaries with up to 8 levels; nothing for other
-/// text.
+/// Parses texts, whole numbers, True and False, tuples, lists and dictionaries with up to 8 levels. Returns nothing for
+/// other text.
 std::optional<PyLiteral> parse_py_literal(std::string_view text) {
   PyParser parser(text);
   auto value = parser.value(0);

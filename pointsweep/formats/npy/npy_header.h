@@ -14,8 +14,8 @@ namespace pointsweep {
 struct NpyHeader {
   Schema item;  ///< an element: one field without a name, or the fields of a structured type
   bool is_structured = false;
-  std::vector<Field> big_endian;  ///< fields of `item` whose values are
-  std::string description;        ///< type in the file's notation: "<f4"; "a structured type"
+  std::vector<Field> big_endian;  ///< fields of `item` with big-endian values
+  std::string description;        ///< type in the file's notation, e.g. "<f4", or "a structured type"
   bool fortran_order = false;
   std::vector<std::uint64_t> shape;
   std::uint64_t data = 0;  ///< byte of the first element

@@ -67,7 +67,7 @@ class NpyPointsReader final : public ColumnsReader {
     info_.format = fmt::format("NPZ archive of {} NumPy array{}", arrays_.size(), arrays_.size() == 1 ? "" : "s");
   }
 
-  /// Returns one array with x, y and z, or three arrays with one axis each.
+  /// Returns one array with x, y and z, or three arrays with one coordinate each.
   std::vector<const NpyArray*> find_positions() const {
     std::vector<const NpyArray*> axes, possible;
     for (const char* axis : {"x", "y", "z"})

@@ -13,7 +13,7 @@ namespace pointsweep {
 
 struct NpzMember {
   std::string name;                  ///< without ".npy"
-  std::uint64_t begin = 0, end = 0;  ///< its bytes in the file
+  std::uint64_t begin = 0, end = 0;  ///< range of its bytes in the file
 };
 
 /// Returns whether a file that begins with `head` is a zip archive whose first member is a NumPy array.

@@ -18,19 +18,19 @@ class LzfStream {
  public:
   /// The state of a stream between two reads; 8 KB.
   struct State {
-    std::uint64_t in = 0;                                                 ///< bytes of the block taken
-    std::uint64_t out = 0;                                                ///< bytes given
+    std::uint64_t in = 0;                                                 ///< compressed bytes read
+    std::uint64_t out = 0;                                                ///< decompressed bytes returned
     std::uint32_t match_distance = 0, match_left = 0, literals_left = 0;  ///< of the current run
     std::array<std::byte, 8192> history{};  ///< the last bytes returned; a byte's index is its place modulo the size
   };
 
-  /// Block of `bytes` compressed bytes from `offset` on.
+  /// Decompresses the block of `bytes` compressed bytes from `offset` on. `file` must outlive the stream.
   LzfStream(const InputFile& file, std::uint64_t offset, std::uint64_t bytes)
       : file_(&file), offset_(offset), bytes_(bytes) {}
 
   const State& state() const { return state_; }
   void go_to(const State& state);
-  /// Reads the next bytes. Throws Error if the block ends before, or refers to bytes before its begin.
+  /// Reads the next bytes. Throws Error if the block ends too early, or refers to bytes before its begin.
   void read(std::span<std::byte> out);
   void skip(std::uint64_t bytes);
 

@@ -19,16 +19,16 @@ bool starts_as_pcd(std::string_view head);
 /// alpha). Points with NaN coordinates, which organised clouds have where the sensor saw nothing, are kept. VIEWPOINT
 /// is not applied; a warning is given if it is not the identity, and another if the rows and columns of an organised
 /// cloud are lost. A decoder decompresses all wanted fields at the same time, with about 70 KB for each field; the
-/// reader keeps 8 KB of each field for every 16 MB of the widest. Opening a compressed file decompresses it once.
+/// reader keeps 8 KB of each field for every 16 MB of the widest field. Opening a compressed file decompresses it once.
 /// Throws Error for a damaged or truncated file.
 std::unique_ptr<Reader> open_pcd(const std::filesystem::path& path);
 
-/// Creates a writer of all fields with their types; scaled ones become float64. 8-bit red, green and blue are packed
+/// Creates a writer of all fields with their types; scaled fields become float64. 8-bit red, green and blue are packed
 /// into `rgb`, with alpha into `rgba`, as in PCL; wider colours stay separate fields. Normals are normal_x, normal_y,
 /// normal_z. VIEWPOINT is that of the inputs if they are PCD files and agree, and the identity otherwise.
 std::unique_ptr<Writer> create_pcd_writer(const OutputPlan& plan);
 
-/// Returns the name of a field in our PCD files: "normal_x" for nx.
+/// Returns the name of a field in PCD outputs, e.g. "normal_x" for nx.
 std::string pcd_field_name(const std::string& name);
 
 }  // namespace pointsweep

@@ -27,7 +27,7 @@ bool is_identity(std::string_view viewpoint) {
   std::size_t at = viewpoint.find(' ');
   for (const double expected : kIdentity) {
     at = viewpoint.find_first_not_of(" \t", at);
-    if (at == viewpoint.npos) return true;  // incomplete: it says nothing
+    if (at == viewpoint.npos) return true;  // an incomplete line states nothing
     const std::size_t end = std::min(viewpoint.find_first_of(" \t", at), viewpoint.size());
     double value = 0;
     if (!parse_number(viewpoint.substr(at, end - at), value) || value != expected) return false;
@@ -36,7 +36,7 @@ bool is_identity(std::string_view viewpoint) {
   return true;
 }
 
-/// Returns whether the line is complete, so that an output can have it.
+/// Returns whether a line VIEWPOINT has all of its seven numbers, so that an output can repeat the line.
 bool is_whole(std::string_view viewpoint) {
   take_word(viewpoint);
   double value = 0;
@@ -172,7 +172,7 @@ class CompressedPcdReader final : public Reader {
   }
 
  private:
-  /// A field in the block.
+  /// A field, whose values are one piece of the decompressed block.
   struct Column {
     std::uint32_t offset, bytes;
     std::uint64_t begin;                   ///< begin in the decompressed block

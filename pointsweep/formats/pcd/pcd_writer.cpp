@@ -70,8 +70,8 @@ void pack_colors(const Schema& schema, const std::vector<std::size_t>& colors, P
   colors.size() == 4 ? layout.describe("rgba", 4, 'U', 1) : layout.describe("rgb", 4, 'F', 1);
 }
 
-/// Returns a name for each field, whose components PCD counts. Names that mean packed colours or padding get their type
-/// appended, as in the union of inputs of different types.
+/// Returns one name for each field; the line COUNT states the number of its components. Names that mean packed colours
+/// or padding in PCD get their type appended.
 std::vector<std::string> pcd_names(const Schema& schema) {
   Schema named;
   for (const Field& field : schema.fields) {

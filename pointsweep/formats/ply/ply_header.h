@@ -32,12 +32,12 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   bool has_list() const;
-  /// Returns the bytes of one entry in a binary file. Only if has_list() is false.
+  /// Returns the bytes of one entry in a binary file. Must be called only if has_list() is false.
   std::uint32_t stride() const;
 };
 
-/// The lines of the header that start with `comment` or `obj_info`, in their order; PLY outputs repeat them. Without
-/// the lines that take_crs_comments() and take_las_comment() remove.
+/// The lines of the header that start with `comment` or `obj_info`, in their order, except the lines that
+/// take_crs_comments() and take_las_comment() remove. PLY outputs repeat the lines.
 struct PlyExtras final : FormatExtras {
   static constexpr std::string_view kFormat = "ply";
   std::string_view format() const override { return kFormat; }
@@ -60,13 +60,15 @@ PlyHeader read_ply_header(const InputFile& file);
 
 std::string_view name_of(PlyEncoding encoding);
 
-/// Returns lines that begin with `comment` and have at most 1,000 bytes, which the readers of other programs accept.
+/// Returns lines that state the system. They begin with `comment` and have at most 1,000 bytes, which other programs
+/// accept.
 std::vector<std::string> crs_comments(const Crs& crs);
 
-/// Returns the system stated by such lines, and removes them from `lines`. Invalid lines are not removed.
+/// Returns the system that lines of crs_comments() state, and removes these lines from `lines`. Invalid lines are not
+/// removed.
 std::optional<Crs> take_crs_comments(std::vector<std::string>& lines);
 
-/// Returns such a line with the meaning of the coordinates and times of a LAS file.
+/// Returns a line that begins with `comment` and states the meaning of the coordinates and times of a LAS file.
 std::string las_comment(const LasOrigin& origin);
 std::optional<LasOrigin> take_las_comment(std::vector<std::string>& lines);
 

@@ -26,8 +26,8 @@ struct PtxScan {
 /// The position of a cursor before a point.
 struct PtxPlace {
   std::uint64_t offset = 0, line = 1;  ///< position of the next line
-  std::uint64_t scan = 0, cell = 0;    ///< scan and cell of the next line; the cell after the last: the next line is a
-                                       ///< header
+  std::uint64_t scan = 0, cell = 0;    ///< scan and cell of the next line; after the last cell of a scan, a header
+                                       ///< follows
 };
 
 /// All scans, found by reading the file once, with the position of each 16,384th point.
@@ -36,12 +36,12 @@ struct PtxLayout {
 
   std::vector<PtxScan> scans;
   std::vector<PtxPlace> places;  ///< positions of points 0, kPointsPerPlace, ...
-  std::uint64_t points = 0;      ///< cells that are not empty
-  std::uint64_t empty = 0;       ///< cells that are
+  std::uint64_t points = 0;      ///< number of cells that are not empty
+  std::uint64_t empty = 0;       ///< number of empty cells
   std::uint64_t end = 0;         ///< byte after the last point
 };
 
-/// Throws Error with the line that is wrong, and where the file ends before the last cell.
+/// Reads the whole file. Throws Error, with the line, for a wrong line, and if the file ends before the last cell.
 PtxLayout find_ptx_layout(const InputFile& file);
 
 /// Returns whether a file that begins with `head` is a PTX file, by the ten lines of the header of its first scan.
@@ -53,10 +53,10 @@ class PtxCursor {
   /// Both arguments must outlive the cursor.
   PtxCursor(const InputFile& file, const PtxLayout& layout);
 
-  /// Returns the line of point `point` < layout.points, valid until the next call; quick for the point after the last
-  /// one.
+  /// Returns the line of point `point` < layout.points, valid until the next call. Fast for the point after the point
+  /// returned last.
   std::string_view at(std::uint64_t point);
-  /// The line number, the scan, and the cell in the scan of the point that at() returned last.
+  /// Return the line number, the scan, and the cell in the scan of the point that at() returned last.
   std::uint64_t line() const { return lines_.line(); }
   std::uint64_t scan() const { return scan_; }
   std::uint64_t cell() const { return cell_ - 1; }
@@ -67,7 +67,7 @@ class PtxCursor {
 
   const PtxLayout* layout_;
   LineReader lines_;
-  std::uint64_t next_;  ///< point that advance() returns next; layout_->points: none yet
+  std::uint64_t next_;  ///< point that advance() returns next; layout_->points before the first call of at()
   std::uint64_t scan_ = 0, cell_ = 0;
 };
 

@@ -45,7 +45,7 @@ class QsplatReader final : public Reader {
   std::unique_ptr<RowDecoder> decoder(const WantedFields&) const override { return std::make_unique<Decoder>(*this); }
 
  private:
-  /// Returns whether any part has colours; finds the bounds on the way.
+  /// Returns whether any part has colours. Sets info_.bounds.
   bool look_at_fragments() {
     bool has_color = false;
     Box bounds;
@@ -126,8 +126,8 @@ bool is_qsplat(std::string_view head) { return head.starts_with("QSplat"); }
 
 /// Opens a file with fields x y z nx ny nz radius (f32), and red green blue (u8) if a part of the file has colours.
 /// Rows are in depth-first order, one part of the file after another. Opening walks through all trees once to count the
-/// leaves (about 20 ns per leaf), and keeps a place for every 32,768 leaves; a jump walks from the place before it.
-/// Throws Error for a damaged or truncated file.
+/// leaves (about 20 ns per leaf), and keeps a place for every 32,768 leaves; a jump to a row walks from the last place
+/// before the row. Throws Error for a damaged or truncated file.
 std::unique_ptr<Reader> open_qsplat(const std::filesystem::path& path) { return std::make_unique<QsplatReader>(path); }
 
 }  // namespace

@@ -22,14 +22,15 @@ struct QsplatSphere {
 /// Number of codes of spheres that the format defines; 13 bits hold 8192.
 constexpr unsigned kQsplatSphereCodes = 7621;
 
-/// Returns the sphere with the 13-bit `code` inside `parent`. Its radius is the parent's times s/13, centre is the
-/// parent's plus its radius times (s + 2x)/13 - 1 in each axis, where (s, x, y, z) is the code-th quadruple of 1 <= s
-/// <= 13, 0 <= x, y, z <= 13 - s that fits (the cube of the child meets the parent's sphere). In single precision, as
-/// QSplat evaluates it. Empty for an unused code.
+/// Returns the sphere with the 13-bit `code` inside `parent`. Its radius is the parent's radius times s/13. Its centre
+/// is the parent's centre plus the parent's radius times (s + 2x)/13 - 1 on each axis. Here (s, x, y, z) is the code-th
+/// quadruple of 1 <= s <= 13, 0 <= x, y, z <= 13 - s that fits (the cube of the child meets the parent's sphere).
+/// Evaluated in single precision, as in QSplat. Returns nothing for an unused code.
 std::optional<QsplatSphere> qsplat_sphere(unsigned code, const QsplatSphere& parent);
 
-/// Returns the unit normal with the 14-bit `code`, one of 52×52 places on a face of a cube. (0, 0, 0) for codes of
-/// corners outside of the unit sphere, which no encoder writes; (0, 0, 1) for codes without a face, as in QSplat.
+/// Returns the unit normal with the 14-bit `code`, one of 52×52 places on a face of a cube. Returns (0, 0, 0) for codes
+/// of corners outside of the unit sphere, which no encoder writes, and (0, 0, 1) for codes without a face, as in
+/// QSplat.
 std::array<float, 3> qsplat_normal(unsigned code);
 
 /// Returns red, green and blue, 0 to 255, from 5, 6 and 5 bits.
@@ -57,23 +58,24 @@ struct QsplatLeaf {
   bool has_normal = true;  ///< false for a tree that consists only of its root
 };
 
-/// Walks through the leaves depth first. The file has the tree breadth first, siblings together. Each group of siblings
-/// states the place of the first group below it; the groups below are consecutive. So a walk moves forward on every
-/// level of the tree, and needs one block of the file for each level (64 KiB × depth, about 1 MB for 10^8 leaves).
+/// Walks through the leaves depth first. The file stores the tree breadth first, siblings together. Each group of
+/// siblings states the place of the first group below it; the groups below are consecutive. So a walk moves forward on
+/// every level of the tree, and needs one block of the file for each level (64 KiB × depth, about 1 MB for 10^8
+/// leaves).
 class QsplatWalk {
  public:
-  /// One level of a walk's position. A position is small (40 bytes × depth), so that many can be stored to resume walks
-  /// there.
+  /// One level of a walk's position. A position is small (40 bytes × depth), so that many positions can be stored, from
+  /// which walks resume.
   struct Level {
     std::uint64_t next = 0;   ///< byte of the next sibling
-    std::uint64_t below = 0;  ///< byte of the group below it, 0 if the siblings are all leaves
+    std::uint64_t below = 0;  ///< byte of the next group of children; 0 if the siblings are all leaves
     std::uint64_t left = 0;   ///< siblings that remain
     QsplatSphere parent;
   };
   struct Place {
     QsplatFragment fragment;
     std::uint64_t walked = 0;  ///< bytes of groups entered in this fragment
-    std::uint64_t given = 0;   ///< leaves given in this fragment
+    std::uint64_t given = 0;   ///< leaves returned from this fragment
     std::vector<Level> levels;
   };
 
@@ -81,8 +83,8 @@ class QsplatWalk {
   const Place& place() const { return place_; }
   void go_to(const Place& place) { place_ = place; }
 
-  /// Returns false at the end of the file. Throws Error for a tree that contradicts itself or its header, or is deeper
-  /// than 256 levels.
+  /// Finds the next leaf. Returns false at the end of the file. Throws Error for a tree that contradicts itself or its
+  /// header, or is deeper than 256 levels.
   bool next(QsplatLeaf& leaf);
 
  private:

@@ -32,7 +32,7 @@ bool fits_text(const std::filesystem::path& path, std::span<const std::string> c
 /// ones.
 std::unique_ptr<Writer> create_text_writer(const OutputPlan& plan);
 
-/// Returns how coordinates are rounded to the digits that are written.
+/// Returns how coordinates are rounded to the digits that are written; none if they are written exactly.
 StoredCoordinate text_stored_coordinate(const OutputPlan& plan);
 
 }  // namespace pointsweep

@@ -47,14 +47,14 @@ struct TextLayout {
   Separator separator = Separator::space;   ///< separator of the rows; the header may have another one
   bool has_header = false;
   std::vector<std::string> provenance;     ///< comments before the rows that say how the file was made
-  std::optional<std::uint64_t> announced;  ///< rows, as a first line that is nothing but an integer says (PTS)
+  std::optional<std::uint64_t> announced;  ///< number of rows that a first line with only an integer states (PTS)
   std::uint64_t body_offset = 0;           ///< where the rows start
   std::uint64_t body_line = 1;
 };
 
 /// Finds the layout. Names come from a header: a first line that is not all numbers, or a comment before the rows that
-/// names x, y and z and has as many names. Otherwise they follow from the number of columns and the first rows
-/// (default_column_names). Throws Error if there are no x, y and z. `stated`: names that replace all these; a first
+/// names x, y and z and has a name for each column. Otherwise they follow from the number of columns and the first rows
+/// (default_column_names). Throws Error if there are no x, y and z. `stated`: names that replace all others; a first
 /// line without a number in a named column is then a header.
 TextLayout find_text_layout(const InputFile& file, std::span<const std::string> stated = {});
 

@@ -38,7 +38,7 @@ std::string decoded(std::string_view name) {
   return out;
 }
 
-/// Types that VTK 3 to 9 write. A vtkIdType is written as an int.
+/// Returns the type for a name that VTK 3 to 9 write; nothing for other names. A vtkIdType is written as an int.
 std::optional<Type> vtk_type(const std::string& name) {
   static constexpr std::pair<std::string_view, Type> kTypes[] = {
       {"CHAR", Type::i8},          {"SIGNED_CHAR", Type::i8},     {"UNSIGNED_CHAR", Type::u8},
@@ -78,7 +78,7 @@ class VtkParser {
 
   void take(const std::string& keyword) {
     std::string_view rest = keyword == "METADATA" ? std::string_view() : text_.line().value_or("");
-    line_ = rest;  // the scanner replaces its window
+    line_ = rest;  // a copy, since the scanner replaces its window
     rest = line_;
     if (keyword == "DATASET") return take_dataset(rest);
     if (keyword == "DIMENSIONS" || keyword == "ORIGIN" || keyword == "SPACING" || keyword == "ASPECT_RATIO") return;
@@ -123,7 +123,7 @@ class VtkParser {
       complain(fmt::format("POINT_DATA are for {} points, and there are {}", rows_, layout_.count));
   }
 
-  /// Skips `n size` and `size` ints; since version 5.1 `n + 1 size`, followed by two arrays.
+  /// Skips cells: `n size` and `size` ints or, since version 5.1, `n + 1 size` and two arrays.
   void take_cells(const std::string& keyword, std::string_view rest) {
     const std::uint64_t first = number(rest), second = number(rest);
     const std::uint64_t before = text_.offset();
@@ -214,7 +214,7 @@ class VtkParser {
     skip("LOOKUP_TABLE", "UNSIGNED_CHAR", colors, 4);
   }
 
-  /// Keeps an array of points, and passes over one of cells.
+  /// Adds an array of points to the layout, and skips an array of cells.
   void add_array(VtkArray array, std::string_view type_name, std::uint64_t rows) {
     const std::string type = upper_case(type_name);
     const std::optional<Type> known = vtk_type(type);

@@ -19,7 +19,7 @@ struct VtkArray {
   std::string name;
   Type type = Type::f32;
   std::uint32_t components = 1;
-  bool shares = false;                     ///< numbers of text are fractions of 255
+  bool shares = false;                     ///< the text states bytes as fractions of 255, from 0 to 1
   std::uint64_t begin = 0;                 ///< byte of the first value in a binary file
   std::vector<std::uint64_t> places = {};  ///< in text: offsets of rows 0, VtkLayout::kRowsPerPlace, ...
 };
@@ -29,7 +29,7 @@ struct VtkLayout {
 
   bool text = false;
   std::string dataset;                ///< "POLYDATA"
-  std::uint64_t count = 0;            ///< points
+  std::uint64_t count = 0;            ///< number of points
   std::vector<VtkArray> arrays;       ///< the positions, then attributes of points
   std::uint64_t cells = 0;            ///< number of cells other than single vertices
   std::vector<std::string> left_out;  ///< names of arrays of points that cannot be kept
@@ -38,10 +38,12 @@ struct VtkLayout {
 /// Returns whether a file that begins with `head` is a legacy VTK file.
 bool starts_as_vtk(std::string_view head);
 
-/// Reads all of a text file; of a binary file only the lines between arrays. Throws Error with the place of an error.
+/// Reads all of a text file, or the lines between the arrays of a binary file. Throws Error with the place of the
+/// fault.
 VtkLayout read_vtk_layout(const InputFile& file);
 
-/// A window of 16 KB on a file that is text between blocks of bytes. Words and lines longer than that are an Error.
+/// A window of 16 KB on a file that is text between blocks of bytes. Words and lines longer than the window are an
+/// Error.
 class VtkScanner {
  public:
   explicit VtkScanner(const InputFile& file) : file_(&file) {}
