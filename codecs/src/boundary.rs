@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-//! What every function of the C interface needs.
+//! Errors as text, and panics caught, for the functions of the C interface.
 
 use std::ffi::c_char;
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::Once;
 
-/// A sentence for the user.
+/// An error as a sentence for the user.
 #[derive(Debug)]
 pub struct Error(pub String);
 
@@ -34,7 +34,7 @@ pub struct ErrorText {
     text: [c_char; ERROR_BYTES],
 }
 
-/// Copies a text with a final 0, cut off where it is too long.
+/// Copies a text and a final 0. A text that is too long is cut off.
 pub fn put_text(text: &str, into: &mut [c_char]) {
     let mut end = text.len().min(into.len() - 1);
     while !text.is_char_boundary(end) {
@@ -48,13 +48,13 @@ pub fn put_text(text: &str, into: &mut [c_char]) {
 
 static QUIET: Once = Once::new();
 
-/// Returns nothing where the work panics, and prints nothing then.
+/// Returns the result of `work`, or nothing if it panics. A panic prints nothing.
 pub fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
     QUIET.call_once(|| std::panic::set_hook(Box::new(|_| {})));
     catch_unwind(AssertUnwindSafe(work)).ok()
 }
 
-/// Returns 0, or -1 with a sentence in `error`. A panic becomes a sentence too, and prints nothing.
+/// Performs `work`. Returns 0, or -1 with a sentence in `error`. A panic becomes a sentence too, and prints nothing.
 ///
 /// # Safety
 /// `error` points to an `ErrorText`.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-//! The functions of `include/pointsweep_codecs.h`. Pointers are what that header says.
+//! The functions of `include/pointsweep_codecs.h`. The header documents their pointers.
 #![allow(clippy::missing_safety_doc)]
 
 use crate::boundary::{guarded, put_text, ErrorText};
@@ -13,7 +13,7 @@ use std::slice::{from_raw_parts, from_raw_parts_mut};
 
 type ReadAt = unsafe extern "C" fn(*mut c_void, u64, *mut u8, usize) -> isize;
 
-/// The function and the context of the caller, who may use a decoder on one thread after the other.
+/// The read function of the caller and its context. The caller may use a decoder on one thread after another.
 struct Caller {
     read: ReadAt,
     context: *mut c_void,
@@ -277,7 +277,7 @@ pub unsafe extern "C" fn psc_e57_reader_free(reader: *mut FileScanReader) {
 
 type WriteAt = unsafe extern "C" fn(*mut c_void, u64, *const u8, usize) -> i32;
 
-/// A file that the caller writes.
+/// A file that functions of the caller read and write.
 struct CallersFile {
     caller: Caller,
     write: WriteAt,

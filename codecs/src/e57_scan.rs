@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-//! The scans of an E57 file: what they hold, and their points from the first to the last.
+//! The scans of an E57 file: their descriptions, and their points from the first to the last.
 
 use crate::{Error, Owned};
 use e57::{E57Reader, PointCloud, PointCloudReaderRaw, RecordDataType, RecordName, RecordValue};
@@ -11,7 +11,8 @@ impl From<e57::Error> for Error {
     }
 }
 
-/// Opens a file after a look at what the crate would allocate because the header claims it.
+/// Opens a file. Checks the size of the XML section first, since the crate allocates as many bytes as the header
+/// claims.
 fn open<R: Read + Seek>(mut source: R) -> Result<E57Reader<R>, Error> {
     let size = source.seek(SeekFrom::End(0))?;
     source.seek(SeekFrom::Start(32))?;
@@ -24,7 +25,7 @@ fn open<R: Read + Seek>(mut source: R) -> Result<E57Reader<R>, Error> {
     Ok(E57Reader::new(source)?)
 }
 
-/// What the file says of its scans.
+/// The descriptions of the scans of a file.
 pub struct Contents {
     pub scans: Vec<PointCloud>,
     pub images: usize,
@@ -80,9 +81,9 @@ pub fn name_of(name: &RecordName) -> String {
     .to_string()
 }
 
-/// Points of one scan, from the first to the last.
+/// A reader of the points of one scan, from the first to the last.
 pub struct ScanReader<R: Read + Seek + 'static> {
-    points: PointCloudReaderRaw<'static, R>, // borrows what `_file` owns, and is dropped before it
+    points: PointCloudReaderRaw<'static, R>, // borrows from `_file`, and is dropped before it
     kinds: Vec<RecordDataType>,
     _file: Owned<E57Reader<R>>,
 }

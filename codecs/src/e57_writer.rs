@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-//! An E57 file of one scan, from its first point to its last.
+//! A writer of an E57 file with one scan, from its first point to its last.
 
 use crate::{name_of, Error, Owned};
 use e57::{E57Writer, Extension, PointCloudWriter, RawValues, Record, RecordDataType, RecordName, RecordValue};
@@ -13,7 +13,7 @@ pub trait File {
 
 const PENDING_BYTES: usize = 1 << 18;
 
-/// A position in a new file. The crate writes pages of 1,024 bytes; they are put together here.
+/// A new file with a position. Joins the pages of 1,024 bytes that the crate writes to fewer, longer writes.
 pub struct Sink<F: File> {
     file: F,
     position: u64,
@@ -59,7 +59,7 @@ impl<F: File> Write for Sink<F> {
 impl<F: File> Read for Sink<F> {
     fn read(&mut self, into: &mut [u8]) -> IoResult<usize> {
         if self.position >= self.size {
-            return Ok(0); // as the crate asks behind each page that it appends
+            return Ok(0); // the crate tries to read after each page that it appends
         }
         self.write_pending()?;
         let most = usize::try_from(self.size.saturating_sub(self.position)).unwrap_or(usize::MAX).min(into.len());
@@ -81,7 +81,7 @@ impl<F: File> Seek for Sink<F> {
     }
 }
 
-/// `cartesianX` and its like for what the standard names, `namespace:name` for what an extension names.
+/// Returns the name of an attribute: `cartesianX` or another name of the standard, or `namespace:name` of an extension.
 fn record_name(text: &str) -> Result<RecordName, Error> {
     if let Some((namespace, name)) = text.split_once(':') {
         return Ok(RecordName::Unknown { namespace: namespace.into(), name: name.into() });
@@ -99,12 +99,12 @@ pub struct Attribute {
     pub data_type: RecordDataType,
 }
 
-/// What the file says in addition to its points.
+/// The statements of a file in addition to its points.
 pub struct About<'a> {
     pub guid: &'a str,
     pub description: &'a str,
     pub coordinate_system: &'a str,
-    /// Namespaces that attributes name, with their identifiers.
+    /// Namespaces of the extensions that attributes name, with their identifiers.
     pub extensions: &'a [(&'a str, &'a str)],
 }
 
@@ -113,7 +113,7 @@ fn text_or_none(text: &str) -> Option<String> {
 }
 
 pub struct ScanWriter<F: File + 'static> {
-    points: Option<PointCloudWriter<'static, Sink<F>>>, // borrows what `file` owns, and is dropped before it
+    points: Option<PointCloudWriter<'static, Sink<F>>>, // borrows from `file`, and is dropped before it
     kinds: Vec<RecordDataType>,
     file: Owned<E57Writer<Sink<F>>>,
 }
@@ -136,7 +136,7 @@ impl<F: File + 'static> ScanWriter<F> {
         Ok(Self { points: Some(points), kinds, file })
     }
 
-    /// Points in the form in which `ScanReader::read` gives them.
+    /// Appends points, in the form in which `ScanReader::read` returns points.
     pub fn write(&mut self, values: &[u64]) -> Result<(), Error> {
         let points = self.points.as_mut().ok_or_else(|| Error("the scan is complete already".into()))?;
         for point in values.chunks_exact(self.kinds.len()) {
@@ -154,7 +154,7 @@ impl<F: File + 'static> ScanWriter<F> {
         Ok(())
     }
 
-    /// Writes all that is missing. Nothing may follow.
+    /// Completes the file. Must be the last call.
     pub fn finish(&mut self) -> Result<(), Error> {
         let mut points = self.points.take().ok_or_else(|| Error("the scan is complete already".into()))?;
         points.finalize()?;

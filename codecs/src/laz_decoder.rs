@@ -67,7 +67,7 @@ impl<R: Read + Seek + Send + Sync + 'static> Decoder<R> {
         Ok(Self { decompressor, record_bytes: layout.record_bytes() })
     }
 
-    /// The next records, as many as fit.
+    /// Decodes the next records, as many as fit in `records`.
     pub fn decode(&mut self, records: &mut [u8]) -> Result<(), Error> {
         for record in records.chunks_exact_mut(self.record_bytes) {
             self.decompressor.decompress_next(record)?;
@@ -76,7 +76,7 @@ impl<R: Read + Seek + Send + Sync + 'static> Decoder<R> {
     }
 }
 
-/// The layers must be in the chunk: the crate allocates as many bytes as they claim.
+/// Returns an error if the layers are larger than the chunk. The crate allocates as many bytes as their sizes claim.
 fn check_layers(layout: &Layout, input: &mut (impl Read + Seek)) -> Result<(), Error> {
     let end = input.seek(SeekFrom::End(0))?;
     let sizes_begin = layout.record_bytes() as u64 + 4;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-//! What the LASzip VLR says: the parts of a record, how each is compressed, and the size of chunks.
+//! The content of the LASzip VLR: the parts of a record, the compression of each part, and the size of chunks.
 
 use crate::Error;
 use laz::laszip::{ChunkTable, CompressorType};
 use laz::{LazItem, LazItemType, LazVlr, LazVlrBuilder};
 use std::io::Cursor;
 
-/// In place of the points of a chunk: the chunk table says them.
+/// The value of `chunk_points` if the chunk table states the points of each chunk.
 pub const VARIABLE_CHUNKS: u32 = 0;
-/// All points are in one run, without a table.
+/// The value of `chunk_points` if all points are in one run, without a chunk table.
 pub const NO_CHUNKS: u32 = u32::MAX;
 
 pub struct Layout {
@@ -58,7 +58,7 @@ impl Layout {
         self.record_bytes
     }
 
-    /// Of each chunk but the last, or `VARIABLE_CHUNKS` or `NO_CHUNKS`.
+    /// Returns the points in each chunk but the last, or `VARIABLE_CHUNKS` or `NO_CHUNKS`.
     pub fn chunk_points(&self) -> u32 {
         self.chunk_points
     }
@@ -75,7 +75,7 @@ impl Layout {
         self.vlr.items()
     }
 
-    /// Of a chunk in layers: how many of them it has, each with its size in front of all of them.
+    /// Returns the number of layers of a chunk in layers. The sizes of all layers come before the first layer.
     pub fn layers(&self) -> usize {
         let of = |item: &LazItem| match item.item_type() {
             LazItemType::Point14 => 9,
@@ -90,14 +90,15 @@ impl Layout {
         bytes_of(&self.vlr)
     }
 
-    /// Points (0 unless chunks vary) and bytes of each of `count` chunks.
+    /// Returns points (0 unless chunks vary) and bytes of each chunk, or an error if the table does not state `count`
+    /// chunks.
     pub fn read_chunk_table(&self, table: &[u8], count: usize) -> Result<Vec<(u64, u64)>, Error> {
         let claimed = u32::from_le_bytes(*table.get(4..).and_then(|b| b.first_chunk()).ok_or_else(too_short)?);
         if claimed as usize != count {
             return Err(Error(format!("its chunk table has {claimed} chunks instead of {count}")));
         }
         let read = ChunkTable::read(&mut Cursor::new(table), self.is_variable())?;
-        // The crate extends 32 bits by their sign.
+        // The crate extends numbers of 32 bits by their sign.
         let plain = |number: u64| u64::from(number as u32);
         Ok((0..read.len()).map(|i| (plain(read[i].point_count), plain(read[i].byte_count))).collect())
     }
@@ -113,8 +114,8 @@ fn bytes_of(vlr: &LazVlr) -> Vec<u8> {
     bytes
 }
 
-/// LASzip has one version of wave packets in point formats 4 and 5, 1, and refuses files that state another; the crate states 2
-/// for the same bytes.
+/// Sets the version of wave packets in point formats 4 and 5 to 1. LASzip refuses files that state another version; the
+/// crate states 2 for the same bytes.
 fn with_wave_packets_of_version_1(mut vlr: Vec<u8>) -> Vec<u8> {
     const ITEMS: usize = 34;
     let wave_packet = u16::from(LazItemType::WavePacket13).to_le_bytes();
@@ -124,7 +125,8 @@ fn with_wave_packets_of_version_1(mut vlr: Vec<u8>) -> Vec<u8> {
     vlr
 }
 
-/// The parts must have the sizes their types have: the crate takes them for granted.
+/// Returns the bytes of a record, or an error if a part does not have the size of its type, which the crate takes for
+/// granted.
 fn record_bytes(items: &[LazItem]) -> Result<usize, Error> {
     if items.is_empty() {
         return Err(Error("it names no part of a record".into()));

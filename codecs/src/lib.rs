@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-//! Compressed point formats behind a C interface, `include/pointsweep_codecs.h`, which says what each function does.
+//! Compressed point formats behind the C interface `include/pointsweep_codecs.h`, which documents each function.
 //!
-//! `laz_*`: LASzip. `e57_scan`, `e57_writer`: E57. `boundary`: what every function of the interface needs: errors as text, panics caught.
+//! `laz_*`: LASzip. `e57_scan`, `e57_writer`: E57. `boundary`: errors as text, and panics caught, for all functions of
+//! the interface.
 
 mod boundary;
 mod e57_scan;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-//! What the readers and writers of the crate `e57` borrow as long as they live.
+//! The owner of a file from which readers and writers of the crate `e57` borrow as long as they live.
 
 /// A box whose content does not move and may be borrowed as long as the box lives.
 pub struct Owned<T>(*mut T);

@@ -4,7 +4,7 @@ use pointsweep_codecs::{About, Attribute, Contents, Error, File, ScanReader, Sca
 use std::io::Cursor;
 use std::sync::{Arc, Mutex};
 
-/// Grows by writes, and refuses those beyond `most` bytes.
+/// A file in memory, which grows by writes and refuses writes beyond `most` bytes.
 #[derive(Clone)]
 struct Memory {
     bytes: Arc<Mutex<Vec<u8>>>,

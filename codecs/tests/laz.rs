@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 use pointsweep_codecs::{encode, write_chunk_table, Decoder, Layout, Source};
 
-/// Numbers that look random and are the same every time (Steele et al. 2014).
+/// A generator of pseudo-random numbers, the same in every run (Steele et al. 2014).
 struct SplitMix(u64);
 
 impl SplitMix {
@@ -14,7 +14,7 @@ impl SplitMix {
     }
 }
 
-/// Records without any order, then records that differ little from each other, as those of a scanner.
+/// Returns random records, then records that differ little from each other, like records of a scanner.
 fn records(layout: &Layout, count: usize) -> Vec<u8> {
     let mut random = SplitMix(7);
     let size = layout.record_bytes();
@@ -49,7 +49,7 @@ fn every_point_format_comes_back_as_it_was() {
             let given = records(&layout, count);
             let mut back = vec![0; given.len()];
             let mut decoder = decoder(&layout, encode(&layout, &given).unwrap()).unwrap();
-            // In two parts, as readers do.
+            // Decodes in two parts, as readers do.
             let middle = count / 3 * layout.record_bytes();
             decoder.decode(&mut back[..middle]).unwrap();
             decoder.decode(&mut back[middle..]).unwrap();

@@ -4,9 +4,9 @@
  *
  * An address is http://, https://, s3://BUCKET/KEY, gs://BUCKET/KEY or az://CONTAINER/KEY. Keys are not
  * percent-encoded. Credentials of buckets come from the environment (AWS_*, GOOGLE_*, AZURE_*). Functions return a
- * psr_status; where it is not PSR_DONE, `detail` has some words about what happened, without the address and without
- * credentials. They may be called by any threads at the same time. A request that a server answers with 5xx or 429, or
- * not at all, is made again for about half a minute. */
+ * psr_status; if it is not PSR_DONE, `detail` describes the failure in some words, without the address and without
+ * credentials. Any number of threads may call the functions at the same time. A request that a server answers with 5xx
+ * or 429, or not at all, is repeated for about half a minute. */
 #ifndef POINTSWEEP_REMOTE_H
 #define POINTSWEEP_REMOTE_H
 
@@ -21,13 +21,13 @@ typedef enum psr_status {
   PSR_DONE = 0,
   PSR_NOT_FOUND = 1,
   PSR_DENIED = 2,       /* 401, 403, or there are no credentials */
-  PSR_EXISTS = 3,       /* an object that was to be new */
-  PSR_CHANGED = 4,      /* the object is not the one that was looked at before */
-  PSR_NO_RANGES = 5,    /* the server gives whole files only */
+  PSR_EXISTS = 3,       /* the object exists and was not to be overwritten */
+  PSR_CHANGED = 4,      /* the object is not the expected version */
+  PSR_NO_RANGES = 5,    /* the server sends only whole files */
   PSR_UNAVAILABLE = 6,  /* 5xx, 429, no connection or no answer, after retries */
-  PSR_TRUNCATED = 7,    /* an answer that ends too early, after retries */
+  PSR_TRUNCATED = 7,    /* the answer ends too early, after retries */
   PSR_TLS = 8,          /* the certificate of the server is not trusted */
-  PSR_NOT_POSSIBLE = 9, /* the server or the scheme knows no such operation */
+  PSR_NOT_POSSIBLE = 9, /* the server or the scheme does not have the operation */
   PSR_WRONG_ADDRESS = 10,
   PSR_FILE = 11, /* a local file cannot be read */
   PSR_CANCELLED = 12,
@@ -38,29 +38,30 @@ typedef struct psr_detail {
   char text[256]; /* with a final 0 */
 } psr_detail;
 
-/* What tells one version of an object from another. */
+/* The properties that distinguish versions of an object. */
 typedef struct psr_version {
   uint64_t size;
-  int64_t seconds;      /* of its last change, since 1970; 0 where the server does not say */
-  uint32_t nanoseconds; /* of that second */
-  char etag[116];       /* with a final 0; empty where there is none, or it is longer */
+  int64_t seconds;      /* time of the last change, since 1970; 0 if the server does not state it */
+  uint32_t nanoseconds; /* nanoseconds of the last change, after `seconds` */
+  char etag[116];       /* with a final 0; empty if there is none, or if it is longer */
 } psr_version;
 
-/* Sets the function that says whether the work of the calling thread is to stop. */
+/* Sets the function that returns whether the work of the calling thread is cancelled. */
 void psr_set_cancelled(int (*cancelled)(void));
 
+/* Returns the current version of an object. */
 int psr_look(const char* address, psr_version* version, psr_detail* detail);
-/* Reads up to `bytes` bytes from `offset` on, fewer at the end of the object, and says how many and of which version.
- * `expected`: the version that it must be; null: any. */
+/* Reads up to `bytes` bytes from `offset` on, fewer at the end of the object. Sets the number of bytes read and the
+ * version of the object. `expected`: the version that the object must have; null for any version. */
 int psr_read(const char* address, const psr_version* expected, uint64_t offset, uint8_t* into, size_t bytes,
              size_t* read, psr_version* version, psr_detail* detail);
 
-/* Takes an object below the folder: its key below the folder, and its size. */
+/* A function that gets the key of an object, without the folder, and its size. */
 typedef void (*psr_visit)(void* context, const char* key, uint64_t size);
-/* Visits the objects in a folder, whose address ends in a slash, with those in its folders if `recursive`. */
+/* Visits the objects in a folder, whose address ends in a slash, and the objects in its folders if `recursive`. */
 int psr_list(const char* folder, int recursive, psr_visit visit, void* context, psr_detail* detail);
 
-/* Makes an object of a local file, of several parts where it is large. It becomes visible when it is complete. */
+/* Makes an object from a local file, in several parts if it is large. The object is visible only when complete. */
 int psr_put_file(const char* address, const char* path, int overwrite, psr_detail* detail);
 int psr_put(const char* address, const uint8_t* data, size_t bytes, int overwrite, psr_detail* detail);
 /* Removes an object, if there is one. */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-//! What an address names: a store of the crate `object_store`, kept for later requests, and a path in it.
+//! The store of the crate `object_store` and the path in it that an address names. Stores of buckets, and clients of
+//! HTTP servers, are kept for later requests.
 
 use crate::failure::{Failure, Status};
 use object_store::aws::AmazonS3Builder;
@@ -16,7 +17,7 @@ use url::Url;
 
 pub type Store = Arc<dyn ObjectStore>;
 
-/// What a client is for. A server answers an upload when it has all bytes, which takes longer.
+/// The purpose of a client, which decides how long it waits. A server answers an upload only when it has all bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Purpose {
     Reading,
@@ -29,7 +30,7 @@ pub struct Place {
     pub is_bucket: bool,
 }
 
-/// A request to a host that does not answer fails after about half a minute.
+/// Returns the rules of retries: a request to a host that does not answer fails after about half a minute.
 fn retries() -> RetryConfig {
     let backoff = BackoffConfig { init_backoff: Duration::from_millis(100), max_backoff: Duration::from_secs(4), base: 2.0 };
     RetryConfig { backoff, max_retries: 6, retry_timeout: Duration::from_secs(25) }
@@ -44,7 +45,7 @@ fn client_options(purpose: Purpose) -> ClientOptions {
         .with_read_timeout(silence)
 }
 
-/// Gives all stores of HTTP servers one client, with its connections.
+/// A client, with its connections, that the stores of HTTP servers share.
 #[derive(Clone, Debug)]
 struct SharedClient(HttpClient);
 
@@ -58,7 +59,7 @@ type Key = (u32, Purpose, String);
 static STORES: Mutex<Option<HashMap<Key, Store>>> = Mutex::new(None);
 static CLIENTS: Mutex<Option<HashMap<Key, SharedClient>>> = Mutex::new(None);
 
-/// Returns what `make` has made for this key in this process.
+/// Returns the value that is kept for `key`. Calls `make` and keeps its value if there is none.
 fn kept<T: Clone>(all: &Mutex<Option<HashMap<Key, T>>>, key: Key, make: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     let mut all = all.lock().unwrap_or_else(|e| e.into_inner());
     let all = all.get_or_insert_with(HashMap::new);
@@ -84,7 +85,7 @@ fn base64(bytes: &[u8]) -> String {
     text
 }
 
-/// The client for a user, or for requests without one.
+/// Returns the client for a user, "NAME:PASSWORD", or for requests without a user if `user` is empty.
 fn http_client(purpose: Purpose, user: &str) -> Result<SharedClient, Failure> {
     kept(&CLIENTS, (std::process::id(), purpose, user.to_string()), || {
         let mut options = client_options(purpose);
@@ -102,7 +103,8 @@ fn decoded(text: &str) -> String {
     Path::from_url_path(text).map_or_else(|_| text.to_string(), |path| path.to_string())
 }
 
-/// A server of HTTP: the address is that of the object, so its query stays as it is. Nothing is kept for it but the client.
+/// Returns the place of an object on an HTTP server. Its store has the address of the object, so that the query of the
+/// address stays unchanged. Only the client is kept for later requests.
 fn http_place(address: &str, purpose: Purpose) -> Result<Place, Failure> {
     let wrong = |e: url::ParseError| Failure::new(Status::WrongAddress, e.to_string());
     let mut url = Url::parse(address).map_err(wrong)?;
@@ -130,7 +132,7 @@ fn bucket_store(scheme: &str, bucket: &str, purpose: Purpose) -> Result<Store, F
     })
 }
 
-/// A bucket: its key is what follows, as it stands.
+/// Returns the place of an object in a bucket. The key is the unchanged text after the name of the bucket.
 fn bucket_place(scheme: &str, rest: &str, purpose: Purpose) -> Result<Place, Failure> {
     let (bucket, key) = rest.split_once('/').unwrap_or((rest, ""));
     let bucket = bucket.split('@').next().unwrap_or(bucket); // abfs://CONTAINER@ACCOUNT.dfs.core.windows.net/KEY

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-//! The functions of `include/pointsweep_remote.h`. Pointers are what that header says.
+//! The functions of `include/pointsweep_remote.h`. The header documents their pointers.
 #![allow(clippy::missing_safety_doc)]
 
 use crate::failure::{Failure, Status};
@@ -39,7 +39,8 @@ impl ObjectVersion {
     }
 }
 
-/// Returns 0, or another status with its words in `detail`. A panic becomes a status, too.
+/// Performs `work`. Returns 0, or the status of the failure with its words in `detail`. A panic becomes
+/// `Status::Other`.
 unsafe fn guarded(detail: *mut Detail, work: impl FnOnce() -> Result<(), Failure>) -> i32 {
     let failure = match quietly(work) {
         Some(Ok(())) => return 0,

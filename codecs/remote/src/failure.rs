@@ -38,7 +38,7 @@ impl Failure {
     }
 }
 
-/// The error and those that caused it, the innermost last.
+/// Returns the error and its causes, the innermost last.
 fn causes<'a>(error: &'a (dyn Error + 'static)) -> Vec<&'a (dyn Error + 'static)> {
     let mut all = vec![error];
     while let Some(cause) = all[all.len() - 1].source() {
@@ -47,7 +47,7 @@ fn causes<'a>(error: &'a (dyn Error + 'static)) -> Vec<&'a (dyn Error + 'static)
     all
 }
 
-/// "503 Service Unavailable", from the sentence of an error.
+/// Returns the status code and line in the message of an error, e.g. 503 and "503 Service Unavailable".
 fn status_line(text: &str) -> Option<(u16, String)> {
     let rest = text.split("status code: ").nth(1)?;
     let code: u16 = rest.get(..3)?.parse().ok()?;
@@ -65,7 +65,7 @@ fn is_certificate(text: &str) -> bool {
     ["certificate", "UnknownIssuer", "tls handshake", "InvalidContentType", "corrupt message"].iter().any(|word| text.contains(word))
 }
 
-/// A failure of the connection, or of an answer that no class of the crate names.
+/// Returns the failure for an error of the connection, or of an answer for which the crate has no kind of error.
 fn of_causes(error: &(dyn Error + 'static)) -> Failure {
     let texts: Vec<String> = causes(error).iter().map(|e| e.to_string()).collect();
     let has = |word: &str| texts.iter().any(|text| text.contains(word));
@@ -115,7 +115,7 @@ impl From<StoreError> for Failure {
             StoreError::Unauthenticated { .. } => Self::new(Status::Denied, line("401 Unauthorized")),
             StoreError::InvalidPath { .. } => Self::new(Status::WrongAddress, "its path has a part that no key may have"),
             StoreError::NotImplemented { .. } => Self::new(Status::NotPossible, "this kind of server has no such operation"),
-            // A range of an empty object, or an answer without ranges.
+            // The request was for a range of an empty object, or the answer has no ranges.
             StoreError::NotSupported { .. } => Self::new(Status::NoRanges, "the server ignores the header Range"),
             _ if failure.detail.contains("non-partial response") => Self::new(Status::NoRanges, "the server ignores the header Range"),
             _ => failure,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-//! Objects of HTTP servers and buckets behind a C interface, `include/pointsweep_remote.h`, which says what each function
-//! does, and the codecs, since a program links one library of Rust.
+//! Objects of HTTP servers and buckets behind the C interface `include/pointsweep_remote.h`, which documents each
+//! function. The library includes the codecs, since a program links one library of Rust.
 //!
-//! `address`: what an address names, and the client for it. `failure`: what went wrong, as a status and some words.
+//! `address`: the store and path that an address names, and the client. `failure`: errors as a status and some words.
 //! `service`: the runtime that performs requests. `objects`: reading, listing and writing.
 
 pub use pointsweep_codecs::*;

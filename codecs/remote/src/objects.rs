@@ -30,7 +30,8 @@ impl Version {
             etag: meta.e_tag.clone().unwrap_or_default(),
         }
     }
-    /// Returns whether another look has found this version. A weak tag may stand for several.
+    /// Returns whether `other`, from a later request, is this version: sizes are equal, ETags are equal if both are
+    /// known, and times are equal if this version has a time but no ETag.
     fn is(&self, other: &Self) -> bool {
         self.size == other.size && (self.etag.is_empty() || other.etag.is_empty() || self.etag == other.etag)
             && (!self.etag.is_empty() || self.seconds == 0 || self.seconds == other.seconds)
@@ -41,7 +42,7 @@ async fn head(place: &Place) -> Result<Version, Failure> {
     Ok(Version::of(&place.store.head(&place.path).await?))
 }
 
-/// A server may allow GET alone, as for addresses that are signed for it.
+/// Returns the version of an object. Asks HTTP servers by GET, since an address may be signed for GET alone.
 pub async fn look(address: &str) -> Result<Version, Failure> {
     let place = place_of(address, Purpose::Reading)?;
     if place.is_bucket {
@@ -50,12 +51,13 @@ pub async fn look(address: &str) -> Result<Version, Failure> {
     match read_once(&place, None, 0, &mut [0]).await {
         Ok((_, version)) => Ok(version),
         Err(failure) if failure.status == Status::NoRanges => Err(failure),
-        Err(failure) => head(&place).await.map_err(|_| failure), // an empty file has no first byte
+        Err(failure) => head(&place).await.map_err(|_| failure), // the first byte of an empty file cannot be read
     }
 }
 
 async fn read_once(place: &Place, expected: Option<&Version>, offset: u64, into: &mut [u8]) -> Result<(usize, Version), Failure> {
     let end = offset + into.len() as u64;
+    // A weak ETag may stand for several versions.
     let if_match = expected.map(|version| version.etag.clone()).filter(|etag| !etag.is_empty() && !etag.starts_with("W/"));
     let options = GetOptions { range: Some(GetRange::Bounded(offset..end)), if_match, ..Default::default() };
     let got = place.store.get_opts(&place.path, options).await?;
@@ -96,7 +98,8 @@ pub async fn read(address: &str, expected: Option<&Version>, offset: u64, into: 
     unreachable!()
 }
 
-/// Visits the keys of the objects in a folder, below it, with their sizes.
+/// Calls `visit` with the key, without the folder, and the size of each object in a folder, and in its folders if
+/// `recursive`.
 pub async fn list(folder: &str, recursive: bool, mut visit: impl FnMut(&str, u64)) -> Result<(), Failure> {
     let place = place_of(folder, Purpose::Reading)?;
     if !place.is_bucket {
@@ -148,7 +151,7 @@ pub async fn put(address: &str, data: Vec<u8>, overwrite: bool) -> Result<(), Fa
 
 const PART_BYTES: u64 = 8 << 20;
 const PARTS_AT_ONCE: usize = 2;
-const MOST_PARTS: u64 = 9_000; // a bucket takes 10,000
+const MOST_PARTS: u64 = 9_000; // a bucket accepts 10,000 parts
 
 fn part_of(file: &File, offset: u64, bytes: u64) -> Result<Vec<u8>, Failure> {
     let mut part = vec![0; bytes as usize];
@@ -156,7 +159,7 @@ fn part_of(file: &File, offset: u64, bytes: u64) -> Result<Vec<u8>, Failure> {
     Ok(part)
 }
 
-/// Sends the parts in their order, the next ones while a server takes its time to answer.
+/// Sends the parts in order. A part is sent before the server has answered the part before it.
 async fn put_parts(upload: &mut dyn MultipartUpload, file: &File, size: u64) -> Result<(), Failure> {
     let part_bytes = PART_BYTES.max(size / MOST_PARTS + 1);
     let mut sent = VecDeque::new();

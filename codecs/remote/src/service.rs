@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-//! The runtime that performs requests, made with the first one. A process that was forked makes its own.
+//! The runtime that performs requests. The first request makes it; a forked process makes its own runtime.
 
 use crate::failure::{Failure, Status};
 use std::future::Future;
@@ -23,7 +23,7 @@ pub fn set_cancelled(cancelled: Cancelled) {
 
 fn is_cancelled() -> bool {
     let function = CANCELLED.load(Ordering::Relaxed);
-    // A function of this type is all that set_cancelled() stores.
+    // set_cancelled() stores only functions of this type.
     !function.is_null() && unsafe { std::mem::transmute::<*mut (), Cancelled>(function) }() != 0
 }
 
@@ -38,12 +38,13 @@ fn runtime() -> Result<Arc<Runtime>, Failure> {
     }
     let made = Builder::new_multi_thread().worker_threads(THREADS).thread_name("remote").enable_all().build();
     let made = Arc::new(made.map_err(|e| Failure::new(Status::Other, e.to_string()))?);
-    // The threads of a parent process are not here, so its runtime must not be dropped, which would wait for them.
+    // A forked process does not have the threads of its parent. Dropping the runtime of the parent would wait for these
+    // threads, so the runtime is leaked.
     std::mem::forget(runtime.replace((process, made.clone())));
     Ok(made)
 }
 
-/// Performs a request on this thread, unless its work is cancelled.
+/// Performs a request on this thread. Fails with `Status::Cancelled` if the work of the thread is cancelled.
 pub fn perform<T>(work: impl Future<Output = Result<T, Failure>>) -> Result<T, Failure> {
     runtime()?.block_on(async {
         let mut work = std::pin::pin!(work);
