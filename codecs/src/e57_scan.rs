@@ -11,8 +11,7 @@ impl From<e57::Error> for Error {
     }
 }
 
-/// Opens a file. Checks the size of the XML section first, since the crate allocates as many bytes as the header
-/// claims.
+/// Opens a file. Checks the size of the XML section first, since the crate allocates the bytes that the header claims.
 fn open<R: Read + Seek>(mut source: R) -> Result<E57Reader<R>, Error> {
     let size = source.seek(SeekFrom::End(0))?;
     source.seek(SeekFrom::Start(32))?;

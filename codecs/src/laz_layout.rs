@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-//! The content of the LASzip VLR: the parts of a record, the compression of each part, and the size of chunks.
+//! The content of the LASzip VLR: the parts of a record, their compression, and the size of chunks.
 
 use crate::Error;
 use laz::laszip::{ChunkTable, CompressorType};

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 //! Compressed point formats behind the C interface `include/pointsweep_codecs.h`, which documents each function.
 //!
-//! `laz_*`: LASzip. `e57_scan`, `e57_writer`: E57. `boundary`: errors as text, and panics caught, for all functions of
-//! the interface.
+//! `laz_*`: LASzip. `e57_scan`, `e57_writer`: E57. `boundary`: errors as text, and panics caught.
 
 mod boundary;
 mod e57_scan;

@@ -179,8 +179,7 @@ struct LengthUnit {
 
 constexpr LengthUnit kLengthUnits[] = {{9001, 1, "m"}, {9002, 0.3048, "ft"}, {9003, 1200.0 / 3937, "US survey ft"}};
 
-/// Returns the unit of this length; null for a number that belongs to no length unit, e.g. 0.01745, the radians of a
-/// degree.
+/// Returns the unit of this length; null for a number that belongs to no length unit, e.g. the 0.01745 of a degree.
 const LengthUnit* unit_of_metres(double metres) {
   const auto same = [&](const LengthUnit& unit) { return std::abs(metres - unit.metres) < 1e-9; };
   const auto found = std::ranges::find_if(kLengthUnits, same);

@@ -49,7 +49,7 @@ std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines);
 /// Returns a line such as "pointsweep 0.1.0: knn(k=12) | normals; order sweep; from scan.ply", in printable ASCII.
 std::string to_text(const ProvenanceRecord& record);
 
-/// Appends those records of `more` that `lines` does not have yet. Beyond 256 KiB, records are left out, and one line
+/// Appends the records of `more` that `lines` does not have yet. Beyond 256 KiB, records are left out, and one line
 /// states this, since headers must stay readable.
 void add_provenance(std::vector<std::string>& lines, std::span<const std::string> more);
 /// Returns the rest of `all` after `present`, if `all` begins with `present`; returns `all` otherwise.

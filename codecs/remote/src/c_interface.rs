@@ -39,8 +39,7 @@ impl ObjectVersion {
     }
 }
 
-/// Performs `work`. Returns 0, or the status of the failure with its words in `detail`. A panic becomes
-/// `Status::Other`.
+/// Performs `work`. Returns 0, or the status of a failure, with words in `detail`. A panic becomes `Status::Other`.
 unsafe fn guarded(detail: *mut Detail, work: impl FnOnce() -> Result<(), Failure>) -> i32 {
     let failure = match quietly(work) {
         Some(Ok(())) => return 0,

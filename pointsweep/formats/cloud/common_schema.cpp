@@ -98,7 +98,7 @@ void widen(Field& into, const Field& field) {
 /// The union of the fields of many schemas, each under its name in the first schema that has it.
 class Union {
  public:
-  /// Adds a schema and returns it with its fields renamed to those of the union.
+  /// Adds a schema and returns it with the names that its fields have in the union.
   Schema add(Schema schema) {
     std::vector<bool> taken(fields_.size());
     for (Field& field : schema.fields) {
@@ -152,8 +152,7 @@ bool has_field(const Schema& schema, const std::string& name) {
 /// Returns whether `name` is a flag for which point formats 0 to 5 of LAS have no bits. There the flag counts as 0.
 bool is_flag_of_las14(std::string_view name) { return name == "overlap" || name == "scanner_channel"; }
 
-/// Returns whether `field` is a return number or number of returns and the input has neither. Its points get 1 for both
-/// (MissingFields).
+/// Returns whether `field` is one of the two return numbers and the input has neither: both are 1 then (MissingFields).
 bool is_return_number(const Field& field, const Schema& input) {
   const std::string name = library_name_of(field.name);
   const bool has_any = input.find("return_number") || input.find("number_of_returns");

@@ -101,7 +101,7 @@ class InputCloud {
   /// Returns the cloud that reads the same records by other readers, one for each input.
   InputCloud read_by(std::vector<std::shared_ptr<Reader>> readers) const;
   /// Returns the cloud with only the rows that `selection` keeps, numbered from 0. The selection is of all rows of this
-  /// cloud, those included that selection() leaves out.
+  /// cloud, including the rows that selection() leaves out.
   InputCloud selected(RowSelection selection) const;
 
   /// Returns the state of each input before it was opened.

@@ -94,7 +94,7 @@ class Hierarchy {
     nodes_.depths[*chunk] = e.level;
   }
 
-  /// Returns the chunk whose offset, bytes and points equal those of the node.
+  /// Returns the chunk that has the offset, bytes and points of the node; none if there is none.
   std::optional<std::size_t> chunk_of(const Entry& e) const {
     std::size_t low = 0, high = points_.chunks();
     while (low < high) {

@@ -28,8 +28,7 @@ struct Descriptor {
 static_assert(sizeof(Descriptor) == kExtraBytesDescriptor);
 static_assert(offsetof(Descriptor, scale) == 112);
 
-/// The types 1 to 10 of LAS in their order. Types 11 to 20 are pairs of values of types 1 to 10, and types 21 to 30 are
-/// triples.
+/// The types 1 to 10 of LAS in their order. Types 11 to 20 are pairs of these types, types 21 to 30 are triples.
 constexpr Type kTypes[] = {Type::u8,  Type::i8,  Type::u16, Type::i16, Type::u32,
                            Type::i32, Type::u64, Type::i64, Type::f32, Type::f64};
 

@@ -33,8 +33,8 @@ std::string las_dimension_name(const std::string& name);
 std::optional<std::string> append_extra_bytes(std::span<const std::byte> descriptors, std::uint32_t record_length,
                                               Schema& schema);
 
-/// Returns the descriptor of a single value that has the name and the stored form of `field`; none if no descriptor has
-/// both.
+/// Returns the descriptor of a single value that has the name and the stored form of `field`; none if there is no such
+/// descriptor.
 std::optional<std::span<const std::byte>> find_extra_bytes(std::span<const std::byte> descriptors, const Field& field);
 
 /// Returns the description of component `component` of a made attribute, in at most 32 bytes: the beginning of its

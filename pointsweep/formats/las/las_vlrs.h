@@ -75,8 +75,7 @@ std::vector<std::byte> las_evlr(std::string_view user, std::uint16_t record, std
 /// Largest number of bytes in a VLR.
 inline constexpr std::size_t kLongestVlr = 65535;
 
-/// VLRs that state a system by its WKT, its GeoTIFF keys, or both: their bytes, one VLR after another, and their
-/// number.
+/// VLRs that state a system by its WKT, its GeoTIFF keys, or both: their bytes, one after another, and their number.
 struct LasCrsVlrs {
   std::vector<std::byte> bytes;
   std::uint32_t count = 0;

@@ -60,12 +60,11 @@ struct QsplatLeaf {
 
 /// Walks through the leaves depth first. The file stores the tree breadth first, siblings together. Each group of
 /// siblings states the place of the first group below it; the groups below are consecutive. So a walk moves forward on
-/// every level of the tree, and needs one block of the file for each level (64 KiB × depth, about 1 MB for 10^8
-/// leaves).
+/// every level of the tree, and needs one block of the file a level (64 KiB × depth, about 1 MB for 10^8 leaves).
 class QsplatWalk {
  public:
-  /// One level of a walk's position. A position is small (40 bytes × depth), so that many positions can be stored, from
-  /// which walks resume.
+  /// One level of a walk's position. A position is small (40 bytes × depth), so that many can be stored, from which
+  /// walks resume.
   struct Level {
     std::uint64_t next = 0;   ///< byte of the next sibling
     std::uint64_t below = 0;  ///< byte of the next group of children; 0 if the siblings are all leaves

@@ -38,12 +38,10 @@ struct VtkLayout {
 /// Returns whether a file that begins with `head` is a legacy VTK file.
 bool starts_as_vtk(std::string_view head);
 
-/// Reads all of a text file, or the lines between the arrays of a binary file. Throws Error with the place of the
-/// fault.
+/// Reads all of a text file, or the lines between the arrays of a binary file. Throws Error with the place of a fault.
 VtkLayout read_vtk_layout(const InputFile& file);
 
-/// A window of 16 KB on a file that is text between blocks of bytes. Words and lines longer than the window are an
-/// Error.
+/// A window of 16 KB on a file that is text between blocks of bytes. Longer words and lines are an Error.
 class VtkScanner {
  public:
   explicit VtkScanner(const InputFile& file) : file_(&file) {}
