@@ -16,7 +16,7 @@ pub use e57_scan::{name_of, Contents, ScanReader};
 pub use e57_writer::{About, Attribute, File, ScanWriter};
 pub use laz_decoder::{Decoder, Source};
 pub use laz_encoder::{encode, write_chunk_table};
-pub use laz_layout::Layout;
+pub use laz_layout::{Layout, VARIABLE_CHUNKS};
 pub(crate) use owned::Owned;
 
 mod c_interface;

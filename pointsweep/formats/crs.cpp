@@ -169,8 +169,6 @@ CrsAgreement compare_with_codes(const Crs& a, const Crs& b) {
   return unit != 0 && other != 0 && unit != other ? CrsAgreement::different : CrsAgreement::same;
 }
 
-constexpr std::uint16_t kLinearUnitsKey = 3076;
-
 struct LengthUnit {
   std::uint16_t code;  ///< code in the EPSG registry
   double metres;
@@ -186,39 +184,31 @@ const LengthUnit* unit_of_metres(double metres) {
   return found == std::end(kLengthUnits) ? nullptr : found;
 }
 
-/// Returns the number in `UNIT["name",number`, whose `[` is at `bracket`.
-std::optional<double> factor_at(std::string_view wkt, std::size_t bracket) {
-  const std::size_t open = wkt.find('"', bracket), close = open == wkt.npos ? open : wkt.find('"', open + 1);
-  std::size_t begin = close == wkt.npos ? close : wkt.find(',', close);
-  if (begin == wkt.npos) return std::nullopt;
-  begin = wkt.find_first_not_of(' ', begin + 1);
-  if (begin == wkt.npos) return std::nullopt;
-  double factor = 0;
-  const auto [end, error] = std::from_chars(wkt.data() + begin, wkt.data() + wkt.size(), factor);
-  return error == std::errc() ? std::optional(factor) : std::nullopt;
-}
-
-/// Returns the last unit of length before the vertical system. WKT 1 has UNIT, WKT 2 LENGTHUNIT. The unit of a
-/// projected system comes after the unit of its ellipsoid (WKT 2) and the unit of its angles.
-const LengthUnit* unit_of_wkt(std::string_view wkt) {
-  const std::string_view horizontal =
-      wkt.substr(0, std::min({wkt.find("VERT_CS"), wkt.find("VERTCS"), wkt.find("VERTCRS"), wkt.size()}));
-  const LengthUnit* unit = nullptr;
-  for (std::size_t at = horizontal.find("UNIT["); at != horizontal.npos; at = horizontal.find("UNIT[", at + 1)) {
-    const std::optional<double> factor = factor_at(horizontal, at);
-    const LengthUnit* found = factor ? unit_of_metres(*factor) : nullptr;
-    if (found != nullptr) unit = found;
+/// Returns the last unit of length of a system or of a part of it, without vertical systems; null if there is none. WKT
+/// 1 has UNIT, WKT 2 LENGTHUNIT. The unit of a projected system comes after the unit of its ellipsoid (WKT 2), the unit
+/// of its angles and the units of the parameters of its projection.
+const LengthUnit* unit_of_node(const WktNode& node) {
+  if (is_vertical(node)) return nullptr;
+  if (is_one_of(node.keyword, {"UNIT", "LENGTHUNIT"}) && node.values.size() > 1) {
+    const std::string& factor = node.values[1];
+    double metres = 0;
+    const auto [end, error] = std::from_chars(factor.data(), factor.data() + factor.size(), metres);
+    return error == std::errc() ? unit_of_metres(metres) : nullptr;
   }
+  const LengthUnit* unit = nullptr;
+  for (const WktNode& child : node.children)
+    if (const LengthUnit* found = unit_of_node(child)) unit = found;
   return unit;
 }
 
+const LengthUnit* unit_of_wkt(std::string_view wkt) {
+  const std::optional<WktNode> root = parse_wkt(wkt);
+  return root ? unit_of_node(unwrapped(*root)) : nullptr;
+}
+
 const LengthUnit* unit_of_keys(const GeoTiffKeys& keys) {
-  for (std::size_t i = 4; i + 3 < keys.directory.size(); i += 4) {
-    if (keys.directory[i] != kLinearUnitsKey || keys.directory[i + 1] != 0) continue;
-    const auto found = std::ranges::find(kLengthUnits, keys.directory[i + 3], &LengthUnit::code);
-    return found == std::end(kLengthUnits) ? nullptr : found;
-  }
-  return nullptr;
+  const auto found = std::ranges::find(kLengthUnits, values_of(keys).code(kLinearUnit), &LengthUnit::code);
+  return found == std::end(kLengthUnits) ? nullptr : found;
 }
 
 const LengthUnit* unit_of(const Crs& crs) {

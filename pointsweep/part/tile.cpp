@@ -25,10 +25,8 @@
 namespace pointsweep {
 namespace {
 
-constexpr Encoding kTileEncoding{"tile", 2};
+constexpr Encoding kTileEncoding{"tile", 3};
 constexpr std::uint32_t kBlockPoints = 1024;  ///< most points of a block
-/// Most points with non-finite coordinates, which are in no slab, that are read and converted at once.
-constexpr std::uint64_t kRecordsAtOnce = 1 << 16;
 
 /// Converts records of a stream into the records that the scratch stores.
 class ScratchRecord {
@@ -188,19 +186,22 @@ class SlabsToTile {
   std::uint64_t end_ = 0;
 };
 
-std::vector<std::byte> nonfinite_records(const Stream& stream, const ScratchRecord& record) {
-  std::vector<std::byte> all;
-  for (std::uint64_t first = 0; first < stream.nonfinite_count(); first += kRecordsAtOnce) {
-    const std::uint64_t count = std::min(kRecordsAtOnce, stream.nonfinite_count() - first);
+/// Stores the points with non-finite coordinates after `first` other records. Returns TileIndex::nonfinite_checksums.
+std::vector<std::uint64_t> store_nonfinite(const Stream& stream, const ScratchRecord& record, std::uint64_t first,
+                                           Unsealed& points) {
+  std::vector<std::uint64_t> checksums;
+  for (std::uint64_t begin = 0; begin < stream.nonfinite_count(); begin += kNonfiniteAtOnce) {
+    const std::uint64_t count = std::min(kNonfiniteAtOnce, stream.nonfinite_count() - begin);
     std::vector<std::byte> working(count * stream.record_schema().stride);
-    stream.read_nonfinite(first, working);
+    stream.read_nonfinite(begin, working);
     const std::vector<Vec3> places = positions_of(record, working);
     std::vector<std::uint32_t> numbers(count);
-    for (std::uint32_t i = 0; i < count; ++i) numbers[i] = i;
+    std::iota(numbers.begin(), numbers.end(), 0u);
     const std::vector<std::byte> made = record.made(working, numbers, [&](std::uint32_t i) { return places[i]; });
-    all.insert(all.end(), made.begin(), made.end());
+    checksums.push_back(checksum_of(made));
+    points.write_at((first + begin) * record.schema().stride, made);
   }
-  return all;
+  return checksums;
 }
 
 /// Returns the radius of a disc that holds k points at the density of the block, as if its points lay on a surface of
@@ -241,7 +242,7 @@ void TileIndex::encode(Encoder& out) const {
   out.put<std::uint32_t>(record_bytes);
   out.put<std::uint64_t>(rows);
   out.put<std::uint64_t>(nonfinite);
-  out.put<std::uint64_t>(nonfinite_checksum);
+  out.put_numbers(std::span<const std::uint64_t>(nonfinite_checksums));
   survey.encode(out);
   out.put_list(blocks, [&](const TileBlock& block) {
     out.put<std::uint64_t>(block.count);
@@ -260,7 +261,7 @@ TileIndex TileIndex::decode(Decoder& in) {
   index.record_bytes = in.get<std::uint32_t>();
   index.rows = in.get<std::uint64_t>();
   index.nonfinite = in.get<std::uint64_t>();
-  index.nonfinite_checksum = in.get<std::uint64_t>();
+  index.nonfinite_checksums = in.get_numbers<std::uint64_t>();
   index.survey = Survey::decode(in);
   index.blocks = in.get_list<TileBlock>([&] {
     TileBlock block;
@@ -277,7 +278,8 @@ TileIndex TileIndex::decode(Decoder& in) {
   const std::uint32_t own = index.own_blocks();
   const bool are_all = index.for_others ? own <= index.blocks.size() : own == index.blocks.size();
   if (!are_all || !std::ranges::is_sorted(index.slab_ends) || index.nonfinite > index.rows ||
-      points_of(index, own) != index.rows - index.nonfinite)
+      points_of(index, own) != index.rows - index.nonfinite ||
+      index.nonfinite_checksums.size() != index.nonfinite / kNonfiniteAtOnce + (index.nonfinite % kNonfiniteAtOnce > 0))
     fail("the blocks of a tile do not hold its {} rows.", index.rows);
   return index;
 }
@@ -296,9 +298,7 @@ TileIndex store_tile(const Stream& stream, const Survey& survey, std::uint64_t r
   index.survey = survey;
   index.survey.sample.clear();
   slabs.add_blocks_to(index);
-  const std::vector<std::byte> nonfinite = nonfinite_records(stream, record);
-  index.nonfinite_checksum = checksum_of(nonfinite);
-  points->write_at(slabs.end() * record.schema().stride, nonfinite);
+  index.nonfinite_checksums = store_nonfinite(stream, record, slabs.end(), *points);
   points->seal();
   seal_bytes(scratch, name + ".index", encoded(std::as_const(index)));
   return index;

@@ -25,6 +25,9 @@ struct TileBlock {
   std::uint64_t checksum = 0;   ///< checksum of the records of the block
 };
 
+/// Most points with non-finite coordinates that are stored and read at once.
+inline constexpr std::uint64_t kNonfiniteAtOnce = 1 << 14;
+
 /// The index of a stored tile, in the object NAME.index. The object NAME.points holds the records: slab by slab, then
 /// copies of the points that other tiles have to know (unless they have to know all points), then the points with
 /// non-finite coordinates.
@@ -34,7 +37,8 @@ struct TileIndex {
   std::uint32_t record_bytes = 0;
   std::uint64_t rows = 0;       ///< number of all points of the tile
   std::uint64_t nonfinite = 0;  ///< number of points with non-finite coordinates, which are in no block
-  std::uint64_t nonfinite_checksum = 0;
+  /// Checksums of the records of each kNonfiniteAtOnce of these points; the last may be of fewer.
+  std::vector<std::uint64_t> nonfinite_checksums;
   Survey survey;
   std::vector<TileBlock> blocks;
   std::vector<std::uint32_t> slab_ends;  ///< for each slab, the number of blocks up to its end

@@ -96,14 +96,15 @@ TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string
   TileCatalogue catalogue;
   std::uint64_t rows = 0;
   std::string layout;
+  std::size_t of_layout = 0;  // the first tile that has one
   for (std::size_t t = 0; t < names.size(); ++t) {
     const TileIndex tile = tile_index(scratch, names[t]);
-    if (layout.empty()) layout = tile.layout;
+    if (layout.empty()) layout = tile.layout, of_layout = t;
     if (tile.rows > 0 && tile.layout != layout)
       fail(
           "{}: stores an attribute that the stages read in another type than {}; write all tiles with one run of "
           "'pointsweep convert' first.",
-          paths[t], paths[0]);
+          paths[t], paths[of_layout]);
     catalogue.tiles.push_back({names[t], rows, tile.rows, regions_of(tile)});
     rows += tile.rows;
   }
@@ -129,8 +130,17 @@ void TileReader::read(std::size_t tile_number, std::span<const BlockRange> range
 
 void TileReader::read_nonfinite(std::size_t tile, std::uint64_t first, std::span<std::byte> out) {
   const Opened& from = opened(tile);
-  from.points->read_at((from.first.back() + first) * record_bytes_, out);
-  if (out.size() == from.index.nonfinite * record_bytes_) require_whole(tile, out, from.index.nonfinite_checksum);
+  const std::uint64_t end = first + out.size() / record_bytes_;
+  std::vector<std::byte> piece;
+  for (std::uint64_t p = first / kNonfiniteAtOnce; p * kNonfiniteAtOnce < end; ++p) {
+    const std::uint64_t begin = p * kNonfiniteAtOnce;
+    piece.resize(std::min(kNonfiniteAtOnce, from.index.nonfinite - begin) * record_bytes_);
+    from.points->read_at((from.first.back() + begin) * record_bytes_, piece);
+    require_whole(tile, piece, from.index.nonfinite_checksums[p]);
+    const std::uint64_t from_row = std::max(first, begin), to_row = std::min(end, begin + kNonfiniteAtOnce);
+    std::copy_n(piece.data() + (from_row - begin) * record_bytes_, (to_row - from_row) * record_bytes_,
+                out.data() + (from_row - first) * record_bytes_);
+  }
   number(tile, out);
 }
 
@@ -139,11 +149,12 @@ const TileReader::Opened& TileReader::opened(std::size_t tile) {
   std::unique_ptr<Opened>& place = opened_[tile];
   if (place) return *place;
   const std::string& name = tiles_.tiles[tile].name;
-  place = std::make_unique<Opened>(Opened{tile_index(scratch_, name), scratch_.open(name + ".points"), {0}});
-  for (const TileBlock& block : place->index.blocks) place->first.push_back(place->first.back() + block.count);
-  const bool has_none = place->index.rows == 0;  // a tile without rows has no layout of records either
-  if ((place->index.record_bytes != record_bytes_ && !has_none) || place->index.rows != tiles_.tiles[tile].rows)
+  auto found = std::make_unique<Opened>(Opened{tile_index(scratch_, name), scratch_.open(name + ".points"), {0}});
+  for (const TileBlock& block : found->index.blocks) found->first.push_back(found->first.back() + block.count);
+  const bool has_none = found->index.rows == 0;  // a tile without rows has no layout of records either
+  if ((found->index.record_bytes != record_bytes_ && !has_none) || found->index.rows != tiles_.tiles[tile].rows)
     fail("{}.index: is of another run.", name);
+  place = std::move(found);
   return *place;
 }
 

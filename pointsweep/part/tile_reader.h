@@ -68,8 +68,8 @@ class TileReader {
   /// Fills `out` with the records of the blocks of a tile, and converts their rows into rows of the cloud. Throws Error
   /// if a checksum is wrong or the tile belongs to another run.
   void read(std::size_t tile, std::span<const BlockRange> ranges, std::span<std::byte> out);
-  /// Fills `out` with records of points with non-finite coordinates, from number `first` of these points on. Checks the
-  /// checksum only if `out` takes the records of all these points.
+  /// Fills `out` with records of points with non-finite coordinates, from number `first` of these points on. Throws
+  /// Error as read().
   void read_nonfinite(std::size_t tile, std::uint64_t first, std::span<std::byte> out);
 
  private:

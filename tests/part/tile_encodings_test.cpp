@@ -28,6 +28,7 @@ TEST(TileEncodings, AnIndexSurvivesDamage) {
   index.record_bytes = 32;
   index.rows = 1500;
   index.nonfinite = 100;
+  index.nonfinite_checksums = {5};
   index.survey.sample = {{0, 0, 0}, {1, 1, 1}};
   index.blocks = {{1000, kUnit, 3, 17}, {300, kUnit, 0, 18}, {100, kUnit, 9, 19}};
   index.slab_ends = {2, 3};

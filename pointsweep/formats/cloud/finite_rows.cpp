@@ -195,7 +195,7 @@ FiniteRows::FiniteRows(std::shared_ptr<Reader> all, FiniteRowIndex index)
       index_(std::move(index)),
       position_(position_fields(all_->info().schema, all_->info().path.string())) {
   info_ = all_->info();
-  info_.left_out = info_.count - index_.count();
+  info_.left_out += info_.count - index_.count();
   info_.count = index_.count();
   own_ = std::make_unique<Decoder>(*this, reading_by(*all_));
 }
