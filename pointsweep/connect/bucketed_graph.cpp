@@ -15,7 +15,8 @@ constexpr std::size_t kEdgesAtOnce = 1 << 16;
 
 }  // namespace
 
-/// For each bucket in order: opens its points, joins its edges, then closes the points without edges in later buckets.
+/// Reads the buckets in order. Opens the points of a bucket, joins its edges, then closes the points without edges in
+/// later buckets.
 std::uint64_t grow(SpanningForest& forest, const BucketedGraph& graph, const GrowthOptions& options) {
   BucketedGraph::Points chunk;
   std::vector<ForestEdge> edges, some;

@@ -26,7 +26,7 @@ class BucketedGraph {
  public:
   virtual ~BucketedGraph() = default;
 
-  /// Some points of a bucket, the ballots of the points one after another (values for VoteRule), and some marks.
+  /// A chunk of a bucket: points, their ballots one after another (the input of VoteRule), and marks.
   struct Points {
     std::vector<PointKey> points;
     std::vector<std::byte> ballots;
@@ -40,13 +40,13 @@ class BucketedGraph {
 };
 
 struct GrowthOptions {
-  /// Returns whether a point has edges outside of the graph, so that it must stay open. Empty: no point has.
+  /// Returns whether a point has edges outside of the graph, so that it must stay open. If empty, no point has.
   std::function<bool(std::uint64_t row)> stays_open = {};
-  /// Called with the number of points that the forest has taken; may throw to end the work.
+  /// Receives the number of points that the forest has taken so far; may throw to end the work.
   std::function<void(std::uint64_t points)> progress = {};
 };
 
-/// Brings all points and edges of the graph to the forest. Returns the number of points.
+/// Adds all points and edges of the graph to the forest. Returns the number of points.
 std::uint64_t grow(SpanningForest& forest, const BucketedGraph& graph, const GrowthOptions& options);
 
 }  // namespace pointsweep

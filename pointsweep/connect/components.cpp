@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-/// A component, by its index in the log, and its first point, by which components are numbered.
+/// The index of a component in the log, and its first point, by which components are numbered.
 struct FirstOfComponent {
   PointKey first;
   std::uint64_t component;
@@ -23,7 +23,7 @@ struct ByFirst {
   bool operator()(const FirstOfComponent& a, const FirstOfComponent& b) const { return a.first < b.first; }
 };
 
-/// A component, by its index in the log, and the number that it gets.
+/// The index of a component in the log, and the number that the component gets.
 struct ComponentNumber {
   std::uint64_t component, number;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Connected components of a graph of points and edges in buckets: their numbers, sizes and signs.
+/// Connected components of a graph of points and edges in buckets: their numbers, sizes and signs (ForestEdge).
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ struct ComponentsSetup {
   const VoteRule* votes = nullptr;  ///< null if components need no votes; must outlive the components
   MakeScratch make_scratch;
   std::uint64_t memory_bytes = 0;  ///< memory for sorting components
-  /// Called with the number of points that are done, which goes from 0 to all points twice: for the components and for
-  /// the labels. May throw to end the work.
+  /// Receives the number of points done so far. The count runs twice: while the components are found, and in
+  /// for_each_point(). May throw to end the work.
   std::function<void(std::uint64_t points)> progress;
 };
 

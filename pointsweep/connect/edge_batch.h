@@ -13,9 +13,9 @@
 
 namespace pointsweep {
 
-/// A batch of edges, whose points are numbered in the order in which they are added. An edge that is the largest of a
-/// cycle in the batch is the largest of that cycle in the whole graph, and so in no minimum spanning forest: a batch of
-/// m points passes on fewer than m edges, however long the lists of neighbours are.
+/// A batch of edges, whose points are numbered in the order in which they are added. The largest edge of a cycle is in
+/// no minimum spanning forest of any graph that contains the cycle. So a batch of m points passes on fewer than m
+/// edges, however long the lists of neighbours are.
 class EdgeBatch {
  public:
   struct Edge {
@@ -35,7 +35,7 @@ class EdgeBatch {
 
   const std::vector<PointKey>& points() const { return points_; }
   const std::vector<Edge>& edges() const { return edges_; }
-  /// Returns the estimated memory for an edge in bytes, with one new point for every two edges.
+  /// Returns the estimated memory for an edge in bytes, if there is one point for every two edges.
   static constexpr std::uint64_t bytes_per_edge(bool weighted) {
     constexpr std::uint64_t kNumberBytes = 4 * 16;  // bytes of a point in a table that is a quarter full
     const std::uint64_t sorted = weighted ? sizeof(Edge) + sizeof(std::pair<double, double>) : 0;

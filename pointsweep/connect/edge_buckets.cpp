@@ -24,7 +24,7 @@ const std::byte* take_bytes(const std::byte* from, std::size_t n, std::vector<T>
   return from + n * sizeof(T);
 }
 
-/// The rows of the two ends of an edge, which is all that is stored of an edge without weight.
+/// The rows of the two ends of an edge: the stored form of an edge without weight.
 using EndRows = std::array<std::uint64_t, 2>;
 
 }  // namespace
@@ -48,7 +48,7 @@ std::size_t EdgeBuckets::bucket_of(const PointKey& point) const {
 void EdgeBuckets::put(const EdgeBatch& batch, std::size_t own, std::span<const std::byte> ballots) {
   std::vector<std::size_t> bucket;
   for (const PointKey& point : batch.points()) bucket.push_back(bucket_of(point));
-  std::vector<std::pair<std::size_t, Chunk>> chunks;  // so few that a linear search is fast
+  std::vector<std::pair<std::size_t, Chunk>> chunks;  // few enough for a linear search
   const auto chunk = [&](std::size_t b) -> Chunk& {
     for (auto& [number, known] : chunks)
       if (number == b) return known;

@@ -21,7 +21,7 @@ namespace pointsweep {
 
 class EdgeBuckets final : public EdgeSink, public BucketedGraph {
  public:
-  /// `begins`: the keys at which the buckets after the first begin, in any order. If not `weighted`, only the rows of
+  /// `begins`: the first key of each bucket after the first bucket, in any order. If not `weighted`, only the rows of
   /// an edge are kept.
   EdgeBuckets(std::vector<PointKey> begins, int axis, bool weighted, std::size_t ballot_bytes,
               const MakeScratch& make_scratch);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Edges between points, and the order in which a spanning forest compares them.
+/// Edges between points, and the order in which a spanning forest compares edges.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +29,8 @@ struct AlongAxis {
   }
 };
 
-/// An edge of a forest. `weight` and `flips` depend on the two points alone, so that an edge that is added twice counts
-/// once.
+/// An edge of a forest. Each point of a forest has a sign, + or -: whether a normal is turned, for example. `weight`
+/// and `flips` depend on the two points alone, so that an edge that is added twice counts once.
 struct ForestEdge {
   double weight = 0;   ///< weight of the edge, which is not NaN
   PointKey a, b;       ///< ends of the edge, with a < b

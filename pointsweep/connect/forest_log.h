@@ -16,7 +16,7 @@
 
 namespace pointsweep {
 
-/// A component that no edge joins to other points. In the log of components, the result of its votes follows.
+/// A component that no edge joins to other points. In the log, the result of the component's votes follows.
 struct FinishedComponent {
   PointKey first;  ///< the first point of the component by key
   std::uint64_t points = 0;
@@ -33,9 +33,9 @@ class ScratchRecords {
   std::size_t record_bytes() const { return bytes_; }
   /// Reads the records [first, first + out.size() / record_bytes()).
   void read(std::uint64_t first, std::span<std::byte> out) const { scratch_->read(first * bytes_, out); }
-  /// Calls use(record) from the first to the last.
+  /// Calls use(record) for all records, from the first to the last.
   void for_each(const std::function<void(const std::byte* record)>& use) const;
-  /// Calls use(record) from the last to the first.
+  /// Calls use(record) for all records, from the last to the first.
   void for_each_backwards(const std::function<void(const std::byte* record)>& use) const;
   /// Reads the records one by one, from the last to the first.
   class Backwards {
@@ -63,18 +63,18 @@ struct ComponentLabel {
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
   std::uint64_t number = kNone;       ///< number of the component; kNone if its votes give it none
   std::uint64_t points = 0;           ///< number of points of the component
-  bool flips = false;                 ///< for a component, all its signs are to be turned; for a point, its own sign is
+  bool flips = false;                 ///< true if all signs of the component, or the sign of the point, must be turned
   const std::byte* result = nullptr;  ///< result of the votes of the component
 };
 
-/// Writes and reads the log. A supernode is named by its slot, a number that a later supernode may use again.
+/// Writes and reads the log. The slot of a supernode identifies it; a later supernode may use the slot again.
 class ForestLog {
  public:
   ForestLog(const MakeScratch& make_scratch, std::size_t result_bytes);
-  /// Appends: the supernode in `slot`, made for the point `row`, became part of the supernode in slot `to`. `flips`:
-  /// the signs of the two supernodes differ.
+  /// Appends that the supernode in `slot`, made for the point `row`, became part of the supernode in slot `to`.
+  /// `flips`: true if the signs of the two supernodes differ.
   void merged(std::uint64_t row, std::uint32_t slot, std::uint32_t to, bool flips);
-  /// Appends: the supernode in `slot`, made for the point `row`, is a whole component.
+  /// Appends that the supernode in `slot`, made for the point `row`, is a whole component.
   void finished(std::uint64_t row, std::uint32_t slot, const FinishedComponent& component, const std::byte* result);
   /// Ends the log. Must be called after the last merged() and finished().
   void finish();
@@ -83,7 +83,8 @@ class ForestLog {
   /// Returns the log of components, whose records hold a FinishedComponent and the result of its votes.
   const ScratchRecords& components() const { return components_; }
   /// Calls use(row, label) for each point; the label is valid during the call. Components come from the last to the
-  /// first: before the points of a component, label_of(its index in components(), its record) returns its label.
+  /// first. Before the points of a component, label_of(), called with the index in components() and the record of the
+  /// component, returns its label.
   void for_each_point(const std::function<ComponentLabel(std::uint64_t component, const std::byte* record)>& label_of,
                       const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
 

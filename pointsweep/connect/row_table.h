@@ -17,8 +17,8 @@ namespace pointsweep {
 template <class Value>
 class RowTable {
  public:
-  /// Returns the value of a row, and true if add() has inserted it; an inserted value is default-constructed. Pointers
-  /// to values become invalid with the next add() or erase().
+  /// Returns the value of a row, and true if add() has inserted the row with a default-constructed value. Pointers to
+  /// values become invalid with the next add() or erase().
   std::pair<Value*, bool> add(std::uint64_t row) {
     if (2 * (size_ + 1) > entries_.size()) grow();
     std::size_t at = home(row);

@@ -56,7 +56,7 @@ SpanningForest::Root SpanningForest::root_of(std::uint32_t slot) {
   return {root, flips};
 }
 
-/// Merges two supernodes. The smaller becomes part of the larger, so that paths stay short.
+/// Merges two supernodes. The supernode with fewer points becomes part of the other one, so that paths stay short.
 void SpanningForest::merge(Root a, Root b, bool flips) {
   if (supernodes_[a.slot].sums.points < supernodes_[b.slot].sums.points) std::swap(a, b);
   Supernode &to = supernodes_[a.slot], &from = supernodes_[b.slot];
@@ -70,8 +70,8 @@ void SpanningForest::merge(Root a, Root b, bool flips) {
   log_.merged(from.row, b.slot, a.slot, differs);
 }
 
-/// Adds edges to the candidates and reduces these by Kruskal's algorithm. Without weights, an edge joins its ends at
-/// once, because any spanning forest will do.
+/// Adds edges to the candidates and reduces the candidates by Kruskal's algorithm. Without weights, an edge joins its
+/// ends at once, because any spanning forest will do.
 void SpanningForest::join(std::span<const ForestEdge> edges) {
   const std::size_t before = candidates_.size();
   for (const ForestEdge& edge : edges) {
@@ -153,8 +153,8 @@ void SpanningForest::adopt(const OpenForest& left, std::uint64_t first) {
 }
 
 /// Goes through the candidates from the least to the largest, and merges the two ends of a candidate unless both have
-/// open points. This takes the least candidate of an end without open points (cut property): if a lesser candidate of
-/// that end had been left, both of its ends would have had open points, and this end would still have them.
+/// open points. The merged candidate is the least one of its end without open points (cut property): a lesser candidate
+/// of that end would only have been kept if both of its ends had open points, and merges close no points.
 void SpanningForest::contract() {
   std::erase_if(candidates_, [this](const Candidate& c) {
     const Root a = root_of(c.a), b = root_of(c.b);
@@ -164,7 +164,7 @@ void SpanningForest::contract() {
   });
 }
 
-/// Frees the slots of supernodes that are now part of others, or complete.
+/// Frees the slots of supernodes that are now part of other supernodes, or complete.
 void SpanningForest::let_go() {
   for (Candidate& c : candidates_) {
     const Root a = root_of(c.a), b = root_of(c.b);

@@ -2,14 +2,14 @@
 /// The minimum spanning forest of a graph that comes in pieces. Only points whose edges are not all known are in
 /// memory.
 ///
-/// A point is open as long as edges of it may come. A supernode is a set of points that edges of the final forest join;
-/// at least one of its points is open. Candidates are edges between supernodes: the minimum spanning forest of the
-/// edges that have come so far. An edge that is the largest of a cycle is not in the final forest (cycle property), so
-/// that new edges are compared with the candidates alone. All edges of a supernode without open points are known. The
-/// least of its candidates belongs to the final forest (cut property), so that the supernode is merged with the other
-/// end of that candidate; a supernode without candidates is a whole component. The log gets a record of each merge and
-/// each component. The result is that of Kruskal's algorithm on the whole graph, however the edges are divided and
-/// whenever points are closed (docs/adr/0014).
+/// A point is open as long as more edges of the point may come. A supernode is a set of points that edges of the final
+/// forest join; at least one of its points is open. Candidates are edges between supernodes: the minimum spanning
+/// forest of the edges that have come so far. An edge that is the largest of a cycle is not in the final forest (cycle
+/// property), so that new edges are compared with the candidates alone. All edges of a supernode without open points
+/// are known. The least of its candidates belongs to the final forest (cut property), so that the supernode is merged
+/// with the other end of that candidate; a supernode without candidates is a whole component. The log gets a record of
+/// each merge and each component. The result is that of Kruskal's algorithm on the whole graph, however the edges are
+/// divided and whenever points are closed (docs/adr/0014).
 #pragma once
 
 #include <cstddef>
@@ -56,13 +56,13 @@ class SpanningForest {
   void open(std::span<const PointKey> points, std::span<const std::byte> ballots, std::vector<std::uint64_t>& opened);
   /// Adds edges between open points.
   void join(std::span<const ForestEdge> edges);
-  /// Closes open points. No later edge may name one of them.
+  /// Closes open points. No later edge may name a closed point.
   void close(std::span<const std::uint64_t> rows);
   /// Ends this forest and returns its open part. The log ends with the supernodes of that part in order, as if they
   /// were components, with results of zeros.
   OpenForest leave();
-  /// Adds the open part of another forest, none of whose points is open here. The log names its supernodes as points
-  /// with the rows `first`, `first` + 1 and so on.
+  /// Adds the open part of another forest; none of its points may be open in this forest. The log names the added
+  /// supernodes as points with the rows `first`, `first` + 1 and so on.
   void adopt(const OpenForest& left, std::uint64_t first);
 
   std::size_t open_points() const { return open_.size(); }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A rule that decides about each component of a graph by votes: sums over the points of the component, some of which
-/// depend on the sign of a point.
+/// A rule that decides about each component of a graph by votes: sums over the points of the component. Some sums
+/// depend on the signs of the points (ForestEdge).
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 namespace pointsweep {
 
 /// Makes, merges and concludes votes. Votes are bytes that can be copied; they depend on the set of points and on their
-/// signs, not on the order of merges. A ballot holds the values of a point from which, with its key, its votes are
-/// made.
+/// signs, not on the order of merges. A ballot holds the values of a point from which start() makes the votes of the
+/// point.
 class VoteRule {
  public:
   virtual ~VoteRule() = default;
@@ -19,7 +19,7 @@ class VoteRule {
   virtual std::size_t bytes() const = 0;
   /// Sets `votes` to the votes of one point.
   virtual void start(std::byte* votes, const PointKey& point, const std::byte* ballot) const = 0;
-  /// Adds the votes `from` to `into`; if `flips`, as if the points of `from` had opposite signs.
+  /// Adds the votes `from` to `into`. If `flips`, the points of `from` count with opposite signs.
   virtual void merge(std::byte* into, const std::byte* from, bool flips) const = 0;
   /// Returns the size in bytes of a result, which replaces the votes of a whole component.
   virtual std::size_t result_bytes() const = 0;
@@ -29,7 +29,7 @@ class VoteRule {
     (void)result;
     return true;
   }
-  /// Returns whether the signs of the component are to be turned.
+  /// Returns whether all signs of the component must be turned.
   virtual bool turns(const std::byte* result) const {
     (void)result;
     return false;
