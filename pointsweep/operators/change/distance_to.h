@@ -19,7 +19,7 @@ OperatorDeclaration distance_to_declaration();
 /// Makes cloud_distance: the distance to the nearest point of another cloud, sqrt((dx² + dy²) + dz²) in float64.
 class DistanceTo final : public InOrderOperator {
  public:
-  /// Throws UsageError for options out of their ranges.
+  /// Throws UsageError for options outside of their ranges.
   explicit DistanceTo(DistanceToOptions options);
 
   std::string name() const override { return "distance_to"; }

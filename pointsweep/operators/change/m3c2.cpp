@@ -15,11 +15,11 @@
 namespace pointsweep {
 namespace {
 
-/// Number of points that a thread compares with a view of the cells.
+/// Number of points that a thread compares with one PointCells::View.
 constexpr std::size_t kPointsAtOnce = 256;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// The places of one cloud's points along the axis of a cylinder that contains them.
+/// Statistics of the points of one cloud inside a cylinder: their coordinates along its axis, and their number.
 struct Section {
   double mean = kUnknown, spread = kUnknown;
   std::size_t count = 0;
@@ -69,7 +69,8 @@ class Cylinder {
   double radius_, depth_;
 };
 
-/// First takes the points of the cloud of the chain into cells, besides the cells of the other cloud.
+/// Stores the points of the chain's cloud in cells in the first round, and compares them with both clouds in the
+/// second. The constructor stores the points of the other cloud.
 class M3c2Work final : public InOrderWork {
  public:
   M3c2Work(const M3c2Options& options, const InOrderSetup& setup)
@@ -141,7 +142,7 @@ const OptionTable<M3c2Options>& m3c2_options() {
       option("cloud", &M3c2Options::cloud,
              "the other cloud, measured later: a point file, a folder of them or a pattern",
              {.kind = OptionKind::file, .required = true, .positional = true, .sample = "after.las"}),
-      // Points count within half of the diameter.
+      // `is_radius`, although the length is a diameter: points within half of it count.
       option("cylinder", &M3c2Options::cylinder, "diameter of the cylinder along the normal (projection scale)",
              {.least = kAboveZero, .unit = "length", .required = true, .sample = 0.5, .is_radius = true}),
       option("depth", &M3c2Options::depth, "how far the cylinder reaches to each side of the point",

@@ -16,9 +16,9 @@ struct OperatorDeclaration;
 
 OperatorDeclaration m3c2_declaration();
 
-/// D. Lague, N. Brodu and J. Leroux, "Accurate 3D comparison of complex topography with terrestrial laser scanner"
-/// (ISPRS Journal of Photogrammetry and Remote Sensing 82, 2013), Section 3, with every point as a core point and the
-/// normals that earlier stages have made, or the input has.
+/// Compares two clouds by M3C2: D. Lague, N. Brodu and J. Leroux, "Accurate 3D comparison of complex topography with
+/// terrestrial laser scanner" (ISPRS Journal of Photogrammetry and Remote Sensing 82, 2013), Section 3, with every
+/// point as a core point and the normals of an earlier stage or of the input.
 class M3c2 final : public InOrderOperator {
  public:
   /// Throws UsageError for options outside of their ranges.

@@ -19,16 +19,16 @@ struct OperatorDeclaration;
 
 OperatorDeclaration take_declaration();
 
-/// An attribute made by `take`, with the components that are taken.
+/// An attribute that `take` makes; some or all of its components are taken from the other cloud.
 struct TakeTarget {
   Attribute made;
-  std::optional<Attribute> old;  ///< the previous version, which the operator reads
+  std::optional<Attribute> old;  ///< previous version, which the operator reads; absent for a new attribute
 };
 
 /// Gives points the attributes of the nearest points of another cloud.
 class Take final : public InOrderOperator {
  public:
-  /// Throws UsageError that begins with `place` for options that do not fit each other.
+  /// Throws UsageError, beginning with `place`, for options that contradict each other.
   explicit Take(TakeOptions options, std::string place = "take");
 
   std::string name() const override { return "take"; }
@@ -37,7 +37,7 @@ class Take final : public InOrderOperator {
   std::vector<Attribute> other_reads() const override;
   std::optional<Reach> reach() const override { return Reach{}; }
   std::optional<Reach> other_reach() const override;
-  /// Throws UsageError for an attribute that the other cloud lacks, with its most similar names.
+  /// Throws UsageError for an attribute that the other cloud lacks; the message names the most similar attributes.
   std::shared_ptr<const InOrderOperator> bound_to_other(const Schema& other) const override;
   /// Throws UsageError if the type of a new attribute has no value for points without a result.
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;

@@ -16,21 +16,22 @@
 namespace pointsweep {
 namespace {
 
-/// Nearest points that are found before their values are read, and the least number of places for which they are found.
+/// Numbers for one step, which searches nearest points and then reads their values: about how many nearest points it
+/// finds, and the least number of places that it takes.
 constexpr std::uint64_t kFoundAtOnce = 1 << 18, kLeastPlaces = 4096;
 /// Number of points to which a thread gives values at a time.
 constexpr std::size_t kTakenAtOnce = 1024;
 
 std::uint64_t places_at_once(std::uint64_t k) { return std::max(kFoundAtOnce / k, kLeastPlaces); }
 
-/// Bytes of the nearest points of all places, and of their values.
+/// Returns the bytes of the nearest points of all places of a step, and of their values.
 std::uint64_t found_bytes(std::uint64_t k, std::uint64_t value_bytes) {
   return places_at_once(k) * k * (sizeof(std::uint64_t) + value_bytes);
 }
 
 /// Takes values from the nearest points. Points of the other cloud are numbered in their order; coincident points are
-/// in the order of their rows. So a search that breaks ties by number gives the same points as one by row, and a number
-/// tells the place of the values.
+/// in the order of their rows. So ties by number give the same points as ties by row, and the number of a point is also
+/// the number of its record of values.
 class TakeWork final : public InOrderWork {
  public:
   TakeWork(TakeRules rules, std::uint64_t value_bytes, const InOrderSetup& setup)
@@ -90,7 +91,7 @@ class TakeWork final : public InOrderWork {
     for (const FirstRowError& part : refused) refused_.note(part);
   }
 
-  /// Stores the values that the point had before; for new attributes, the values of rows without a result.
+  /// Stores the previous values of the point in `record`; for new attributes, Attribute::fill.
   void put_old_values(const OrderedPoints& points, std::size_t point, std::byte* record) const {
     const std::size_t reads = points.rows.empty() ? 0 : points.words.size() / points.rows.size();
     std::size_t read = point * reads;
@@ -136,8 +137,8 @@ class TakeWork final : public InOrderWork {
   double most2_ = std::numeric_limits<double>::infinity();
   PointCells other_;
   PointRecords values_;
-  std::vector<std::uint64_t> numbers_;  ///< nearest points, place after place, k for each
-  std::vector<std::byte> found_;        ///< their values
+  std::vector<std::uint64_t> numbers_;  ///< numbers of the k nearest points of each place
+  std::vector<std::byte> found_;        ///< values of the points in numbers_
   FirstRowError refused_;
 };
 

@@ -13,12 +13,13 @@ namespace pointsweep {
 
 struct TakeRules {
   TakeOptions options;
-  std::string place;  ///< begins sentences
+  std::string place;  ///< beginning of messages
   std::vector<TakenAttribute> taken;
   std::vector<TakeTarget> targets;
 };
 
-/// Reads the other cloud. Throws Error if it has no point with a finite place. `rules` are those of a bound operator.
+/// Reads the other cloud and returns the work. Throws Error if the other cloud has no point with a finite place.
+/// `rules` are the rules of a bound operator.
 std::unique_ptr<InOrderWork> start_taking(TakeRules rules, const InOrderSetup& setup);
 
 /// Returns the least memory of the work. `value_bytes`: bytes of the values taken from a point.

@@ -23,7 +23,7 @@ VotedValue voted(Value value) {
     return {.real = value};
 }
 
-/// Combines values of type T in the type Value: float64 or whole numbers of 64 bits.
+/// Combines values that are stored as T. Computes with Value: float64 or a whole number of 64 bits.
 template <class T, class Value>
 std::optional<VotedValue> vote_of(TakeVote vote, const std::byte* first, std::size_t count, std::size_t stride) {
   const auto value = [&](std::size_t i) {
@@ -43,7 +43,7 @@ std::optional<VotedValue> vote_of(TakeVote vote, const std::byte* first, std::si
   return voted(majority_of(list, sorted));
 }
 
-/// Returns the value with the brightness of the target.
+/// Converts a colour channel between 8 and 16 bits, so that its brightness is unchanged.
 VotedValue with_brightness(VotedValue value, Type from, Type to) {
   if (from == Type::u8 && to == Type::u16) {
     value.whole *= kWideOfNarrow, value.real *= kWideOfNarrow;

@@ -17,14 +17,14 @@ namespace pointsweep {
 struct TakenAttribute {
   std::string name;           ///< name in the user's spelling
   Attribute source;           ///< attribute of the other cloud, with the name and the type of its field
-  bool is_color = false;      ///< red, green or blue with 8 or 16 bits in the other cloud, which has all three
-  std::size_t target = 0;     ///< number of the attribute that is made
-  std::size_t component = 0;  ///< component of `made`
+  bool is_color = false;      ///< true for red, green or blue of 8 or 16 bits, if the other cloud has all three
+  std::size_t target = 0;     ///< index in the attributes that `take` makes
+  std::size_t component = 0;  ///< component of the made attribute
   TargetRange range = {};
   std::size_t from = 0, to = 0;  ///< offsets in the records read from the other cloud, and in the made records
 };
 
-/// The result of a vote: an exact whole number, or another number.
+/// The result of a vote: `whole` if `is_whole`, else `real`.
 struct VotedValue {
   bool is_whole = false;
   WholeNumber whole = 0;
@@ -34,14 +34,14 @@ struct VotedValue {
 };
 
 /// Returns the result of the vote over the values of `taken` in `records`, which are `record_bytes` apart, nearest
-/// point first. Nothing without records, or without a finite value: NaN and infinite values have no vote, but the value
-/// of the only or nearest point is taken unchanged. A colour has the range of its target; one of 16 bits is rounded to
+/// point first. Returns nullopt if there is no record or no finite value: NaN and infinite values have no vote, but the
+/// value of the only or nearest point is taken unchanged. A colour gets the range of its target; 16 bits are rounded to
 /// 8 bits, halves to even.
 std::optional<VotedValue> voted_value(const TakenAttribute& taken, TakeVote vote, std::span<const std::byte> records,
                                       std::size_t record_bytes);
 
 /// Writes the value into a made record; whole numbers stay exact. Returns false for a value that the attribute cannot
-/// hold. `rounds`: fractions are rounded for whole-number types, halves to even.
+/// hold. `rounds`: true if fractions are rounded for whole-number types, halves to even.
 bool put_value(const VotedValue& value, const TakenAttribute& taken, bool rounds, std::byte* record);
 
 }  // namespace pointsweep

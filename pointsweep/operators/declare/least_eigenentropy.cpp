@@ -27,7 +27,7 @@ double eigenentropy(const Eigen3& eigen) {
 }
 
 /// Returns the power of two that scales the farthest neighbour to about 1, so that no extent of a cloud under- or
-/// overflows. 0 if no scale does.
+/// overflows. Returns 0 if there is no such power.
 double scale_of(Vec3 farthest) {
   const double largest = std::max({std::abs(farthest.x), std::abs(farthest.y), std::abs(farthest.z)});
   if (!(largest >= kSmallest && largest < 0x1p1022)) return 0;

@@ -22,7 +22,7 @@ std::size_t at_most(double value, std::size_t count) {
 std::size_t within(double radius, const Neighborhoods& in, std::size_t i, std::size_t count) {
   if (!(radius >= 0)) return 0;
   const double radius2 = radius * radius;
-  std::size_t low = 0, high = count;  // neighbours before `low` are within, those from `high` on are not
+  std::size_t low = 0, high = count;  // before `low`: within the radius; from `high` on: farther away
   while (low < high) {
     const std::size_t middle = low + (high - low) / 2;
     in.distance2(i, middle) <= radius2 ? low = middle + 1 : high = middle;
@@ -59,7 +59,7 @@ Options LimitsFromAttributes::options() const {
 }
 
 void LimitsFromAttributes::choose(const Neighborhoods& in, std::span<std::uint32_t> counts) const {
-  const std::size_t radius = limits_.k.empty() ? 0 : 1;  // its place in reads()
+  const std::size_t radius = limits_.k.empty() ? 0 : 1;  // index of the radius in reads()
   for (std::size_t i = 0; i < in.size(); ++i) {
     std::size_t count = in.count(i);
     if (!limits_.k.empty()) count = at_most(in.value<double>(0, i), count);

@@ -58,8 +58,8 @@ NeighborhoodDeclaration declare_neighborhood() {
       .example = "knn(k=100, adaptive=eigenentropy, k_min=10) | normals"};
 }
 
-/// Throws UsageError unless a rule has an upper limit to choose from. Default numbers of neighbours are no such limit,
-/// since operators choose them for points that all have the same number.
+/// Throws UsageError unless a rule has an upper limit to choose from. The default k of an operator is no such limit,
+/// since it is chosen for points that all have k neighbours.
 void require_most(const OptionValues& options, const char* option, bool radius_does) {
   if (options.given("k") || (radius_does && options.given("radius"))) return;
   fail_usage("{}: {} needs {}, the most that any point may have, as in knn(k=64, {}={}).", options.where(), option,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The options of an operator as one table: for each member of the options' struct its name, meaning, range and unit.
+/// The options of an operator as one table: name, meaning, range and unit of each member of the options' struct.
 /// Defaults are the member initializers of the struct. The declared options, the options of a stage of a pipeline, the
 /// check of ranges and the options in records all come from the table.
 #pragma once
@@ -18,13 +18,13 @@
 
 namespace pointsweep {
 
-/// Words of a choice in the order of its values.
+/// The words of a choice, in the order of its values.
 using ChoiceWords = std::vector<std::string>;
 
 template <class Member>
 concept IsChoice = std::is_enum_v<Member> || std::is_same_v<Member, bool>;
 
-/// Returns the value of a member of an options' struct; std::monostate for an empty text or list and an absent
+/// Returns the value of a member of an options' struct; std::monostate for an empty text, an empty list or an absent
 /// optional.
 OptionValue value_of_member(const std::string& text, const ChoiceWords&);
 OptionValue value_of_member(const std::vector<std::string>& words, const ChoiceWords&);
@@ -42,7 +42,7 @@ OptionValue value_of_member(const std::optional<Member>& member, const ChoiceWor
   return value_of_member(*member, words);
 }
 
-/// Gives a member the value of an option, which has the kind of the member.
+/// Sets a member to the value of an option. The value must have the kind of the member.
 void set_member(std::vector<std::string>& words, const OptionValue& value, const ChoiceWords&);
 void set_member(std::vector<double>& numbers, const OptionValue& value, const ChoiceWords&);
 template <class Plain>
@@ -60,7 +60,7 @@ void set_member(std::optional<Member>& member, const OptionValue& value, const C
   set_member(member.emplace(), value, words);
 }
 
-/// Kinds of options by the types of members. Texts are of many kinds, which their rows name.
+/// The kind of the options whose members have a type; none for texts, which have many kinds: their rows state the kind.
 template <class Member>
 inline constexpr std::optional<OptionKind> kKindOf = IsChoice<Member> ? std::optional(OptionKind::choice)
                                                                       : std::nullopt;
@@ -75,7 +75,7 @@ inline constexpr std::optional<OptionKind> kKindOf<std::vector<double>> = Option
 template <class Member>
 inline constexpr std::optional<OptionKind> kKindOf<std::optional<Member>> = kKindOf<Member>;
 
-/// A row of the table of the struct T: an option with functions to get it from an object and to set it.
+/// A row of the table for the struct T: an option, with functions that read and set its member of a T.
 template <class T>
 struct OptionRow {
   OptionDeclaration declaration;
@@ -83,9 +83,9 @@ struct OptionRow {
   std::function<void(T&, const OptionValue&)> set;
 };
 
-/// Returns the row of the option that `member` holds. `more` has its limits, unit and sample, its kind if it is a text
-/// or a list of words, and the words of a choice: those of an enumeration in the order of its values; for a truth value
-/// the word of the default comes first.
+/// Returns the row of the option that `member` holds. `more` has the limits, unit and sample of the option, the kind of
+/// a text or of a list of words, and the words of a choice: for an enumeration in the order of its values, for a truth
+/// value the word of the default first.
 template <class T, class Member>
 OptionRow<T> option(const char* name, Member T::*member, const char* meaning, OptionDeclaration more = {}) {
   more.name = name;
@@ -100,7 +100,7 @@ OptionRow<T> option(const char* name, Member T::*member, const char* meaning, Op
           [member, words](T& options, const OptionValue& value) { set_member(options.*member, value, words); }};
 }
 
-/// Adds an option with a single choice, for which the struct has no member.
+/// Returns the row of an option with a single choice, for which the struct has no member.
 template <class T>
 OptionRow<T> only_choice(const char* name, const char* word, const char* meaning) {
   return {{.name = name, .kind = OptionKind::choice, .preset = word, .meaning = meaning, .choices = {word}},
@@ -111,7 +111,7 @@ OptionRow<T> only_choice(const char* name, const char* word, const char* meaning
 /// Throws UsageError, beginning with `where`, if a required option has no value, or if the value is not allowed.
 void require_allowed(const OptionDeclaration& option, const OptionValue& value, const std::string& where);
 
-/// The options of an operator whose options' struct is T, in the order in which they are presented.
+/// The options of an operator whose options' struct is T, in the order of its help.
 template <class T>
 class OptionTable {
  public:
@@ -122,7 +122,7 @@ class OptionTable {
     for (const OptionRow<T>& row : rows_) all.push_back(row.declaration);
     return all;
   }
-  /// Returns an object with the values of a stage of a pipeline.
+  /// Returns the options of a stage of a pipeline.
   T read(const OptionValues& values) const {
     T options;
     for (const OptionRow<T>& row : rows_)
@@ -139,8 +139,8 @@ class OptionTable {
     }
     op.declare_options(std::move(declared));
   }
-  /// Returns OperatorDeclaration::make of the class Made, whose constructor takes the options. A constructor that
-  /// throws sentences about its options also takes OptionValues::where(), which begins them.
+  /// Returns OperatorDeclaration::make for the class Made, whose constructor takes the options. A constructor that
+  /// itself throws errors about its options also takes OptionValues::where(), with which their messages begin.
   template <class Made>
   auto maker() const {
     return [this](const OptionValues& values, const Facts&) -> ChainStage {

@@ -20,15 +20,15 @@ struct TargetRange {
   double least = 0, most = 0;  ///< range of whole numbers
   bool is_whole = false;
 
-  /// Returns "uint8, 0 to 255" or "float32".
+  /// Returns the range as text: "uint8, 0 to 255" or "float32".
   std::string text() const;
 };
 
 TargetRange range_of(Type type);
-/// Returns the range of a field of the input, of packed bits that of the bits.
+/// Returns the range of a field of the input; for packed bits, the range of the bits.
 TargetRange range_of(const Field& field);
 
-/// Returns a whole number as a T; nothing outside of the range. T: the integer type of the range.
+/// Returns a whole number as a T, the integer type of the range; nullopt for a number outside of the range.
 template <class T>
 std::optional<T> whole_in(const TargetRange& range, double whole) {
   // The largest 64-bit integer is no double; the next double is too large.
@@ -45,14 +45,14 @@ std::optional<T> whole_in(const TargetRange& range, WholeNumber whole) {
 
 /// An existing attribute as the target of an assignment.
 struct AssignedTarget {
-  Attribute made;             ///< a new version of an attribute made before, or of a field of the input
+  Attribute made;             ///< new version of an attribute that was made before, or of a field of the input
   std::size_t component = 0;  ///< component that the name means
   TargetRange range;
   Attribute old;  ///< the previous version in a type that can be read exactly
 };
 
-/// Returns the attribute made before, or the field of the input, that `name` means; nothing if it means none. `name` is
-/// no coordinate. Throws UsageError that begins with `place` for a name of several values.
+/// Returns the target that `name` means: an attribute that was made before, or a field of the input; nullopt if there
+/// is none. `name` must not be a coordinate. Throws UsageError, beginning with `place`, if `name` means several values.
 std::optional<AssignedTarget> target_of(const std::string& name, const Schema& input, std::span<const Attribute> made,
                                         const std::string& place);
 

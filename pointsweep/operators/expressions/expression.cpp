@@ -18,7 +18,7 @@ constexpr std::pair<std::string_view, Operation> kComparisons[] = {
 
 using Node = Expression::Node;
 
-/// Recursive descent through the grammar in the header.
+/// A parser by recursive descent through the grammar in the header.
 class ExpressionParser : private ExpressionText {
  public:
   ExpressionParser(std::string_view text, std::string_view where, std::vector<Expression::Name>& names)
@@ -114,7 +114,7 @@ class ExpressionParser : private ExpressionText {
     return number(sum(), first);
   }
 
-  /// Parses expressions with commas between, up to the ")" that closes them.
+  /// Parses expressions separated by commas, and the ")" after them.
   void arguments(std::vector<Node>& to) {
     canonical_ += '(';
     do {
@@ -239,7 +239,7 @@ class ExpressionParser : private ExpressionText {
     Depth& operator=(const Depth&) = delete;
     ExpressionParser& parser;
   };
-  static constexpr int kMostDepth = 200;  // two for each parenthesis
+  static constexpr int kMostDepth = 200;  // a parenthesis takes two
   std::vector<Expression::Name>& names_;
   int depth_ = 0;
 };

@@ -12,15 +12,15 @@
 
 namespace pointsweep {
 
-/// The values of one attribute for a batch of points: either as float64, which holds every type up to 53 bits exactly,
-/// or, where `whole` is not null, as 64-bit integers, signed or not.
+/// The values of one attribute for a batch of points: as 64-bit integers if `whole` is not null, else as float64, which
+/// holds every type up to 53 bits exactly.
 struct ExpressionValues {
   const double* real = nullptr;
   const std::uint64_t* whole = nullptr;  ///< two's complement if `is_signed`
   bool is_signed = false;
 };
 
-/// Every value of 64 bits, signed or not.
+/// A type that holds every 64-bit integer, signed or unsigned.
 __extension__ typedef __int128 WholeNumber;
 
 /// A condition, or a number. Grammar, loosest first; blanks count only between words:
@@ -30,28 +30,30 @@ __extension__ typedef __int128 WholeNumber;
 ///   sum = product {("+" | "-") product}        product = factor {("*" | "/") factor}
 ///   factor = "-" factor | number | name | function "(" sum {"," sum} ")" | "(" sum ")"
 ///   name = letter or _ {letter, digit, _ or .}
-/// A word is a name where an operand stands. "not" is one only before a sign that it cannot precede, as in not == 1.
-/// Numbers are float64 and follow IEEE 754: a comparison with NaN is false, != true, and x / 0 is infinite or NaN.
-/// A comparison of a 64-bit integer attribute with another one or with a whole number is exact; everything else is done
-/// in float64, to which such attributes are then rounded. `in` compares as ==, `between` as >= and <=.
+/// A word in the place of an operand is a name. The word `not` is a name only before a sign that cannot follow the
+/// operator `not`, as in not == 1. Numbers are float64 and follow IEEE 754: a comparison with NaN is false, != true,
+/// and x / 0 is infinite or NaN. A comparison of a 64-bit integer attribute with another one or with a whole number is
+/// exact; all other operations are in float64, and round 64-bit integers to float64. `in` compares as ==, `between` as
+/// >= and <=.
 class Expression {
  public:
   enum class Form : std::uint8_t { condition, number /**< a sum of the grammar */ };
-  /// Throws UsageError that begins with `where` and states the column, from 1 on, and what is expected there.
+  /// Throws UsageError for an invalid text. The message begins with `where`, and states the column, from 1 on, and what
+  /// is expected there.
   explicit Expression(std::string_view text, std::string_view where = "where", Form form = Form::condition);
 
   struct Name {
     std::string text;
     std::size_t column;  ///< column of its first occurrence, from 1 on
   };
-  /// The attributes that it reads, each once, in the order of their first occurrence.
+  /// Returns the names of the attributes that the expression reads, each once, in the order of their first occurrence.
   const std::vector<Name>& names() const { return names_; }
-  const std::string& text() const { return text_; }  ///< as given, without blanks at both ends
+  const std::string& text() const { return text_; }  ///< the text as given, without blanks at both ends
   /// Returns a text that is equal for conditions that differ only in blanks and in "and", "or", "not" for "&&", "||",
   /// "!": "a < 2 && !(b == 3)".
   const std::string& canonical() const { return canonical_; }
 
-  /// Sets kept[i] to 1 where the condition holds for point i, else to 0. `values`: by number in names().
+  /// Sets kept[i] to 1 where the condition holds for point i, else to 0. `values` has the order of names().
   void evaluate(std::span<const ExpressionValues> values, std::span<std::uint8_t> kept) const;
 
   /// Evaluates an expression that gives a number: sets values_of_points[i] to its value for point i.

@@ -11,7 +11,7 @@ namespace {
 
 using Arguments = std::span<const double>;
 
-/// Returns the argument that `precedes` all others, the first of equal ones; NaN if one is NaN.
+/// Returns the argument that `precedes` all others, the first of equal arguments; NaN if an argument is NaN.
 template <class Precedes>
 double first_by(Arguments arguments, Precedes precedes) {
   double first = arguments[0];
@@ -20,8 +20,8 @@ double first_by(Arguments arguments, Precedes precedes) {
   return first;
 }
 
-/// The functions, in float64. The last three consist of plain IEEE operations, since the C library does not guarantee
-/// their bits.
+/// The functions, in float64. log, exp and atan2 are this library's own, of plain IEEE operations: the C library does
+/// not guarantee the bits of its results.
 constexpr ExpressionFunction kFunctions[] = {
     {"abs", 1, 1, [](Arguments a) { return std::fabs(a[0]); }},
     {"sqrt", 1, 1, [](Arguments a) { return std::sqrt(a[0]); }},

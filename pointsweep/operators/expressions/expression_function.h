@@ -11,11 +11,11 @@ namespace pointsweep {
 
 struct ExpressionFunction {
   std::string_view name;
-  std::size_t least, most;  ///< numbers of arguments that it takes
+  std::size_t least, most;  ///< least and largest number of arguments
   double (*value)(std::span<const double> arguments);
 };
 
-/// Returns the function; null if none has this name.
+/// Returns the function with a name; null if no function has it.
 const ExpressionFunction* expression_function(std::string_view name);
 
 /// Returns the names of all functions, separated by blanks.

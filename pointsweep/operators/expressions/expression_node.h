@@ -28,8 +28,8 @@ enum class Operation : std::uint8_t {
   less_equal,
   greater,
   greater_equal,
-  among,    ///< the first part is equal to one of the others
-  between,  ///< the first part is between the second and the third, inclusive
+  among,    ///< true if the first part is equal to one of the others
+  between,  ///< true if the first part is between the second and the third, inclusive
   no,
   both,
   either
@@ -38,8 +38,8 @@ enum class Operation : std::uint8_t {
 struct Expression::Node {
   Operation operation = Operation::number;
   double number = 0;
-  std::optional<WholeNumber> whole = {};  ///< value of a whole number below 2^64
-  std::size_t name = 0;                   ///< index in names()
+  std::optional<WholeNumber> whole = {};  ///< exact value of a literal that is a whole number
+  std::size_t name = 0;                   ///< index in Expression::names()
   const ExpressionFunction* function = nullptr;
   std::vector<Node> parts = {};
 

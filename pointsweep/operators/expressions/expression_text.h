@@ -10,7 +10,7 @@ namespace pointsweep {
 
 class ExpressionText {
  public:
-  /// `where` begins messages.
+  /// Messages begin with `where`.
   ExpressionText(std::string_view text, std::string_view where) : text_(text), where_(where) {}
 
  protected:
@@ -18,11 +18,12 @@ class ExpressionText {
   static bool is_digit(char c) { return c >= '0' && c <= '9'; }
   static bool continues_name(char c) { return begins_name(c) || is_digit(c) || c == '.'; }
 
-  /// Skips blanks, then the sign if it comes next. Returns whether it does.
+  /// Skips blanks, then `sign` if it comes next. Returns whether `sign` came next.
   bool take(std::string_view sign);
-  /// Like take(), for a word in lower case, which may be in any case in the text, and which no letter follows.
+  /// Skips blanks, then `word` if it comes next as a whole word. `word` is in lower case; the text may have any case.
+  /// Returns whether `word` came next.
   bool take_word(std::string_view word);
-  /// Takes the word `not`, unless it is the name of an attribute.
+  /// Takes the word `not` like take_word(), unless it is the name of an attribute.
   bool take_not();
   void skip_blanks();
 
@@ -34,7 +35,7 @@ class ExpressionText {
 
   std::string_view text_;
   std::size_t at_ = 0;     ///< index of the first character that has not been read
-  std::string canonical_;  ///< of the text read so far
+  std::string canonical_;  ///< canonical form of the text that has been read
 
  private:
   std::string_view where_;

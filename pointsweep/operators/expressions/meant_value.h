@@ -11,11 +11,12 @@
 
 namespace pointsweep {
 
-/// A component of a made attribute, or a field of the input. Neither if no value has the name.
+/// The value that a name means: a component of a made attribute, or a field of the input. Both pointers are null if the
+/// name means no value.
 struct MeantValue {
   const Attribute* made = nullptr;
   std::size_t component = 0;     ///< component of `made`
-  const Field* field = nullptr;  ///< field of the input; null if `made` is not
+  const Field* field = nullptr;  ///< field of the input; null if `made` is not null
 };
 
 /// Returns the value that `word` names, in any spelling that files use. A made attribute precedes a field of the input
@@ -23,11 +24,11 @@ struct MeantValue {
 /// Positions are never returned.
 MeantValue meant_value(const std::string& word, const Schema& input, std::span<const Attribute> made);
 
-/// Returns the value that `word` names in an expression: meant_value(), or where nothing has that name and `word` is
-/// "row", the number of the row in the inputs (input_row.h).
+/// Returns the value that `word` names in an expression: meant_value(), or, if nothing is named "row", the number of
+/// the row in the inputs (input_row.h) for "row".
 MeantValue value_in_expression(const std::string& word, const Schema& input, std::span<const Attribute> made);
 
-/// Returns the type of a field of the input; of packed bits the smallest type that holds them, of scaled numbers
+/// Returns the type of a field of the input; for packed bits the smallest type that holds them, for scaled numbers
 /// float64.
 Type type_of_values(const Field& field);
 

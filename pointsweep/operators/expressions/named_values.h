@@ -13,20 +13,20 @@
 
 namespace pointsweep {
 
-/// The meanings of names, in this order: a component of an attribute made before ("nz", "outlier"); x, y or z, the
-/// current position; a field of the input, in any spelling that files use (meant_value.h), but no array; `row`, the
-/// number of the row in the inputs.
+/// The meanings of the names of an expression. A name means, in this order: a component of an attribute that was made
+/// before ("nz", "outlier"); x, y or z, the current position; a field of the input, in any spelling that files use
+/// (meant_value.h), but no array; `row`, the number of the row in the inputs.
 class NamedValues {
  public:
   NamedValues() = default;
-  /// `place`: begins messages. Throws UsageError for an unknown name, with the known names.
+  /// Messages begin with `place`. Throws UsageError for an unknown name, with the known names.
   NamedValues(const Expression& expression, const std::string& place, const Schema& input,
               std::span<const Attribute> made);
 
   /// Returns the attributes that must be read, each once.
   const std::vector<Attribute>& reads() const { return reads_; }
 
-  /// The values of one batch, by number of the name.
+  /// The values of one batch, in the order of the names.
   class Batch {
    public:
     /// Reads the values of the points of the batch. The attributes of reads() are those that the operator reads from
@@ -43,7 +43,7 @@ class NamedValues {
     template <class Position, class Record>
     void take(const NamedValues& names, std::size_t count, Position position, Record record);
 
-    /// The values of a name. The vectors own the memory of the pointers.
+    /// The memory of the values of one name, to which the pointers in values_ point.
     struct Memory {
       std::vector<double> real;
       std::vector<std::uint64_t> whole;
@@ -64,7 +64,7 @@ class NamedValues {
   Source read(Attribute attribute, std::size_t component);
 
   std::vector<Attribute> reads_;
-  std::vector<Source> sources_;  ///< indexed by the number of the name
+  std::vector<Source> sources_;  ///< in the order of Expression::names()
 };
 
 }  // namespace pointsweep

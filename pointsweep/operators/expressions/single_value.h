@@ -9,8 +9,8 @@
 
 namespace pointsweep {
 
-/// Returns the attribute of one value that an earlier stage makes under this name, or the attribute of the input as
-/// float64; nothing if there is none.
+/// Returns the attribute `name` if an earlier stage makes it and it has one value, else the field `name` of the input
+/// as float64; nullopt if there is none.
 std::optional<Attribute> single_value(const char* name, const Schema& input, std::span<const Attribute> made);
 
 }  // namespace pointsweep

@@ -84,7 +84,7 @@ ConnectedComponents::ConnectedComponents(const ComponentsOptions& options, std::
   components_options().declare(*this, options);
 }
 
-/// With a distance, both ends have each other as neighbours: the one with the lower row emits the edge.
+/// With a distance, the two ends of an edge are neighbours of each other, so only the end with the lower row emits it.
 void ConnectedComponents::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte*) const {
   for (std::uint32_t i = 0; i < in.size(); ++i) {
     const NeighborRef* neighbors = in.neighbors(i);

@@ -12,7 +12,8 @@
 namespace pointsweep {
 namespace {
 
-/// Decides, as a result of one byte, whether a component has a core point. Without one its points are noise.
+/// Counts the components that have a core point; the points of other components are noise. The result is one byte, 1 if
+/// there is a core point, else 0.
 class AnyCore final : public VoteRule {
  public:
   std::size_t ballot_bytes() const override { return 1; }
@@ -40,7 +41,7 @@ ChainStage make_dbscan(const OptionValues& values, const Facts& facts) {
   return std::make_shared<DensityClusters>(options, facts.points);
 }
 
-/// Returns the nearest core point within eps; equal distances are ordered by x, y, z, row.
+/// Returns the nearest core point within eps, at equal distances the first by x, y, z, row; nullopt if there is none.
 std::optional<NeighborRef> nearest_core(const Neighborhoods& in, std::size_t i, double eps2) {
   using Key = std::tuple<double, double, double, double, std::uint64_t>;
   std::optional<NeighborRef> nearest;

@@ -35,7 +35,7 @@ class CorePoints final : public LocalOperator {
 };
 
 /// Makes cluster and cluster_size: the components of core points within `eps` of each other. Any other point belongs to
-/// the cluster of the nearest core point within eps; without one it is noise.
+/// the cluster of the nearest core point within `eps`; a point without such a core point is noise.
 class ClustersOfCores final : public ConnectOperator {
  public:
   ClustersOfCores(const DbscanOptions& options, std::uint64_t points);
@@ -50,11 +50,12 @@ class ClustersOfCores final : public ConnectOperator {
   std::uint64_t points_;
 };
 
-/// `dbscan`: the two operators above, in order. N_i must contain all points within eps. Pipelines without such
+/// `dbscan`: CorePoints, then ClustersOfCores. N_i must contain all points within eps. Pipelines without such
 /// neighbourhoods are refused; C++ code must ensure it.
 class DensityClusters final : public CompositeOperator {
  public:
-  /// Throws UsageError for options out of their ranges. `points` of the cloud, if known, decide about the types.
+  /// Throws UsageError for options outside of their ranges. `points`: number of points of the cloud for
+  /// has_short_numbers().
   explicit DensityClusters(const DbscanOptions& options, std::uint64_t points = 0);
   std::string name() const override { return "dbscan"; }
   Contract contract() const override;

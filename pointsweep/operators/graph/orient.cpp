@@ -86,7 +86,7 @@ void NormalSigns::connect(const Neighborhoods& in, std::vector<NeighborEdge>& ed
 
 void NormalSigns::put_values(const ComponentLabel& label, std::byte* values) const { *values = std::byte(label.flips); }
 
-/// Adding 0 turns -0 into 0.
+/// Computes 0 - n, which is never -0, instead of -n.
 void TurnedNormals::apply(const Neighborhoods& in, Columns& out) const {
   const auto normals = out.column<std::array<float, 3>>(0);
   for (std::size_t i = 0; i < in.size(); ++i) {

@@ -24,7 +24,8 @@ OperatorDeclaration orient_declaration();
 Attribute normal_turned_attribute();
 
 /// Makes normal_turned: the signs along the minimum spanning forest of the graph of neighbours. An edge has the weight
-/// 1 - |n_i . n_j| and joins equal signs if n_i . n_j >= 0. OrientationVotes decides for each component.
+/// 1 - |n_i . n_j| and asks for equal signs if n_i . n_j >= 0. OrientationVotes then decides whether all signs of a
+/// component are turned.
 class NormalSigns final : public ConnectOperator {
  public:
   explicit NormalSigns(const OrientOptions& options);
@@ -51,18 +52,18 @@ class TurnedNormals final : public LocalOperator {
   void apply(const Neighborhoods& in, Columns& out) const override;
 };
 
-/// `orient`: the two operators above, in order, or FacingNormals.
+/// `orient`: NormalSigns, then TurnedNormals; or FacingNormals if the method is `trajectory`.
 class OrientedNormals final : public CompositeOperator {
  public:
-  /// Reads the trajectory, if the method needs one. `place`: for messages. Throws UsageError for options out of range
-  /// or in conflict, and Error for a file that cannot be read.
+  /// Reads the trajectory, if the method needs one. Messages begin with `place`. Throws UsageError for options out of
+  /// range or in conflict, and Error for a file that cannot be read.
   explicit OrientedNormals(OrientOptions options = {}, const std::string& place = "orient");
   std::string name() const override { return "orient"; }
   Contract contract() const override;
   std::vector<ChainStage> parts() const override;
 
  private:
-  OrientOptions options_;  ///< include the checksum of the trajectory
+  OrientOptions options_;  ///< options, with the checksum of the trajectory that was read
   std::shared_ptr<const FacingNormals> facing_;
 };
 

@@ -14,7 +14,7 @@ using Whole = __int128;
 
 constexpr double kNormalUnits = 1 << 20, kPlaceUnits = 4294967296.0, kFarthest = 1099511627776.0;
 
-/// Sums over some points. Those in the first group change their sign with the normals.
+/// Sums over points with signs s, normals n and positions p. `normal` to `first_sign` are negated if all s are.
 struct Votes {
   std::array<Whole, 3> normal;  ///< Σ s n
   Whole out;                    ///< Σ s n · p
@@ -47,8 +47,7 @@ std::array<Whole, 3> whole_place(Vec3 p) {
   return place;
 }
 
-/// Returns the mean distance of the points from the centroid along the normals, relative to the extent, times the
-/// number of points.
+/// Returns `out` of OrientationVotes in the units of Votes::normal; 0 if the points have no extent.
 long double outwards(const Votes& v) {
   const Vec3 extent = v.box.extent();
   const long double mean = (static_cast<long double>(extent.x) + extent.y + extent.z) / 3;

@@ -15,8 +15,9 @@ namespace pointsweep {
 /// component, sums are exact integers:
 ///   up  = Σ s n_z
 ///   out = Σ s n · (p - c) / e, e the mean extent of the component: positive if normals point out of a closed surface
-/// The larger absolute value of the two decides. With a viewpoint v: Σ sign(s n · (v - p)). If the sum is 0, the normal
-/// of the highest point shall point up (Hoppe et al. 1992); if that normal is horizontal, the first point decides.
+/// The sum with the larger absolute value must be positive. With a viewpoint v, the sum is Σ sign(s n · (v - p))
+/// instead. If the sum is 0, the normal of the highest point must point up (Hoppe et al. 1992); if that normal is
+/// horizontal, the first point decides.
 class OrientationVotes final : public VoteRule {
  public:
   explicit OrientationVotes(std::optional<Vec3> viewpoint) : viewpoint_(viewpoint) {}

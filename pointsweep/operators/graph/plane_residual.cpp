@@ -17,7 +17,7 @@ namespace {
 constexpr double kUnits = 0x1p40, kFarthestPlace = 0x1p40;
 constexpr std::array<std::array<std::size_t, 2>, 6> kEntries = {{{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}}};
 
-/// Sums over points, of positions q in units of 2^-40.
+/// Sums over the positions q of points, in units of 2^-40.
 struct Moments {
   std::array<Int192, 6> second;  ///< Σ q_a q_b, of kEntries
   std::array<Int128, 3> first;   ///< Σ q_a
@@ -30,8 +30,9 @@ Moments moments_at(const std::byte* bytes) {
   return moments;
 }
 
-/// Returns Σ (q_a - c_a)(q_b - c_b) / n with the mean c. Computed in integers relative to the whole number m just below
-/// c; the remainder r = Σ q - n m is less than n, and its share is subtracted in float64.
+/// Returns Σ (q_a - c_a)(q_b - c_b) / n with the mean c. The sums are integers relative to a whole number m, which is c
+/// without its fraction. The remainder r = Σ q - n m is less than n in absolute value, so its product is subtracted in
+/// float64.
 Symmetric3 covariance(const Moments& sums) {
   const auto n = static_cast<Int128>(sums.points);
   std::array<Int128, 3> mean, rest;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Segments: parts of a surface across which normals turn little from neighbour to neighbour. Like region growing, but
-/// independent of seeds and their order (T. Rabbani, F. van den Heuvel, G. Vosselman, "Segmentation of point clouds
-/// using smoothness constraint", 2006).
+/// Segments: parts of a surface across which normals turn little from neighbour to neighbour. Segments are those of
+/// region growing, but independent of seeds and their order (T. Rabbani, F. van den Heuvel, G. Vosselman, "Segmentation
+/// of point clouds using smoothness constraint", 2006).
 #pragma once
 
 #include <cstddef>
@@ -26,12 +26,13 @@ OperatorDeclaration segments_declaration();
 /// point without a normal is a segment of one point. PlaneResidual measures how flat segments are.
 class Segments final : public ConnectOperator {
  public:
-  /// Throws UsageError for options out of their ranges. `points` of the cloud, if known, decide about the types.
+  /// Throws UsageError for options outside of their ranges. `points`: number of points of the cloud for
+  /// has_short_numbers().
   explicit Segments(const SegmentsOptions& options = {}, std::uint64_t points = 0);
   std::string name() const override { return "segments"; }
   Contract contract() const override;
   const VoteRule* votes() const override { return &residual_; }
-  /// After stages that move points, the residual is computed from the moved points.
+  /// Returns an operator that computes the residual from the moved points, if an earlier stage moves points; else null.
   std::shared_ptr<const ConnectOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override;
   void put_values(const ComponentLabel& label, std::byte* values) const override;

@@ -46,11 +46,11 @@ const OptionTable<GroundOptions>& ground_options() {
 constexpr double kCellSeconds = 2.5e-9;
 
 struct RasterSize {
-  std::size_t columns = 0;  ///< the most of a band of rows
-  double cells = 0;         ///< cells of all bands
+  std::size_t columns = 0;  ///< largest number of columns of a band of rows
+  double cells = 0;         ///< number of cells of all bands
 };
 
-/// Returns the size of the raster of a sample.
+/// Estimates the size of the raster from a sample of the points.
 RasterSize raster_of(std::span<const Vec3> sample, int axis, double cell, AxisRule rule) {
   std::vector<std::pair<double, double>> cells;  // row, column
   for (const Vec3& p : sample) {
@@ -169,15 +169,16 @@ std::unique_ptr<InOrderWork> Ground::start(const InOrderSetup& setup) const {
   return std::make_unique<GroundWork>(options_, rule(), numbers_, reads_.size(), setup);
 }
 
-/// The reach in cells. The surface at a point depends on the two nearest cells along each axis and their slopes; a hole
-/// in it is filled from cells at most 3R + 3 away; and disks of all radii up to R, one after another, open a raster
-/// whose holes were filled from 3R + 3 cells away.
+/// Returns the reach in cells. The surface at a point depends on the two nearest cells along each axis and their
+/// slopes; a hole in the surface is filled from cells at most 3R + 3 away; and disks of all radii up to R, one after
+/// another, open a raster whose holes were filled from 3R + 3 cells away.
 std::optional<Reach> Ground::reach() const {
   const auto radius = static_cast<double>(rule().radius);
   return Reach{.distance = radius * (radius + 1) + 2 * (3 * radius + 3) + 4};
 }
 
-/// Returns a function that chooses for other parts of the cloud the lowest point of each cell that takes part.
+/// Returns a function that chooses the points that other parts of the cloud need: in each cell, the lowest point that
+/// takes part.
 InOrderOperator::ChoosePoints Ground::for_other_parts() const {
   return [this](const OrderedPoints& points) {
     std::map<std::pair<double, double>, std::uint32_t> lowest;

@@ -23,12 +23,12 @@ OperatorDeclaration ground_declaration();
 /// Returns classification, N u8, classes of LAS: 2 ground, 1 unclassified.
 Attribute classification_attribute();
 
-/// Makes classification: 2 for ground. Other points keep the class of the input or of an earlier stage, but 1 replaces
-/// 2, and is the class if there was none. Only points that take part can be ground: last returns without the classes 7
-/// and 18 (noise), unless the options state others. Attributes that the cloud lacks exclude no point.
+/// Makes classification: 2 for ground. Other points keep the class of the input or of an earlier stage, except that
+/// class 2 and a missing class become 1. Only points that take part can be ground: last returns without the classes 7
+/// and 18 (noise), unless the options admit all returns or noise. Attributes that the cloud lacks exclude no point.
 class Ground final : public InOrderOperator {
  public:
-  /// Throws UsageError for options out of their ranges.
+  /// Throws UsageError for options outside of their ranges.
   explicit Ground(const GroundOptions& options = {});
   std::string name() const override { return "ground"; }
   InOrderContract in_order_contract() const override;
@@ -40,7 +40,7 @@ class Ground final : public InOrderOperator {
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   InOrderEffort effort(const CloudEstimate& cloud) const override;
 
-  /// Numbers of attributes among the values of a point; absent: the cloud does not have the attribute.
+  /// Indices of attributes in the values of a point; nullopt if the cloud does not have the attribute.
   struct ValueNumbers {
     std::optional<std::size_t> return_number, number_of_returns, classification;
   };

@@ -7,7 +7,8 @@ namespace pointsweep {
 namespace {
 
 constexpr double kGround = 2, kUnclassified = 1, kLowNoise = 7, kHighNoise = 18;
-/// A point needs the slopes of the cells around it, which need the adjacent cells.
+/// Number of rows that a point needs before and after its own row: it needs the slopes of the adjacent cells, which
+/// depend on the cells next to them.
 constexpr std::size_t kRowsAround = 2;
 
 /// Returns the slope along one axis, from the cell and the cells on both sides of it.
@@ -19,7 +20,7 @@ double difference(double before, double here, double behind, double cell) {
 
 /// The position of a coordinate between the centres of two cells.
 struct Between {
-  int first;        ///< the lower of the two, relative to the cell of the coordinate: -1 or 0
+  int first;        ///< number of the lower cell, relative to the cell of the coordinate: -1 or 0
   double fraction;  ///< share of the way from `first` to the next cell, in [0, 1)
 };
 
@@ -98,7 +99,7 @@ void GroundWork::classify(const OrderedPoints& points, Findings& findings) {
   }
 }
 
-/// Opens the band of the cell. Points come row by row, as in the first round.
+/// Returns the cell of a point and opens its band. Points come row by row, as in the first round.
 GroundWork::Cell GroundWork::cell_of(Vec3 place) {
   const std::uint64_t row = rows_.place_of(row_number(place));
   if (opened_ != rows_.band()) open_band(rows_.band());

@@ -17,7 +17,7 @@ bool takes_part_in_ground(const GroundOptions& options, const Ground::ValueNumbe
 
 class GroundWork final : public InOrderWork {
  public:
-  /// `values`: number of values of each point. `numbers`: which of them belong to which attribute.
+  /// `values`: number of values of each point. `numbers`: indices of the attributes in these values.
   GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& numbers,
              std::size_t values, const InOrderSetup& setup);
   unsigned rounds() const override { return 2; }
@@ -54,7 +54,7 @@ class GroundWork final : public InOrderWork {
   LowestCells lowest_;
   BandedRows rows_;  ///< rows of the second round
   std::optional<std::size_t> opened_;
-  std::optional<CellBand> band_;  ///< band number of this member
+  std::optional<CellBand> band_;  ///< the band number `opened_`
   std::optional<SurfaceWindow> surface_;
 };
 

@@ -26,7 +26,8 @@ double height_above(double z, const std::vector<CellNeighbor>& ground) {
   return z - sum / weights;
 }
 
-/// Stores the ground points in cells; then all points search the nearest of them.
+/// Stores the ground points in cells in the first round, and finds the nearest ground points of all points in the
+/// second.
 class HeightWork final : public InOrderWork {
  public:
   HeightWork(std::size_t k, const InOrderSetup& setup)

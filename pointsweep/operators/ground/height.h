@@ -25,7 +25,7 @@ Attribute height_attribute();
 /// points of the cloud are searched, however far away.
 class Height final : public InOrderOperator {
  public:
-  /// Throws UsageError for options out of their ranges.
+  /// Throws UsageError for options outside of their ranges.
   explicit Height(const HeightOptions& options = {});
   std::string name() const override { return "height"; }
   InOrderContract in_order_contract() const override;

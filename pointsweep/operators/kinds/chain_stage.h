@@ -11,15 +11,16 @@
 
 namespace pointsweep {
 
-/// Returns null for Drop, Reneighbor and Resort.
+/// Returns the operator of a stage; null for Drop, Reneighbor and Resort.
 const Operator* operator_of(const ChainStage& stage);
-/// Returns the contract of its operator; an empty one without neighbours for Reneighbor, Resort and Drop.
+/// Returns the contract of the operator of a stage; an empty contract without neighbours for Reneighbor, Resort and
+/// Drop.
 Contract contract_of(const ChainStage& stage);
-/// Returns its name in pipelines.
+/// Returns the name of a stage in pipelines.
 std::string name_of(const ChainStage& stage);
-/// Returns all options that distinguish it from other stages of its name.
+/// Returns all options that distinguish a stage from other stages with the same name.
 Options options_of(const ChainStage& stage);
-/// Returns whether the stage, or a stage for which it stands, drops rows.
+/// Returns whether a stage, or a part of a composite, drops rows.
 bool drops_rows(const ChainStage& stage);
 
 }  // namespace pointsweep

@@ -14,30 +14,31 @@
 
 namespace pointsweep {
 
-/// An edge between point i of a batch and one of its neighbours. Weight and parity are functions of the two points: the
-/// neighbour, if it emits the edge too, gives them the same bits.
+/// An edge between point i of a batch and one of its neighbours. `weight` and `flips` depend on the two points alone:
+/// the neighbour, if it emits the edge too, computes the same bits.
 struct NeighborEdge {
   std::uint32_t point;
   NeighborRef neighbor;
   double weight = 0;
-  bool flips = false;  ///< the signs of the two differ
+  bool flips = false;  ///< true if the edge asks for different signs of the two points
 };
 
 /// A stage that emits edges. Its attributes are known at the end of its pass: for each point they follow from its
-/// component, and from its sign in the minimum spanning forest (docs/adr/0014). It is the only such stage in its pass.
+/// component, and from its sign in the minimum spanning forest (docs/adr/0014). A pass has at most one ConnectOperator.
 class ConnectOperator : public Operator {
  public:
-  /// Returns whether edges have weights and parities; otherwise all edges are equal. With weights, put_values() may read
+  /// Returns whether edges have weights and flips; otherwise all edges are equal. With weights, put_values() may read
   /// only the `flips` of a label.
   virtual bool weighted() const { return false; }
-  /// Returns the rule of votes of components; null: every component counts, and no signs are flipped.
+  /// Returns the rule of votes of components. If null, every component gets a number, and no signs are turned.
   virtual const VoteRule* votes() const { return nullptr; }
-  /// Appends edges of the points of the batch, which may be fewer than one for each neighbour, and fills ballots,
-  /// votes()->ballot_bytes() for each point. Called from many threads at once.
+  /// Appends the edges of the points of the batch, at most one for each neighbour. Writes votes()->ballot_bytes() of
+  /// each point to `ballots`, point after point. Called from many threads at once.
   virtual void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const = 0;
-  /// Sets the values of all attributes that the operator makes of a point, one after another.
+  /// Writes the values of a point for all attributes that the operator makes, one after another.
   virtual void put_values(const ComponentLabel& label, std::byte* values) const = 0;
-  /// Returns the operator for such a cloud; see LocalOperator::bound().
+  /// Returns the operator for a cloud with the fields of `input` after stages that make `made`; see
+  /// LocalOperator::bound().
   virtual std::shared_ptr<const ConnectOperator> bound(const Schema& input, std::span<const Attribute> made) const {
     (void)input, (void)made;
     return nullptr;

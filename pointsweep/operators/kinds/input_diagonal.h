@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The diagonal of a cloud, to which widths of operators are relative.
+/// The diagonal of a cloud, for options in % of it.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,8 @@
 
 namespace pointsweep {
 
-/// Computes {diagonal} of the box around all finite points of the input that are left; 0 if there are none.
+/// Computes one value: the diagonal of the box around all finite points of the input that earlier stages have kept; 0
+/// if there are none.
 class InputDiagonal final : public Reduction {
  public:
   std::string text() const override { return "diagonal of the input"; }

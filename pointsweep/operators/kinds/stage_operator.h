@@ -20,10 +20,10 @@ using StageOperator =
     std::variant<std::shared_ptr<const LocalOperator>, std::shared_ptr<const SelectOperator>,
                  std::shared_ptr<const InOrderOperator>, std::shared_ptr<const ConnectOperator>, NotePosition>;
 
-/// The position that a point had at the last Resort of a chain.
+/// Returns stream_position, N×3 f64: the position that a point had at the last Resort of a chain.
 Attribute stream_position_attribute();
 
-/// Returns null for NotePosition.
+/// Returns the operator of a stage; null for NotePosition.
 const Operator* operator_of(const StageOperator& stage);
 std::string name_of(const StageOperator& stage);
 Contract contract_of(const StageOperator& stage);
