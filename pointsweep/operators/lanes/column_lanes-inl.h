@@ -33,7 +33,7 @@ struct Points {
       : first(tile.first + std::min(vector * kLanes, tile.size)),
         size(std::min(kLanes, tile.first + tile.size - first)) {}
 
-  /// Marks the points where the mask is false.
+  /// Marks the points where the mask is false as degenerate.
   template <class M>
   HWY_INLINE void MarkWithout(M mask, DegeneratePoints& degenerate) const {
     const Lanes d;
@@ -46,13 +46,14 @@ struct Points {
   }
 };
 
-/// Rounds to float; numbers beyond the largest float become that. v must not be NaN.
+/// Rounds to float. Numbers beyond the range of float become the nearest finite float. v must not be NaN.
 HWY_INLINE FloatV Saturated(V v) {
   const V most = hn::Set(Lanes(), double(std::numeric_limits<float>::max()));
   return hn::DemoteTo(FloatLanes(), hn::Min(hn::Max(v, hn::Neg(most)), most));
 }
 
-/// Stores nothing if the column is not wanted and therefore empty; the other functions likewise.
+/// Stores the numbers of a vector of points. No-op if `column` is empty, which means that it is not wanted, as in
+/// StoreTriples() and StoreDirections().
 HWY_INLINE void StoreNumbers(V v, const Points& points, std::span<float> column) {
   if (column.empty()) return;
   const FloatLanes d;
@@ -79,8 +80,8 @@ HWY_INLINE void StoreTriples(FloatV a, FloatV b, FloatV c, const Points& points,
   for (std::size_t l = 0; l < points.size; ++l) column[points.first + l] = {lanes[0][l], lanes[1][l], lanes[2][l]};
 }
 
-/// Returns unit vectors of arbitrary sign, turned so that the first of their largest components is positive; 0 where
-/// the mask is false. Adding 0 turns -0 into 0, so that results do not show which vectors were turned.
+/// Stores unit vectors of arbitrary sign, turned so that the first of their largest components is positive; stores 0
+/// where the mask is false. Adding 0 turns -0 into 0, so that results do not show which vectors were turned.
 template <class M>
 HWY_INLINE void StoreDirections(M mask, const Vec3Lanes<V>& v, const Points& points,
                                 std::span<std::array<float, 3>> column) {

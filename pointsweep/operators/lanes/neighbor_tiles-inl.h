@@ -26,7 +26,7 @@ namespace pointsweep::HWY_NAMESPACE {
 using Lanes = hn::ScalableTag<double>;
 using V = hn::Vec<Lanes>;
 constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
-using FloatLanes = hn::Rebind<float, Lanes>;  // with as many lanes
+using FloatLanes = hn::Rebind<float, Lanes>;  // as many lanes as Lanes
 
 /// One number for each lane.
 struct LaneArray {
@@ -36,15 +36,15 @@ struct LaneArray {
 constexpr std::size_t kTilePoints = 32;  // largest number of points of a tile
 static_assert(kTilePoints % kLanes == 0 && kLanes <= 8);
 
-/// Successive points of a batch, as many as fit with all their neighbours. With more than 64 neighbours: one vector of
-/// points, with a part of their neighbours at a time.
+/// Successive points of a batch, as many as fit with all their neighbours. If a point has more than 64 neighbours, a
+/// tile is one vector of points and holds a part of their neighbours at a time.
 struct Tile {
   static constexpr std::size_t kRoom = 512;
 
   const Neighborhoods& in;
   std::size_t first, size, vectors;
-  std::size_t stride;  // distance between successive neighbours of a point
-  std::size_t chunk;   // number of neighbours of a point that fit
+  std::size_t stride;  // distance in a NeighborArray between successive neighbours of a point
+  std::size_t chunk;   // largest number of neighbours of a point that the tile holds at a time
   std::size_t most = 0;
   std::size_t count[kTilePoints];  // |N_i|; 0 after the last point
 
@@ -59,7 +59,7 @@ struct Tile {
     vectors = (size + kLanes - 1) / kLanes;
     chunk = kRoom / stride;
   }
-  /// Returns the number of neighbours of a point in the tile at a time, from the `from`-th on.
+  /// Returns how many neighbours of each point the tile holds at a time, from neighbour `from` on.
   std::size_t Held(std::size_t from) const { return std::min(chunk, most - from); }
   /// Returns the index, in an array of neighbours, of the c-th held neighbours of a vector of points.
   std::size_t At(std::size_t vector, std::size_t c) const { return c * stride + vector * kLanes; }
@@ -71,8 +71,8 @@ struct TileArray {
   V Load(std::size_t vector) const { return hn::Load(Lanes(), of + vector * kLanes); }
 };
 
-/// Calls use() with a pointer to attribute `a` of a vector of points, a T each; lanes after the last point of the tile
-/// are 0.
+/// Calls use() with a pointer to attribute `a` of a vector of points, one T for each lane. Lanes after the last point
+/// of the tile are 0.
 template <class T, class Use>
 HWY_INLINE auto WithOwn(const Tile& tile, std::size_t a, std::size_t vector, const Use& use) {
   const std::size_t first = vector * kLanes, size = tile.size - first;
@@ -105,19 +105,19 @@ struct NeighborArray {
   HWY_ALIGN T of[Tile::kRoom];
 };
 
-/// Vectors of the neighbours of a tile, transposed: of(i)(ref) for each neighbour of each point i; 0 after a point's
-/// last neighbour.
+/// Vectors of the neighbours of a tile in the order of the lanes: of(i)(ref) for each neighbour `ref` of each point i;
+/// 0 after a point's last neighbour.
 template <class OfNeighbor>
 class NeighborVectors {
  public:
   NeighborVectors(const Tile& tile, OfNeighbor of) : tile_(tile), of_(of) { Fetch(0); }
-  /// Makes sure that the vectors from the `from`-th neighbour on are there; true if they were not.
+  /// Loads the vectors from neighbour `from` on, unless they are there. Returns whether it has loaded them.
   HWY_INLINE bool Hold(std::size_t from) {
     if (from == from_) return false;
     Fetch(from);
     return true;
   }
-  /// Returns the vector of the c-th neighbours in the tile.
+  /// Returns the vectors of the c-th held neighbours of a vector of points.
   HWY_INLINE Vec3Lanes<V> Load(std::size_t vector, std::size_t c) const {
     const Lanes d;
     const std::size_t at = tile_.At(vector, c);
@@ -166,7 +166,7 @@ class NeighborVectors {
   HWY_ALIGN double z_[Tile::kRoom];
 };
 
-/// p_j - p_i
+/// Returns p_j - p_i for a neighbour j of point i.
 struct OffsetOf {
   const Neighborhoods& in;
   HWY_INLINE auto operator()(std::size_t i) const {

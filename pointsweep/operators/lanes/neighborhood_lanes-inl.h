@@ -32,7 +32,8 @@ struct Extents {
   TileArray coincident;  // 1 if a neighbour lies on p_i, else 0
   TileArray place;       // largest magnitude among the coordinates of p_i
 
-  /// Measures a tile. Points get no neighbours if all these coincide with p_i, or if one is too far away or not finite.
+  /// Measures a tile. A point loses its neighbours if all of them coincide with p_i, or if one is too far away or not
+  /// finite.
   HWY_INLINE Extents(Tile& tile, Offsets& offsets) {
     const bool sorted = tile.in.sorted_by_distance();
     for (std::size_t v = 0; v < tile.vectors; ++v) {
@@ -47,9 +48,9 @@ struct Extents {
   }
 
  private:
-  /// Computes MeasureEnds() for a whole vector of points. Returns false unless all have the same number of neighbours,
-  /// all in the tile, the first not coincident with the point, and the last at a distance whose square is exact enough
-  /// for sorting.
+  /// Computes MeasureEnds() for a whole vector of points. Returns false unless all points have the same number of
+  /// neighbours, all held by the tile, the first does not coincide with the point, and the extent of the last is
+  /// ordinary (IsOrdinary()).
   HWY_INLINE bool MeasureTogether(const Tile& tile, const Offsets& offsets, std::size_t v) {
     const Lanes d;
     const std::size_t begin = v * kLanes, k = tile.count[begin];
@@ -128,7 +129,7 @@ struct Extents {
   }
   void HaveNone(std::size_t l) { largest.of[l] = far2.of[l] = near2.of[l] = 1, coincident.of[l] = 0; }
 
-  /// Finds extents of offsets in any order; the zeros after a point's last neighbour do not count.
+  /// Finds extents of offsets in any order; zeros after a point's last neighbour do not count.
   struct AnyOrder {
     V largest, far2, near2, off;
     hn::Mask<Lanes> reachable;
@@ -185,8 +186,8 @@ struct Scaling {
 /// θ(r) = exp(-r²/2σ²), σ² = π max_j |p_j - p_i|² / |N_i| (Equation 1), for a point per lane. On a surface of even
 /// density σ is the point spacing, and the sum of the weights is about 2π for any |N_i|. θ is divided by θ of the
 /// nearest neighbour that does not coincide with p_i, so that not all of many thousand weights underflow. Neighbours
-/// that coincide with p_i also get 1, since their offsets add nothing to a sum over positions; other sums need
-/// Weights::LoadTrue().
+/// that coincide with p_i get the weight 1, too, since their offsets add nothing to a sum over positions; other sums
+/// need Weights::LoadTrue().
 struct Weighting {
   Scaling scaling;
   V count, near2, falloff;
@@ -213,7 +214,7 @@ class Weights {
       : tile_(tile), extents_(extents), offsets_(offsets) {
     if (tile.size < tile.stride) std::fill(theta_.of, theta_.of + Tile::kRoom, 0.0f);
   }
-  /// Makes sure that the offsets from the `from`-th neighbour on are there, and their weights.
+  /// Loads the offsets from neighbour `from` on and computes their weights, unless they are there.
   HWY_INLINE void Hold(std::size_t from) {
     offsets_.Hold(from);
     if (from != from_) Compute(from);
@@ -260,10 +261,10 @@ class Weights {
   Offsets& offsets_;
   std::size_t from_ = ~std::size_t{0};
   NeighborArray<float> theta_;
-  TileArray nearest_;  // -ln θ
+  TileArray nearest_;  // -ln θ of the nearest neighbour off p_i
 };
 
-/// m + weight · v v^T
+/// Adds weight · v v^T to m.
 HWY_INLINE void AddOuterProduct(Symmetric3Lanes<V>& m, V weight, const Vec3Lanes<V>& v) {
   const V x = v.x, y = v.y, z = v.z;
   const V tx = hn::Mul(weight, x), ty = hn::Mul(weight, y), tz = hn::Mul(weight, z);
@@ -275,7 +276,7 @@ HWY_INLINE void AddOuterProduct(Symmetric3Lanes<V>& m, V weight, const Vec3Lanes
   m.zz = hn::Add(m.zz, hn::Mul(tz, z));
 }
 
-/// m + v v^T
+/// Adds v v^T to m.
 HWY_INLINE void AddOuterProduct(Symmetric3Lanes<V>& m, const Vec3Lanes<V>& v) {
   m.xx = hn::Add(m.xx, hn::Mul(v.x, v.x));
   m.xy = hn::Add(m.xy, hn::Mul(v.x, v.y));

@@ -14,7 +14,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-/// A unit vector if there is a direction, else 0.
+/// The direction of a vector: `unit` is a unit vector if the direction exists, else 0.
 template <class V>
 struct Direction {
   Vec3Lanes<V> unit;
@@ -46,8 +46,8 @@ HWY_INLINE Vec3Lanes<V> UnitOrZero(const Vec3Lanes<V>& v) {
 }
 
 /// Returns the unit tangent of the plane with unit normal n in the direction of `along`, perpendicular to `across`.
-/// These two are unit and orthogonal; usually neither is exactly tangent. The one nearer to the plane determines the
-/// result, so it always exists.
+/// `along` and `across` are orthogonal unit vectors; usually neither is exactly tangent. The vector nearer to the plane
+/// determines the result, so the result always exists.
 template <class V>
 HWY_INLINE Vec3Lanes<V> Tangent(const Vec3Lanes<V>& n, const Vec3Lanes<V>& along, const Vec3Lanes<V>& across) {
   const V lift = Dot(n, along);

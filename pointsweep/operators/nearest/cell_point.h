@@ -18,9 +18,9 @@ struct CellPoint {
   std::uint64_t row;
 };
 
-/// A point of the set, with its squared distance from the place of the search.
+/// A point of the searched set, with its squared distance from the place of the search.
 struct CellNeighbor {
-  double distance2;  ///< in float64: (dx² + dy²) + dz²; without dz² in the plane
+  double distance2;  ///< (dx² + dy²) + dz² in float64; dx² + dy² in Space::plane
   Vec3 position;
   std::uint64_t row;
 
@@ -36,9 +36,9 @@ struct CellNeighbor {
 /// A request for the nearest points of a set.
 struct NearestWanted {
   std::size_t k = 1;
-  double most2 = std::numeric_limits<double>::infinity();  ///< squared distance, at most
-  bool any_of_equal = false;                               ///< of points at equal distances, any may be returned
-  /// A search may end after this many points, with the k nearest of them.
+  double most2 = std::numeric_limits<double>::infinity();  ///< largest squared distance of a point that is wanted
+  bool any_of_equal = false;  ///< true if any of several points at equal distances may be returned
+  /// Number of points after which a search may end if it has found k; it then returns the nearest of the points seen.
   std::size_t most_seen = std::numeric_limits<std::size_t>::max();
 };
 
@@ -70,7 +70,7 @@ class NearestSoFar {
   std::size_t seen() const { return seen_; }
 
  private:
-  /// Returns the next smaller number; the smallest numbers become -1.
+  /// Returns a slightly smaller number, for points that must be strictly nearer; -1 for 0.
   static double below(double distance2) { return distance2 > 0 ? distance2 * (1 - 0x1p-53) : -1; }
 
   NearestWanted wanted_;

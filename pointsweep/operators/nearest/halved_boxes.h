@@ -12,21 +12,21 @@
 
 namespace pointsweep {
 
-/// Boxes of points that are halved recursively: part j of level l is one of 2^l parts of nearly the same size.
+/// Boxes around points that are halved recursively. Level l has 2^l parts with nearly equal numbers of points.
 class HalvedBoxes {
  public:
-  /// Returns the number of levels below the whole at which no part of the last level has more than `most` points.
+  /// Returns the least number of halvings after which no part has more than `most` points.
   static unsigned levels_for(std::size_t points, std::size_t most);
-  /// Puts `points` in the order of the parts: each is halved across its widest extent.
+  /// Halves each part across its widest extent, and puts `points` in the order of the parts.
   HalvedBoxes(std::span<CellPoint> points, unsigned levels, bool in_plane);
 
   unsigned levels() const { return levels_; }
   const Box& box(unsigned level, std::size_t j) const { return boxes_[(std::size_t{1} << level) - 1 + j]; }
-  /// Returns the first point of part j of a level; for the part after the last one, the number of points.
+  /// Returns the index of the first point of part j of a level; the number of points if j is the number of parts.
   std::size_t begin(unsigned level, std::size_t j) const { return points_ * j >> level; }
   std::size_t begin(std::size_t j) const { return begin(levels_, j); }
-  /// Calls `use(j)` for parts of the last level that are not farther than worst() at that moment, the nearer half
-  /// first. Ends and returns false when `use` returns false.
+  /// Calls `use(j)` for the parts j of the last level whose squared distance from `place` is at most worst() at that
+  /// moment, the nearer half first. Ends and returns false when `use` returns false.
   template <class Worst, class Use>
   bool nearest_first(Vec3 place, Worst worst, Use use) const {
     return descend(0, 0, distance2(box(0, 0), place), place, worst, use);

@@ -11,11 +11,12 @@ namespace pointsweep {
 
 /// A point is excluded if each place of a box has k points nearer to it. This is decided for all places at once:
 /// (q - p)² - (q - r)² is linear in q, so its least value over the places is at an end of the box in each coordinate
-/// (Emrich, Kriegel, Kröger, Renz and Züfle, Boosting spatial pruning: on optimal pruning of MBRs, SIGMOD 2010). It
-/// also excludes most points if the box is far away from them, where all points are almost equally far.
+/// (Emrich, Kriegel, Kröger, Renz and Züfle, Boosting spatial pruning: on optimal pruning of MBRs, SIGMOD 2010). The
+/// bound also excludes most points if the box is far away from them, where all points are almost equally far.
 class NearestBound {
  public:
-  /// `near`: contains k points. `most2`: points whose squared distance from all places exceeds this are excluded, too.
+  /// `near`: a box that contains k points. `most2`: points whose squared distance from all places exceeds this are
+  /// excluded, too.
   NearestBound(const Box& places, const Box& near, double most2) : places_(places), most2_(most2 * (1 + kMargin)) {
     double sum = 0;
     for (int a = 0; a < 3; ++a) {
@@ -49,8 +50,8 @@ class NearestBound {
   }
 
  private:
-  /// Relative to the squared distances. Rounding changes a squared distance by less than 2^-50 of it; two are
-  /// subtracted here, and two are compared later. With a wider margin places far away from the points would exclude
+  /// kMargin is relative to the squared distances. Rounding changes a squared distance by less than 2^-50 of it; two
+  /// are subtracted here, and two are compared later. With a wider margin places far away from the points would exclude
   /// fewer of them.
   static constexpr double kMargin = 0x1p-46, kUnderflow = 1e-300;
 
@@ -63,7 +64,7 @@ class NearestBound {
   }
 
   Box places_;
-  Vec3 at_lo_, at_hi_;  ///< squared distances from the ends of the places to the farthest of `near`
+  Vec3 at_lo_, at_hi_;  ///< squared distances from the lower and upper end of the places to the farthest end of `near`
   double most2_, margin_ = 0, reach_ = 0;
 };
 

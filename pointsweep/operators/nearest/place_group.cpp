@@ -13,16 +13,19 @@
 namespace pointsweep {
 namespace {
 
-/// Groups of at most this many places are not halved; this many points are compared directly with all places of a part.
+/// kFewPlaces: groups of at most so many places are not halved. kFewPoints: so few points are compared with all places
+/// of a part, without halving it.
 constexpr std::size_t kFewPlaces = 8, kFewPoints = 12;
-/// Largest number of points collected for a group; with more, the group is halved first. Most points collected in vain
-/// belong to cells that are read anyway.
+/// Largest number of points collected for a group; with more, the group is halved first. A collection in vain costs
+/// little, because most of its points belong to cells that are read anyway.
 constexpr std::size_t kMostCollected = 32768;
-/// Number of searches that may visit few points before their average counts.
+/// Number of searches without visited points that the average also counts, so that a few long searches at the beginning
+/// do not decide.
 constexpr std::size_t kFirstSearches = 16;
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 
-/// Returns the number of points that a search may visit: more than for a place in the middle of points.
+/// Returns the number of points that a search may visit on average: more than a search in the middle of the points
+/// needs.
 std::size_t most_seen(std::size_t k) { return 64 + 8 * k; }
 
 }  // namespace
@@ -74,8 +77,8 @@ PlaceGroup::Outcome PlaceGroup::one_by_one(std::size_t begin, std::size_t end, s
   return outcome;
 }
 
-/// Collects points. The bound that excludes others comes from about the k nearest points of the middle of the places.
-/// If fewer than k points are within reach of any place, all of them are collected.
+/// Collects the points that may be among the nearest of a place. The bound comes from the k nearest points of the
+/// middle of the places. If fewer than k points are within reach of any place, all of them are collected.
 PointCells::View::Collected PlaceGroup::collect(const Box& places, PointCells::View& view) {
   NearestWanted of_middle = wanted_;
   const double most = (std::sqrt(wanted_.most2) + places.diagonal()) * (1 + 0x1p-20);
@@ -97,8 +100,8 @@ void PlaceGroup::nearest_of(std::span<const CellPoint> points, Vec3 place, const
   for (const CellPoint& p : points) nearest_.see(distance2(flat(p.position), place), p);
 }
 
-/// Narrows the search to the first `count` points. Each half moves the points it needs to the front, so no points are
-/// copied.
+/// Answers the places of a part from the first `count` points in points_. Each half of the part first moves the points
+/// that it needs to the front, so that no points are copied.
 void PlaceGroup::narrow(Part part, std::size_t count, const Use& use) {
   stop_if_cancelled();
   const std::span<CellPoint> points = std::span(points_).first(count);

@@ -15,21 +15,21 @@
 namespace pointsweep {
 
 /// A group of places whose nearest points are searched together. Places are searched one by one as long as each search
-/// visits few points. Far away from the points, or in the middle of a sphere of them, nearly all are as far as the
-/// nearest. Then the points that may be among the nearest of any place are collected from the cells once, the group is
-/// halved repeatedly, and each half keeps the points that may be among the nearest of its own places. A group with too
-/// many such points is halved before the collection.
+/// visits few points. Far away from the points, or in the middle of a sphere of points, nearly all points are as far as
+/// the nearest. Then the points that may be among the nearest of any place are collected from the cells once, the group
+/// is halved repeatedly, and each half keeps the points that may be among the nearest of its own places. A group with
+/// too many such points is halved before the collection.
 class PlaceGroup {
  public:
   using Use = std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>;
 
-  /// `places`: a row is the number by which `use` identifies a place. Reorders them.
+  /// `places`: CellPoint::row is the number of a place for `use`. The group reorders the places.
   PlaceGroup(std::span<CellPoint> places, const NearestWanted& wanted, bool in_plane)
       : places_(places), wanted_(wanted), in_plane_(in_plane), done_(places.size()) {}
 
   Vec3 first() const { return places_.front().position; }
-  /// Answers searches for which the cells are in memory. Returns false if cells are missing: the next call answers the
-  /// rest.
+  /// Answers the searches whose cells are in memory. Returns false if cells are missing; the next call then answers the
+  /// remaining searches.
   bool answer(PointCells::View& view, const Use& use);
 
  private:
@@ -40,22 +40,22 @@ class PlaceGroup {
   enum class Outcome { done, lacks_cells, takes_long };
 
   void search(Part part, PointCells::View& view, const Use& use);
-  /// Searches places from `begin` to `end` - 1 that are not done. Ends when searches visit more than `most` points
-  /// each.
+  /// Searches the places from `begin` to `end` - 1 that are not done. Ends when searches visit more than `most` points
+  /// on average.
   Outcome one_by_one(std::size_t begin, std::size_t end, std::size_t most, PointCells::View& view, const Use& use);
   PointCells::View::Collected collect(const Box& places, PointCells::View& view);
   void narrow(Part part, std::size_t count, const Use& use);
-  /// Finds the nearest of `points`, stored in nearest_.
+  /// Stores the nearest of `points` in nearest_.
   void nearest_of(std::span<const CellPoint> points, Vec3 place, const NearestWanted& wanted);
   Vec3 flat(Vec3 p) const { return in_plane_ ? Vec3{p.x, p.y, 0} : p; }
 
   std::span<CellPoint> places_;
   NearestWanted wanted_;
   bool in_plane_;
-  std::vector<bool> done_;           ///< indexed by place
+  std::vector<bool> done_;           ///< true for places whose search is answered, in the order of places_
   std::optional<HalvedBoxes> tree_;  ///< tree of the places, if searching one by one takes long
-  std::vector<Part> open_;           ///< parts whose searches need cells that are not there yet
-  std::vector<CellPoint> points_;    ///< collected for a part
+  std::vector<Part> open_;           ///< parts whose searches need cells that are not in memory yet
+  std::vector<CellPoint> points_;    ///< points that are collected for a part
   NearestSoFar nearest_;
 };
 

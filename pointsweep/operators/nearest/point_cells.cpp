@@ -32,7 +32,7 @@ bool holds(const Box& b, Vec3 p) {
 }
 
 /// Returns a box that holds all points whose distance from a place, as distance2() rounds it, is at most the radius.
-/// Rounding moves an end by less than the margin; below 10^-150 squares of differences may underflow.
+/// Rounding moves an end of the box by less than the margin; squares of differences below 10^-150 may underflow.
 Box reach_of(Vec3 place, double radius) {
   const double reach = std::max(radius * (1 + 0x1p-40), 1e-150);
   constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -64,7 +64,7 @@ class PointCells::Tree {
         });
   }
 
-  /// Calls use(point, place) for the points of all wanted boxes. Ends, and returns false, when `use` does.
+  /// Calls use(point, place) for the points of all wanted boxes. Ends and returns false when `use` returns false.
   template <class Wanted, class Use>
   bool all_of(Wanted wanted, Use use) const {
     return leaves_.all_of(wanted, [&](std::size_t leaf) {
@@ -130,7 +130,8 @@ std::size_t PointCells::slab_at(double along) const {
   return std::min(static_cast<std::size_t>(at - slabs_.begin()), slabs_.size() - 1);
 }
 
-/// Makes room by dropping the cells farthest from `near` along the axis.
+/// Returns the points of a cell. Reads them if they are not in memory, and drops the cells farthest from `near` to make
+/// room.
 const PointCells::Tree& PointCells::load(std::size_t cell, std::size_t near) {
   Cell& wanted = cells_[cell];
   if (wanted.loaded) return *wanted.loaded;
@@ -148,8 +149,8 @@ const PointCells::Tree& PointCells::load(std::size_t cell, std::size_t near) {
   return *wanted.loaded;
 }
 
-/// Answers in parallel with the cells in memory, then loads missing cells for the remaining questions, and so on; if
-/// these do not fit, one question after another.
+/// Answers questions in parallel with the cells in memory, then loads the missing cells for the remaining questions,
+/// and so on. If the missing cells do not fit in memory, answers one question after another.
 void PointCells::answer_all(std::size_t n, std::size_t at_once, const std::function<Vec3(std::size_t i)>& place,
                             const Answer& answer) {
   std::vector<std::size_t> open(n);
@@ -243,8 +244,8 @@ std::span<const PointCells::Slab> PointCells::View::slabs_between(double lo, dou
 }
 
 /// Searches from the slab of the place to both sides along the axis, as long as a slab may contain a point as near as
-/// the k found; within a slab, nearest cells first. Once k are found, all needed cells that are not in memory are
-/// recorded at once.
+/// the k found; within a slab, nearest cells first. Ends at a cell that is not in memory if fewer than k points are
+/// found; else goes on and records all missing cells at once.
 const std::vector<CellNeighbor>* PointCells::View::nearest(Vec3 place, const NearestWanted& wanted) {
   nearest_.begin(wanted);
   const std::vector<Slab>& slabs = of_.slabs_;
@@ -252,7 +253,7 @@ const std::vector<CellNeighbor>* PointCells::View::nearest(Vec3 place, const Nea
   const double at = p[of_.axis_];
   const auto worst = [&] { return nearest_.worst(); };
   const std::size_t near = slabs.empty() ? 0 : of_.slab_at(at);
-  std::size_t before = near, behind = near;  // slabs from `before` to `behind` - 1 are searched
+  std::size_t before = near, behind = near;  // the slabs from `before` to `behind` - 1 have been searched
   bool complete = true;
   while (before > 0 || behind < slabs.size()) {
     constexpr double kNone = std::numeric_limits<double>::infinity();

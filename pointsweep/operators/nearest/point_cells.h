@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Searches in a set of points that does not fit in memory: compact cells of points are in scratch, and the cells near
-/// the current places in memory.
+/// Searches in a set of points that does not fit in memory: all compact cells of points are in scratch, and the cells
+/// near the current places are in memory.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ class PointCells {
   /// The coordinates used in distances; `plane` ignores the third one.
   enum class Space : std::uint8_t { plane, all };
 
-  /// `axis`: axis along which points come. `memory_bytes`: limit for the cells in memory; a few always are.
+  /// `axis`: axis along which points come. `memory_bytes`: limit for the cells in memory; a few cells may exceed it.
   PointCells(Space space, int axis, std::uint64_t memory_bytes, std::unique_ptr<Scratch> scratch);
   PointCells(PointCells&&) noexcept;
   ~PointCells();
@@ -34,7 +34,8 @@ class PointCells {
 
   /// The object that answers searches with the cells in memory.
   class View;
-  /// Answers search i. Returns false if cells are missing: then it is called again when more cells are in memory.
+  /// A function that answers question i. It returns false if cells are missing, and is called again when more cells are
+  /// in memory.
   using Answer = std::function<bool(std::size_t i, View& view)>;
   /// Answers n questions on all threads; each thread takes `at_once` of them at a time. `place(i)`: place of question
   /// i. Successive places should be near each other.
@@ -46,9 +47,9 @@ class PointCells {
 
   /// All points of the set within a distance of some places, for nearest_within().
   struct WithinPlaces {
-    std::vector<std::size_t> places;       ///< their numbers
-    std::vector<std::size_t> counts;       ///< number of points of each place
-    std::vector<CellNeighbor> neighbors;   ///< place after place, nearest first
+    std::vector<std::size_t> places;      ///< numbers of the places
+    std::vector<std::size_t> counts;      ///< number of points of each place
+    std::vector<CellNeighbor> neighbors;  ///< points of the first place, then of the second, and so on, nearest first
   };
   /// Passes all points whose squared distance from a place is at most radius * radius to `use`, once for each place, on
   /// all threads. Memory holds the points of only a few places per thread.
@@ -60,11 +61,11 @@ class PointCells {
  private:
   class Tree;
   struct Cell {
-    std::uint64_t first;  ///< points before it in scratch
+    std::uint64_t first;  ///< number of points before the cell in scratch
     std::size_t count;
     std::unique_ptr<const Tree> loaded;
   };
-  /// Consecutive points along the axis.
+  /// Consecutive points along the axis, divided into cells.
   struct Slab {
     Box box;
     std::size_t first_cell;
@@ -82,7 +83,7 @@ class PointCells {
   std::unique_ptr<Scratch> scratch_;
   std::vector<Cell> cells_;
   std::vector<Slab> slabs_;
-  std::vector<CellPoint> slab_;  ///< points of the slab that grows
+  std::vector<CellPoint> slab_;  ///< points of the slab that is being filled
   std::uint64_t count_ = 0;
   std::set<std::size_t> loaded_;
 };
@@ -97,7 +98,8 @@ class PointCells::View {
   /// some points may be missing.
   bool within(const Box& box, const std::function<void(const CellPoint&)>& use);
   enum class Collected : std::uint8_t { all, too_many, lacks_cells };
-  /// Adds the points that are not out to `to`, until it has more than `most`.
+  /// Adds the points that `bound` does not exclude to `to`, until it has more than `most`. `places` are the places of
+  /// `bound`.
   Collected collect(const Box& places, const NearestBound& bound, std::size_t most, std::vector<CellPoint>& to);
 
  private:
@@ -108,9 +110,9 @@ class PointCells::View {
   std::span<const Slab> slabs_between(double lo, double hi) const;
 
   const PointCells& of_;
-  std::vector<std::size_t> missing_;  ///< cells that were needed
-  PointCells* loading_ = nullptr;     ///< loads cells when they are needed,
-  std::size_t near_ = 0;              ///< cells far from this one are dropped first
+  std::vector<std::size_t> missing_;  ///< needed cells that were not in memory
+  PointCells* loading_ = nullptr;     ///< loads needed cells at once; null: they are recorded in missing_
+  std::size_t near_ = 0;              ///< cell near the place: with loading_, cells far from it are dropped first
   NearestSoFar nearest_;
 };
 

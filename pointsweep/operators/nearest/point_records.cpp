@@ -50,7 +50,7 @@ void PointRecords::end_block() {
   block_.clear();
 }
 
-/// Drops all others if there is no room.
+/// Loads blocks, whose numbers ascend. Drops all other blocks if there is no room.
 void PointRecords::load(std::span<const std::size_t> blocks) {
   std::vector<std::size_t> missing;
   for (const std::size_t b : blocks)
@@ -69,7 +69,7 @@ void PointRecords::load(std::span<const std::size_t> blocks) {
   }
 }
 
-/// If the blocks do not all fit, they are loaded part by part.
+/// If the needed blocks do not all fit in memory, they are loaded part by part.
 void PointRecords::gather(std::span<const std::uint64_t> numbers, std::span<std::byte> to) {
   std::vector<bool> is_needed(blocks_.size());
   for (const std::uint64_t number : numbers)

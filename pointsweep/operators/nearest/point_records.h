@@ -20,14 +20,15 @@ class PointRecords {
   /// A number that means no record.
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
 
-  /// `record_bytes`: bytes of a record, > 0. `memory_bytes`: limit for the blocks in memory; a few always are.
+  /// `record_bytes`: bytes of a record, > 0. `memory_bytes`: limit for the blocks in memory; a few blocks may exceed
+  /// it.
   PointRecords(std::size_t record_bytes, std::uint64_t memory_bytes, std::unique_ptr<Scratch> scratch);
-  /// Takes the next records, all of them before the first question.
+  /// Adds records. All must be added before the first gather().
   void add(std::span<const std::byte> records);
   void finish();
   std::uint64_t count() const { return count_; }
 
-  /// Copies record numbers[i] to place i of `to`, on all threads, and nothing for kNone.
+  /// Copies record numbers[i] to place i of `to`, on all threads. Skips kNone.
   void gather(std::span<const std::uint64_t> numbers, std::span<std::byte> to);
 
   static std::uint64_t least_bytes(std::size_t record_bytes);
@@ -40,7 +41,7 @@ class PointRecords {
   std::unique_ptr<Scratch> scratch_;
   std::vector<std::byte> block_;                ///< the block being filled
   std::uint64_t count_ = 0;                     ///< number of records in scratch
-  std::vector<std::vector<std::byte>> blocks_;  ///< empty: not in memory
+  std::vector<std::vector<std::byte>> blocks_;  ///< records of each block; empty if the block is not in memory
   std::vector<std::size_t> loaded_;
 };
 
