@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kLeastDeterminant = 1e-12;  ///< for rows of length 1; a smaller determinant may be a rounding error
+constexpr double kLeastDeterminant = 1e-12;  ///< smaller determinants of rows of length 1 may be rounding errors
 constexpr std::string_view kBetweenNumbers = " \t\r\n,;[]";
 constexpr const char* kRemedy = "a matrix is 4 rows of 4 numbers, or its first 3 rows";
 
@@ -56,7 +56,7 @@ std::optional<double> number_of(std::string_view word) {
   return number;
 }
 
-/// Returns whether the text holds numbers itself: a name of a file does not begin with two of them.
+/// Returns whether a text is a matrix and no name of a file, which does not begin with two numbers.
 bool is_matrix_text(const std::vector<Word>& words) {
   return words.size() > 1 && number_of(words[0].text) && number_of(words[1].text);
 }

@@ -20,14 +20,14 @@ struct AffineMap {
   Vec3 turned(Vec3 v) const;
   /// Returns Aᵀ v.
   Vec3 turned_by_transpose(Vec3 v) const;
-  /// Returns the map that moves points back. `place` begins the UsageError for a map onto a plane, a line or a point:
-  /// |det| of A with rows of length 1 is at most 1e-12.
+  /// Returns the map that moves points back. Throws UsageError, beginning with `place`, for a map onto a plane, a line
+  /// or a point: |det| of A with rows of length 1 is at most 1e-12.
   AffineMap inverse(const std::string& place) const;
 };
 
-/// Returns the map of 12 or 16 numbers, row by row, separated by commas, semicolons or blanks, or of the file of that
-/// name with such numbers; lines of the file that begin with # are comments. Throws Error for a file, and UsageError
-/// that begins with `place` for a text, that is no such matrix.
+/// Returns the map of 12 or 16 numbers, row by row, separated by commas, semicolons or blanks. The argument is a text
+/// with the numbers, or the name of a file with them; lines of the file that begin with # are comments. For an invalid
+/// matrix, throws Error if it is in a file, else UsageError that begins with `place`.
 AffineMap affine_map_of(const std::string& text_or_file, const std::string& place);
 
 }  // namespace pointsweep

@@ -18,7 +18,8 @@ OperatorDeclaration color_declaration();
 /// Makes "color": red, green and blue.
 class Color final : public LocalOperator {
  public:
-  /// `place`: for messages. Throws UsageError for an empty range.
+  /// Messages begin with `place`. Throws UsageError for a range that is not two ascending numbers, or with a map of
+  /// classes.
   explicit Color(ColorOptions options, std::string place = "color");
   std::string name() const override { return "color"; }
   Contract contract() const override;
@@ -27,7 +28,7 @@ class Color final : public LocalOperator {
   std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
 
  private:
-  /// Returns, after bound(), the component of an attribute or of the position that is shown.
+  /// Returns the source of the values that are coloured. Must be called after bound().
   NamedValues::Source source() const { return names_.sources().front(); }
   template <class T>
   void fill(std::span<const ExpressionValues> values, Columns& out) const;
@@ -35,7 +36,7 @@ class Color final : public LocalOperator {
   ColorOptions options_;
   std::string place_;
   NamedValues names_;
-  bool of_input_ = false;  ///< the input has the values
+  bool of_input_ = false;  ///< true if the values are those of the input, and no earlier stage has made them
   Type type_ = Type::u8;
 };
 

@@ -24,13 +24,14 @@ OperatorDeclaration crop_declaration();
 class Crop final : public SelectOperator {
  public:
   /// Reads the file with polygons, if there is one. Throws Error if it cannot be read or does not match
-  /// CropOptions::checksum, and UsageError if no option states a region. `place`: for messages.
+  /// CropOptions::checksum, and UsageError if no option states a region. Messages begin with `place`.
   explicit Crop(CropOptions options, std::string place = "crop");
   std::string name() const override { return "crop"; }
   void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
   /// Returns the options, with the checksum of the file that was read.
   const CropOptions& options() const { return options_; }
-  /// Returns the box of the bounds, or of the polygons if there are no bounds; absent with CropOptions::outside.
+  /// Returns the box of the bounds, or of the polygons if there are no bounds, with z = 0; nullopt with
+  /// CropOptions::outside.
   std::optional<Box> extent() const override;
 
  private:

@@ -13,7 +13,7 @@ struct OperatorDeclaration;
 
 OperatorDeclaration drop_declaration();
 
-/// Throws UsageError unless it names an attribute.
+/// Returns the Drop of some attributes. Throws UsageError if there is none, or if a name is empty.
 Drop drop_of(std::vector<std::string> attributes);
 
 }  // namespace pointsweep

@@ -12,7 +12,8 @@
 namespace pointsweep {
 namespace {
 
-/// Added to the seed. Without it, a sample or decimate with the same seed would take all its points from few parts.
+/// A number that is added to the seed. Without it, a sample or decimate with the same seed would take all its points
+/// from few parts.
 constexpr std::uint64_t kPartsSeed = 0x7061727473;  // "parts" in ASCII
 
 const OptionTable<PartsOptions>& parts_options() {

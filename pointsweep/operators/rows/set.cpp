@@ -22,7 +22,7 @@ namespace {
 constexpr Type kAllTypes[] = {Type::i8,  Type::u8,  Type::i16, Type::u16, Type::i32,
                               Type::u32, Type::i64, Type::u64, Type::f32, Type::f64};
 
-/// Types of attributes that LAS has, where a cloud without them gets them.
+/// Types of new attributes whose names LAS has.
 using LasType = std::pair<std::string_view, Type>;
 constexpr LasType kTypesOfLas[] = {{"classification", Type::u8}, {"intensity", Type::u16},
                                    {"return_number", Type::u8},  {"number_of_returns", Type::u8},

@@ -34,11 +34,12 @@ struct Assignment {
 /// Parses assignments separated by commas. Throws UsageError that begins with `place`.
 std::vector<Assignment> assignments_of(std::string_view text, const std::string& place);
 
-/// Makes a new version of one attribute. Values of whole-number types are rounded to the nearest, halves to even.
+/// Makes a new version of one attribute, or a new attribute. Values of whole-number types are rounded to the nearest,
+/// halves to even.
 class SetAttribute final : public LocalOperator {
  public:
-  /// `type`: type of a new attribute, or of an attribute of the input that is assigned without a condition. Absent: a
-  /// new attribute gets the type of the LAS field of its name, else float64.
+  /// `type`: type of a new attribute, or of an attribute of the input that is assigned without a condition. If absent,
+  /// a new attribute gets the type of the LAS field with its name, else float64.
   SetAttribute(Assignment assignment, std::optional<Type> type, std::string place = "set");
   std::string name() const override { return "set"; }
   Contract contract() const override;
@@ -50,13 +51,13 @@ class SetAttribute final : public LocalOperator {
  private:
   void find_target(const Schema& input, std::span<const Attribute> made);
   void read_old(Attribute attribute);
-  /// Returns the number, in contract().reads, of the first attribute that the condition reads; those of the value come
-  /// before.
+  /// Returns the index, in contract().reads, of the first attribute that the condition reads. The attributes that the
+  /// value reads come before it.
   std::size_t first_of_condition() const { return value_names_.reads().size(); }
   RowSentence refusal(const std::string& value) const;
   template <class T>
   void assign(const Neighborhoods& in, Columns& out) const;
-  /// Returns the value in the type of the attribute; nothing if the type cannot hold it.
+  /// Returns the value in the type of the attribute; nullopt if the type cannot hold the value.
   template <class T>
   std::optional<T> stored(double value, bool is_placed) const;
 
@@ -67,7 +68,7 @@ class SetAttribute final : public LocalOperator {
   Attribute target_;
   std::size_t component_ = 0;
   TargetRange range_;
-  bool is_retyped_ = false;  ///< the attribute of the input has another type
+  bool is_retyped_ = false;  ///< true if the attribute of the input has another type than target_
   std::optional<Attribute> old_;
   std::optional<std::size_t> old_value_;
 };

@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-/// Matrices are written with six digits or more: smaller differences may come from their rounding.
+/// Largest relative differences that may come from rounding: matrices are written with six digits or more.
 constexpr double kSameScale = 1e-6, kSameShape = 1e-5;
 
 const OptionTable<TransformOptions>& transform_options() {
@@ -38,7 +38,7 @@ bool is_direction(const Attribute& a) {
   return (a.kind == Kind::normal || a.kind == Kind::vector) && a.fields.size() == 3;
 }
 
-/// Returns the attributes that operators make, since files may contain earlier results.
+/// Returns the attributes that operators make, which are looked for in the input: files may contain earlier results.
 const std::vector<Attribute>& known_attributes() {
   static const std::vector<Attribute> all = [] {
     using namespace operators;
@@ -62,7 +62,8 @@ int power_of_length(const std::string& unit) {
   return unit.starts_with("1/") ? -most : most;
 }
 
-/// Returns the scale of a map that keeps angles; absent: it shears, or stretches some directions more than others.
+/// Returns the scale of a map that keeps angles; nullopt if the map shears, or stretches some directions more than
+/// others.
 std::optional<double> scale_of(const AffineMap& map) {
   const Vec3 columns[] = {map.turned({1, 0, 0}), map.turned({0, 1, 0}), map.turned({0, 0, 1})};
   const double squared = (dot(columns[0], columns[0]) + dot(columns[1], columns[1]) + dot(columns[2], columns[2])) / 3;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Moving all points by a matrix, with their directions and lengths.
+/// Moving all points by a matrix, and converting their directions and lengths.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct OperatorDeclaration;
 
 OperatorDeclaration transform_declaration();
 
-/// Returns the unit of the attribute of one value that operators make under this name; "1" if none does.
+/// Returns the unit of the attribute `name` that an operator makes as a single value; "1" if no operator makes it.
 std::string unit_of_made(const std::string& name);
 
 /// Moves the points, and converts each attribute that is a direction or a length: attributes of earlier stages, and
@@ -27,7 +27,7 @@ std::string unit_of_made(const std::string& name);
 class Transform final : public LocalOperator {
  public:
   /// Reads the file with the matrix, if there is one. Throws Error if it cannot be read or has no matrix, and
-  /// UsageError for options that move no point or have no inverse. `place`: for messages.
+  /// UsageError for options that move no point or have no inverse. Messages begin with `place`.
   explicit Transform(TransformOptions options, std::string place = "transform");
   std::string name() const override { return "transform"; }
   Contract contract() const override;
@@ -37,7 +37,7 @@ class Transform final : public LocalOperator {
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
  private:
-  /// Returns the factor of the values of an attribute whose unit has the length in this power.
+  /// Returns the factor for the values of an attribute: the scale to the power of the length in the attribute's unit.
   double factor_of(const Attribute& attribute) const;
   bool changes(const Attribute& attribute) const;
   template <class T>
@@ -45,7 +45,7 @@ class Transform final : public LocalOperator {
 
   std::string place_;
   AffineMap map_, back_;
-  std::optional<double> scale_;     ///< scale of lengths; absent: it depends on the direction
+  std::optional<double> scale_;     ///< scale of lengths; nullopt if it depends on the direction
   std::vector<Attribute> changed_;  ///< attributes that are read and made again; set by bound()
 };
 

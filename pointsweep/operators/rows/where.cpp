@@ -43,7 +43,7 @@ OperatorDeclaration where_declaration() {
 
 ChainStage operators::where(std::string_view condition) { return std::make_shared<Where>(condition); }
 
-/// Conditions that differ only in blanks are equal.
+/// The declared option is the canonical text, so that conditions that differ only in blanks are equal.
 Where::Where(std::string_view condition, std::string place) : condition_(condition, place), place_(std::move(place)) {
   where_options().declare(*this, {condition_.canonical()});
 }

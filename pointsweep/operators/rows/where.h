@@ -23,7 +23,7 @@ OperatorDeclaration where_declaration();
 /// undefined results.
 class Where final : public SelectOperator {
  public:
-  /// `place`: for messages, e.g. "pipeline, column 12: where". Throws UsageError for a text that is no condition.
+  /// Messages begin with `place`, e.g. "pipeline, column 12: where". Throws UsageError for a text that is no condition.
   explicit Where(std::string_view condition, std::string place = "where");
   std::string name() const override { return "where"; }
   std::vector<Attribute> reads() const override { return names_.reads(); }

@@ -14,7 +14,7 @@ struct OperatorDeclaration;
 
 OperatorDeclaration denoise_declaration();
 
-/// Stands for sor, for a condition that drops outliers, and for dropping the attributes of sor.
+/// A composite of sor, a condition that drops outliers, and a drop of the attributes that sor makes.
 class Denoise final : public CompositeOperator {
  public:
   explicit Denoise(const SorOptions& options);

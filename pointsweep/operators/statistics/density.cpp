@@ -28,7 +28,7 @@ ChainStage make_density(const OptionValues& values, const Facts& facts) {
   return std::make_shared<Density>(options);
 }
 
-/// Converts to float32. A quotient beyond its range becomes its largest number.
+/// Converts to float32. A quotient beyond the range of float32 becomes the largest float32.
 float single(double v) { return static_cast<float>(std::min(v, double(std::numeric_limits<float>::max()))); }
 
 struct Ball {

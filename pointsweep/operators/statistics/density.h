@@ -18,8 +18,8 @@ OperatorDeclaration density_declaration();
 ///   Without a radius: R is the distance to the farthest neighbour and m = |N_i|; the point itself is not counted.
 ///   With a radius: R is the radius, m the number of points within it, inclusive, the point itself counted, as in
 ///   CloudCompare.
-/// Positions are the current ones. 0, and counted as degenerate, if R is 0, there is no neighbour, or the farthest has
-/// no finite place.
+/// Positions are the current ones. Without a radius, both densities are 0 and the point counts as degenerate if R is 0,
+/// there is no neighbour, or a neighbour has no finite place.
 class Density final : public LocalOperator {
  public:
   /// Throws UsageError for options out of their ranges.

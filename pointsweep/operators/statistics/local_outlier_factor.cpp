@@ -21,7 +21,7 @@ Attribute with_nan(std::string name, std::string unit, std::string meaning) {
 
 double finite_or_none(double v) { return std::isfinite(v) ? v : kNone; }
 
-/// Fills the only column with value(i), and marks the points where that is NaN.
+/// Fills the only column with value(i), and marks the points whose value is NaN as degenerate.
 template <class Value>
 void fill_column(const Neighborhoods& in, Columns& out, const Value& value) {
   const std::span<double> column = out.column<double>(0);

@@ -16,8 +16,8 @@ struct OperatorDeclaration;
 
 OperatorDeclaration lof_declaration();
 
-/// Return the attributes of the operators below, N f64 each; NaN for points without neighbours, and if a neighbour has
-/// no finite place.
+/// The attributes of the operators below, N f64 each. They are NaN for points without neighbours, and if a neighbour
+/// has no finite place.
 Attribute k_distance_attribute();
 Attribute reachability_density_attribute();
 Attribute lof_attribute();
@@ -30,8 +30,8 @@ class KDistance final : public LocalOperator {
   void apply(const Neighborhoods& in, Columns& out) const override;
 };
 
-/// Makes reachability_density: |N_i| / Σ_j max(k_distance_j, |p_j - p_i|), in the order of the neighbours; infinite
-/// where all of these are 0.
+/// Makes reachability_density: |N_i| / Σ_j max(k_distance_j, |p_j - p_i|), in the order of the neighbours; infinite if
+/// all terms of the sum are 0.
 class ReachabilityDensity final : public LocalOperator {
  public:
   std::string name() const override { return "reachability_density"; }
@@ -50,7 +50,7 @@ class DensityRatio final : public LocalOperator {
   void apply(const Neighborhoods& in, Columns& out) const override;
 };
 
-/// `lof`: the three operators above, in order.
+/// `lof`: KDistance, ReachabilityDensity and DensityRatio, in order.
 class LocalOutlierFactor final : public CompositeOperator {
  public:
   std::string name() const override { return "lof"; }

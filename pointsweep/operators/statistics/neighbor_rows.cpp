@@ -14,12 +14,12 @@
 namespace pointsweep {
 namespace {
 
-/// The places of the k nearest neighbours in the list of a point, nearest first at the current positions: by distance,
+/// The indices of the k nearest neighbours in the list of a point, nearest first at the current positions: by distance,
 /// then x, y, z and row. Neighbours without a finite place come last.
 class NearestPlaces {
  public:
   NearestPlaces(const Neighborhoods& in, std::size_t k) : in_(in), k_(k) {}
-  /// Finds the places for point i; returns their number.
+  /// Finds the nearest neighbours of point i. Returns their number.
   std::size_t find(std::size_t i) {
     const std::size_t count = in_.count(i), kept = std::min(count, k_);
     if (in_.sorted_by_distance()) return kept;
@@ -121,7 +121,7 @@ void NeighborRows::write(const Neighborhoods& in, Row* row, double* distance) co
 }
 
 void NeighborRows::apply(const Neighborhoods& in, Columns& out) const {
-  // The values of a column are k wide.
+  // A column has k values for each point.
   auto* const distance = distances_ ? reinterpret_cast<double*>(out.column<std::byte>(1).data()) : nullptr;
   std::byte* const rows = out.column<std::byte>(0).data();
   if (wide_) {

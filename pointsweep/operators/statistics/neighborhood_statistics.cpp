@@ -18,10 +18,10 @@ namespace {
 
 struct StatisticText {
   const char* name;
-  const char* meaning;  ///< ends in the name of the attribute
+  const char* meaning;  ///< meaning, up to the name of the attribute
 };
 
-/// In the order of Statistic.
+/// Names and meanings of the statistics, in the order of Statistic.
 constexpr std::array<StatisticText, 8> kStatistics = {{{"mean", "mean of the neighbours'"},
                                                        {"median", "median of the neighbours'"},
                                                        {"min", "least of the neighbours'"},
@@ -88,12 +88,12 @@ ChainStage operators::statistics(const StatisticsOptions& options) {
   return std::make_shared<NeighborhoodStatistics>(options);
 }
 
-/// The neighbours that count, for some points of a batch, list after list.
+/// Lists of the neighbours that count, one for each of some successive points of a batch.
 struct NeighborhoodStatistics::Lists {
   std::size_t first_point = 0;
   std::span<const NeighborRef> neighbors;
-  std::vector<std::size_t> begin;  ///< begin of the list of each point in `neighbors`; one more at the end
-  std::vector<NeighborRef> kept;   ///< memory of `neighbors` after a condition
+  std::vector<std::size_t> begin;  ///< begin of the list of each point in `neighbors`, then neighbors.size()
+  std::vector<NeighborRef> kept;   ///< owns the neighbours if there is a condition
 
   std::size_t points() const { return begin.size() - 1; }
 };

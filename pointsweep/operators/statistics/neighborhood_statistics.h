@@ -34,16 +34,16 @@ class NeighborhoodStatistics final : public LocalOperator {
   std::string name() const override { return "statistics"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  /// Throws UsageError for an unknown attribute, with the known ones.
+  /// Throws UsageError for an unknown attribute; the message names the known attributes.
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
  private:
-  /// An attribute of the neighbours; no name: the neighbours themselves, which are counted.
+  /// An attribute of the neighbours. If `attribute` is empty, the neighbours themselves are counted.
   struct Source {
     std::string attribute;
     NamedValues names = {};      ///< empty before bound()
     Type type = Type::f64;       ///< type of min, max and majority
-    std::size_t first_read = 0;  ///< number of its value in contract().reads_neighbors
+    std::size_t first_read = 0;  ///< index of its value in contract().reads_neighbors
   };
   /// A column that the operator makes.
   struct Result {
@@ -67,7 +67,7 @@ class NeighborhoodStatistics final : public LocalOperator {
   std::vector<Source> sources_;
   std::vector<Result> results_;
   std::optional<Expression> condition_;
-  NamedValues condition_names_;  ///< empty before bound(); these attributes are the first that are read of neighbours
+  NamedValues condition_names_;  ///< empty before bound(); its attributes come first in contract().reads_neighbors
 };
 
 }  // namespace pointsweep

@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-/// Sums d, d² and n of finite values, and counts those that are not 0.
+/// Sums d and d² over the finite values d, and counts the finite values and those that are not 0.
 class DistanceMoments final : public Accumulator {
  public:
   explicit DistanceMoments(OutlierRule rule) : rule_(rule) {}
@@ -81,7 +81,7 @@ class DistanceMoments final : public Accumulator {
     const double zeros = rule_.zero_is_outlier ? static_cast<double>(count_ - nonzero_) : 0;
     const double all = pointsweep::n_squared_variance(sum_, squares_, n);
     if (zeros == 0) return all;
-    // Subtracts the contribution of values of 0, each n mean².
+    // A value of 0 contributes n mean², which is subtracted here.
     const double mean = sum_.rounded() / n;
     return std::max(0.0, all - zeros * (n * (mean * mean)));
   }

@@ -17,10 +17,10 @@ namespace pointsweep {
 
 /// The rules in which the definitions differ.
 struct OutlierRule {
-  bool counts_point = false;          ///< the mean includes the point itself, at distance 0
-  bool population = false;            ///< the deviation is divided by n, not n - 1
-  bool zero_is_outlier = false;       ///< a mean distance of 0 marks an outlier, and is left out of the deviation
-  bool threshold_is_outlier = false;  ///< a distance equal to the threshold is an outlier
+  bool counts_point = false;          ///< true if the mean includes the point itself, at distance 0
+  bool population = false;            ///< true if the deviation is divided by n, not n - 1
+  bool zero_is_outlier = false;       ///< true if points with mean distance 0 are outliers, left out of the deviation
+  bool threshold_is_outlier = false;  ///< true if a distance equal to the threshold is an outlier
 };
 OutlierRule rule_of(OutlierDefinition definition);
 
@@ -69,7 +69,7 @@ class MeanAndDeviation final : public Reduction {
 };
 
 /// Makes outlier: 1 for points without a mean distance, and where mean_distance > mean + multiplier * deviation over
-/// all points that have one, or >= by some rules; else 0.
+/// all points that have one, or >= if the rule has `threshold_is_outlier`; else 0.
 class Outlier final : public LocalOperator {
  public:
   explicit Outlier(const SorOptions& options, double threshold = std::numeric_limits<double>::quiet_NaN());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Statistics of a list of finite values, which is not empty, each a function of the list in its order. Values are
+/// Statistics of a list of finite values, which must not be empty. Sums run in the order of the list. Values are
 /// float64 or whole numbers of 64 bits; differences of whole numbers are exact before they become float64.
 #pragma once
 
@@ -22,7 +22,7 @@ double difference(Value a, Value b) {
     return a - b;
 }
 
-/// Returns 1/n Σ (v_j - v_1): large values close to each other lose nothing.
+/// Returns 1/n Σ (v_j - v_1): large values that are close to each other lose no digits.
 template <class Value>
 double mean_of_differences(std::span<const Value> values) {
   double sum = 0;
@@ -99,7 +99,7 @@ double median_of(std::span<const Value> values, std::vector<Value>& sorted) {
 /// Returns the most frequent value; of equally frequent ones, the first in the list. `sorted` is overwritten.
 template <class Value>
 Value majority_of(std::span<const Value> values, std::vector<Value>& sorted) {
-  if (values.size() <= kSortedByRank) {  // no sort: the first of equal values counts those after it
+  if (values.size() <= kSortedByRank) {  // no sort: each value counts the equal values after it
     std::size_t first = 0, most = 0;
     for (std::size_t i = 0; i + most < values.size(); ++i) {
       std::size_t equal = 1;
@@ -110,7 +110,7 @@ Value majority_of(std::span<const Value> values, std::vector<Value>& sorted) {
   }
   sorted.assign(values.begin(), values.end());
   std::ranges::sort(sorted);
-  std::size_t most = 0, frequent = 0;  // the longest run of equal values; values that have one, moved to the front
+  std::size_t most = 0, frequent = 0;  // longest run of equal values; number of longest runs, moved to the front
   for (std::size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
     while (end < sorted.size() && sorted[end] == sorted[begin]) ++end;
     if (end - begin > most) most = end - begin, frequent = 0;
