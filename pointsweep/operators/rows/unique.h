@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Keeping one of the points that lie at one place.
+/// Keeping one of several points that lie at one place.
 #pragma once
 
 #include <memory>

@@ -36,8 +36,8 @@ struct OperatorDeclaration;
 /// equal (a sphere, a plane), k1_direction is an arbitrary tangent.
 ///
 /// All are 0, and the point counted as degenerate, where it has no normal, where fewer than three neighbours have one,
-/// or where those lie on a line to rounding: det <= (1e-12 trace + ρ²) trace of D within the tangent plane, with ρ =
-/// 2^-51 of the largest coordinate of p_i; or where an offset overflows or is not finite.
+/// or where the neighbours that have one lie on a line to rounding: det <= (1e-12 trace + ρ²) trace of D within the
+/// tangent plane, with ρ = 2^-51 of the largest coordinate of p_i; or where an offset overflows or is not finite.
 ///
 /// Bias, dense noiseless surfaces: with true normals none on spheres and cylinders. With normals estimated from the
 /// same neighbourhoods: mean errors of k1 and k2 under 4 % at k = 64 and 8 % at k = 32; see docs/paper.md.

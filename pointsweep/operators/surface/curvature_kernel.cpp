@@ -10,7 +10,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/operators/surface/curvature_kernel.cpp"
 #include <hwy/foreach_target.h>
-// The lanes follow the inclusion of the targets.
+// The lanes must be included after foreach_target.h, which includes this file for each instruction set.
 #include "pointsweep/operators/lanes/column_lanes-inl.h"
 #include "pointsweep/operators/lanes/neighborhood_lanes-inl.h"
 #include "pointsweep/operators/lanes/tangent_lanes-inl.h"
@@ -59,7 +59,7 @@ class NeighborNormals {
 
 /// The sums of Equations 1 and 2.
 struct WeightedSums {
-  Matrix moments = ZeroMatrix();  // |N_i| M_i, of all neighbours
+  Matrix moments = ZeroMatrix();  // |N_i| M_i over all neighbours
   Matrix normals = ZeroMatrix();  // |N_i| C_i
 };
 
@@ -94,7 +94,7 @@ struct AllSums : Sums {
   }
 };
 
-/// Covariances of the positions along two unit vectors, about their mean, times their number.
+/// Covariances of the positions along two unit vectors, about the mean position, times the number of positions.
 struct Covariances {
   V along, across, both;
 
@@ -108,7 +108,7 @@ struct Covariances {
   }
 };
 
-/// Curvatures of a point per lane; `found` where there are any.
+/// Curvatures, a point per lane. `found` is true for points that have curvatures.
 struct Principal {
   V k1, k2;
   Vector direction;
@@ -146,13 +146,13 @@ HWY_INLINE V SmallestEigenvalue(const Matrix& m, V trace, const Vector& n) {
       hn::Add(hn::Sub(hn::Mul(m.xx, m.yy), hn::Mul(m.xy, m.xy)), hn::Sub(hn::Mul(m.xx, m.zz), hn::Mul(m.xz, m.xz))),
       hn::Sub(hn::Mul(m.yy, m.zz), hn::Mul(m.yz, m.yz)));
   const V others = hn::Sub(trace, quotient), product = hn::Sub(minors, hn::Mul(quotient, others));
-  const V gap = hn::Sub(product, hn::Mul(quotient, others));  // times `others`
+  const V gap = hn::Sub(product, hn::Mul(quotient, others));  // the gap times `others`
   const auto right = hn::Le(hn::Mul(Dot(rest, rest), others), hn::Mul(hn::Mul(hn::Set(d, 1e-13), trace), gap));
   if (hn::AllTrue(d, right)) return quotient;
   return hn::IfThenElse(right, quotient, EigenSymmetric3(d, m)[0].value0);
 }
 
-/// Marks the points without curvatures.
+/// Stores the curvatures, and marks the points without curvatures as degenerate.
 HWY_INLINE void StorePrincipal(const Principal& p, V scale, const Points& points, const CurvatureColumns& out,
                                DegeneratePoints& degenerate) {
   const Lanes d;
@@ -169,7 +169,8 @@ HWY_INLINE void StorePrincipal(const Principal& p, V scale, const Points& points
   points.MarkWithout(p.found, degenerate);
 }
 
-/// `eigen_normals`: eigenvalues and eigenvectors of |N_i| C_i. Inline, so that unused eigenvectors are not computed.
+/// Stores the surface variation and the eigenvalues of C_i. `eigen_normals`: eigenvalues and eigenvectors of |N_i| C_i.
+/// Inline, so that unused eigenvectors are not computed.
 template <class Mask>
 HWY_INLINE void StoreWeighted(Mask found, const WeightedSums& sums, const Eigen3Lanes<V>& eigen_normals,
                               const Vector& normal, V divisor, V neighbors, const Points& points,

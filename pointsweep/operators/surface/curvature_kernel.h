@@ -24,8 +24,8 @@ struct CurvatureColumns {
 };
 
 /// Computes the curvatures of all points of the batch. The first attribute read, of points and of neighbours, is the
-/// normal. Points without a result get 0 and are marked. The bits depend only on a point's neighbourhood: not on the
-/// instruction set or the batch. About 0.2 µs per point with 8 neighbours on one core with AVX2.
+/// normal. Points without a result get 0 and are marked as degenerate. The bits depend only on a point's neighbourhood:
+/// not on the instruction set or the batch. About 0.2 µs per point with 8 neighbours on one core with AVX2.
 void curvatures(const Neighborhoods& in, const CurvatureColumns& out, DegeneratePoints& degenerate);
 
 }  // namespace pointsweep

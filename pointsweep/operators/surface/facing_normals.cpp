@@ -36,7 +36,7 @@ std::shared_ptr<const LocalOperator> FacingNormals::bound(const Schema& input, s
   return bound;
 }
 
-/// Adding 0 turns -0 into 0.
+/// Computes 0 - n, which is never -0, instead of -n.
 void FacingNormals::apply(const Neighborhoods& in, Columns& out) const {
   const auto normals = out.column<std::array<float, 3>>(0);
   for (std::size_t i = 0; i < in.size(); ++i) {

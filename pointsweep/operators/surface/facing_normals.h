@@ -17,7 +17,7 @@ class FacingNormals final : public LocalOperator {
   /// A time farther than this outside of the trajectory belongs to another clock or survey.
   static constexpr double kMostSeconds = 1;
 
-  /// Reads the file. Throws Error, also if `checksum` is not empty and differs from that of the file.
+  /// Reads the file. Throws Error if it is no trajectory, or if `checksum` is not empty and differs from its checksum.
   FacingNormals(std::string file, std::string checksum);
 
   std::string name() const override { return "orient"; }

@@ -83,7 +83,7 @@ OperatorDeclaration fair_declaration() {
 ChainStage operators::fair(const FairOptions& options) { return std::make_shared<Fair>(options); }
 ChainStage operators::fair_in_percent(const FairPercent& percent) { return std::make_shared<FairInPercent>(percent); }
 
-/// The options are in length units. Pipelines have only widths in %, so that no stage of a pipeline has the same text.
+/// Declares the widths in length units, under names that pipelines do not have: stages of pipelines have widths in %.
 Fair::Fair(const FairOptions& options)
     : inverse_f_(inverse_width("f", options.f)), inverse_g_(inverse_width("g", options.g)) {
   declare_options({{"f_length", options.f}, {"g_length", options.g}});
@@ -115,7 +115,7 @@ std::shared_ptr<const LocalOperator> FairInPercent::with_values(std::span<const 
   return std::make_shared<Fair>(FairOptions{.f = percent_.f * percent, .g = percent_.g * percent});
 }
 
-/// A neighbour that counts: the point moves off_plane along its normal onto its plane.
+/// A neighbour that counts. The point moves by `off_plane` along `normal` onto the tangent plane of the neighbour.
 struct Fair::Pull {
   Vec3 normal;
   double area, off_plane;
@@ -138,7 +138,7 @@ void Fair::collect(const Neighborhoods& in, std::size_t i, std::vector<Pull>& pu
   }
 }
 
-/// Returns p_i' - p_i, or nothing if no neighbour counts. `own`: the area of p_i itself, which has f = g = 1.
+/// Returns p_i' - p_i, or nullopt if no neighbour counts. `own`: the area of the splat of p_i, for which f = g = 1.
 std::optional<Vec3> Fair::shift(double own, const std::vector<Pull>& pulls, const std::vector<double>& falloffs) {
   double weights = own;
   Vec3 sum;

@@ -46,11 +46,11 @@ class Fair : public LocalOperator {
 
 OperatorDeclaration fair_declaration();
 
-/// Fair with both widths in % of the diagonal of the box around the finite points of the INPUT that are left, for every
-/// `fair` of a chain: a second one, and one after `reneighbor`, do not use the moved cloud.
+/// Fair with both widths in % of the diagonal of the box around the finite points of the INPUT that earlier stages have
+/// kept. Moved positions do not count, even for a second `fair` or after `reneighbor`.
 class FairInPercent final : public LocalOperator {
  public:
-  /// `place`: for messages, e.g. "pipeline, column 20: fair".
+  /// Messages begin with `place`, e.g. "pipeline, column 20: fair".
   explicit FairInPercent(const FairPercent& percent = {}, std::string place = "fair");
   std::string name() const override { return "fair"; }
   Contract contract() const override;

@@ -16,8 +16,8 @@ namespace {
 struct FeatureText {
   const char* name;
   const char* meaning;
-  int power;                    ///< exponent of length in the unit
-  bool of_eigenvalues = false;  ///< the power holds for raw eigenvalues, which are lengths squared
+  int power;                    ///< exponent of the length in the unit
+  bool of_eigenvalues = false;  ///< true if `power` holds for raw eigenvalues, which are squared lengths
 };
 
 /// Names, meanings and units in the order of Feature.
@@ -125,7 +125,8 @@ OperatorDeclaration features_declaration() {
 
 ChainStage operators::features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
 
-/// Equal operators must have equal options, so names are put in the order of the columns, and removed if all are made.
+/// Equal operators must have equal options, so the names are put in the order of the columns, and removed if they are
+/// all names.
 Features::Features(FeaturesOptions options) : options_(std::move(options)), made_(features_named(options_.names)) {
   const std::vector<std::string> known = names_of_features();
   const auto place = [&](const std::string& name) { return std::ranges::find(known, name) - known.begin(); };

@@ -40,11 +40,11 @@ struct OperatorDeclaration;
 ///
 /// If P is one point, or all points of P coincide, all attributes but number_of_neighbors and height_range are 0; if an
 /// offset is not finite, height_range is 0, too. verticality is 0 if P lies on a line to rounding: l2 <= 1e-12 l1 + ρ²,
-/// ρ as in Normals. Such points count as degenerate if one of these attributes is wanted. If two eigenvalues are equal,
-/// their axes are an arbitrary orthogonal pair.
+/// ρ as in Normals. A point with such a P counts as degenerate if an attribute that is 0 for this reason is wanted. If
+/// two eigenvalues are equal, their axes are an arbitrary orthogonal pair.
 ///
-/// Everything is in double and rounded to float32 at the end. Sums are about a point of P; eigenvalues are right to
-/// some n 2^-52 of the largest.
+/// Everything is in double and rounded to float32 at the end. Sums are relative to a point of P; the error of an
+/// eigenvalue is some n 2^-52 of the largest eigenvalue.
 class Features final : public LocalOperator {
  public:
   /// Throws UsageError for an unknown or repeated name.

@@ -9,7 +9,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/operators/surface/features_kernel.cpp"
 #include <hwy/foreach_target.h>
-// The lanes follow the inclusion of the targets.
+// The lanes must be included after foreach_target.h, which includes this file for each instruction set.
 #include "pointsweep/math/exp_lanes-inl.h"
 #include "pointsweep/operators/lanes/column_lanes-inl.h"
 #include "pointsweep/operators/lanes/neighborhood_lanes-inl.h"
@@ -31,13 +31,13 @@ HWY_INLINE Vector OrZero(M mask, const Vector& a) {
   return {hn::IfThenElseZero(mask, a.x), hn::IfThenElseZero(mask, a.y), hn::IfThenElseZero(mask, a.z)};
 }
 
-/// Sums over the points of a neighbourhood, of their scaled offsets from one of them: from p_i if it counts, else from
-/// its first neighbour. Relative to a point of the set, the sums exceed those relative to the mean at most by a factor
-/// of the number of points, so that their difference keeps its digits even if p_i is far from its neighbours.
+/// Sums over the scaled offsets of the points of a neighbourhood from an origin: p_i if it counts, else its first
+/// neighbour. Relative to a point of the set, the sums exceed those relative to the mean at most by a factor of the
+/// number of points, so that their difference keeps its digits even if p_i is far from its neighbours.
 struct PointSums {
   Scaling scaling;
   V points;       // n
-  Vector origin;  // the offset from p_i of the point to which the sums are relative
+  Vector origin;  // scaled offset from p_i to the origin of the sums
   Vector offset;
   Matrix products = ZeroMatrix();
   V low, high;  // least and greatest z of the offsets
@@ -64,7 +64,7 @@ struct PointSums {
   }
 };
 
-/// The points of the neighbourhoods of a vector of points.
+/// Returns the sums over the neighbourhoods of a vector of points.
 template <bool kWithPoint>
 HWY_INLINE PointSums SumPoints(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v) {
   const Lanes d;
@@ -86,11 +86,11 @@ HWY_INLINE PointSums SumPoints(const Tile& tile, const Extents& extents, Offsets
   return sums;
 }
 
-/// The values λ1 >= λ2 >= λ3 of the formulas in the scale of the user's choice, divided by unit^power.
+/// The values λ1 >= λ2 >= λ3 of the formulas in the scale that the user has chosen, divided by unit^power.
 struct Values {
   V v1, v2, v3, sum;
   V unit;     // length that corresponds to 1 in scaled offsets
-  int power;  // power of the unit of length
+  int power;  // exponent of the length in the values
 
   HWY_INLINE Values(const PointSums& sums, const Eigen3Lanes<V>& e, EigenvalueScale scale) {
     const Lanes d;
@@ -144,7 +144,7 @@ class FeatureLanes {
     const V height = hn::Mul(hn::Sub(sums_.high, sums_.low), ReciprocalOfPower(Lanes(), sums_.scaling.scale));
     StoreNumbers(height, points_, out_[Feature::height_range]);
   }
-  /// Marks the points without extent. `centered`: sums_.Centered().
+  /// Marks points without extent as degenerate. `centered`: sums_.Centered().
   HWY_INLINE void MarkPlaces(const Matrix& centered, DegeneratePoints& degenerate) const {
     if (out_.marks_without_extent) points_.MarkWithout(HasExtent(centered), degenerate);
   }
@@ -203,7 +203,7 @@ class FeatureLanes {
   const PointSums& sums_;
 };
 
-/// Returns whether an eigenvalue or eigenvector is needed.
+/// Returns whether a wanted feature needs eigenvalues or eigenvectors.
 bool NeedsEigenvalues(const FeatureColumns& out) {
   for (std::size_t f = 0; f < static_cast<std::size_t>(Feature::height_range); ++f)
     if (!out.numbers[f].empty()) return true;
@@ -221,7 +221,7 @@ void FeaturesOf(const Neighborhoods& in, const FeatureColumns& out, DegeneratePo
       const bool both = v + 1 < tile.vectors;
       const PointSums a = SumPoints<kWithPoint>(tile, extents, offsets, v);
       const PointSums b = both ? SumPoints<kWithPoint>(tile, extents, offsets, v + 1) : a;
-      const Points points_a(tile, v), points_b(tile, v + 1);  // maybe none
+      const Points points_a(tile, v), points_b(tile, v + 1);  // the second may be empty
       const FeatureLanes lanes_a(out, points_a, a), lanes_b(out, points_b, b);
       const Matrix centered_a = a.Centered(), centered_b = b.Centered();
       lanes_a.StoreHeight(), lanes_b.StoreHeight();

@@ -13,7 +13,8 @@
 
 namespace pointsweep {
 
-/// The features in the order of the attributes that Features makes. All up to height_range are float32.
+/// The features in the order of the attributes that Features makes. The features up to height_range are float32,
+/// number_of_neighbors is u32.
 enum class Feature : std::uint8_t {
   linearity,
   planarity,
@@ -35,17 +36,17 @@ inline constexpr std::size_t kFeatures = 15;
 
 /// The features to compute, and the columns that take them.
 struct FeatureColumns {
-  std::array<std::span<float>, kFeatures - 1> numbers;  ///< by Feature; each as long as the batch, or empty: not wanted
+  std::array<std::span<float>, kFeatures - 1> numbers;  ///< by Feature: as long as the batch; empty if not wanted
   EigenvalueScale eigenvalues = EigenvalueScale::raw;
-  bool with_point = true;            ///< p_i itself is one of the points
-  bool marks_without_extent = true;  ///< a point whose neighbourhood lies at one place is degenerate
-  bool marks_lines = true;           ///< so is a point whose neighbourhood lies on a line
+  bool with_point = true;            ///< true if p_i itself is one of the points
+  bool marks_without_extent = true;  ///< true if points whose neighbourhood lies at one place are degenerate
+  bool marks_lines = true;           ///< true if points whose neighbourhood lies on a line are degenerate
 
   std::span<float> operator[](Feature f) const { return numbers[static_cast<std::size_t>(f)]; }
 };
 
-/// Computes the features of all points of the batch. Points without a result get 0 and are marked. The bits depend only
-/// on a point's neighbourhood: not on the instruction set or the batch.
+/// Computes the features of all points of the batch. Points without a result get 0 and are marked as degenerate. The
+/// bits depend only on a point's neighbourhood: not on the instruction set or the batch.
 void features(const Neighborhoods& in, const FeatureColumns& out, DegeneratePoints& degenerate);
 
 }  // namespace pointsweep

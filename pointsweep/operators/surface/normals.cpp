@@ -16,7 +16,7 @@ namespace {
 
 using Normal = std::array<float, 3>;
 
-/// Adding 0 turns -0 into 0, so that no output shows which way a component was flipped.
+/// Computes 0 - n, which is never -0, instead of -n, so that no output shows which way a component was flipped.
 Normal flipped(Normal n) { return {0.0f - n[0], 0.0f - n[1], 0.0f - n[2]}; }
 
 double dot(Normal n, Vec3 v) { return pointsweep::dot({n[0], n[1], n[2]}, v); }

@@ -24,7 +24,7 @@ struct OperatorDeclaration;
 /// was moved to such a place).
 class Normals : public LocalOperator {
  public:
-  /// `place`: for messages. Throws UsageError for options out of range or in conflict.
+  /// Messages begin with `place`. Throws UsageError for options out of range or in conflict.
   explicit Normals(const NormalsOptions& options = {}, const std::string& place = "normals");
   std::string name() const override { return "normals"; }
   Contract contract() const override;

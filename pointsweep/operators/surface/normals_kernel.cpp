@@ -8,14 +8,15 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/operators/surface/normals_kernel.cpp"
 #include <hwy/foreach_target.h>
-// The lanes follow the inclusion of the targets.
+// The lanes must be included after foreach_target.h, which includes this file for each instruction set.
 #include "pointsweep/operators/lanes/column_lanes-inl.h"
 #include "pointsweep/operators/lanes/neighborhood_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-/// Stores the normals and marks the points without one. Factors left out of the moments do not change eigenvectors.
+/// Stores the normals and marks the points without a normal as degenerate. The factors that Moments leaves out do not
+/// change eigenvectors.
 HWY_INLINE void StoreNormals(const Moments& moments, const Eigen3Lanes<V>& e, const Points& points,
                              std::span<std::array<float, 3>> normals, DegeneratePoints& degenerate) {
   const Lanes d;

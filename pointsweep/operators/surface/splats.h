@@ -12,30 +12,31 @@ namespace pointsweep {
 struct OperatorDeclaration;
 
 /// The ellipse around p_i in the tangent plane of n_i.
-///   positions: major axis = eigenvector of the largest eigenvalue of M_i, brought into the plane as
-///     `curvature` does (the eigenvector of λ1 is the other); ratio √(λ1/λ2).
+///   positions: major axis = eigenvector of the largest eigenvalue of M_i, brought into the plane as Curvature does
+///   with e1, with the eigenvector of λ1 in the place of e0; ratio √(λ1/λ2).
 ///   curvature: major axis = direction of k2; ratio √(k2/k1), with which the surface is equally far from the plane at
-///   the ends of both axes. If k1_direction or k1 is 0: as for positions.
-/// Ratios are kept at 1/8 or more.
+///   the ends of both axes. If k1_direction or k1 is 0, the ellipse is that of positions.
+/// Ratios are at least 1/8.
 ///
-/// Scaled to fit N_i: it is grown until it holds eight neighbours (all, and in proportion, where there are fewer), each
-/// measured in the ellipse's own metric. Why eight: an ellipse that holds m points of a surface of even density has
-/// area m / density, and random ellipses of that area leave a fraction e^-m of the surface uncovered, 0.03 % for eight;
-/// measured are 0.00 % to 0.08 % (docs/paper.md). For points on a square grid the circles are twice as wide as
-/// necessary. Holding all of N_i instead would make splats grow with k. Neighbours on p_i itself, or exactly above it,
-/// do not count. With x and y along the axes, the length is the eighth smallest √(x² + (y/ratio)²), of m < 8 neighbours
-/// √(8/m) times the largest. θ of M_i is in single precision, all else in double.
+/// The ellipse grows until it holds eight neighbours, each measured in the ellipse's own metric. Why eight: an ellipse
+/// that holds m points of a surface of even density has area m / density, and random ellipses of that area leave a
+/// fraction e^-m of the surface uncovered, 0.03 % for eight; the measured fractions are 0.00 % to 0.08 %
+/// (docs/paper.md). For points on a square grid the circles are twice as wide as necessary. Holding all of N_i instead
+/// would make splats grow with k. Neighbours on p_i itself, or exactly above it, do not count. With x and y along the
+/// axes, the length is the eighth smallest √(x² + (y/ratio)²); with m < 8 neighbours, it is √(8/m) times the largest. θ
+/// of M_i is in single precision, all else in double.
 ///
 /// Makes "splat_axis" (unit), "splat_length" (major semi-axis) and "splat_ratio" (minor over major, in [1/8, 1]). All
-/// are 0, and the point counted as degenerate, where it has no normal or no neighbour off p_i, or
-/// where an offset overflows or is not finite.
+/// are 0, and the point counted as degenerate, where the point has no normal or no neighbour off p_i, or where an
+/// offset overflows or is not finite.
 class Splats : public LocalOperator {
  public:
   explicit Splats(const SplatsOptions& options = {});
   std::string name() const override { return "splats"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  /// Returns the operator with the axes chosen, if the options leave the choice to earlier stages.
+  /// Chooses between positions and curvature by the earlier stages, if the options leave the choice to them; else
+  /// returns null.
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
  private:

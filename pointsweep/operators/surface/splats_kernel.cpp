@@ -9,7 +9,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/operators/surface/splats_kernel.cpp"
 #include <hwy/foreach_target.h>
-// The lanes follow the inclusion of the targets.
+// The lanes must be included after foreach_target.h, which includes this file for each instruction set.
 #include "pointsweep/operators/lanes/column_lanes-inl.h"
 #include "pointsweep/operators/lanes/neighborhood_lanes-inl.h"
 #include "pointsweep/operators/lanes/tangent_lanes-inl.h"
@@ -24,7 +24,7 @@ using Vector = Vec3Lanes<V>;
 
 /// Shape of an ellipse without its size, a point per lane.
 struct Ellipse {
-  Vector major;  // unit, in the tangent plane
+  Vector major;  // unit vector in the tangent plane
   V ratio;
 };
 
@@ -53,8 +53,8 @@ HWY_INLINE Ellipse EllipseOfCurvature(const Tile& tile, const Extents& extents, 
   return {Choose(found, ridge.major, otherwise.major), hn::IfThenElse(found, ridge.ratio, otherwise.ratio)};
 }
 
-/// Squares of the major semi-axes of the ellipses through the neighbours, projected into the plane of the ellipse. Only
-/// those greater than 0 count.
+/// The reach of a neighbour: the squared major semi-axis of the ellipse through it, projected into the plane of the
+/// ellipse. Only neighbours with a reach greater than 0 count.
 struct Reaches {
   V scale;
   Vector major, across;  // across: the minor axis divided by the ratio
@@ -65,7 +65,7 @@ struct Reaches {
         major(ellipse.major),
         across(Times(hn::Div(hn::Set(Lanes(), 1.0), ellipse.ratio), Cross(normal, ellipse.major))) {}
 
-  /// Returns the next one; `otherwise` if it does not count.
+  /// Returns the reach of the next neighbour; `otherwise` if the neighbour does not count.
   HWY_INLINE V Next(const Vector& raw, V otherwise) {
     const Lanes d;
     const Vector offset = Times(scale, raw);
@@ -78,7 +78,7 @@ struct Reaches {
   V Held() const { return hn::Min(seen, hn::Set(Lanes(), double(kHeld))); }
 };
 
-/// Keeps the greatest of all reaches, for points with few enough of them.
+/// Keeps the greatest reach, for points with at most eight neighbours.
 struct Greatest : Reaches {
   V greatest;
 
@@ -89,7 +89,7 @@ struct Greatest : Reaches {
   V Last() const { return greatest; }
 };
 
-/// The eight least of all, ascending.
+/// Keeps the eight least reaches, ascending.
 struct Least : Reaches {
   V least[kHeld];
 
@@ -104,7 +104,7 @@ struct Least : Reaches {
       v = smaller;
     }
   }
-  /// Returns the greatest of those kept.
+  /// Returns the greatest of the reaches kept.
   V Last() const {
     V last = least[0];
     for (std::size_t i = 1; i < kHeld; ++i)
@@ -113,7 +113,7 @@ struct Least : Reaches {
   }
 };
 
-/// Marks the points without a splat.
+/// Stores the splats, and marks the points without a splat as degenerate.
 HWY_INLINE void StoreSplats(const Ellipse& ellipse, V length, const Points& points, const SplatColumns& out,
                             DegeneratePoints& degenerate) {
   const auto found = hn::Gt(length, hn::Zero(Lanes()));

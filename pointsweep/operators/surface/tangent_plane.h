@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Normals and directions in the form in which operators after `normals` use them.
+/// Vector attributes, and unit vectors from them, for operators that read normals.
 #pragma once
 
 #include <array>

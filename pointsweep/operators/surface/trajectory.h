@@ -19,8 +19,8 @@ class Trajectory {
 
   double first_time() const { return times_.front(); }
   double last_time() const { return times_.back(); }
-  /// Returns the place on the straight line between the places before and after `time`; outside of all times the first
-  /// or last place.
+  /// Returns the place on the straight line between the places before and after `time`; the first or last place if
+  /// `time` is outside of the trajectory.
   Vec3 at(double time) const;
 
  private:

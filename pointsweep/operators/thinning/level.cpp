@@ -20,8 +20,8 @@ namespace {
 constexpr double kSteps = 1 << 30;
 constexpr std::uint64_t kDepthBits = 5;
 
-/// A point with its row, ordered like its bytes: points of one place are in the order of their rows, most significant
-/// byte first.
+/// A point with its row. Records at one place are ordered by their bytes: `row` has its most significant byte first, so
+/// that the order is that of the rows.
 struct Record {
   GridPoint point;
   std::array<std::byte, 8> row;
@@ -41,7 +41,7 @@ class LevelWork final : public InOrderWork {
         records_(sizeof(Record), setup.memory_bytes / 8 * 7, make_scratch_),
         memory_(setup.memory_bytes / 8) {}
 
-  /// Rounds: the bounds, the levels of all points, and the levels in the order of arrival.
+  /// Returns 3: round 0 finds the bounds, round 1 the levels, and round 2 passes on the levels in the order of arrival.
   unsigned rounds() const override { return 3; }
 
   void add(unsigned round, const OrderedPoints& points, Findings& findings) override {
@@ -144,7 +144,7 @@ std::unique_ptr<InOrderWork> Level::start(const InOrderSetup& setup) const {
 }
 
 std::uint64_t Level::least_bytes(const CloudEstimate& cloud) const {
-  constexpr std::uint64_t kPointBytes = 200;  // per point of a cloud that is in memory as a whole
+  constexpr std::uint64_t kPointBytes = 200;  // for each point of a cloud that is in memory as a whole
   return std::min(least_level_bytes(cloud.threads), (std::uint64_t{1} << 20) + cloud.points * kPointBytes);
 }
 

@@ -18,12 +18,13 @@ namespace {
 /// Returns the radius of a point: the value of its attribute, at most the limit; NaN and negative values count as 0.
 double own_radius(double value, double limit) { return value > 0 ? std::min(value, limit) : 0; }
 
-/// Number of points that come between two decisions.
+/// Largest number of points that come before UndecidedPoints::decide() is called again.
 constexpr std::uint64_t kHeldAtMost = 4096;
 
 class PoissonFront final : public InOrderWork {
  public:
-  /// `values`: number of values read of each point, 0: none. Value number `component` is the radius.
+  /// `values`: number of values that are read of each point. Value `component` is its radius; if `values` is 0, all
+  /// radii are `radius`.
   PoissonFront(const InOrderSetup& setup, double radius, std::size_t values, std::size_t component)
       : points_(setup.axis, radius, setup.memory_bytes / UndecidedPoints::kPointBytes),
         may_lack_(setup.may_lack),
@@ -102,7 +103,7 @@ InOrderContract Poisson::in_order_contract() const {
   return {.reads = reads_, .drops_rows = true, .arrival = "each held until all points within the radius have come"};
 }
 
-/// Chains of points that depend on each other are seldom longer than this.
+/// Returns a guess of eight radii: chains of points that depend on each other are seldom longer.
 std::optional<Reach> Poisson::reach() const { return Reach{.distance = 8 * options_.radius, .is_guess = true}; }
 
 std::uint64_t Poisson::least_bytes(const CloudEstimate& cloud) const {

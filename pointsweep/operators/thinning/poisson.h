@@ -17,9 +17,9 @@ struct OperatorDeclaration;
 
 OperatorDeclaration poisson_declaration();
 
-/// Takes the points in ascending order of the hash of their coordinates, equal ones by x, y, z, then row. A point is
-/// kept unless a kept one lies within its own radius. So every dropped point has a kept one within its radius, and of
-/// two kept points the later has the other beyond its radius. Points without a finite place are all kept.
+/// Takes the points in ascending order of the hash of their coordinates, equal hashes by x, y, z, then row. A point is
+/// kept unless a kept point lies within its own radius. So every dropped point has a kept point within its radius, and
+/// of two kept points the later has the other beyond its radius. Points without a finite place are all kept.
 class Poisson final : public InOrderOperator {
  public:
   /// Throws UsageError for options out of their ranges, and if the square of the radius cannot be represented.
@@ -31,7 +31,7 @@ class Poisson final : public InOrderOperator {
   /// Returns the memory for the points that are undecided at a time (undecided_points.h): all points within the radius
   /// of the newest point, and the points that wait for one of them.
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
-  /// Throws UsageError where radius_from names no single value of each point.
+  /// Throws UsageError if radius_from does not name a single value of each point.
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
  private:

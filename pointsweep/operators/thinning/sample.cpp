@@ -20,7 +20,8 @@ const OptionTable<SampleOptions>& sample_options() {
   return table;
 }
 
-/// Counts the points that come.
+/// Keeps the first `number` points and drops all others; if `rest`, drops the first `number` points and keeps all
+/// others.
 class FirstInOrder final : public InOrderWork {
  public:
   FirstInOrder(std::uint64_t number, bool rest) : number_(number), rest_(rest) {}
@@ -66,7 +67,7 @@ std::unique_ptr<InOrderWork> Sample::start(const InOrderSetup&) const {
 
 Vec3 Sample::place_of(Vec3 position) const {
   const double fraction = coordinate_fraction(position, options_.seed);
-  return {fraction, fraction, fraction};  // along any axis
+  return {fraction, fraction, fraction};  // so that the order is the same along any axis
 }
 
 }  // namespace pointsweep

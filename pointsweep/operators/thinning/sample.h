@@ -14,9 +14,9 @@ struct OperatorDeclaration;
 
 OperatorDeclaration sample_declaration();
 
-/// Keeps the points with the least fractions (coordinate_fraction()), equal ones in the order of their rows, or drops
-/// exactly these. The place of a point is its fraction, so that points come in this order. Points without a finite
-/// place are all kept.
+/// Keeps the points with the least fractions (coordinate_fraction()), equal fractions in the order of their rows; with
+/// SampleOptions::rest, keeps all other points instead. The place of a point is its fraction, so that points come in
+/// this order. Points without a finite place are all kept.
 class Sample final : public InOrderOperator {
  public:
   /// Throws UsageError for options out of their ranges.

@@ -13,7 +13,8 @@
 namespace pointsweep {
 namespace {
 
-/// The default of the largest radius, in errors: the radius for a surface with a radius of curvature of 512 errors.
+/// The default of the largest radius, as a multiple of the error: the radius for a surface with a radius of curvature
+/// of 512 errors.
 constexpr double kMostOfErrors = 32;
 
 const OptionTable<SimplifyOptions>& simplify_options() {

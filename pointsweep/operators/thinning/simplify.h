@@ -35,7 +35,7 @@ class SimplifyRadius final : public LocalOperator {
 /// `simplify`: SimplifyRadius, then poisson with these radii.
 class Simplify final : public CompositeOperator {
  public:
-  /// `place`: for messages. Throws UsageError for options out of their ranges, and if least is more than most.
+  /// Messages begin with `place`. Throws UsageError for options out of their ranges, and if least is more than most.
   explicit Simplify(const SimplifyOptions& options, const std::string& place = "simplify");
   std::string name() const override { return "simplify"; }
   Contract contract() const override;

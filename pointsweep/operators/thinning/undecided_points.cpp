@@ -146,7 +146,7 @@ void UndecidedPoints::decide_waiting(Findings& findings) {
   }
 }
 
-/// Returns an undecided point that must be decided before this one; kNone if there is none.
+/// Returns an undecided point that must be decided before `point`; kNone if there is none.
 UndecidedPoints::Slot UndecidedPoints::lesser_within(const DiskPoint& point) {
   Slot found = kNone;
   visit_cells_around(point.position, [&](Cell& cell) {
@@ -164,7 +164,8 @@ UndecidedPoints::Slot UndecidedPoints::lesser_within(const DiskPoint& point) {
   return found;
 }
 
-/// Calls `use` for undecided greater points that have this point, which is decided now, within their radius.
+/// Marks the point in `slot` as decided, and calls `use` for each undecided greater point that has it within its
+/// radius.
 template <class Use>
 void UndecidedPoints::decide_for_greater(Slot slot, Use use) {
   const DiskPoint& decided = slots_[slot].point;
@@ -185,7 +186,7 @@ void UndecidedPoints::decide_for_greater(Slot slot, Use use) {
 
 void UndecidedPoints::keep(Slot slot, Findings& findings) {
   decide_for_greater(slot, [&](Slot greater) { leave_out(greater, findings); });
-  // Points that wait for this one have it within their radius, so they are dropped by now.
+  // Points that wait for the kept point have it within their radius, so they have just been dropped.
   for (Slot waiter = slots_[slot].first_waiter; waiter != kNone;) {
     const Slot next = slots_[waiter].next_waiter;
     assert(slots_[waiter].is_decided);

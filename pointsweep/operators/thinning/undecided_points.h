@@ -15,26 +15,26 @@
 
 namespace pointsweep {
 
-/// A point of the choice. The lesser of two is decided first.
+/// A point of the choice. The lesser of two points is decided first.
 struct DiskPoint {
   Vec3 position;
   std::uint64_t hash = 0;
   std::uint64_t row = 0;
-  double radius2 = 0;  ///< squared
+  double radius2 = 0;  ///< squared radius
 
   bool operator<(const DiskPoint& other) const;
 };
 
-/// The greedy choice: in ascending order of DiskPoint, a point is kept unless a kept one lies within its radius. Points
-/// come in the order of a coordinate instead, and every order of evaluation gives the same set (Blelloch, Fineman and
-/// Shun, Greedy sequential maximal independent set and matching are parallel on average, SPAA 2012):
+/// The greedy choice: in ascending order of DiskPoint, a point is kept unless a kept point lies within its radius.
+/// Points come in the order of a coordinate instead, and every order of evaluation gives the same set (Blelloch,
+/// Fineman and Shun, Greedy sequential maximal independent set and matching are parallel on average, SPAA 2012):
 /// - A point is complete when the front is farther ahead of it than the largest radius: all points that may affect it
 ///   have come.
-/// - A complete point waits for any lesser undecided point within its radius. Without one it is kept, and all points
-///   that have it within their own radius are dropped, complete or not; then it affects no later point and is
-///   forgotten.
-/// - If points are missing, a complete point that no kept one excludes, and for which lesser ones may be missing, stays
-///   undecided, and so do the points that only it would exclude.
+/// - A complete point waits for any lesser undecided point within its radius. If there is no such point, it is kept,
+///   and all points that have it within their own radius are dropped, complete or not; then it affects no later point
+///   and is forgotten.
+/// - If points are missing, a complete point that no kept point excludes, and for which lesser points may be missing,
+///   stays undecided, and so do the points that only it would exclude.
 /// So memory holds the points that are not complete, and complete points that wait for one of them. Chains of waiting
 /// points are short, about the logarithm of the number of points.
 class UndecidedPoints {
@@ -42,8 +42,9 @@ class UndecidedPoints {
   /// `axis`: axis along which points ascend. `most`: number of points that may be held at once.
   UndecidedPoints(int axis, double largest_radius, std::uint64_t most);
 
-  /// A point that does not come before the last one along the axis; its radius is at most the largest one.
-  /// `lacks_some`: lesser points within its radius may never come. Throws Error if there are more to hold than allowed.
+  /// Adds a point, which must not precede the last point along the axis. Its radius is at most the largest radius.
+  /// `lacks_some`: true if lesser points within its radius may never come. Throws Error if there are more to hold than
+  /// allowed.
   void hold(const DiskPoint& point, bool lacks_some = false);
   /// Decides the points that can be decided, if enough points have come since the last call. Appends the dropped rows,
   /// and the rows that depend on missing points.
@@ -60,11 +61,11 @@ class UndecidedPoints {
   static constexpr Slot kNone = std::numeric_limits<Slot>::max();
   struct Held {
     DiskPoint point;
-    Slot first_waiter = kNone;  ///< first of the points that wait for this one
-    Slot next_waiter = kNone;   ///< next point in the list of points that wait for the same one
+    Slot first_waiter = kNone;  ///< first of the points that wait for this point
+    Slot next_waiter = kNone;   ///< next of the points that wait for the point for which this point waits
     bool is_decided = false;
-    bool lacks_some = false;  ///< a lesser point within the radius may be missing, or is undecided
-    std::uint8_t uses = 0;    ///< lists that hold the slot
+    bool lacks_some = false;  ///< true if a lesser point within the radius may be missing or stays undecided
+    std::uint8_t uses = 0;    ///< number of lists that hold the slot
   };
   struct Member {
     std::uint64_t hash;
@@ -99,14 +100,14 @@ class UndecidedPoints {
   void release(Slot slot);
 
   int axis_;
-  double radius_, cell_;  ///< the largest radius; the edge of a cell, at least as long
+  double radius_, cell_;  ///< largest radius; edge length of a cell, which is not less
   std::uint64_t most_;
   double front_;
   std::uint64_t come_ = 0;  ///< points since the last decisions of decide()
   std::deque<Held> slots_;
   std::vector<Slot> free_;
   std::unordered_map<CellKey, Cell, CellHash> cells_;
-  std::deque<Slot> incomplete_;  ///< in order of arrival; some may be dropped already
+  std::deque<Slot> incomplete_;  ///< points that are not complete, in order of arrival; some may be dropped already
   std::vector<Slot> to_decide_;  ///< complete points that wait for no known point
 };
 

@@ -24,7 +24,7 @@ const OptionTable<VoxelOptions>& voxel_options() {
   return table;
 }
 
-/// Holds the best point so far of the current voxel.
+/// Keeps the best point of each voxel. Holds the best point of the current voxel so far.
 class OneOfEachVoxel final : public InOrderWork {
  public:
   OneOfEachVoxel(double size, VoxelKeep keep) : size_(size), keep_(keep) {}

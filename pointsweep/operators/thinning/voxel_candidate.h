@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// A candidate of a voxel. The least one is kept.
+/// A point that a voxel may keep. The least candidate of a voxel is kept.
 struct VoxelCandidate {
   double distance2 = 0;  ///< squared distance to the centre; 0 if the hash decides
   std::uint64_t hash = 0;
@@ -24,7 +24,7 @@ struct VoxelCandidate {
   }
 };
 
-/// Returns the candidate that is ranked by its distance to the centre of its voxel.
+/// Returns a candidate that is ranked by its distance to the centre of its voxel.
 inline VoxelCandidate nearest_to_center(Vec3 voxel, double size, Vec3 p, std::uint64_t row) {
   const Vec3 center{(voxel.x + 0.5) * size, (voxel.y + 0.5) * size, (voxel.z + 0.5) * size};
   return {distance2(p, center), 0, p, row};

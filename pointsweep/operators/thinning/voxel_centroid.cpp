@@ -20,8 +20,8 @@ constexpr std::string_view kMeasured[] = {"intensity", "red", "green", "blue", "
 
 bool is_floating(Type type) { return type == Type::f32 || type == Type::f64; }
 
-/// Returns the value of type T nearest to a mean, halves to even. The float64 next to the largest integers of 64 bits
-/// lies above all of them.
+/// Returns the value of type T nearest to a mean, halves to even. The largest integers of 64 bits round to a float64
+/// that is above their range.
 template <class T>
 T nearest_of_type(double mean) {
   if constexpr (std::is_floating_point_v<T>) {
@@ -48,7 +48,7 @@ void append(T value, std::vector<std::byte>& bytes) {
   bytes.insert(bytes.end(), own.begin(), own.end());
 }
 
-/// Sums over the current voxel.
+/// Keeps the point nearest to the centre of each voxel, with the means of the voxel. Holds the sums of one voxel.
 class MeansOfVoxels final : public InOrderWork {
  public:
   MeansOfVoxels(double size, std::vector<AveragedAttribute> averaged) : size_(size), averaged_(std::move(averaged)) {
@@ -80,7 +80,7 @@ class MeansOfVoxels final : public InOrderWork {
       ++count;
       least = std::min(least, v), most = std::max(most, v);
     }
-    /// The quotient of two rounded numbers may leave the range of the values by a rounding error.
+    /// Returns the mean. Clamps it, since the quotient of two rounded numbers may leave the range of the values.
     double mean() const {
       if (count == 0) return std::numeric_limits<double>::quiet_NaN();
       return std::clamp(sum.rounded() / static_cast<double>(count), least, most);
@@ -117,7 +117,7 @@ class MeansOfVoxels final : public InOrderWork {
 
   double size_;
   std::vector<AveragedAttribute> averaged_;
-  std::size_t read_ = 0;  ///< values of a point
+  std::size_t read_ = 0;  ///< number of values of a point
   std::vector<Term> terms_;
   VoxelCandidate best_;
   Vec3 voxel_;
@@ -128,7 +128,7 @@ class MeansOfVoxels final : public InOrderWork {
 
 std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::span<const Attribute> made) {
   std::vector<AveragedAttribute> averaged;
-  std::set<std::size_t> taken;  // fields of the input
+  std::set<std::size_t> taken;  // fields of the input that need no mean of their own
   const auto number = [](const Field& field) { return scalar(field.name, Type::f64, "", ""); };
   for (const Attribute& a : made) {
     for (const std::string& field : a.fields)

@@ -12,9 +12,9 @@ namespace pointsweep {
 
 /// An attribute that is averaged. Other attributes keep the value of the kept row.
 struct AveragedAttribute {
-  Attribute made;                ///< made again, with the type and fields that it had
-  std::vector<Attribute> reads;  ///< itself, or scalars of the input that are its fields
-  bool is_direction = false;     ///< the mean is made a unit vector again
+  Attribute made;                ///< the mean, with the type and fields of the averaged attribute
+  std::vector<Attribute> reads;  ///< the averaged attribute, or scalars of the input that are its fields
+  bool is_direction = false;     ///< true if the mean is normalised to a unit vector
 };
 
 /// Returns the attributes to average: normals, floating-point numbers, colours and intensities among the fields of
