@@ -21,7 +21,7 @@ constexpr std::array<std::array<std::size_t, 2>, 6> kEntries = {{{0, 0}, {0, 1},
 struct Moments {
   std::array<Int192, 6> second;  ///< Σ q_a q_b, of kEntries
   std::array<Int128, 3> first;   ///< Σ q_a
-  std::uint64_t points, placed;  ///< placed: points with finite places; only these are in the sums
+  std::uint64_t points, placed;  ///< `placed`: number of points with finite places, which alone are in the sums
 };
 
 Moments moments_at(const std::byte* bytes) {

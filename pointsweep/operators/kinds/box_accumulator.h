@@ -8,7 +8,7 @@
 
 namespace pointsweep {
 
-/// Finds the box around all points; finish() of a derived class converts it to values.
+/// Finds the box around all finite points; finish() of a derived class converts the box to values.
 class BoxAccumulator : public Accumulator {
  public:
   void add(const double* values, std::size_t points) override {

@@ -19,8 +19,9 @@ struct OperatorDeclaration;
 
 OperatorDeclaration crop_declaration();
 
-/// Keeps a point if it lies in the box and in a polygon, or with CropOptions::outside unless it does. Edges and faces
-/// count as inside in both cases. A point is in no box or polygon if a coordinate needed for the test is not finite.
+/// Keeps a point if it lies in the box and in a polygon; with CropOptions::outside, keeps all other points instead.
+/// Edges and faces count as inside in both cases. A point is in no box or polygon if a coordinate needed for the test
+/// is not finite.
 class Crop final : public SelectOperator {
  public:
   /// Reads the file with polygons, if there is one. Throws Error if it cannot be read or does not match

@@ -23,7 +23,7 @@ OperatorDeclaration transform_declaration();
 std::string unit_of_made(const std::string& name);
 
 /// Moves the points, and converts each attribute that is a direction or a length: attributes of earlier stages, and
-/// those of the input with the names of attributes that operators of this library make.
+/// attributes of the input with the names of attributes that operators of this library make.
 class Transform final : public LocalOperator {
  public:
   /// Reads the file with the matrix, if there is one. Throws Error if it cannot be read or has no matrix, and

@@ -32,7 +32,7 @@ class SimplifyRadius final : public LocalOperator {
   SimplifyOptions options_;
 };
 
-/// `simplify`: SimplifyRadius, then poisson with these radii.
+/// `simplify`: SimplifyRadius, then Poisson with simplify_radius as the radius of each point.
 class Simplify final : public CompositeOperator {
  public:
   /// Messages begin with `place`. Throws UsageError for options out of their ranges, and if least is more than most.

@@ -25,7 +25,8 @@ std::size_t UndecidedPoints::CellHash::operator()(const CellKey& key) const {
   return hash;
 }
 
-/// A cell is slightly longer than the radius, so that the coordinates within it lie in three adjacent cells.
+/// A cell is slightly longer than the radius, so that all coordinates within the radius of a point lie in three
+/// adjacent cells.
 UndecidedPoints::UndecidedPoints(int axis, double largest_radius, std::uint64_t most)
     : axis_(axis),
       radius_(largest_radius),

@@ -71,7 +71,8 @@ class UndecidedPoints {
     std::uint64_t hash;
     Slot slot;
   };
-  /// The points of a cell. The first `sorted` members ascend; newer ones follow. Some may be decided already.
+  /// The points of a cell. The first `sorted` members ascend; newer members follow. Some members may be decided
+  /// already.
   struct Cell {
     std::vector<Member> members;
     std::size_t sorted = 0, decided = 0;
