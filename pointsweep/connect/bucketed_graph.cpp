@@ -15,8 +15,7 @@ constexpr std::size_t kEdgesAtOnce = 1 << 16;
 
 }  // namespace
 
-/// Reads the buckets in order. Opens the points of a bucket, joins its edges, then closes the points without edges in
-/// later buckets.
+/// Reads the buckets in order. Opens the points of a bucket, joins its edges, closes the points without later edges.
 std::uint64_t grow(SpanningForest& forest, const BucketedGraph& graph, const GrowthOptions& options) {
   BucketedGraph::Points chunk;
   std::vector<ForestEdge> edges, some;

@@ -10,8 +10,7 @@
 namespace pointsweep {
 
 /// Makes, merges and concludes votes. Votes are bytes that can be copied; they depend on the set of points and on their
-/// signs, not on the order of merges. A ballot holds the values of a point from which start() makes the votes of the
-/// point.
+/// signs, not on the order of merges. A ballot holds the values of a point from which start() makes its votes.
 class VoteRule {
  public:
   virtual ~VoteRule() = default;

@@ -11,8 +11,8 @@
 
 namespace pointsweep {
 
-/// The value that a name means: a component of a made attribute, or a field of the input. Both pointers are null if the
-/// name means no value.
+/// A component of a made attribute, or a field of the input, that a name means. Both pointers are null if there is
+/// none.
 struct MeantValue {
   const Attribute* made = nullptr;
   std::size_t component = 0;     ///< component of `made`

@@ -20,8 +20,7 @@ OperatorDeclaration components_declaration();
 /// Returns whether component numbers and sizes have 32 bits in a cloud of `points` points; false for 0, which means
 /// that the number of points is unknown.
 bool has_short_numbers(std::uint64_t points);
-/// Returns the attribute `name`, N i32 or i64: the number of the component of a point; -1 for points without a
-/// component.
+/// Returns the attribute `name`, N i32 or i64: the number of the component of a point; -1 if it has none.
 Attribute component_number(std::string name, std::string meaning, std::uint64_t points);
 /// Returns the attribute `name`, N u32 or u64: the number of points in the component of a point.
 Attribute component_size(std::string name, std::string meaning, std::uint64_t points);

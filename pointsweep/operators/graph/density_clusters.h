@@ -54,8 +54,7 @@ class ClustersOfCores final : public ConnectOperator {
 /// neighbourhoods are refused; C++ code must ensure it.
 class DensityClusters final : public CompositeOperator {
  public:
-  /// Throws UsageError for options outside of their ranges. `points`: number of points of the cloud for
-  /// has_short_numbers().
+  /// Throws UsageError for options out of their ranges. `points`: points of the cloud for has_short_numbers().
   explicit DensityClusters(const DbscanOptions& options, std::uint64_t points = 0);
   std::string name() const override { return "dbscan"; }
   Contract contract() const override;

@@ -26,8 +26,7 @@ OperatorDeclaration segments_declaration();
 /// point without a normal is a segment of one point. PlaneResidual measures how flat segments are.
 class Segments final : public ConnectOperator {
  public:
-  /// Throws UsageError for options outside of their ranges. `points`: number of points of the cloud for
-  /// has_short_numbers().
+  /// Throws UsageError for options out of their ranges. `points`: points of the cloud for has_short_numbers().
   explicit Segments(const SegmentsOptions& options = {}, std::uint64_t points = 0);
   std::string name() const override { return "segments"; }
   Contract contract() const override;

@@ -26,8 +26,7 @@ double height_above(double z, const std::vector<CellNeighbor>& ground) {
   return z - sum / weights;
 }
 
-/// Stores the ground points in cells in the first round, and finds the nearest ground points of all points in the
-/// second.
+/// First round: stores the ground points in cells. Second round: finds the nearest ground points of all points.
 class HeightWork final : public InOrderWork {
  public:
   HeightWork(std::size_t k, const InOrderSetup& setup)

@@ -10,8 +10,7 @@
 
 namespace pointsweep {
 
-/// Computes one value: the diagonal of the box around all finite points of the input that earlier stages have kept; 0
-/// if there are none.
+/// Computes one value, the diagonal of the box around the finite points of the input that are left; 0 if none are.
 class InputDiagonal final : public Reduction {
  public:
   std::string text() const override { return "diagonal of the input"; }

@@ -71,8 +71,7 @@ struct TileArray {
   V Load(std::size_t vector) const { return hn::Load(Lanes(), of + vector * kLanes); }
 };
 
-/// Calls use() with a pointer to attribute `a` of a vector of points, one T for each lane. Lanes after the last point
-/// of the tile are 0.
+/// Calls use() with a pointer to attribute `a` of a vector of points, a T per lane; 0 after the last point of the tile.
 template <class T, class Use>
 HWY_INLINE auto WithOwn(const Tile& tile, std::size_t a, std::size_t vector, const Use& use) {
   const std::size_t first = vector * kLanes, size = tile.size - first;

@@ -32,8 +32,7 @@ struct Extents {
   TileArray coincident;  // 1 if a neighbour lies on p_i, else 0
   TileArray place;       // largest magnitude among the coordinates of p_i
 
-  /// Measures a tile. A point loses its neighbours if all of them coincide with p_i, or if one is too far away or not
-  /// finite.
+  /// Measures a tile. A point loses its neighbours if all coincide with p_i, or if one is too far or not finite.
   HWY_INLINE Extents(Tile& tile, Offsets& offsets) {
     const bool sorted = tile.in.sorted_by_distance();
     for (std::size_t v = 0; v < tile.vectors; ++v) {

@@ -24,8 +24,7 @@ constexpr std::size_t kMostCollected = 32768;
 constexpr std::size_t kFirstSearches = 16;
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 
-/// Returns the number of points that a search may visit on average: more than a search in the middle of the points
-/// needs.
+/// Returns the number of points that a search may visit on average: more than in the middle of the points.
 std::size_t most_seen(std::size_t k) { return 64 + 8 * k; }
 
 }  // namespace

@@ -28,8 +28,7 @@ class PlaceGroup {
       : places_(places), wanted_(wanted), in_plane_(in_plane), done_(places.size()) {}
 
   Vec3 first() const { return places_.front().position; }
-  /// Answers the searches whose cells are in memory. Returns false if cells are missing; the next call then answers the
-  /// remaining searches.
+  /// Answers the searches whose cells are in memory. Returns false if cells are missing; call again then.
   bool answer(PointCells::View& view, const Use& use);
 
  private:
@@ -40,8 +39,7 @@ class PlaceGroup {
   enum class Outcome { done, lacks_cells, takes_long };
 
   void search(Part part, PointCells::View& view, const Use& use);
-  /// Searches the places from `begin` to `end` - 1 that are not done. Ends when searches visit more than `most` points
-  /// on average.
+  /// Searches the places of [begin, end) that are not done, until searches visit more than `most` points on average.
   Outcome one_by_one(std::size_t begin, std::size_t end, std::size_t most, PointCells::View& view, const Use& use);
   PointCells::View::Collected collect(const Box& places, PointCells::View& view);
   void narrow(Part part, std::size_t count, const Use& use);

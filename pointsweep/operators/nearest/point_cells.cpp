@@ -130,8 +130,7 @@ std::size_t PointCells::slab_at(double along) const {
   return std::min(static_cast<std::size_t>(at - slabs_.begin()), slabs_.size() - 1);
 }
 
-/// Returns the points of a cell. Reads them if they are not in memory, and drops the cells farthest from `near` to make
-/// room.
+/// Returns the points of a cell. If it has to read them, it drops the cells farthest from `near` to make room.
 const PointCells::Tree& PointCells::load(std::size_t cell, std::size_t near) {
   Cell& wanted = cells_[cell];
   if (wanted.loaded) return *wanted.loaded;

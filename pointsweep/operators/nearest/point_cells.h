@@ -34,8 +34,7 @@ class PointCells {
 
   /// The object that answers searches with the cells in memory.
   class View;
-  /// A function that answers question i. It returns false if cells are missing, and is called again when more cells are
-  /// in memory.
+  /// Answers question i, or returns false if cells are missing; it is called again when more cells are in memory.
   using Answer = std::function<bool(std::size_t i, View& view)>;
   /// Answers n questions on all threads; each thread takes `at_once` of them at a time. `place(i)`: place of question
   /// i. Successive places should be near each other.
@@ -98,8 +97,7 @@ class PointCells::View {
   /// some points may be missing.
   bool within(const Box& box, const std::function<void(const CellPoint&)>& use);
   enum class Collected : std::uint8_t { all, too_many, lacks_cells };
-  /// Adds the points that `bound` does not exclude to `to`, until it has more than `most`. `places` are the places of
-  /// `bound`.
+  /// Adds the points that `bound` does not exclude to `to`, until it has more than `most`. `places`: those of `bound`.
   Collected collect(const Box& places, const NearestBound& bound, std::size_t most, std::vector<CellPoint>& to);
 
  private:

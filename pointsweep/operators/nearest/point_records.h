@@ -20,8 +20,7 @@ class PointRecords {
   /// A number that means no record.
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
 
-  /// `record_bytes`: bytes of a record, > 0. `memory_bytes`: limit for the blocks in memory; a few blocks may exceed
-  /// it.
+  /// `record_bytes`: bytes of a record, > 0. `memory_bytes`: limit for the blocks in memory, at least a few.
   PointRecords(std::size_t record_bytes, std::uint64_t memory_bytes, std::unique_ptr<Scratch> scratch);
   /// Adds records. All must be added before the first gather().
   void add(std::span<const std::byte> records);

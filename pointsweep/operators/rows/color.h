@@ -18,8 +18,7 @@ OperatorDeclaration color_declaration();
 /// Makes "color": red, green and blue.
 class Color final : public LocalOperator {
  public:
-  /// Messages begin with `place`. Throws UsageError for a range that is not two ascending numbers, or with a map of
-  /// classes.
+  /// Messages begin with `place`. Throws UsageError for a range that is not two ascending numbers, or with classes.
   explicit Color(ColorOptions options, std::string place = "color");
   std::string name() const override { return "color"; }
   Contract contract() const override;

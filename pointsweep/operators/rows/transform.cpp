@@ -62,8 +62,7 @@ int power_of_length(const std::string& unit) {
   return unit.starts_with("1/") ? -most : most;
 }
 
-/// Returns the scale of a map that keeps angles; nullopt if the map shears, or stretches some directions more than
-/// others.
+/// Returns the scale of a map that keeps angles; nullopt if the map shears, or stretches directions differently.
 std::optional<double> scale_of(const AffineMap& map) {
   const Vec3 columns[] = {map.turned({1, 0, 0}), map.turned({0, 1, 0}), map.turned({0, 0, 1})};
   const double squared = (dot(columns[0], columns[0]) + dot(columns[1], columns[1]) + dot(columns[2], columns[2])) / 3;

@@ -125,8 +125,7 @@ OperatorDeclaration features_declaration() {
 
 ChainStage operators::features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
 
-/// Equal operators must have equal options, so the names are put in the order of the columns, and removed if they are
-/// all names.
+/// Equal operators must have equal options: names are put in the order of the columns, and removed if all are named.
 Features::Features(FeaturesOptions options) : options_(std::move(options)), made_(features_named(options_.names)) {
   const std::vector<std::string> known = names_of_features();
   const auto place = [&](const std::string& name) { return std::ranges::find(known, name) - known.begin(); };

@@ -35,8 +35,7 @@ class Splats : public LocalOperator {
   std::string name() const override { return "splats"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  /// Chooses between positions and curvature by the earlier stages, if the options leave the choice to them; else
-  /// returns null.
+  /// Chooses positions or curvature by the earlier stages if `axes` is automatic; else returns null.
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
  private:

@@ -23,8 +23,7 @@ constexpr std::uint64_t kHeldAtMost = 4096;
 
 class PoissonFront final : public InOrderWork {
  public:
-  /// `values`: number of values that are read of each point. Value `component` is its radius; if `values` is 0, all
-  /// radii are `radius`.
+  /// `values`: number of values read of each point. Value `component` is its radius; without values, `radius` is.
   PoissonFront(const InOrderSetup& setup, double radius, std::size_t values, std::size_t component)
       : points_(setup.axis, radius, setup.memory_bytes / UndecidedPoints::kPointBytes),
         may_lack_(setup.may_lack),

@@ -20,8 +20,7 @@ const OptionTable<SampleOptions>& sample_options() {
   return table;
 }
 
-/// Keeps the first `number` points and drops all others; if `rest`, drops the first `number` points and keeps all
-/// others.
+/// Keeps the first `number` points and drops all others. If `rest`, keeps and drops the opposite points.
 class FirstInOrder final : public InOrderWork {
  public:
   FirstInOrder(std::uint64_t number, bool rest) : number_(number), rest_(rest) {}

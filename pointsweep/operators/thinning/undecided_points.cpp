@@ -25,8 +25,7 @@ std::size_t UndecidedPoints::CellHash::operator()(const CellKey& key) const {
   return hash;
 }
 
-/// A cell is slightly longer than the radius, so that all coordinates within the radius of a point lie in three
-/// adjacent cells.
+/// A cell is slightly longer than the radius, so coordinates within the radius of a point lie in three adjacent cells.
 UndecidedPoints::UndecidedPoints(int axis, double largest_radius, std::uint64_t most)
     : axis_(axis),
       radius_(largest_radius),
@@ -165,8 +164,7 @@ UndecidedPoints::Slot UndecidedPoints::lesser_within(const DiskPoint& point) {
   return found;
 }
 
-/// Marks the point in `slot` as decided, and calls `use` for each undecided greater point that has it within its
-/// radius.
+/// Marks a point as decided, and calls `use` for each undecided greater point that has it within its own radius.
 template <class Use>
 void UndecidedPoints::decide_for_greater(Slot slot, Use use) {
   const DiskPoint& decided = slots_[slot].point;

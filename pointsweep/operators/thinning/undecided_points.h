@@ -43,8 +43,7 @@ class UndecidedPoints {
   UndecidedPoints(int axis, double largest_radius, std::uint64_t most);
 
   /// Adds a point, which must not precede the last point along the axis. Its radius is at most the largest radius.
-  /// `lacks_some`: true if lesser points within its radius may never come. Throws Error if there are more to hold than
-  /// allowed.
+  /// `lacks_some`: true if lesser points within its radius may never come. Throws Error if the limit is exceeded.
   void hold(const DiskPoint& point, bool lacks_some = false);
   /// Decides the points that can be decided, if enough points have come since the last call. Appends the dropped rows,
   /// and the rows that depend on missing points.
@@ -71,8 +70,7 @@ class UndecidedPoints {
     std::uint64_t hash;
     Slot slot;
   };
-  /// The points of a cell. The first `sorted` members ascend; newer members follow. Some members may be decided
-  /// already.
+  /// The points of a cell. The first `sorted` members ascend; newer members follow. Some may be decided.
   struct Cell {
     std::vector<Member> members;
     std::size_t sorted = 0, decided = 0;
