@@ -11,8 +11,7 @@
 
 namespace pointsweep {
 
-/// A component of a made attribute, or a field of the input, that a name means. Both pointers are null if there is
-/// none.
+/// A component of a made attribute, or a field of the input, that a name means. Both pointers may be null.
 struct MeantValue {
   const Attribute* made = nullptr;
   std::size_t component = 0;     ///< component of `made`

@@ -24,7 +24,7 @@ OperatorDeclaration orient_declaration();
 Attribute normal_turned_attribute();
 
 /// Makes normal_turned: the signs along the minimum spanning forest of the graph of neighbours. An edge has the weight
-/// 1 - |n_i . n_j| and asks for equal signs if n_i . n_j >= 0. OrientationVotes decides about turning components.
+/// 1 - |n_i . n_j| and asks for equal signs if n_i . n_j >= 0. OrientationVotes decides which components to turn.
 class NormalSigns final : public ConnectOperator {
  public:
   explicit NormalSigns(const OrientOptions& options);

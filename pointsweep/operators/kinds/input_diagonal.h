@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// Computes one value, the diagonal of the box around the finite points of the input that are left; 0 if none are.
+/// Computes one value, the diagonal of the box around the finite input points that earlier stages keep; 0 if none.
 class InputDiagonal final : public Reduction {
  public:
   std::string text() const override { return "diagonal of the input"; }

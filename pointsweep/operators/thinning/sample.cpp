@@ -20,7 +20,7 @@ const OptionTable<SampleOptions>& sample_options() {
   return table;
 }
 
-/// Keeps the first `number` points and drops all others. If `rest`, keeps and drops the opposite points.
+/// Keeps the first `number` points and drops all others, or the reverse if `rest`.
 class FirstInOrder final : public InOrderWork {
  public:
   FirstInOrder(std::uint64_t number, bool rest) : number_(number), rest_(rest) {}
