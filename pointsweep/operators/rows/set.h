@@ -50,7 +50,6 @@ class SetAttribute final : public LocalOperator {
 
  private:
   void find_target(const Schema& input, std::span<const Attribute> made);
-  void read_old(Attribute attribute);
   /// Returns the index, in contract().reads, of the first attribute that the condition reads. The attributes that the
   /// value reads come before it.
   std::size_t first_of_condition() const { return value_names_.reads().size(); }
