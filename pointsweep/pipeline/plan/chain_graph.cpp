@@ -161,7 +161,7 @@ class GraphBuilder {
                                [&](const std::string& field) { return field_meant(visible_, field).has_value(); });
   }
 
-  /// A rule reads a field that the cloud holds where the neighbourhoods begin.
+  /// Returns the version of `wanted` that the cloud has where the neighbourhoods of `rule` begin.
   std::size_t version_ruled_by(const Attribute& wanted, const NeighborhoodRule& rule) {
     const Schema cloud = with_carried(visible_, made_);
     if (!field_meant(cloud, wanted.name))
@@ -171,7 +171,8 @@ class GraphBuilder {
     return made.empty() ? input_version(wanted) : latest_.at(made);
   }
 
-  /// Stages that need the same value of the same versions, of the same rows, share a node.
+  /// Returns the node that reduces the attributes to a value. Stages whose reductions, versions and rows are equal
+  /// share a node.
   std::size_t reduce_node(const std::shared_ptr<const Reduction>& reduction, const std::string& stage) {
     GraphNode node{.what = reduction};
     for (const Attribute& a : reduction->reads()) {
@@ -259,7 +260,7 @@ class GraphBuilder {
   ChainGraph graph_;
   std::string is_part_of_;  ///< name of the composite whose parts are being added; empty: none
   Neighborhood neighborhood_;
-  Attributes made_;                                               ///< made so far, in their last versions
+  Attributes made_;                                               ///< attributes made so far, in their last versions
   std::map<std::string, std::size_t> latest_;                     ///< version by name of the attribute
   std::map<std::pair<std::string, Type>, std::size_t> of_input_;  ///< version of each field of the input, by name and
                                                                   ///< type

@@ -33,25 +33,26 @@ struct VersionReader {
   ReadAs as;
 };
 
-/// An attribute of the input, or made by a node. No version is ever overwritten.
+/// One version of an attribute: as the input has it, or as a node makes it. No version is ever overwritten.
 struct AttributeVersion {
   Attribute attribute;
-  std::size_t version = 0;                   ///< 0: the input's; the first that is made is 1
-  std::optional<std::size_t> producer = {};  ///< the node that makes it; absent: the input
+  std::size_t version = 0;                   ///< 0 for the input's version; versions of nodes count from 1
+  std::optional<std::size_t> producer = {};  ///< the node that makes the version; absent for the input's
   std::vector<VersionReader> readers = {};   ///< in the order of the nodes
   bool is_written = false;                   ///< written to the output
 };
 
 /// A node. Versions are indices into ChainGraph::versions, nodes are indices into ChainGraph::nodes.
 struct GraphNode {
-  /// An operator; the definition of neighbourhoods from here on; or a value of the whole cloud.
+  /// The content: an operator, the neighbourhood of all later operators, or a value that is reduced from the whole
+  /// cloud.
   std::variant<StageOperator, Neighborhood, std::shared_ptr<const Reduction>> what;
-  std::string stage = {};               ///< name of the chain's stage that the operator is, or a part of
+  std::string stage = {};               ///< name of the operator, or of the composite that contains it
   std::vector<std::size_t> reads = {};  ///< versions, in the order of the contract
   std::vector<std::size_t> reads_neighbors = {};
   std::vector<std::size_t> makes = {};
-  std::vector<std::size_t> values = {};      ///< the reduce nodes whose values it needs
-  std::optional<std::size_t> position = {};  ///< version of the moved positions that it sees; absent: the input's
+  std::vector<std::size_t> values = {};      ///< the reduce nodes whose values the operator needs
+  std::optional<std::size_t> position = {};  ///< version of the position that the node sees; absent: the input's
 
   /// Returns the operator; null for other nodes.
   const StageOperator* op() const { return std::get_if<StageOperator>(&what); }
@@ -61,20 +62,20 @@ struct GraphNode {
     return shared != nullptr ? shared->get() : nullptr;
   }
   bool drops_rows() const { return op() != nullptr && pointsweep::drops_rows(*op()); }
-  /// Returns whether the node is a Resort. Only the deciding one makes an attribute.
+  /// Returns whether the node is a Resort. Only the last Resort may make an attribute.
   bool is_order() const { return op() != nullptr && std::holds_alternative<NotePosition>(*op()); }
 };
 
 struct ChainGraph {
   std::vector<GraphNode> nodes;  ///< the first is the neighbourhood with which the chain begins
   std::vector<AttributeVersion> versions;
-  /// The last version of every made attribute, in the order first made; without selections and orders.
+  /// The last version of every made attribute, in the order first made; without the attributes of selects and Resorts.
   std::vector<std::size_t> made;
   /// The reduce node that finds the box of the moved positions, if the output needs it before its first record.
   std::optional<std::size_t> moved_bounds;
   /// Indices of the input's fields that a stage drops.
   std::set<std::size_t> dropped;
-  bool drops = false;  ///< a stage drops some of these, or something made
+  bool drops = false;  ///< true if a stage drops attributes, of the input or made ones
 
   std::vector<Attribute> made_attributes() const;
   bool drops_rows() const;
@@ -86,7 +87,7 @@ struct ChainGraph {
 
 /// Requirements of an output on the plan of a chain.
 struct OutputNeeds {
-  bool stream_order = false;  ///< its points are in stream order, so that the last Resort counts
+  bool stream_order = false;  ///< the output has its points in stream order, which the last Resort decides
   bool bounds = false;        ///< its format needs the box of moved points before the first record
 };
 
@@ -98,8 +99,8 @@ ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs);
 /// Returns `before` with the newer versions and the new attributes of `made`.
 std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<Attribute>& made);
 
-/// `input` with the values of `carried`, which follow its record one after another, instead of its fields of the same
-/// names.
+/// Returns `input` with the fields of `carried`, whose values follow the record of `input` one after another. A carried
+/// field replaces the field of the same name.
 Schema with_carried(const Schema& input, const std::vector<Attribute>& carried);
 
 /// Returns the attribute of `carried` that holds `field`. Empty if the input's own record holds the field, or nothing

@@ -183,7 +183,7 @@ bool orders_by_moved_positions(const ChainGraph& graph) {
   return std::ranges::any_of(graph.nodes, [](const GraphNode& n) { return n.is_order() && !n.makes.empty(); });
 }
 
-/// Sets what the last pass carries, and whether the output needs another order (ChainPlan::reorders).
+/// Sets the attributes that the last pass carries, and whether the output needs another order (ChainPlan::reorders).
 void find_order(ChainPlan& plan, const Schema& input, bool ordered) {
   PlannedPass& last = plan.passes.back();
   last.carried = plan.made;

@@ -9,7 +9,8 @@
 namespace pointsweep {
 namespace {
 
-/// Completes a default neighbourhood from the operators of the stages from `first` to the next neighbourhood.
+/// Sets k and the radius of a neighbourhood that leaves them to its operators (kOfOperators): the operators of the
+/// stages from `first` to the next neighbourhood.
 void close(Neighborhood& open, const std::vector<ChainStage>& stages, std::size_t first) {
   if (open.k != Neighborhood::kOfOperators) return;
   std::size_t k = 0;

@@ -15,9 +15,9 @@ namespace pointsweep {
 
 struct KeptFields {
   std::vector<std::string> attributes;            ///< names of the made attributes with a written field
-  std::set<std::string> left_out;                 ///< fields of these attributes that are not written
+  std::set<std::string> left_out;                 ///< fields of `attributes` that are not written
   std::optional<std::vector<std::size_t>> input;  ///< indices of the input's fields, ascending; absent: all fields
-  std::vector<std::string> order = {};            ///< names of the fields that Chain::keep names, in its order, each once
+  std::vector<std::string> order = {};  ///< names of the fields that Chain::keep names, in its order, each once
 };
 
 /// Returns the fields of `schema`, an output with the attributes `made`, in the order of Chain::keep: first fields of
@@ -32,13 +32,13 @@ Schema in_named_order(Schema schema, const KeptFields& kept, const std::vector<A
 /// they are the moved coordinates. Throws UsageError for a name without a match.
 KeptFields kept_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input);
 
-/// The fields meant by a list of names, found like in kept_fields().
+/// The fields that a list of names means, found as in kept_fields().
 struct NamedFields {
   std::set<std::string> made;   ///< fields of made attributes
   std::set<std::size_t> input;  ///< indices of the input's fields
 };
 
-/// Throws UsageError for a name that fits nothing: it "cannot be `done`".
+/// Returns the fields that `names` mean. Throws UsageError for a name without a match, which "cannot be `done`".
 NamedFields named_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input,
                          const std::string& done);
 

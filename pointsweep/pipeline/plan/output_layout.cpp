@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kBlock = 256;  ///< records put together while they are in the nearest cache
+constexpr std::size_t kBlock = 256;  ///< number of records assembled at a time, which fit in the nearest cache
 
 void convert_values(const Field& from, const std::byte* records, std::size_t from_stride, const Field& to,
                     std::byte* outputs, std::size_t to_stride, std::size_t n) {
@@ -27,7 +27,7 @@ std::string range_text(const Field& field) {
   return std::string(name_of(field.type));
 }
 
-/// Records the first value that the field cannot hold, or whole number that it would round.
+/// Notes in `refused` the rows with a value that the field `to` cannot hold, or that an integer field would round.
 void note_refused(const Field& from, const Field& to, const std::byte* records, std::size_t stride, std::size_t n,
                   RowNumbers rows, FirstRowError& refused) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -111,7 +111,7 @@ void OutputLayout::retype(const Types& types) {
   struct Piece {
     std::uint32_t from, to, bytes;
   };
-  std::vector<Piece> pieces;  // parts of the input's record between them
+  std::vector<Piece> pieces;  // parts of the input's record between the retyped fields
   const std::uint32_t end = schema_.stride;
   std::uint32_t from = 0, to = 0;
   for (const auto& [field, type] : retyped) {

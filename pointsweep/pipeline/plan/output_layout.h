@@ -19,7 +19,7 @@ namespace pointsweep {
 /// Returns whether one of the made attributes is the position.
 bool moves_points(const std::vector<Attribute>& made);
 
-/// The numbers of successive records, for messages: `each` of them, or all from `first` on.
+/// The row numbers of successive records, for messages: each[i] if `each` is not null, else first + i.
 struct RowNumbers {
   std::uint64_t first = 0;
   const std::uint64_t* each = nullptr;
@@ -60,10 +60,11 @@ class OutputLayout {
   Schema schema_;
   std::uint32_t input_stride_;
   std::uint32_t result_stride_ = 0;
-  RecordMap passed_;                                  ///< from records of the input
-  RecordMap copies_;                                  ///< from result records
-  std::vector<std::pair<Field, Field>> conversions_;  ///< from result records
-  std::vector<std::pair<Field, Field>> retyped_;      ///< from records of the input: positions that no stage has moved
+  RecordMap passed_;                                  ///< copies from records of the input
+  RecordMap copies_;                                  ///< copies from result records
+  std::vector<std::pair<Field, Field>> conversions_;  ///< conversions from result records
+  std::vector<std::pair<Field, Field>>
+      retyped_;  ///< conversions from records of the input: positions that no stage has moved
 };
 
 }  // namespace pointsweep

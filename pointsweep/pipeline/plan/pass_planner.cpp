@@ -14,7 +14,7 @@ PassPlanner::PassPlanner(const ChainGraph& graph, const std::vector<Attribute>& 
   plan_.steps = {0};
 }
 
-/// A rule reads the attributes of points before any stage.
+/// A rule reads attributes as they are before the first stage of the pass.
 void PassPlanner::add_neighborhood(std::size_t node) {
   plan_.neighborhood = *graph_.nodes[node].neighborhood();
   if (!plan_.neighborhood.rule) return;
@@ -47,7 +47,7 @@ void PassPlanner::add_stage(std::size_t number) {
   plan_.stages.push_back(std::move(stage));
 }
 
-/// The column of the moved positions that a stage sees; -1 where points have not moved since the pass began.
+/// Returns the column of the moved positions that a stage sees; -1 if no point has moved since the pass began.
 int PassPlanner::column_moved_to(const GraphNode& node) const {
   if (!node.position) return -1;
   const auto column = column_of_version_.find(*node.position);

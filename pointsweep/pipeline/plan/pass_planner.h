@@ -41,7 +41,7 @@ class PassPlanner {
   SweepPlan& plan_;
   std::map<std::size_t, std::uint16_t> column_of_version_;
   std::vector<std::size_t> made_;  ///< versions, the last of each attribute, in the order first made
-  std::map<std::uint16_t, std::size_t> made_in_step_;  ///< by number of column
+  std::map<std::uint16_t, std::size_t> made_in_step_;  ///< for each made column, the step that makes it
 };
 
 }  // namespace pointsweep

@@ -20,7 +20,7 @@ enum class PassKind : std::uint8_t {
 /// A pass for which only the nodes are known.
 struct ScheduledPass {
   PassKind kind = PassKind::sweep;
-  std::size_t neighborhood = 0;      ///< the node that says which
+  std::size_t neighborhood = 0;      ///< the node that defines the neighbourhoods
   std::vector<std::size_t> stages;   ///< nodes with an operator, in their order
   std::vector<std::size_t> reduces;  ///< nodes whose values are known when the pass has ended
   bool selects = false;
@@ -28,16 +28,16 @@ struct ScheduledPass {
 };
 
 /// Assigns the nodes of a graph to passes, one after another. Each node goes to the first pass in which every attribute
-/// and value that it reads is known, and no later stage has changed it. A select and a new neighbourhood end all passes
-/// before them. So one pass computes two independent values.
+/// and value that it reads is known, and no later stage has changed it. So one pass computes several independent
+/// values. A node after a select or a new neighbourhood runs in a later pass than the nodes before.
 class PassSchedule {
  public:
   explicit PassSchedule(const ChainGraph& graph);
-  /// Throws UsageError for a stage that would need the neighbours of a pass that has ended.
+  /// Throws UsageError for a stage that needs the neighbours which points had before an earlier pass moved them.
   std::vector<ScheduledPass> passes();
 
  private:
-  /// Numbers of the passes in which an attribute was made and last read.
+  /// Numbers of the first pass that can read an attribute and of the last pass that reads it.
   struct Use {
     std::size_t made = 0, read = 0;
     bool is_made = false;  ///< made by a stage of this segment
@@ -63,7 +63,7 @@ class PassSchedule {
   const ChainGraph& graph_;
   std::size_t neighborhood_ = 0;
   std::vector<ScheduledPass> passes_;
-  std::size_t segment_ = 0;                      ///< first pass after the last select or renewal
+  std::size_t segment_ = 0;                      ///< first pass after the last select or new neighbourhood
   std::map<std::string, Use> used_;              ///< by attribute, in this segment
   std::map<std::size_t, std::size_t> value_of_;  ///< for each reduce node, the pass after which its value is known
 };
