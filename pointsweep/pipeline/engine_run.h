@@ -26,8 +26,9 @@ struct EngineOptions : RunOptions {
   EngineOptions() = default;
   EngineOptions(const RunOptions& options) : RunOptions(options) {}
 
-  std::uint64_t slab_points = 0;     ///< aim; 0: chosen from the cloud
-  std::uint32_t slabs_per_turn = 0;  ///< if memory allows; 0: chosen from the number of threads, but 1 with slab_points
+  std::uint64_t slab_points = 0;  ///< intended points of a slab; 0: chosen from the cloud
+  /// Slabs that are read together if memory allows. 0: chosen from the number of threads, or 1 if slab_points is set.
+  std::uint32_t slabs_per_turn = 0;
   std::uint32_t cell_points = 1024;  ///< a multiple of 16 up to 2,048
   Ordering ordering = Ordering::planned;
   std::uint64_t block_rows = 0;  ///< for slabs on demand: rows that are decoded together; 0: chosen

@@ -16,7 +16,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kMega = 1u << 20;
-/// Returns what cells may fill of their memory: an eighth is lost between allocations.
+/// Returns the part of `bytes` of memory that cells may fill: an eighth is lost between allocations.
 std::uint64_t without_what_is_lost(std::uint64_t bytes) { return bytes / 8 * 7; }
 
 // Bytes of structures that grow slowly with the cloud. Each constant is the size of the structure named in its comment

@@ -58,9 +58,10 @@ inline constexpr std::uint64_t kFixedBytes = 24u << 20;
 std::uint64_t whole_window_bytes(const SweepPlan& plan, std::uint64_t points);
 
 /// Returns the number of neighbours whose ball is as wide as the stretch along the axis in which several steps keep
-/// points: an ordinary cell, and for each step two and a half times the ball of a neighbourhood. With them, plans have
-/// room for 1.1 to 3.1 times the points that were in the window of four clouds of 1M points (k = 8 and 64, two and
-/// three steps, slabs of 8,192 and 32,768 points), and of the smallest windows more. Across a wall they count too many.
+/// points: an ordinary cell, and for each step two and a half times the ball of a neighbourhood. With this number,
+/// plans have room for 1.1 to 3.1 times the points that were in the window of four clouds of 1M points (k = 8 and 64,
+/// two and three steps, slabs of 8,192 and 32,768 points), and for more than that in the smallest windows. For a wall
+/// across the axis the number is too large.
 std::uint64_t window_neighbors(const SweepPlan& plan, std::uint32_t cell_points, double dimension);
 
 /// Plans a run. Prefers memory, then spilling, then thinner slabs. A budget larger than a sufficient one also suffices.

@@ -68,7 +68,7 @@ nlohmann::ordered_json counts(const ReferenceCounts& r) {
 }  // namespace
 
 // The least count of certified points over the sweeps is the count of points certified in every sweep: each sweep has
-// points of the sweep before only, unless `set` gives a finite position to a point that had none.
+// only points of the sweep before, unless `set` gives a finite position to a point that had none.
 void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep) {
   to.certified = to.sweeps == 0 ? sweep.certified : std::min(to.certified, sweep.certified);
   to.recalled += sweep.recalled;

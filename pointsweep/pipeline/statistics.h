@@ -23,10 +23,10 @@ std::string machine_description();
 /// Returns the largest resident set of this process so far, in bytes.
 std::uint64_t peak_resident_bytes();
 
-/// Returns all bins from the first to the last that is not empty, after the bin of distance 0 if that is not empty.
+/// Returns the bin of distance 0, unless it is empty, and all bins from the first to the last that is not empty.
 std::vector<DistanceBin> bins_of(const NeighborDistances& distances);
 
-/// The states by input row as a .npy file of uint8.
+/// Writes the states, by input row, as a .npy file of uint8.
 void write_states(const std::vector<PointState>& states, const std::filesystem::path& path, bool overwrite);
 
 }  // namespace pointsweep

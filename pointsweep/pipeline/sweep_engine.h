@@ -16,12 +16,13 @@
 
 namespace pointsweep {
 
-/// A pass as such an engine gets it.
+/// The pass that an engine performs.
 struct EnginePass {
   const Stream& stream;  ///< in canonical order
   const PlannedPass& pass;
-  RowStore& store;             ///< receives result records by input row,
-  const OutputLayout* layout;  ///< if not null, the store takes whole records by place in the stream
+  /// Receives result records by input row; with a layout, whole output records by place in the stream.
+  RowStore& store;
+  const OutputLayout* layout;  ///< layout of output records; null if `store` receives result records
   std::uint64_t memory_bytes;  ///< limit for the points that the engine holds
   std::function<void(std::uint64_t points_read, std::uint64_t points_active)> progress;
 };
@@ -31,9 +32,9 @@ class SweepEngine {
   virtual ~SweepEngine() = default;
   /// Returns the name of the engine in records of outputs.
   virtual std::string name() const = 0;
-  /// Throws UsageError for a request that the engine has no answer to.
+  /// Throws UsageError for a request that the engine does not support.
   virtual void require_can(const ChainPlan& plan, const EngineOptions& options) const = 0;
-  /// Returns the statistics of a sweep. Statistics of this engine alone are added to `statistics`.
+  /// Returns the statistics of a sweep. Adds statistics that only this engine has to `statistics`.
   virtual SweepStatistics sweep(const EnginePass& pass, Statistics& statistics) const = 0;
 };
 

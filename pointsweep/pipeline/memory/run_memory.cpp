@@ -40,7 +40,7 @@ MemoryDemand demand(std::uint64_t record_bytes, std::uint64_t result_bytes, std:
       .codec_bytes = codec_bytes};
 }
 
-/// Adds the memory that a radius without a limit k needs. Returns its effort, for a sentence to the user.
+/// Adds the memory that a radius without a limit k needs. Returns the effort of the search, for a sentence to the user.
 Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, Estimates& estimates) {
   const Neighborhood& n = plan.neighborhood;
   if (n.k != Neighborhood::kUnlimited) return {};
@@ -236,7 +236,8 @@ RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::u
 
 namespace {
 
-/// More threads than this work only if they leave enough memory for the window and the recall.
+/// Number of threads that always work. More threads work only if they leave enough memory for the window and the
+/// recall.
 constexpr unsigned kThreadsInAnyCase = 2;
 /// The reciprocal of the share of the memory that grows with the cloud which all threads together may use, if points
 /// may be recalled. With a larger share the window would be so small that many points are recalled in small groups,
@@ -322,7 +323,7 @@ std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const
                           std::uint64_t record_bytes, unsigned threads) {
   std::uint64_t decoders = 0;  // a thread reads one input at a time
   for (const auto& reader : cloud.readers())
-    if (!reader->info().decode_once)  // inputs that are decoded once are closed before (decoded_input.h)
+    if (!reader->info().decode_once)  // inputs that are decoded once are closed before the passes
       decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));
   const std::uint64_t division = options.division.divides() ? kLeastDivisionBytes : 0;
   return decoders + encoder_bytes(outputs, record_bytes, threads) + division;

@@ -83,11 +83,11 @@ std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const
 /// their rows once.
 std::uint64_t once_decoder_bytes(const InputCloud& cloud, unsigned threads);
 
-/// Returns the bytes for encoding one output.
+/// Returns the most bytes that encoding records of `record_bytes` to one of the outputs takes.
 std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, unsigned threads);
 
-/// Returns the bytes that the output stores in scratch for `count` records of `record_bytes`, if encoders may use
-/// `memory`.
+/// Returns the most bytes that one output stores in scratch for `count` records of `record_bytes`, if encoders may use
+/// `memory` bytes.
 std::uint64_t aside_bytes(const Outputs& outputs, std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                           unsigned threads);
 

@@ -191,8 +191,9 @@ std::string about_time_text(double seconds) {
 
 /// Estimates the number of open points: points of which the sweep has passed the first neighbour along the axis and not
 /// the last. Returns the larger of two estimates from the sample. The first places neighbours at the distances expected
-/// in the whole cloud, and counts less its possible error: it is the larger one if many points are open, as for a wall
-/// across the axis. The second takes the share of the sample that is open, and scales it to those distances.
+/// in the whole cloud, and subtracts the possible error of its count: it is the larger one if many points are open, as
+/// for a wall across the axis. The second takes the share of the sample that is open, and scales it to the distances in
+/// the whole cloud.
 std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, std::uint64_t k) {
   const std::vector<Vec3> others = some_of(survey.sample, kMostOthers), places = some_of(others, kPlaces);
   if (others.size() <= kOffsets) return points;

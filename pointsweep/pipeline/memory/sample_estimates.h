@@ -38,15 +38,15 @@ std::string neighbors_text(double neighbors_per_point);
 std::string about_time_text(double seconds);
 
 /// Estimates, for a cloud of `points` points, the most points that have neighbours on both sides of a front across the
-/// axis. `k`: number of nearest neighbours of a point. Uses a sample of at most 16,384 points and the places of their 8
-/// nearest. Takes at most 0.1 s.
+/// axis. `k`: number of nearest neighbours of a point. Uses a sample of at most 16,384 points and the places of the 8
+/// nearest neighbours of each. Takes at most 0.1 s.
 std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, std::uint64_t k);
 
 /// Returns places of the sample, unordered, with about kBucketPoints points between successive ones along the axis, for
 /// any distribution of points. Equal coordinates along the axis are ordered by the other coordinates.
 std::vector<Vec3> places_between_buckets(const Survey& survey, std::uint64_t points);
 
-/// Estimates from the survey. Each is made once, although many plans are tried.
+/// Estimates from a survey. Each estimate is computed once and remembered, since the planning asks for it many times.
 class Estimates {
  public:
   Estimates(const Survey& survey, std::uint64_t points) : survey_(survey), points_(points) {}

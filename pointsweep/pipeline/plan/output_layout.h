@@ -63,8 +63,7 @@ class OutputLayout {
   RecordMap passed_;                                  ///< copies from records of the input
   RecordMap copies_;                                  ///< copies from result records
   std::vector<std::pair<Field, Field>> conversions_;  ///< conversions from result records
-  std::vector<std::pair<Field, Field>>
-      retyped_;  ///< conversions from records of the input: positions that no stage has moved
+  std::vector<std::pair<Field, Field>> retyped_;      ///< conversions of input positions that no stage has moved
 };
 
 }  // namespace pointsweep
