@@ -10,7 +10,8 @@
 
 namespace pointsweep {
 
-/// The cloud must outlive the source. `note(rows)` is called after each reading, from any thread.
+/// Returns the points of `cloud`, which must outlive the source. Calls `note` with the number of rows after each
+/// reading, from any thread.
 PointSource source_of(InputCloud& cloud, const std::function<void(std::size_t rows)>& note);
 
 }  // namespace pointsweep

@@ -25,7 +25,7 @@ constexpr std::size_t kPiecesAtOnce = 1 << 12;  ///< pieces that are listed befo
 
 std::uint64_t decoded_bytes(const FileInfo& info) { return info.decode_once ? info.count * info.schema.stride : 0; }
 
-/// The records of another reader, from their place in a temporary file.
+/// Reads the decoded records of another reader from a temporary file.
 class DecodedReader final : public Reader {
  public:
   /// The records begin at byte `begin` of `file`.
@@ -100,13 +100,13 @@ class Pieces {
  private:
   const InputCloud& cloud_;
   std::size_t input_ = 0;
-  std::uint64_t row_ = 0, begin_ = 0;  ///< next row of that input, and its place
+  std::uint64_t row_ = 0, begin_ = 0;  ///< next row of input_; byte of the file where its records begin
 };
 
 /// Decodes pieces for one thread.
 class PieceDecoder {
  public:
-  /// Calls `note(rows)` after each batch.
+  /// Writes the records of a piece to `file`. Calls `note(rows)` after each batch.
   template <class Note>
   void decode(Reader& encoded, const Piece& piece, SpillFile& file, const Note& note) {
     const std::size_t stride = encoded.info().schema.stride;

@@ -19,7 +19,7 @@ InputCloud decoded_input(const InputCloud& cloud, const EngineOptions& options, 
 
 /// Returns the bytes that the temporary file of a run over `cloud` will take.
 std::uint64_t decoded_input_bytes(const InputCloud& cloud);
-/// Returns the line of a dry run that states these bytes; empty for 0 bytes.
+/// Returns the line of a dry run that states decoded_input_bytes(); empty for 0 bytes.
 std::string decoded_input_text(std::uint64_t bytes);
 
 }  // namespace pointsweep

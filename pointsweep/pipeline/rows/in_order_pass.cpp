@@ -19,7 +19,8 @@
 namespace pointsweep {
 namespace {
 
-/// Points near to each other are found together (operators/nearest/place_group.h).
+/// Points that an operator gets at a time. A large batch allows it to search for nearby points together
+/// (operators/nearest/place_group.h).
 constexpr std::size_t kOrderedBatch = 32768;
 
 /// Returns a name for the position that no field of a file can have, since library names contain no blank.
@@ -63,7 +64,7 @@ class Placement {
   RecordMap carried_;
 };
 
-/// Reads rows by `read` and places them.
+/// Returns a function that reads rows by `read` and converts them by `placement`.
 ReadRows placing(ReadRows read, std::shared_ptr<const Placement> placement) {
   return [read = std::move(read), placement = std::move(placement), scratch = std::vector<std::byte>()](
              std::uint64_t row, std::span<std::byte> records) mutable {
@@ -149,7 +150,7 @@ class OrderedBatch {
   FirstRowError refused_;
 };
 
-/// Gives all points in order.
+/// Passes all points of the stream to `use` in order, at most kOrderedBatch at a time.
 template <class Use>
 void for_each_batch(const InOrderPass& run, Use use) {
   const std::size_t stride = run.stream.record_schema().stride;
@@ -230,7 +231,7 @@ class FoundRecords {
   }
 
   const InOrderPass& run_;
-  RecordMap kept_;  ///< from the values of a finding
+  RecordMap kept_;  ///< copies kept attributes from the values of a finding
   std::size_t value_bytes_ = 0;
   std::vector<std::byte> filled_, dropped_, records_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A pass that takes all points in order, to an InOrderOperator.
+/// A pass that gives all points in order to an InOrderOperator.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +16,9 @@
 
 namespace pointsweep {
 
-/// The points of `source` at the places that `op` assigns to them. Each place is followed by the position, in its type,
-/// and by the fields `payload` of the source. A point without a finite position has no place. `op` must outlive the
-/// source.
+/// The points of `source` at the places that `op` assigns to them. Each place is followed by the position, in the type
+/// of the source, and by the fields `payload` of the source. A point without a finite position has no place. `op` must
+/// outlive the source.
 struct PlacedSource {
   PlacedSource(const PointSource& source, const std::vector<std::size_t>& payload, const InOrderOperator& op);
   PointSource source;
@@ -32,13 +32,13 @@ struct InOrderPass {
   bool is_part;              ///< the stream has further rows, whose findings are discarded
   std::uint64_t first_row;   ///< row of the stream that is the first row of the results
   std::uint64_t rows;        ///< number of rows of the results
-  RowStore& results;         ///< gets a record for each row that is dropped or has values, and nothing for the others
-  std::uint64_t* undecided;  ///< receives the number of undecided rows of the results; null: no row can be undecided
+  RowStore& results;         ///< gets a record for each row that is dropped or has values; other rows keep their fill
+  std::uint64_t* undecided;  ///< the number of undecided rows of the results is added to it; null: not counted
   std::function<void(std::uint64_t points)> progress;
 };
 
-/// Returns which of some working records of the pass other parts of a cloud need, by number. The records are at their
-/// positions, all finite. Throws the error of a row with a value that the stage cannot read.
+/// Returns the indices of the working records of the pass that other parts of a cloud need. The positions of all
+/// `records` must be finite. Throws the error of a row with a value that the stage cannot read.
 std::vector<std::uint32_t> for_other_parts(const InOrderOperator::ChoosePoints& choose, const PlannedPass& pass,
                                            const Schema& record, std::span<const std::byte> records);
 

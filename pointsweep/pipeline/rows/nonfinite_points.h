@@ -23,18 +23,18 @@ void for_each_nonfinite(const Stream& stream,
 /// Returns the rows of `records`, working records of the stream.
 std::vector<std::uint64_t> rows_of_records(const Stream& stream, std::span<const std::byte> records);
 
-/// Numbers of the first of these rows, ascending, at most `most`.
+/// Returns the rows of the first nonfinite points of the stream, ascending, at most `most`.
 std::vector<std::uint64_t> first_nonfinite_rows(const Stream& stream, std::size_t most);
 
-/// Returns `asked`, or its meaning if it is by_format: `drop` for formats that cannot hold such points (LAS), `keep`
-/// for others. For tiles: `drop` if the format of any tile cannot hold such points and the input of that tile may have
-/// some.
+/// Returns `asked`, or its meaning if it is by_format: `drop` for formats that cannot hold nonfinite points (LAS),
+/// `keep` for other formats. For tiles: `drop` if the format of any tile cannot hold nonfinite points and the input of
+/// that tile may have some.
 Nonfinite nonfinite_rule(const InputCloud& cloud, const Outputs& outputs, Nonfinite asked);
 
 struct FiniteInput {
   InputCloud cloud;       ///< the rows that the run uses
-  NonfiniteRows dropped;  ///< the others; a count of 0 if none were searched or found
-  /// "Dropped 3 points whose coordinates are not finite ..."; empty if none were.
+  NonfiniteRows dropped;  ///< the dropped rows; their count is 0 if no row was dropped
+  /// Returns "Dropped 3 points whose coordinates are not finite ..."; empty if no row was dropped.
   std::string warning() const;
 };
 

@@ -16,11 +16,11 @@ namespace pointsweep {
 /// The decision about an order on demand, made before the first pass reads a point. The boxes only serve this decision:
 /// the run counts the points before it relies on their places (Stream::on_demand).
 struct OnDemandOrder {
-  std::string why_not;        ///< why not, as the end of a sentence; empty where an order on demand is possible
+  std::string why_not;        ///< reason against an order on demand, as the end of a sentence; empty if it is possible
   std::vector<RowBox> boxes;  ///< boxes that the inputs state; they cover all rows, ascending
 };
 
-/// The first pass of `planned` that puts points in order; the number of passes if none does.
+/// Returns the number of the first pass of `planned` that puts points in order; the number of passes if none does.
 std::size_t first_ordered_pass(const ChainPlan& planned);
 
 /// Decides whether slabs on demand are possible in the first pass that puts points in order.

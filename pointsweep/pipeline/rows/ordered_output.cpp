@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kPositionBytes = 3 * sizeof(double);
 
-/// A record of `before` unnamed bytes, then x, y and z.
+/// Returns the schema of a record of `before` unnamed bytes, then x, y and z.
 Schema position_behind(std::uint32_t before) {
   Schema schema;
   schema.stride = before;
@@ -24,7 +24,7 @@ Schema position_behind(std::uint32_t before) {
   return schema;
 }
 
-/// The first `bytes` of each record of a slab, in order.
+/// Returns the first `bytes` of each record of a slab, in canonical order.
 std::vector<std::byte> sorted_slab(const Stream& stream, std::size_t slab, std::size_t bytes) {
   const std::size_t stride = stream.record_schema().stride;
   std::vector<std::byte> records(stream.slabs()[slab].count * stride);
@@ -47,7 +47,7 @@ std::vector<std::uint32_t> order_of(const Stream& stream, const std::vector<std:
                    z.data());
   const Field& field = schema.fields.back();
   for (std::size_t i = 0; i < n; ++i) {
-    std::memcpy(&row[i], records.data() + i * schema.stride + field.offset, size_of(field.type));  // zero above a u32
+    std::memcpy(&row[i], records.data() + i * schema.stride + field.offset, size_of(field.type));  // widens a u32
   }
   std::vector<std::uint32_t> order;
   canonical_order(stream.axis(), x, y, z, row, order);

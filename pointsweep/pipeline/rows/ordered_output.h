@@ -15,26 +15,26 @@
 
 namespace pointsweep {
 
-/// Indices of the slab's working records in canonical order.
+/// Returns the indices of `records`, the working records of a slab, in canonical order.
 std::vector<std::uint32_t> order_of(const Stream& stream, const std::vector<std::byte>& records);
 
-/// Returns the inverse permutation: for each index, the place within the slab.
+/// Returns the inverse permutation of order_of(): the place of each record within the slab.
 std::vector<std::uint32_t> ranks(const Stream& stream, const std::vector<std::byte>& records);
 
-/// Gives the first `bytes` of every working record to `write`, points without a place last.
-/// `report(points_written)` after each slab.
+/// Passes the first `bytes` of every working record to `write` in canonical order, nonfinite points last. After each
+/// slab, calls `report` with the number of points of the slabs written so far.
 void write_in_order(const Stream& stream, std::size_t bytes,
                     const std::function<void(std::span<const std::byte>)>& write,
                     const std::function<void(std::uint64_t)>& report);
 
-/// Output records for an order of positions that no sweep has. Each record is followed by the position that decides its
-/// place: the last one in `rows` if `by_moved_positions`, otherwise the position in the input.
+/// Sources of output records that must be put in an order that no sweep has. Each record is followed by the position
+/// that decides its place: the last attribute of `rows` if `by_moved_positions`, otherwise the position in the input.
 class Reordering {
  public:
   Reordering(InputCloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions);
   /// Returns only the positions, for the survey. This object must outlive the source.
   PointSource positions() const;
-  /// Whole records. The source must not outlive this.
+  /// Returns whole records with their positions. This object must outlive the source.
   PointSource records() const;
 
  private:

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::uint64_t kSlabPoints = 32768, kBufferBytes = 8u << 20;
 
-/// Returns the fields of a cloud that an operator reads.
+/// Returns the indices of the fields that an operator reads.
 std::vector<std::size_t> fields_of(const std::vector<Attribute>& reads, const Schema& schema, const std::string& name) {
   std::vector<std::size_t> fields;
   for (const Attribute& a : reads) {
@@ -96,7 +96,7 @@ std::string OtherCloud::identity() const {
   return text;
 }
 
-/// The buffer, slabs on their way into order on each thread, and the survey's sample.
+/// Counts the buffers, the slabs that each thread puts in order, and the survey's sample.
 std::uint64_t OtherCloud::working_bytes(unsigned threads, std::uint64_t value_bytes) {
   constexpr std::uint64_t kRecordBytes = 32;
   return 2 * kBufferBytes + (threads + 1) * 3 * kSlabPoints * (kRecordBytes + value_bytes);

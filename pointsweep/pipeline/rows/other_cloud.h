@@ -22,16 +22,16 @@ namespace pointsweep {
 class OtherCloud {
  public:
   /// Opens the files that `name` means (files.h). Throws Error if there are none, UsageError if they state another
-  /// coordinate reference system than `cloud`, unless `cloud` ignores it. `reads`: the attributes to read, by the names
-  /// of its fields.
+  /// coordinate reference system than `cloud`, unless `cloud` ignores reference systems. `reads`: the attributes to
+  /// read, named like fields of the other cloud.
   OtherCloud(const std::string& name, std::vector<Attribute> reads, const InputCloud& cloud);
 
   const std::string& name() const { return name_; }
   std::uint64_t count() const { return cloud_->count(); }
   std::vector<std::filesystem::path> files() const;
-  /// The files and their states, as a part of the identity of a resumable run.
+  /// Returns the files and their states, as a part of the identity of a resumable run.
   std::string identity() const;
-  /// Sentences for the user.
+  /// Returns warnings about the cloud, as sentences for the user.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   /// Puts the points in order along the axis, into a temporary file, and passes them to the caller's function. Throws
@@ -41,16 +41,16 @@ class OtherCloud {
   /// Puts the points of a cloud in order along the axis, into a temporary file, with their values of `reads`.
   static Stream in_order(InputCloud& cloud, const std::string& name, const std::vector<Attribute>& reads, int axis,
                          const SpillPlace& spill, const std::function<void(std::uint64_t rows)>& progress);
-  /// Puts working records of such points in the order (StreamOptions::numbered).
+  /// Puts working records of in_order(), which contain row numbers, in order along the axis (StreamOptions::numbered).
   static Stream in_order(const PointSource& numbered, int axis, const SpillPlace& spill);
-  /// Gives the finite points of such a stream.
+  /// Passes the finite points of a stream made by in_order() to `take`, with their values of `reads`.
   static void give(const Stream& stream, const std::string& name, const std::vector<Attribute>& reads,
                    const std::function<void(std::uint64_t rows)>& progress,
                    const std::function<void(const OtherPoints&)>& take);
-  /// Throws UsageError if its files store the attributes to read in different types: they are then no tiles of one
+  /// Throws UsageError if the files store the attributes to read in different types, so that they are no tiles of one
   /// cloud.
   void require_same_types() const;
-  std::vector<std::uint64_t> counts() const;  ///< points, by file
+  std::vector<std::uint64_t> counts() const;  ///< number of points of each file
   /// Returns the memory of give_in_order(). `value_bytes`: bytes of the attributes read of a point.
   static std::uint64_t working_bytes(unsigned threads, std::uint64_t value_bytes);
 

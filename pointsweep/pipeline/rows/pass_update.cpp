@@ -32,7 +32,7 @@ void spread(const std::byte* from, std::size_t bytes, std::size_t n, std::size_t
   for (std::size_t i = 0; i < n; ++i) std::memcpy(to + i * stride, from + i * bytes, bytes);
 }
 
-/// The rows of the cloud before any select.
+/// Returns the number of rows of the cloud before any select.
 std::uint64_t all_rows(const InputCloud& cloud) {
   return cloud.selection() ? cloud.selection()->rows() : cloud.count();
 }

@@ -22,8 +22,8 @@
 
 namespace pointsweep {
 
-/// Makes the rows of `after`. Each value comes from the sweep if it made the attribute, otherwise from the rows carried
-/// into it. All three kinds of records contain the values of their attributes one after another.
+/// Makes the rows of `after`. Each value comes from the pass if the pass has made the attribute, otherwise from the
+/// rows carried into the pass. All three kinds of records contain the values of their attributes one after another.
 class RowUpdate {
  public:
   RowUpdate(const std::vector<Attribute>& carried, const std::vector<Attribute>& made,
@@ -49,8 +49,8 @@ struct UpdatedRows {
 using MadeRows = std::function<void(
     const std::function<void(std::uint64_t first_row, std::size_t count, const std::byte* made)>& use)>;
 
-/// Updates the rows of `results` in order, at most rows_at_once() at a time, on all threads. `carried` is null before
-/// the first pass; `made_bytes` is the size of a record of `results`.
+/// Updates the rows of `results` in order, at most rows_at_once() at a time, on all threads. `carried` is null for the
+/// first pass; `made_bytes` is the size of a record of `results`.
 void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
                  const std::function<void(const UpdatedRows&)>& use);
 
@@ -76,7 +76,7 @@ class PassUpdate {
   std::uint64_t spilled_bytes() const { return spilled_bytes_; }
 
  private:
-  /// Some of the rows that add() has got, for one thread.
+  /// A range of the rows passed to add(), for one thread.
   struct Task {
     std::size_t first, count;
     std::uint64_t place = 0;  ///< place of its first kept row in rows_
@@ -99,7 +99,7 @@ class PassUpdate {
   PassValues values_;
   ParallelRows input_rows_;
   std::vector<std::byte> inputs_;   ///< records of the cloud, if a value needs them
-  std::vector<std::uint8_t> kept_;  ///< for each row, if the pass selects
+  std::vector<std::uint8_t> kept_;  ///< not 0 for each kept row passed to add(), if the pass selects
   std::vector<Room> rooms_;         ///< for each thread
   std::uint64_t spilled_bytes_ = 0;
 };

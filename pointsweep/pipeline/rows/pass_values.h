@@ -11,7 +11,7 @@
 
 namespace pointsweep {
 
-/// Values of the whole cloud, by their number in the whole chain.
+/// Values of the whole cloud, by PlannedValue::number.
 using CloudValues = std::map<std::size_t, std::vector<double>>;
 
 class PassValues {
@@ -21,7 +21,7 @@ class PassValues {
 
   /// Returns whether add() also needs the cloud's records.
   bool needs_input() const { return needs_input_; }
-  /// Adds `n` rows after the pass: carried records, and records of the cloud, which may be null if not needed.
+  /// Adds `n` rows that the pass leaves: carried records, and records of the cloud, which may be null if not needed.
   /// `worker`: number of the thread in a parallel loop; several threads may call at once.
   void add(unsigned worker, const std::byte* carried, const std::byte* inputs, std::size_t n);
   void finish(CloudValues& into) const;
@@ -48,12 +48,12 @@ class PassValues {
   bool needs_input_ = false;
 };
 
-/// Finishes the values of a pass whose rows several processes have taken: `saved` has what PassValues::save() of each
-/// returned.
+/// Finishes the values of a pass whose rows several processes have taken: `saved` has the result of PassValues::save()
+/// of each process.
 void finish_values(const PlannedPass& pass, const std::vector<std::vector<std::vector<std::byte>>>& saved,
                    CloudValues& into);
 
-/// Returns the pass with the values that its stages wait for, bound to the records that it will get.
+/// Returns the pass with the values of the whole cloud that its stages need, bound to `records` (PlannedPass::bind).
 PlannedPass ready_pass(PlannedPass pass, const CloudValues& values, const Schema& records);
 
 }  // namespace pointsweep

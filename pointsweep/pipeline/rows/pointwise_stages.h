@@ -25,7 +25,7 @@ class PointwiseStages {
 
   /// Makes the result records of the points in `records`, whose rows are `rows`, on all threads.
   void run(const std::byte* records, std::span<const std::uint64_t> rows, std::byte* results);
-  /// The times and the degenerate rows of all calls of run().
+  /// Returns the times and the degenerate rows of all calls of run().
   StageTally tally() const;
 
  private:

@@ -13,14 +13,15 @@
 
 namespace pointsweep {
 
-/// Collects a decision for each row of a cloud, which may be a selection itself; the result is one of the whole cloud.
+/// Collects a decision for each row of a cloud from which selects may have dropped rows. The result is a selection
+/// among all rows of the cloud.
 class RowMask {
  public:
   /// `before`: the rows that earlier selects have kept of `rows` rows; null: all. It must outlive the mask.
   RowMask(std::uint64_t rows, const RowSelection* before, const SpillPlace& spill);
   /// Appends the decisions about the next rows of `before`: not 0 for a kept row.
   void append(std::span<const std::uint8_t> kept);
-  /// Must be called after the last row.
+  /// Returns the selection. Must be called after the last row.
   RowSelection finish();
   std::uint64_t spilled_bytes() const { return file_->spilled_bytes(); }
 
@@ -32,7 +33,7 @@ class RowMask {
  private:
   void append_any(bool kept);
 
-  std::uint64_t rows_, next_ = 0;  ///< of all rows of the cloud
+  std::uint64_t rows_, next_ = 0;  ///< number of all rows of the cloud, and of rows decided so far
   std::optional<SelectionCursor> before_;
   std::shared_ptr<RowFile> file_;
   std::vector<std::byte> block_;
