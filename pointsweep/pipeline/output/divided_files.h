@@ -23,8 +23,8 @@ namespace pointsweep {
 void require_files_possible(const Divider& divider, std::span<const DividedFile> files);
 
 /// Writes files one after another, several small ones in parallel. Each file has the layout of the whole output (one
-/// grid, one header except for counts and bounds). A file is complete or absent. A file with nothing but a buffer is
-/// not written.
+/// grid, one header except for counts and bounds). A file is complete or absent. A file that has only points in its
+/// buffer is not written.
 class DividedFiles {
  public:
   /// Borrows the divider and the files. `memory_bytes`: for files that wait to be written, without the memory of their
@@ -33,14 +33,14 @@ class DividedFiles {
   DividedFiles(const Divider& divider, const std::vector<DividedFile>& files, std::uint64_t memory_bytes,
                std::function<void(double share)> progress);
 
-  /// Takes the next records of a file: all of one file in their order, before the first of another one.
+  /// Takes the next records of a file. All records of a file must come before the first record of another file.
   void take(std::uint32_t file, std::span<const std::byte> records);
   /// Completes the files. Must be called once, after the last record.
   void finish();
 
   std::size_t complete() const { return complete_; }  ///< number of complete files
   std::uint64_t bytes_written() const { return bytes_written_; }
-  /// Returns what there is to say of the files, after finish().
+  /// Returns sentences about the files for the user. Must be called after finish().
   std::vector<std::string> warnings() const;
 
  private:

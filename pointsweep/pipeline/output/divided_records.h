@@ -21,24 +21,25 @@ class DividedRecords {
   /// (GroupedRecords).
   DividedRecords(const Divider& divider, std::uint64_t expected, std::uint64_t memory_bytes, MakeScratch make_scratch);
 
-  /// Adds records to their files, and to the buffers of others. Throws the error of Divider::require_few().
+  /// Adds records to their files, and to the files of tiles that have the points in their buffers. Throws the error of
+  /// Divider::require_few().
   void write(std::span<const std::byte> records);
-  /// Calls `use` with whole records of Divider::plan(): the records of one file after those of another, each in the
-  /// order in which they came. `file` is an index of files(). Must be called once, after the last record.
+  /// Calls `use` with whole records of Divider::plan(), file by file, the records of a file in the order of write().
+  /// `file` is an index of files(). Must be called once, after the last record.
   void for_each(const std::function<void(std::uint32_t file, std::span<const std::byte> records)>& use) {
     records_.for_each(use);
   }
 
-  /// Returns the files in the order of their first records. Some may have a buffer and no point of their own.
+  /// Returns the files in the order of their first records. A file may have points in its buffer alone.
   const std::vector<DividedFile>& files() const { return files_; }
-  std::uint64_t came() const { return came_; }  ///< number of records
+  std::uint64_t came() const { return came_; }  ///< number of records passed to write()
 
  private:
   void put(FileKey key, const std::byte* record, bool is_own);
 
   const Divider& divider_;
   GroupedRecords records_;
-  std::vector<FileKey> keys_;  ///< of the latest records
+  std::vector<FileKey> keys_;  ///< files of the records of the last write()
   std::vector<DividedFile> files_;
   std::unordered_map<FileKey, std::uint32_t, FileKeyHash> file_of_;
   std::uint64_t came_ = 0;

@@ -24,7 +24,8 @@ struct DivisionRoom {
 /// The least DivisionRoom::bytes.
 inline constexpr std::uint64_t kLeastDivisionBytes = 16 << 20;
 
-/// Stores records as they come (DividedRecords). After the last record it writes the files (DividedFiles).
+/// Stores records in the order of their arrival (DividedRecords). After the last record it writes the files
+/// (DividedFiles).
 class DividedWriter final : public Writer {
  public:
   /// Throws the errors of Divider() and of create_writer().

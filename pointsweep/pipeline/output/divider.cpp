@@ -36,7 +36,7 @@ std::string as_file_name(std::string name) {
   return name;
 }
 
-/// The mark of points that belong to a neighbouring tile.
+/// Returns the attribute that marks points of a neighbouring tile.
 Attribute buffer_attribute() {
   return scalar("buffer", Type::u8, "1", "1: the point is in the buffer, and belongs to a neighbouring tile");
 }
@@ -93,7 +93,7 @@ double Divider::coordinate_of(std::size_t axis, const std::byte* record) const {
 }
 
 FileKey Divider::key_of(const std::byte* record) const {
-  if (!grid_) return {whole_number_of(attribute_, record), 0};  // a u64 may wrap; name_of() reverses that
+  if (!grid_) return {whole_number_of(attribute_, record), 0};  // a u64 may wrap; name_of() converts it back
   std::array<std::int64_t, 2> tile{};
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const double coordinate = coordinate_of(axis, record);

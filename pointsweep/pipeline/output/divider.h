@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which file a point comes into when an output is divided among many: tiles, or a file for each value of an attribute.
+/// The division of an output among many files: square tiles, or a file for each value of an attribute.
 #pragma once
 
 #include <array>
@@ -30,14 +30,14 @@ struct FileKeyHash {
   std::size_t operator()(const FileKey& key) const;
 };
 
-/// One of the files, and how many points it gets.
+/// A file of a divided output, with its numbers of points.
 struct DividedFile {
   FileKey key;
   std::uint64_t own = 0, all = 0;  ///< points, without and with the points in its buffer
 };
 
-/// The tile of a point is decided by the coordinates that a reader of the output gets, after any rounding of its
-/// format. Points without a finite x and y have a file of their own, `unplaced`.
+/// Assigns points to files. The tile of a point follows from the coordinates that a reader of the output gets, after
+/// any rounding by the format. Points without a finite x and y have a file of their own, `unplaced`.
 class Divider {
  public:
   /// `plan.path` is the path of the files, with a * for the name of each. Throws UsageError for an attribute whose
@@ -46,8 +46,8 @@ class Divider {
   /// Throws the errors of create_writer().
   void require_writable() const;
 
-  /// Returns the plan of all files together. With a buffer, its records have one attribute more than those that are
-  /// divided.
+  /// Returns the plan of all files together. With a buffer, the records of the plan have one attribute more than the
+  /// records that are divided.
   const OutputPlan& plan() const { return plan_; }
   bool has_buffers() const { return division_.tile_buffer > 0; }
   /// Returns the bytes of a record that is divided.

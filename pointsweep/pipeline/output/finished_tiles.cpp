@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// The list of complete tiles of a resumable run.
 #include <sys/stat.h>
 
 #include <fstream>

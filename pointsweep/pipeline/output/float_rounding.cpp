@@ -12,8 +12,8 @@
 namespace pointsweep {
 namespace {
 
-/// Returns half the step from a positive float32 number to the next greater one. Rounding to float32 changes no number
-/// up to this one by more.
+/// Returns half the step from a positive float32 number to the next greater one. Rounding to float32 changes numbers
+/// from 0 to `number` by at most the half step.
 double half_step_at(double number) {
   const auto at = static_cast<float>(number);
   int exponent = 0;
@@ -27,7 +27,7 @@ double farthest_from_zero(const Box& box) {
   return farthest;
 }
 
-/// Returns the power of ten that is not less than the longest side of the box.
+/// Returns the least power of ten that is not less than the longest side of the box.
 double power_of_ten_over(const Box& box) {
   double longest = 0;
   for (int a = 0; a < 3; ++a) longest = std::max(longest, box.hi[a] - box.lo[a]);

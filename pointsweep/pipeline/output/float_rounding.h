@@ -17,15 +17,15 @@ namespace pointsweep {
 /// Takes the records of an output, and tells by how much their coordinates may have been rounded to float32.
 class FloatRounding {
  public:
-  /// `input`: fields of the input. `output`: fields of the records. Ignores all records unless the output has
-  /// coordinates of float32 and the input has others, or a stage moves the points.
+  /// `input`: fields of the input. `output`: fields of the records. Ignores all records unless the output has float32
+  /// coordinates, and the input has coordinates of another type or a stage moves the points.
   FloatRounding(const Schema& input, const std::vector<Attribute>& made, const Schema& output);
 
   /// Takes whole records of the output.
   void see(std::span<const std::byte> records);
   /// Returns "x, y and z are stored as float32, which rounds them by at most 0.25; ...": half a step of float32 at the
-  /// coordinate farthest from 0, and a translation that would make it at least 16 times smaller, if there is one. Empty
-  /// if nothing is rounded.
+  /// coordinate farthest from 0, and a translation that would make this bound at least 16 times smaller, if such a
+  /// translation exists. Empty if nothing is rounded.
   std::string sentence() const;
 
  private:

@@ -42,7 +42,7 @@ class GroupedRecords {
   std::uint64_t memory_bytes_;
   MakeScratch make_scratch_;
   std::vector<std::byte> records_;       ///< records of the run that is being filled
-  std::vector<std::uint32_t> group_of_;  ///< group of each of these records
+  std::vector<std::uint32_t> group_of_;  ///< group of each record in records_
   std::unique_ptr<Scratch> scratch_;     ///< null until a run is written
   std::vector<std::uint64_t> run_ends_;  ///< byte after each run in the scratch
 };

@@ -81,7 +81,7 @@ class Naming {
       refuse(field, column_names(input_)[static_cast<std::size_t>(column - columns_.begin())], "");
   }
 
-  /// Decides about `old`, an attribute of the input that has the name of `field` in the output.
+  /// Replaces `old`, an attribute of the input that has the name of `field` in the output, or throws UsageError.
   void meet(const Attribute& attribute, const std::string& own, const std::string& field, const Field& old) {
     if (old.count != 1) refuse(field, old.name, "");
     if (asked_to_replace({attribute.name, own, old.name, library_name_of(old.name)})) return;
@@ -100,7 +100,8 @@ class Naming {
     return asked;
   }
 
-  /// `replaceable`: the name that --replace needs to overwrite `old`; empty if none allows it.
+  /// Throws UsageError. `replaceable`: the name with which --replace allows `old` to be overwritten; empty if none
+  /// does.
   [[noreturn]] void refuse(const std::string& field, const std::string& old, const std::string& replaceable) const {
     const std::string overwrite =
         replaceable.empty() ? "" : fmt::format("allow it with --replace {}, or ", replaceable);
@@ -115,7 +116,7 @@ class Naming {
   const Format* format_;  ///< format of the output; null if unknown
   const NamingRules& rules_;
   std::vector<std::string> columns_;  ///< names of the columns that the input file stores, in lower case
-  std::set<std::string> taken_;       ///< names of made attributes
+  std::set<std::string> taken_;       ///< stored names of made attributes, in lower case
   std::set<std::string> unused_;      ///< names in `replace` that no made attribute has matched
   OutputNames out_;
 };

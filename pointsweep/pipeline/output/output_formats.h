@@ -25,10 +25,10 @@ struct NamingRules {
 };
 
 struct OutputNames {
-  std::vector<Attribute> made;        ///< the given attributes; their fields have the names in the output
-  KeptFields kept;                    ///< the given selection, with the names in the output
-  std::vector<std::string> replaced;  ///< attributes of the input with exactly the name of a made one
-  /// Returns "The input's attributes nx ny nz are replaced ..."; empty if no attribute is replaced.
+  std::vector<Attribute> made;        ///< the made attributes; their fields have the names in the output
+  KeptFields kept;                    ///< the kept fields, with the names in the output
+  std::vector<std::string> replaced;  ///< attributes of the input that have exactly the name of a made attribute
+  /// Returns "replacing nx, ny, nz of the input with computed values."; empty if no attribute is replaced.
   std::string warning() const;
 };
 
@@ -40,12 +40,12 @@ struct OutputNames {
 OutputNames name_outputs(const Schema& input, const std::string& input_name, const std::vector<Attribute>& made,
                          const KeptFields& kept, const std::filesystem::path& output, const NamingRules& rules);
 
-/// A format of the outputs with one of its files. Files without a known format are not listed. Throws UsageError for a
-/// file name of a format that is not written.
+/// A format of the outputs, with one output file of this format.
 struct OutputFormat {
   const Format* format;
   std::filesystem::path example;  ///< the first output of that format
 };
+/// Returns each known format of the outputs once. Throws UsageError for a file name of a format that is not written.
 std::vector<OutputFormat> output_formats(const Outputs& outputs);
 
 /// Returns the names of made attributes in all outputs (name_outputs()). Throws UsageError if a format refuses a name.

@@ -17,7 +17,7 @@ namespace pointsweep {
 namespace {
 constexpr std::size_t kChunkBytes = 4 << 20;
 
-/// Returns the ranges of the kept fields, in their order.
+/// Returns `values` with the ranges of the kept fields alone, in the order of the kept fields.
 std::shared_ptr<const KnownValues> of_kept_fields(std::shared_ptr<const KnownValues> values, const KeptFields& kept) {
   if (!values || !kept.input) return values;
   auto some = std::make_shared<KnownValues>(*values);

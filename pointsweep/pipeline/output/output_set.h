@@ -53,7 +53,7 @@ class OutputSet {
   /// Writes records like write_inputs(), without collecting them into larger pieces. `records` has unspecified content
   /// afterwards.
   void write_piece(std::uint64_t first_row, std::vector<std::byte>& records);
-  /// Returns after all rows so far are in the files.
+  /// Waits until all rows written so far are in the files.
   void flush();
   /// Renames the files to their destinations. Throws Error if an input has changed.
   void finish(const InputCloud& cloud);
@@ -64,7 +64,7 @@ class OutputSet {
  private:
   struct Array {
     WriteBehind file;
-    std::size_t offset, bytes;  ///< in a result record
+    std::size_t offset, bytes;  ///< place in a result record
     std::vector<std::byte> column;
   };
   std::size_t chunk_rows() const;

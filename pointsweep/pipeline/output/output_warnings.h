@@ -10,7 +10,7 @@
 
 namespace pointsweep {
 
-/// Joins warnings that differ only in the file name at their begin.
+/// Joins warnings that differ only in the file name at their beginning.
 class OutputWarnings {
  public:
   void add(const std::vector<std::string>& warnings, const std::filesystem::path& output);

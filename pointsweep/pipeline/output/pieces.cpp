@@ -82,7 +82,8 @@ std::size_t FilesOfRanges::with_points() const {
   return static_cast<std::size_t>(std::ranges::count_if(files, [](const DividedFile& file) { return file.own > 0; }));
 }
 
-/// A file is the work of the task in whose share of the points it begins.
+/// Divides the points of all files into equal shares, one for each task. A task writes the files that begin in its
+/// share.
 std::vector<std::size_t> FilesOfRanges::of_task(std::size_t task, std::size_t tasks) const {
   double points = 0, before = 0;
   for (const DividedFile& file : files) points += static_cast<double>(file.all);

@@ -22,26 +22,26 @@ struct PiecesOfRange {
   static PiecesOfRange decode(Decoder& in);
 };
 
-/// Records of a range that belong to one file.
+/// Records [first, first + count) of a range, which belong to one file.
 struct PieceOfFile {
   std::uint64_t range, first, count;
 };
 
 /// The files of all ranges together, in the order of their keys.
 struct FilesOfRanges {
-  std::vector<std::string> ranges;  ///< names of what the tasks of the ranges have left
+  std::vector<std::string> ranges;  ///< names under which the tasks of the ranges have stored their results
   std::vector<DividedFile> files;
-  std::vector<std::vector<PieceOfFile>> pieces;  ///< of each file, in the order of rows
+  std::vector<std::vector<PieceOfFile>> pieces;  ///< pieces of each file, in the order of rows
 
   void encode(Encoder& out) const;
   static FilesOfRanges decode(Decoder& in);
   /// Returns the number of files with points outside of their buffer.
   std::size_t with_points() const;
-  /// Returns the indices of the files that task `task` of `tasks` writes. Each task has about as many points.
+  /// Returns the indices of the files that task `task` of `tasks` writes. The tasks get about equal numbers of points.
   std::vector<std::size_t> of_task(std::size_t task, std::size_t tasks) const;
 };
 
-/// `names` and `pieces`: of each range, in the order of rows.
+/// Joins the pieces of all ranges. `names` and `pieces` have an element for each range, in the order of rows.
 FilesOfRanges files_of(const std::vector<std::string>& names, std::span<const PiecesOfRange> pieces);
 
 }  // namespace pointsweep

@@ -113,7 +113,7 @@ bool has_moved_points(InputCloud& tile, const MovedPoints& moved, std::uint64_t 
   return false;
 }
 
-/// Checks one tile of each kind: opens its file and removes it again.
+/// Checks one tile for each pair of output format and input schema: opens its file and removes it again.
 class KindsOfTiles {
  public:
   explicit KindsOfTiles(const TileRequest& request) : request_(request) {}

@@ -46,7 +46,7 @@ class FinishedTiles {
   struct File {
     std::uint64_t device = 0, inode = 0;
     std::uint64_t bytes = 0;
-    std::int64_t changed = 0;  ///< ns; 0: listed before the rename
+    std::int64_t changed = 0;  ///< time of change in ns; 0: listed before the rename
   };
   static bool find(const std::filesystem::path& path, File& file);
   void add(std::size_t tile, const File& file);
@@ -100,7 +100,7 @@ class TileSet {
   /// Completes the remaining tiles. Must be called after the last row.
   void finish();
 
-  /// Returns a sentence for errors about how many outputs are complete. Empty if none is complete.
+  /// Waits for background tasks. Returns a sentence for errors about how many outputs are complete; empty if none is.
   std::string progress();
   std::uint64_t bytes_written() const { return bytes_written_; }
   std::size_t files_written() const { return complete_; }
