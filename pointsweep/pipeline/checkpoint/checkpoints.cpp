@@ -12,7 +12,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A checkpoint takes at most this share of the time until the next.
+/// Largest share of the time between two checkpoints that saving a checkpoint takes.
 constexpr double kShare = 0.01;
 
 }  // namespace
@@ -25,7 +25,7 @@ Checkpoints::Checkpoints(const EngineOptions& options, const std::string& identi
   found_ = !folder_.saved().empty();
   if (found_) {
     Decoder in(folder_.saved());
-    require_same_run(in.get_text(), identity, folder_.path());  // first: it names the format of all that follows
+    require_same_run(in.get_text(), identity, folder_.path());  // first: states the format of the rest
     last_ = Checkpoint::decode(in);
     in.finish();
   }

@@ -25,23 +25,23 @@ class Checkpoints {
   /// Returns the last checkpoint; at first, the checkpoint that an earlier process has left.
   const Checkpoint& last() const { return last_; }
   bool found() const { return found_; }  ///< returns whether an earlier process has left a checkpoint
-  /// The place for a spilled stream, the "results" of a pass, or the "rows" carried into it and their "mask".
+  /// Returns the place of the "stream" or "results" of a pass, or of the "rows" carried into it and their "mask".
   SpillPlace place(const char* kind, std::uint64_t sweep) const;
   std::optional<SweepProgress> progress() const;
-  /// Throws Error if the stream was cut into larger slabs than these, for more memory or fewer threads than now.
+  /// Throws Error if the stream has slabs of more than `slab_points`, cut for more memory or fewer threads than now.
   void require_slabs_of(std::uint64_t slab_points) const;
 
-  /// `memory_bytes`: the budget that the plan is made for.
+  /// Sets the survey of later checkpoints. `memory_bytes`: the memory budget of the run.
   void surveyed(const Survey& survey, std::uint64_t memory_bytes);
-  /// Called when the points are in order. `bucket_places`: places between the buckets of edges, if the pass connects
-  /// points.
+  /// Saves a checkpoint. Must be called when the points are in order. `bucket_places`: places between the buckets of
+  /// edges, if the pass connects points.
   void in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places);
   void swept(RowStore& results, const Statistics& counts);
-  /// Called when the rows for the next pass are complete. `selects`: the pass has left out rows, and its mask is
-  /// complete too.
+  /// Saves a checkpoint. Must be called when the rows for the next pass are complete. `selects`: the pass has left out
+  /// rows, and its mask is complete too.
   void updated(bool selects, const CloudValues& values, const Statistics& counts);
-  /// Must be called before the first tile is renamed to its destination. Stores a checkpoint; tiles are listed from
-  /// then on.
+  /// Must be called before the first tile is renamed to its destination. Saves a checkpoint if no earlier process has
+  /// left one: a list of complete tiles is of use only beside a checkpoint.
   void writing_tiles();
   /// Removes the folder. Must be called when the run is complete.
   void finish() { folder_.remove(); }

@@ -26,13 +26,14 @@ class ResumeFolder {
   ResumeFolder(const ResumeFolder&) = delete;
   ResumeFolder& operator=(const ResumeFolder&) = delete;
 
-  /// A file of FinishedTiles, which is of use with a checkpoint only.
+  /// Name of the file of FinishedTiles, which is of use with a checkpoint only.
   static constexpr const char* kTiles = "tiles";
 
   const std::filesystem::path& path() const { return folder_.path(); }
-  /// Returns the bytes that were saved last, by any process; empty if nothing was saved.
+  /// Returns the bytes that earlier processes saved last, as the constructor has read them; empty if none were saved.
   const std::vector<std::byte>& saved() const { return saved_; }
-  /// A file for spilled data; `name` begins with "stream-", "results-", "rows-", "mask-" or "decoded-".
+  /// Returns the place of a file for spilled data. `name` begins with "stream-", "results-", "rows-", "mask-" or
+  /// "decoded-".
   SpillPlace place(const std::string& name) const { return SpillPlace::kept(path() / name); }
   /// Begins to save `bytes`, which describe the present data of the files `names`. Another thread then flushes both to
   /// the disk: first the data, then the bytes under their name, so that even after a power failure the description
@@ -40,7 +41,7 @@ class ResumeFolder {
   /// failed.
   void save(std::vector<std::byte> bytes, const std::set<std::string>& names);
   bool is_saving() const;
-  /// Removes all spilled data but files of these names.
+  /// Removes all files of spilled data except `names`.
   void keep_only(const std::set<std::string>& names);
   void remove();
 
@@ -52,7 +53,7 @@ class ResumeFolder {
   LocalFolder folder_;
   bool holds_work_ = false;
   std::mutex removal_;     ///< held while a checkpoint gets its name, and by remove()
-  bool removing_ = false;  ///< no checkpoint is renamed any more
+  bool removing_ = false;  ///< true once remove() has begun; no checkpoint gets its name after that
   std::vector<std::byte> saved_;
   std::future<void> saving_;
 };

@@ -13,7 +13,7 @@
 namespace pointsweep {
 namespace {
 
-/// Must be increased with every change of the content of checkpoints or of the cutting of points into slabs and cells.
+/// Version of checkpoints. Must be increased with every change of their content or of the cutting into slabs and cells.
 constexpr int kCheckpointFormat = 9;
 
 std::string inputs_text(const InputCloud& cloud) {

@@ -15,7 +15,7 @@ namespace pointsweep {
 std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
                          const EngineOptions& options);
 
-/// Throws Error naming the first line in which the run whose checkpoint is in `folder` was another.
+/// Throws Error, which names the first different line, if `checkpoint`, an identity from `folder`, differs from `now`.
 void require_same_run(const std::string& checkpoint, const std::string& now, const std::filesystem::path& folder);
 
 }  // namespace pointsweep

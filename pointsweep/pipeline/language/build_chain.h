@@ -14,7 +14,7 @@
 
 namespace pointsweep {
 
-/// Appends stages without knn to a chain; `facts` is about its cloud.
+/// Appends stages without knn to a chain; `facts` are about the cloud of the chain.
 void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts);
 
 /// Builds a chain as build_chain() of the public header, for a cloud that is known by its facts.
@@ -30,7 +30,7 @@ std::string canonical_text(const ChainStage& stage, Presets presets);
 /// options is described in words that parse_pipeline() does not read.
 std::string canonical_text(const Neighborhood& neighborhood, Presets presets);
 
-/// The canonical stages of a plan; "sort" for a plan without passes, "convert" for that of a chain without stages.
+/// Returns the canonical stages of a plan; "sort" if it has no passes, "convert" if its chain has no stages.
 std::vector<std::string> canonical_stages(const ChainPlan& plan, Presets presets);
 
 }  // namespace pointsweep

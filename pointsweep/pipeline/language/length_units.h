@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Lengths that operators take and make, in clouds whose coordinate system says what its numbers are.
+/// Lengths that operators take and make, in clouds whose coordinate system states the unit of coordinates.
 #pragma once
 
 #include <string>

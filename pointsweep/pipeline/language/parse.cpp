@@ -88,7 +88,7 @@ class Parser {
     return std::string(text_.substr(first, end - first));
   }
 
-  /// NAME = NUMBER [where CONDITION], or one of the options of set by its name.
+  /// Parses NAME = NUMBER [where CONDITION], or an option of set with its name.
   OptionText assignment() {
     skip_space();
     const std::string_view text = text_.substr(at_, end_of_option() - at_);
@@ -101,7 +101,7 @@ class Parser {
     return assigned;
   }
 
-  /// Returns the end of the option that begins here; does not handle quoted options.
+  /// Returns the end of the option that begins at at_; does not handle quoted options.
   std::size_t end_of_option() const {
     int open = 0;
     for (std::size_t i = at_; i < text_.size(); ++i) {
@@ -112,7 +112,7 @@ class Parser {
     return text_.size();
   }
 
-  /// Returns whether a condition stands here: it is no value and has a sign that no option has.
+  /// Returns whether a condition begins at at_. A condition has a sign or word that no other option has.
   bool is_condition() const {
     if (at_ >= text_.size() || text_[at_] == '"' || text_[at_] == '\'' || text_[at_] == '[') return false;
     const std::string_view option = text_.substr(at_, end_of_option() - at_);

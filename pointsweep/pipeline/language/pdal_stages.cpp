@@ -54,7 +54,7 @@ std::string condition_of_range(const std::smatch& range) {
   return (range[2] == "!" ? "!(" : "(") + both + ")";
 }
 
-/// Joins ranges of one dimension by "or", and those of different dimensions by "and".
+/// Joins ranges of one dimension by "or", and ranges of different dimensions by "and".
 std::string condition_of_limits(const std::string& limits, const std::string& place) {
   static const std::regex range(R"(\s*([A-Za-z_]\w*)(!?)([\[(])\s*([^\s:,]*)\s*:\s*([^\s\])]*)\s*([\])])\s*(,|$))");
   std::vector<std::pair<std::string, std::string>> conditions;  // name, condition
@@ -73,7 +73,7 @@ std::string condition_of_limits(const std::string& limits, const std::string& pl
   return all;
 }
 
-/// `([0,300],[0,200])` as xmin, ymin, xmax, ymax.
+/// Converts `([0,300],[0,200])` to xmin, ymin, xmax, ymax.
 std::string crop_bounds(std::string bounds, const std::string& place) {
   std::erase(bounds, ' ');
   static const std::regex plane(R"(\(\[([^,\]]+),([^,\]]+)\],\[([^,\]]+),([^,\]]+)\]\))");

@@ -21,7 +21,7 @@ std::optional<double> take_number(std::string_view& text) {
   return value;
 }
 
-/// A whole number, exact to 64 bits, or a decimal fraction with a prefix.
+/// Parses a whole number, exact to 64 bits, or a decimal fraction with a prefix, whose powers are those of `base`.
 std::optional<std::uint64_t> scaled(std::string_view text, double base) {
   std::uint64_t whole = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), whole);
@@ -39,7 +39,7 @@ std::optional<std::uint64_t> scaled(std::string_view text, double base) {
   return static_cast<std::uint64_t>(value);
 }
 
-/// "4G" of "4G", "4GB" and "4GiB", "800" of "800B"; an i before the B belongs to a prefix.
+/// Returns "4G" for "4G", "4GB" and "4GiB", "800" for "800B". Removes an i before the B only after a prefix.
 std::string_view without_byte(std::string_view text) {
   if (!text.ends_with('B') && !text.ends_with('b')) return text;
   text.remove_suffix(1);

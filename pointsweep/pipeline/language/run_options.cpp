@@ -39,7 +39,7 @@ std::string list_of(const std::vector<std::string>& words) {
   return text;
 }
 
-// Values of the types that options have, from texts and as texts.
+// Conversions between texts and the types that option values have.
 
 void read(const std::string& text, const std::string&, std::string& value) { value = text; }
 void read(const std::string& text, const std::string&, std::filesystem::path& value) { value = text; }
