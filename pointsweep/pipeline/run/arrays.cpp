@@ -17,7 +17,7 @@ Cloud cloud_of(const PointsView& points) {
   return std::visit([](auto xyz) { return Cloud(std::make_unique<ArrayReader>(xyz)); }, points.xyz());
 }
 
-/// Collects whole records.
+/// Collects whole output records in memory of the caller.
 class RecordWriter final : public Writer {
  public:
   RecordWriter(const OutputPlan& plan, std::vector<std::byte>& records)
@@ -41,7 +41,8 @@ class RecordWriter final : public Writer {
   std::uint64_t next_row_ = 0;
 };
 
-/// Returns the fields of a made attribute, or the one field of this name.
+/// Returns the fields of the made attribute `name`; if there is none, the field `name`. Throws UsageError without a
+/// field.
 std::vector<Field> fields_named(std::string_view name, const Schema& schema, const std::vector<Attribute>& made) {
   const auto attribute = std::ranges::find(made, name, &Attribute::name);
   const std::vector<std::string> names =

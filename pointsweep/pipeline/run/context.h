@@ -92,8 +92,8 @@ struct Context {
   std::function<void(std::uint64_t)> progress_of(const char* phase) const;
   /// Converts numbers of selected rows into numbers of rows of the whole cloud.
   std::vector<std::uint64_t> rows_of_cloud(std::vector<std::uint64_t> of_rows) const;
-  /// Returns the error with the row in its input file, instead of the number of the selected row; with the file as well
-  /// if there are several.
+  /// Returns the error with the row in its input file, instead of the number of the selected row; and with the name of
+  /// the file if there are several inputs.
   RowError located(const RowError& error) const;
   /// Converts the rows of the degenerate results from index `first` on into rows of the whole cloud.
   void number_degenerate_rows(std::size_t first) const;

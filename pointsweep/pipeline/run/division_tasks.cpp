@@ -35,14 +35,14 @@ constexpr std::uint64_t kBytesOfPiece = 1 << 20;
 /// The least number of rows of a range, and the largest number of ranges. They bound what all tasks together spend on
 /// opening all inputs, 0.1 ms for each input and task, beside the seconds that a range takes.
 constexpr std::uint64_t kRowsOfRange = 4'000'000, kMostRanges = 256;
-/// Number of ranges of a cloud of few rows, if it has so many files.
+/// A cloud has at least as many ranges as input files, up to this number.
 constexpr std::uint64_t kRangesOfFiles = 16;
 
 ChainPlan plan_of(const DivisionRequest& request) {
   return plan_chain(request.chain, request.cloud.schema(), needs_of(request.outputs, request.options));
 }
 
-/// A request with all that is decided before the work of a task.
+/// A request with all decisions that precede the work of a task.
 class DivisionRun {
  public:
   explicit DivisionRun(const DivisionRequest& given)
@@ -51,7 +51,7 @@ class DivisionRun {
         statistics_(first_counts(request_, {})),
         names_(check_request(request_, {unsaid_, nullptr})),
         places_(given.options, {}) {
-    statistics_.warnings.clear();  // the plan of the run has said them
+    statistics_.warnings.clear();  // plan_parts() has returned these warnings
     Surveyed nothing;
     work_.emplace(plan_work(context_, nothing));
     copy_.emplace(plan_copy(context_, *work_));
@@ -95,7 +95,7 @@ void with_run(const DivisionRequest& request, const Work& work) {
   });
 }
 
-/// Passes records of the output on to `records`, the records of a range.
+/// Reads the rows of a range, converts them to output records, and adds these to `records`.
 void divide_rows(const DivisionRun& run, RowRange range, DividedRecords& records) {
   const Context& context = run.context();
   const OutputLayout& layout = run.layout();

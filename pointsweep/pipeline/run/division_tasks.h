@@ -18,7 +18,7 @@ namespace pointsweep {
 /// A run that divides the points of a cloud, and does nothing else.
 struct DivisionRequest {
   InputCloud& cloud;
-  const Chain& chain;      ///< what is kept
+  const Chain& chain;      ///< has no stages; names the attributes to keep
   const Outputs& outputs;  ///< `points` is the path of the files, with a * for the name of each
   const EngineOptions& options;
 };
@@ -33,12 +33,12 @@ std::uint64_t piece_bytes(const DivisionRequest& request);
 struct RowRange {
   std::uint64_t first = 0, rows = 0;
 };
-/// Cuts the range. As in write_pieces(), `options` allow files to be replaced: join_pieces() has asked. Leaves the
-/// records of the pieces, and what they are, under names that begin with `name`.
+/// Divides the rows of a range among files. Stores the records under `name`.pieces and their PiecesOfRange under
+/// `name`.cut. Like write_pieces(), it needs options that allow files to be replaced: join_pieces() has checked them.
 Statistics cut_range(const DivisionRequest& request, RowRange range, Storage& scratch, const std::string& name);
 
-/// Seals under `key` which files there are, and the pieces of each. `names`: of the ranges, in order. Throws if one of
-/// the files cannot be written.
+/// Seals the list of all files and their pieces (FilesOfRanges) under `key`. `names`: names given to cut_range(), in
+/// the order of the ranges. Throws if one of the files cannot be written.
 void join_pieces(const DivisionRequest& request, Storage& scratch, const std::vector<std::string>& names,
                  const std::string& key);
 

@@ -54,8 +54,8 @@ void note_nonfinite(const Context& context, const Stream& stream) {
   statistics.nonfinite = std::max(statistics.nonfinite, context.dropped.count + count);
 }
 
-/// Makes a stream that makes slabs on demand, if the plan asks for it. Returns none also if the points do not lie where
-/// the inputs state or the plan expects; `why_not` then has the reason.
+/// Returns a stream that makes slabs on demand; none if the plan does not ask for it, or if the points do not lie where
+/// the inputs state or the plan expects. In the second case `why_not` gets the reason.
 std::optional<Stream> stream_on_demand(const Context& context, const WorkPlan& work, PointsInOrder& how,
                                        std::string& why_not) {
   if (!how.memory.on_demand) return std::nullopt;
@@ -107,8 +107,7 @@ Ordered put_in_order(const Context& context, const WorkPlan& work, PointsInOrder
   return made;
 }
 
-/// Puts the records of the output in order, by positions along which no sweep has ordered them; in a sort, the records
-/// of the input.
+/// Puts the records of the output in an order that no sweep has; in a sort, the records of the input.
 Ordered order_output(const Context& context, const WorkPlan& work, const Rows& rows, Surveyed points,
                      OutputFiles& files) {
   const auto whole = [&](const PointSource& source) {
@@ -127,7 +126,7 @@ Ordered order_output(const Context& context, const WorkPlan& work, const Rows& r
   return whole(reordering.records());
 }
 
-/// Puts the points in order by the places that an operator assigns to them. The survey remains that of their positions.
+/// Puts the points in order by the places that an operator assigns to them. Keeps the survey of their positions.
 Ordered order_places(const Context& context, const WorkPlan& work, std::size_t p, const PointSource& source,
                      const std::vector<std::size_t>& payload, bool numbered, Survey of_positions) {
   const PlannedPass& pass = context.plan.passes[p];
@@ -151,8 +150,8 @@ Ordered order_places(const Context& context, const WorkPlan& work, std::size_t p
 
 }  // namespace
 
-/// Puts the points of a pass in order. The reference gets canonical order for any order of the output: its search
-/// depends on it, and where the search is not exact its results also depend on the axis.
+/// Puts the points of a pass in order. The reference engine gets canonical order for any order of the output: its
+/// search depends on the order, and its results also depend on the axis where the search is not exact.
 Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, Surveyed points,
                    OutputFiles& files) {
   if (p == context.plan.passes.size()) return order_output(context, work, rows, std::move(points), files);

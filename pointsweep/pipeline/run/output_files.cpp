@@ -50,7 +50,7 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
     else if (option.name == "nonfinite")
       set("nonfinite", run.drops_nonfinite ? "drop" : "");
     else if (option.name == "tile")
-      set("tiles", option.text(options));  // `tile` states which of the inputs belongs to an output
+      set("tiles", option.text(options));  // the record's `tile` states the input of an output
     else
       set(option.name.c_str(), option.text(options));
   }
@@ -181,7 +181,7 @@ std::optional<MovedPoints> moved_points(const Context& context, const Rows& rows
   return MovedPoints{*bounds, values ? values->grid : std::nullopt, rows.carried.get(), at};
 }
 
-/// Returns the request for tiles. The rows of the context, and what it refers to, must outlive it.
+/// Returns the request for tiles. All objects to which the context refers must outlive the request.
 TileRequest tiles_of(const Context& context, int axis) {
   const auto provenance = [part = context.part, tiles = context.outputs.tiles.size(), record = said_of(context, axis)](
                               const InputCloud& input, std::size_t tile) {
@@ -198,7 +198,7 @@ struct EncoderMemory {
     one_output = encoder_bytes(context.outputs, record, threads);
     spare = work.budget - std::min(work.budget, std::max(work.memory.expected_bytes, kFixedBytes + codecs));
   }
-  /// Returns how many tiles can be completed while another one receives rows.
+  /// Returns the number of tiles that can be completed while another tile receives rows.
   std::size_t tiles_completing() const {
     constexpr std::uint64_t kChunksOfTile = 16 << 20;  // encoded chunks of a tile that wait to be written
     return std::min<std::uint64_t>(threads - 1, spare / (kChunksOfTile + one_output));
@@ -215,7 +215,7 @@ struct EncoderMemory {
 
   unsigned threads;
   std::uint64_t one_output;  ///< bytes for encoding one output
-  std::uint64_t spare;       ///< bytes that the plan does not use
+  std::uint64_t spare;       ///< bytes of the budget that the plan does not use
 };
 
 OutputPlace place_of_output(const Context& context, const EncoderMemory& memory, const Survey& survey,

@@ -16,8 +16,8 @@
 
 namespace pointsweep {
 
-/// Returns whether a format needs the bounds before the first record. True for a format that stores integers, unless
-/// the records have the same integers already.
+/// Returns whether the bounds of all points must be found before the first record. True if the format stores integers,
+/// the records do not have the same integers already, and the bounds are not known otherwise.
 bool needs_bounds(const Context& context);
 
 /// Returns the stages for the record of a run. A chain that searches no neighbours states no neighbourhood.
@@ -36,10 +36,10 @@ class OutputFiles {
   /// Throws for outputs that cannot be written, as far as this is known before the work. `bounds`: bounds of the input;
   /// may be empty.
   void require_writable(const Context& context, const Box& bounds);
-  /// Opens the outputs before the first pass. If a select drops rows, only checks that they can be written.
+  /// Opens the outputs before the first pass. If ChainPlan::opens_late(), only checks that they can be written.
   void open(const Context& context, const WorkPlan& work, const Survey& survey, const Rows& rows);
-  /// Opens the outputs after the passes of a run that drops rows. `survey`: survey of the output's order, if it has
-  /// one.
+  /// Opens the outputs after the passes, if open() has not opened them. `survey`: survey of the output's order, if it
+  /// has one.
   void open_late(const Context& context, const WorkPlan& work, Survey survey, const Rows& rows);
   bool are_open() const { return files_ || tiles_; }
   bool are_tiles() const { return tiles_.has_value(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The values that are made of what the tasks of a round have left.
+/// Joins the results of all tasks of a round (PartJoin).
 #include "pointsweep/part/tile_forest.h"
 #include "pointsweep/part/tile_graph.h"
 #include "pointsweep/part/tile_reader.h"

@@ -50,8 +50,8 @@ void require_common_grid(const InputCloud& cloud, const ChainPlan& plan, const E
         "--offset.");
 }
 
-/// Most tiles whose boxes may hold a point on average. A task reads all tiles that cover its own, so that with more of
-/// them the division of work gains little.
+/// Largest average number of tiles whose boxes contain a point. A task reads all tiles that overlap its own, so that
+/// with more overlap the division of work gains little.
 constexpr double kMostTilesOfAPoint = 3;
 
 /// Throws UsageError for tiles that cover each other, according to the boxes in their headers.

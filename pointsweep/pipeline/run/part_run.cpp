@@ -41,8 +41,7 @@ namespace {
 
 constexpr std::size_t kBytesAtOnce = 4 << 20;
 
-/// Returns the schema of the records in which a file of another cloud is stored: its position and the fields of
-/// `reads`.
+/// Returns the schema of the records in which a file of another cloud is stored: positions and the fields of `reads`.
 Schema working_of_other(const InputCloud& file, const std::vector<Attribute>& reads) {
   std::vector<std::size_t> fields;
   for (const Attribute& a : reads) fields.push_back(file.schema().find(a.name).value());
@@ -119,7 +118,7 @@ class TaskOfTile {
 
   void write(std::size_t p, const Survey& of_input, WorkPlan& work, RowStore* results) {
     OutputFiles files;
-    files.open(context(), work, of_input, rows_);  // if the run drops rows, this only makes the folder
+    files.open(context(), work, of_input, rows_);  // only checks the outputs if they open late
     if (whole_.plan.opens_late()) files.open_late(context(), work, of_input, rows_);
     write_output(context(), work, p, rows_, nullptr, results, files);
     files.finish(*rows_.cloud);
@@ -199,7 +198,7 @@ class TaskOfTile {
   }
 
   std::unique_ptr<RowFile> carried_rows(const std::string& name) {
-    std::size_t last = task_.round.pass();  // the pass after the one that has carried the records
+    std::size_t last = task_.round.pass();  // the pass that begins with the records
     if (task_.round.kind() == PartRoundKind::write) last = whole_.plan.passes.size();
     const std::size_t bytes = update_after(whole_.plan, last - 1).record_bytes();
     const auto list = std::make_shared<const RecordList>(scratch_, name + ".rows", bytes);
@@ -251,7 +250,7 @@ class TaskOfTile {
     state.seal(scratch_, task_.after);
   }
 
-  /// Returns the function that chooses the points that other tiles have to know; empty if they have to know all points.
+  /// Returns the function that chooses the points that other tiles need; empty if other tiles need all points.
   ChooseForOthers chosen_for_others(std::size_t p, const Stream& stream) const {
     const PlannedPass& pass = whole_.plan.passes[p];
     const InOrderOperator* const op = pass.in_order();

@@ -76,12 +76,12 @@ struct Rows {
   std::vector<std::vector<std::byte>> saved_values = {};
 };
 
-/// Returns the cloud with decoded records of inputs that are decoded once. First throws for requests that can be
-/// refused.
+/// Returns the cloud with decoded records of inputs that are decoded once. Throws before decoding if the outputs cannot
+/// be written.
 InputCloud decode_input(const Context& context, OutputFiles& files);
 /// Surveys a sample of the input, or all points if the plan needs it.
 Survey survey_input(const Context& context);
-/// Plans the memory from the survey, and fills the boxes.
+/// Plans the memory from the survey, and sets the boxes of `input`.
 WorkPlan plan_work(const Context& context, Surveyed& input);
 /// Surveys points that are not in order yet. `exact`: all of them instead of a sample.
 Survey survey_points(const Context& context, const PointSource& source, bool exact);
@@ -100,7 +100,7 @@ Ordered order_numbered(const Context& context, const WorkPlan& work, std::size_t
 std::unique_ptr<RowStore> results_of_pass(const Context& context, const WorkPlan& work, const MemoryPlan& memory,
                                           std::size_t p);
 
-/// A place in scratch where a task stores its knowledge of a tile.
+/// A place in scratch where a task stores the graph of a tile.
 struct PlaceOfTile {
   Storage* scratch = nullptr;  ///< null in a run over all points
   std::string name;            ///< beginning of the names of its objects
@@ -108,7 +108,7 @@ struct PlaceOfTile {
 
 /// Inputs of a pass besides its points.
 struct PassSupport {
-  /// Passes the points of the other cloud, in order along an axis, to `take`. Empty if the pass reads no other cloud.
+  /// Passes the points of the other cloud, in order along an axis, to `take`. Unused without another cloud.
   std::function<void(int axis, const std::function<void(const OtherPoints&)>& take)> other = {};
   std::function<bool(Vec3 position, double distance)> may_lack = {};  ///< InOrderSetup::may_lack
   /// Receives the number of rows that an in-order operator could not decide, because points of other tiles may be
@@ -153,7 +153,7 @@ void write_output(const Context& context, const WorkPlan& work, std::size_t p, c
 
 /// Returns a function that passes on the results of pass `p` in the order of rows. The arguments must outlive it.
 MadeRows made_by_pass(const Context& context, std::size_t p, const Rows& before, RowStore* results);
-/// Returns how the rows before pass `p` become the rows after it.
+/// Returns the update that converts the rows before pass `p` to the rows after the pass.
 RowUpdate update_after(const ChainPlan& plan, std::size_t p);
 /// Returns the cloud as the source of pass `p`. `before` must outlive the source.
 PointSource source_of_pass(const Context& context, std::size_t p, const Rows& before);

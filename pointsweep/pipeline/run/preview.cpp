@@ -50,7 +50,7 @@ std::string columns_text(const std::vector<ColumnPlan>& columns) {
   return text;
 }
 
-/// Returns "12 bytes a point: normal (nx ny nz float32)".
+/// Returns a line such as "12 bytes a point: normal (nx ny nz float32)".
 std::string attributes_text(const std::vector<Attribute>& attributes) {
   std::size_t bytes = 0;
   for (const Attribute& a : attributes) bytes += a.bytes();

@@ -46,7 +46,7 @@ struct SortPreview {
   std::uint64_t points = 0;
   std::uint64_t budget = 0;  ///< memory budget in bytes
   int axis = 0;
-  std::uint32_t record_bytes = 0, output_bytes = 0;  ///< per point: in the input, in the output before encoding
+  std::uint32_t record_bytes = 0, output_bytes = 0;  ///< bytes per point in input and unencoded output
   std::uint64_t decoded_bytes = 0;                   ///< result of decoded_input_bytes()
   MemoryPlan memory;
   std::string note;  ///< sentence for the user if fewer threads work than requested; otherwise empty

@@ -169,7 +169,7 @@ void require_layout(const Request& request, const OutputNames& names) {
 
 std::uint64_t bytes_aside(const Request& request, const OutputNames& names) {
   const auto& [cloud, outputs, options, plan] = request;
-  // Files that are written one after another need no such memory at once.
+  // Files that are written one after another do not need this space at the same time.
   if (!outputs.tiles.empty() || options.division.divides()) return 0;
   const OutputLayout layout(cloud.schema(), names.made, names.kept,
                             type_of_positions(names.made, outputs.points, options));

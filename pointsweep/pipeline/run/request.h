@@ -36,7 +36,7 @@ Statistics first_counts(const Request& request, const NonfiniteRows& dropped);
 /// Throws for errors that can be found before the first point is read. Returns the names of the request's attributes.
 OutputNames check_request(const Request& request, const RunReport& report);
 /// Throws the errors of the format of the output about records that its files cannot hold, which its writer would throw
-/// later. The tiles of a folder are not looked at.
+/// later. Does not check the tiles of a folder.
 void require_layout(const Request& request, const OutputNames& names);
 /// Returns an estimate of the bytes that the output stores in the temporary folder while it is written.
 std::uint64_t bytes_aside(const Request& request, const OutputNames& names);

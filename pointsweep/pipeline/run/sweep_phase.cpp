@@ -21,10 +21,10 @@ namespace {
 struct SweepOfPass {
   const Context& context;
   const WorkPlan& work;
-  const PlannedPass& pass;  ///< ready for the records of the stream
+  const PlannedPass& pass;  ///< result of ready_pass() for the records of the stream
   const Ordered& points;
-  /// Layout of whole output records if `results` stores these by place in the stream. Null: `results` stores result
-  /// records by row.
+  /// Layout of whole output records if `results` stores output records by place in the stream. Null if `results` stores
+  /// result records by row.
   const OutputLayout* layout;
   bool is_first;  ///< first sweep of the run
   RowStore& results;
@@ -85,7 +85,7 @@ SweepStatistics sweep_by(const SweepEngine& engine, const SweepOfPass& s) {
                       s.context.statistics());
 }
 
-/// Stores the results of points that belong to no slab. They come last in the order of the stream.
+/// Stores the results of nonfinite points, which belong to no slab and come last in the order of the stream.
 void put_nonfinite(const SweepOfPass& s) {
   const Stream& stream = s.points.stream;
   const std::size_t result_bytes = s.pass.plan.result_bytes;
