@@ -8,8 +8,8 @@
 namespace pointsweep {
 
 /// Returns the pipeline with the absolute names of the files, folders and patterns that its options name. An option
-/// that may be a text instead of a file stays unchanged if there is no such file. Throws UsageError like
-/// parse_pipeline() and find_operator().
+/// whose file does not exist stays unchanged, since it may be a text, and so does a stage of an unknown name. Throws
+/// the errors of parse_pipeline().
 std::string with_absolute_files(std::string_view pipeline);
 
 }  // namespace pointsweep

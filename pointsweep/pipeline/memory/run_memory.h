@@ -51,12 +51,12 @@ struct RunMemory {
 /// Returns codec_bytes() for a number of threads.
 using CodecBytes = std::function<std::uint64_t(unsigned threads)>;
 
-/// Plans the memory of all passes. Records carried between sweeps stay in memory only if nothing is spilled. One survey
-/// serves all sweeps, since the places of moved points are not known yet. The number of threads is limited by the
-/// options and by the budget; with a limit k, threads beyond the second work only if all of them leave three quarters
-/// of the memory that grows with the cloud to the window and the recall. Throws Error, which states the least
-/// sufficient budget, if the budget is too small for one thread. `output_bytes`: bytes of an output record; `codecs`
-/// may be empty.
+/// Plans the memory of all passes. Records carried between passes stay in memory only if nothing else is spilled and
+/// they fit. One survey serves all sweeps, since the places of moved points are not known yet. The number of threads is
+/// limited by the options and by the budget; with a limit k, threads beyond the second work only if all of them leave
+/// three quarters of the memory that grows with the cloud to the window and the recall. Throws Error, which states the
+/// least sufficient budget, if the budget is too small for one thread. `output_bytes`: bytes of an output record;
+/// `codecs` may be empty.
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs = {},
                           const OnDemandOrder& on_demand = {"it was not looked for", {}});
