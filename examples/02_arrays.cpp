@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Lesson 2: the same on arrays in memory, without files. Checks itself on a sphere, whose normals and curvature
-// everybody knows.
+// Lesson 2: normals and curvatures of arrays in memory, without files. The program checks itself on a sphere, whose
+// normals and curvatures are known.
 #include <algorithm>
 #include <array>
 #include <cmath>

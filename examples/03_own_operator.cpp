@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Lesson 3: an operator of one's own. Roughness is the distance of a point to the plane of its neighbours: through
-// their centre, across the normal that the stage before has made. The result reaches the output as attribute
-// "roughness".
+// Lesson 3: an operator of your own. Roughness is the distance of a point to the plane of its neighbours. The plane
+// contains their centre and is perpendicular to the normal that the stage `normals` has computed. The output has the
+// result as attribute "roughness".
 //
 //   03_own_operator scan.ply out.ply
 #include <array>
@@ -17,18 +17,20 @@ class Roughness final : public LocalOperator {
  public:
   std::string name() const override { return "roughness"; }
 
-  // What it looks at and what it makes. The engine derives from this how long points are buffered before it.
+  // Declares the attributes that the operator reads and makes. The engine derives from them how long points are
+  // buffered before the operator runs.
   Contract contract() const override {
     return {.reads = {normal_attribute()},
             .makes = {scalar("roughness", Type::f32, "length", "distance to the plane of the neighbours")}};
   }
 
-  // One batch of points with their exact neighbourhoods; called from many threads at once, so it keeps no state.
+  // Computes one batch of points with their exact neighbourhoods. Many threads call apply() at once, so it keeps no
+  // state.
   void apply(const Neighborhoods& in, Columns& out) const override {
     const auto roughness = out.column<float>(0);
     for (std::size_t i = 0; i < in.size(); ++i) {
       const auto n = in.value<std::array<float, 3>>(0, i);
-      Vec3 center;  // of the neighbours, relative to the point
+      Vec3 center;  // centre of the neighbours, relative to the point
       for (std::size_t j = 0; j < in.count(i); ++j) center = center + in.offset(i, j);
       if (in.count(i) == 0 || (n[0] == 0 && n[1] == 0 && n[2] == 0)) {
         roughness[i] = 0;

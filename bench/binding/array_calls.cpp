@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // array_calls normals|neighbors XYZ.f64 OUT K THREADS: one call of the library on an N×3 array of doubles in memory,
-// for script/bench binding. Prints wall and CPU seconds of the call as JSON; writes the normals, or the distances, as
-// they are in memory.
+// for script/bench binding. Prints wall and CPU seconds of the call as JSON, and writes the normals or the distances as
+// raw bytes.
 #include <sys/resource.h>
 
 #include <chrono>
@@ -42,7 +42,7 @@ struct Cpu {
   }
 };
 
-/// Records for two arrays.
+/// A writer that passes all records to two writers.
 class Both final : public Writer {
  public:
   Both(std::unique_ptr<Writer> a, std::unique_ptr<Writer> b) : a_(std::move(a)), b_(std::move(b)) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A point file read and written again in its own order, by the library's readers and writers; or, with --plain, as
-/// bytes, 4 MB at a time.
+/// Copies a point file in its own order with the library's readers and writers. With --plain, copies its bytes, 4 MB at
+/// a time.
 ///   copy_points [--plain] IN OUT
 #include <fcntl.h>
 #include <unistd.h>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kBlock = std::size_t{4} << 20;
 
-/// Copies points: one thread reads, one writes.
+/// Copies points with two threads: one reads, the other writes.
 void copy_points(const std::string& in, const std::string& out) {
   using namespace pointsweep;
   InputCloud cloud({in});

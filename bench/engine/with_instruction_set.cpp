@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Normals from file to file with one of the instruction sets the library is built for, as if the machine had no
-/// better.
-///   with_instruction_set                                     prints those this machine has, the best first
-///   with_instruction_set SET IN OUT [K=8] [THREADS=all]      prints the one that was taken
+/// Computes normals from file to file with one of the instruction sets for which the library is built, as if the
+/// machine had no better set.
+///   with_instruction_set                                     prints the sets of this machine, the best first
+///   with_instruction_set SET IN OUT [K=8] [THREADS=all]      prints the set that was used
 #include "pointsweep/math/instruction_sets.h"
-// The instruction sets come first.
+// The header above must precede all headers of Highway, because it chooses the instruction sets.
 #include <hwy/highway.h>
 #include <hwy/targets.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The codec of LAZ alone: the records of a LAS file in memory are encoded in chunks of 50,000 and decoded again by
-/// some threads. Prints both times as JSON; fails if the decoded records differ.
+/// The codec of LAZ alone: THREADS threads encode the records of a LAS file in memory in chunks of 50,000, and decode
+/// them again. Prints both times as JSON; fails if the decoded records differ.
 ///   codec_alone IN.las THREADS
 #include <array>
 #include <atomic>
@@ -28,7 +28,7 @@ void require(int status, const psc_error& error) {
   if (status != 0) give_up(error.text);
 }
 
-/// Calls work(chunk) for all chunks on some threads.
+/// Calls work(chunk) for all chunks on `threads` threads.
 void for_chunks(std::size_t chunks, unsigned threads, const std::function<void(std::size_t)>& work) {
   std::atomic<std::size_t> next{0};
   std::vector<std::jthread> pool;

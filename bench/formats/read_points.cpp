@@ -23,7 +23,7 @@ constexpr std::size_t kBlock = std::size_t{16} << 20;
 
 using namespace pointsweep;
 
-/// Calls look(records) for block after block.
+/// Calls look(schema, records, n) for the n records of each block, in order. Returns the number of points.
 template <class Look>
 std::uint64_t read_all(const std::string& path, Look look) {
   InputCloud cloud({path});

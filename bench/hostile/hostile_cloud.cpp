@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Writes clouds that try every weak place of an engine as PLY files, for script/hostile. Point i is a function of i,
-/// the number of points and the name; what makes a cloud hostile comes in its first rows.
+/// Writes PLY files of clouds that are hard for an engine, for script/hostile. Point i is a function of i, the number
+/// of points and the name; the first rows of a cloud already hold the points that make it hard.
 ///   hostile_cloud NAME POINTS OUT.ply
 ///   hostile_cloud --list
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 using Point = std::array<double, 3>;
 using Index = std::uint64_t;
 
-/// Number `stream` of row `i`, uniform in [0, 1) (SplitMix64).
+/// Returns random number `stream` of row `i`, uniform in [0, 1) (SplitMix64).
 double random(Index i, Index stream) {
   std::uint64_t z = (i * 16 + stream + 1) * 0x9E3779B97F4A7C15u;
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -35,12 +35,13 @@ Point on_surface(double u, double turn) {
 }
 Point surface(Index i, Index) { return on_surface(random(i, 0), random(i, 1)); }
 
-/// Returns a point on the same surface, with place p of n along z.
+/// Returns a point on that ellipsoid. Points with p = 0 .. n - 1 ascend along z.
 Point in_place(Index p, Index n) {
   return on_surface((static_cast<double>(p) + random(p, 0)) / static_cast<double>(n), random(p, 1));
 }
 
-/// A station of a terrestrial scan on a floor: density falls as 1/r^2 over four decades.
+/// Returns a point of a terrestrial scan from a station at (x, y) on a floor. The density falls as 1/r^2 between r =
+/// 0.1 and r = 100.
 Point station(Index i, double x, double y) {
   const double r = 0.1 * std::pow(1e3, random(i, 0)), angle = 2 * std::numbers::pi * random(i, 1);
   return {x + r * std::cos(angle), y + r * std::sin(angle), 0.02 * std::sin(r) + 0.001 * random(i, 2)};
@@ -48,7 +49,7 @@ Point station(Index i, double x, double y) {
 
 Point shifted(Point p, double by) { return {p[0] + by, p[1] + by, p[2] + by}; }
 Point scaled(Point p, double by) { return {p[0] * by, p[1] * by, p[2] * by}; }
-/// Rounds to whole 1024ths, about millimetres, which are exact at 5e6 as at 0.
+/// Multiplies by 100 and rounds to whole 1024ths, about millimetres, which float64 holds exactly near 5e6 as well.
 Point in_millimetres(Point p) {
   return {std::round(p[0] * 102400) / 1024, std::round(p[1] * 102400) / 1024, std::round(p[2] * 102400) / 1024};
 }

@@ -2,10 +2,10 @@
 /// Compares the normals of two PLY or two LAS files row by row, up to sign. Prints one JSON object; fails if more than
 /// the given share of rows is farther apart than 1e-4 rad (single-precision queries settle near-ties differently).
 ///   compare_normals A B [SHARE=0.001]
-/// In LAS the normals are the last twelve bytes of a record, where each program appends them to records without extra
-/// bytes; what is before must be the same. Rows whose kth and next neighbour are equally far differ there too: integers
-/// make such ties, in fewer than one row of 10,000 at the scales of las_from_ply, and only pointsweep has a rule for
-/// them.
+/// In LAS the normals are the last twelve bytes of a record, because each program appends them to records without extra
+/// bytes; all bytes before the normals must be equal. Rows whose kth and next neighbours are equally far may differ as
+/// well, because only pointsweep has a rule for ties. Integer coordinates make ties in fewer than one row of 10,000 at
+/// the scales of las_from_ply.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -36,7 +36,7 @@ void require_same_points(const bench::Las& a, const bench::Las& b) {
       bench::give_up("record " + std::to_string(i) + " differs before its normal");
 }
 
-/// Prints the outcome; the share of rows that differ.
+/// Prints the outcome, and returns the share of rows that differ.
 double compare(const bench::Records& a, std::size_t at_a, const bench::Records& b, std::size_t at_b) {
   if (a.count != b.count) bench::give_up("different numbers of points");
   std::size_t differ = 0, zero_in_one = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The parts of LAS that the contenders need: 1.2 to 1.4, uncompressed, without bytes after the points. It is
-/// deliberately not the library's reader.
+/// The parts of LAS that the contenders need: 1.2 to 1.4, uncompressed, without bytes after the points. This reader
+/// deliberately shares nothing with the library's.
 #pragma once
 
 #include <array>

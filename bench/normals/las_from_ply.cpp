@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// The points of a PLY file as plain LAS: 1.4, point format 6, no extra bytes, one scale for all axes as scanners
-/// write it.
+/// Writes the points of a PLY file as plain LAS, like a scanner: version 1.4, point format 6, no extra bytes, one scale
+/// for all axes.
 ///   las_from_ply IN.ply OUT.las
-/// The scale is the largest power of ten that is at most a 300th of what would be between the points if they were
-/// spread over a square as wide as their box is long: a millimetre for an airborne scan, a micrometre for a statue.
+/// The scale is the largest power of ten that is at most a 300th of the spacing. The spacing is that of as many points
+/// spread over a square whose side is the longest side of the bounding box: a millimetre for an airborne scan, a
+/// micrometre for a statue.
 #include <algorithm>
 #include <cmath>
 
@@ -44,7 +45,8 @@ double scale_of(const Box& box, std::size_t count) {
   return scale;
 }
 
-/// Header of LAS 1.4 without VLRs. The box is that of the integers, which `steps` gives for a coordinate.
+/// Returns the header of a LAS 1.4 file without VLRs. steps(value, axis) returns the integer of a coordinate; the box
+/// in the header is that of the rounded coordinates.
 template <class Steps>
 Las head_of(const Box& box, std::size_t count, double scale, const Point& offset, Steps steps) {
   Las las;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// The contender: the same files, the same formula (Equation 1), all threads, with nanoflann's kd-tree and everything
-/// in memory.
+/// The contender of pointsweep's normals: equal files, equal formula (Equation 1), all threads, but nanoflann's kd-tree
+/// and the whole cloud in memory.
 ///   nanoflann_normals IN OUT [-k 8 | --radius R] [--threads N] [--order file|permuted]
-/// --radius: all points nearer than that, as its search gives them without sorting.
-/// permuted: points are put into Morton order before the tree is built, and asked in that order, which spares it most
-/// of its cache misses; results return to the order of the file. PLY or LAS, out as in. Coordinates are float where the
-/// file's are, and where LAS has its integers within 2^24 steps of the middle, so that a float holds each exactly; else
-/// double. What describes the three floats behind each LAS record is left out, which spares it a little.
+/// --radius: takes all points nearer than R, in the unsorted order of nanoflann's search.
+/// --order permuted: the tree is built from points in Morton order and searched in Morton order, which avoids most
+/// cache misses; results are written in the order of the file. The output has the format of the input, PLY or LAS.
+/// Coordinates are float if those of the PLY file are, and if all integers of the LAS file lie within 2^24 steps of the
+/// middle; else double. The contender does not write the LAS descriptors of the three appended floats, which saves it a
+/// little time.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -45,7 +46,7 @@ struct Cloud {
   }
 };
 
-/// Calls work(begin, end) for pieces of [0, n) on all threads.
+/// Calls work(begin, end) for pieces of [0, n) on `threads` threads.
 void in_parallel(std::size_t n, std::size_t threads, const std::function<void(std::size_t, std::size_t)>& work) {
   constexpr std::size_t kPiece = 4096;
   std::atomic<std::size_t> next{0};
@@ -56,14 +57,14 @@ void in_parallel(std::size_t n, std::size_t threads, const std::function<void(st
     });
 }
 
-std::uint64_t spread(std::uint64_t v) {  // 16 bits, two zeros between each
+std::uint64_t spread(std::uint64_t v) {  // puts two zeros between the 16 bits of v
   v = (v | v << 16) & 0x0000ff0000ff;
   v = (v | v << 8) & 0x00f00f00f00f;
   v = (v | v << 4) & 0x0c30c30c30c3;
   return (v | v << 2) & 0x249249249249;
 }
 
-/// Rows along the Morton curve of 2^16 cells per axis: three passes of a 16-bit radix sort.
+/// Returns the rows in the order of a Morton curve with 2^16 cells per axis. Sorts in three passes of 16 bits.
 template <class T>
 std::vector<std::size_t> morton_order(const Cloud<T>& cloud, std::size_t threads) {
   struct Item {
@@ -96,7 +97,8 @@ std::vector<std::size_t> morton_order(const Cloud<T>& cloud, std::size_t threads
   return rows;
 }
 
-/// Equation 1 around point i, whose farthest neighbour is known; (0, 0, 0) if the points lie on a line.
+/// Returns the normal of point i by Equation 1; (0, 0, 0) if the neighbours lie on a line. `farthest`: row of the
+/// farthest neighbour.
 template <class T>
 std::array<float, 3> normal_of(const Cloud<T>& cloud, std::size_t i, const std::uint32_t* neighbors, std::size_t k,
                                std::uint32_t farthest) {
@@ -182,7 +184,8 @@ Cloud<T> cloud_of(const Ply& ply, std::size_t offset) {
   return cloud;
 }
 
-/// In steps of the scale of x, relative to the middle of the box: normals depend neither on length nor on place.
+/// Returns coordinates in steps of the scale of x, relative to the middle of the box. Normals depend neither on the
+/// unit nor on the origin.
 template <class T>
 Cloud<T> cloud_of(const Las& las) {
   std::array<double, 3> middle, factor;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The parts of PLY that the contenders need: binary little-endian, vertices first, no lists. It is deliberately not
-/// the library's reader.
+/// The parts of PLY that the contenders need: binary little-endian, vertices first, no lists. This reader deliberately
+/// shares nothing with the library's.
 #pragma once
 
 #include <map>
@@ -16,7 +16,7 @@ namespace bench {
 
 /// A whole file in memory: the lines of its header and its records unchanged.
 struct Ply : Records {
-  std::vector<std::string> header;                                        ///< up to the last vertex property
+  std::vector<std::string> header;                                        ///< lines up to the last vertex property
   std::map<std::string, std::pair<std::size_t, std::string>> properties;  ///< name -> offset, type
 
   explicit Ply(const std::string& path) {
@@ -26,7 +26,7 @@ struct Ply : Records {
     read(in, path);
   }
 
-  /// Offset of the first of three successive properties of the same type.
+  /// Returns (offset, type) of property `a` if `b` and `c` follow it and are as wide as `a`; else nothing.
   std::optional<std::pair<std::size_t, std::string>> triple(const std::string& a, const std::string& b,
                                                             const std::string& c) const {
     const auto x = properties.find(a), y = properties.find(b), z = properties.find(c);

@@ -44,7 +44,7 @@ struct Records {
   }
 };
 
-/// Writes `count` records of `stride` bytes, 4 MB at a time; fill(i, to) puts all bytes of record i.
+/// Writes `count` records of `stride` bytes, 4 MB at a time; fill(i, to) writes all bytes of record i to `to`.
 template <class Fill>
 void write_records(std::ofstream& out, const std::string& path, std::size_t count, std::size_t stride, Fill fill) {
   const std::size_t in_block = std::max<std::size_t>(1, (std::size_t{4} << 20) / stride);
@@ -57,7 +57,7 @@ void write_records(std::ofstream& out, const std::string& path, std::size_t coun
   if (!out.flush()) give_up(path + ": cannot write");
 }
 
-/// Decides by the name, since script/bench makes all files.
+/// Returns whether the file is LAS, by its name: script/bench makes all files.
 inline bool is_las(const std::string& path) { return path.ends_with(".las"); }
 
 }  // namespace bench

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// The same points in the order of a scanner: line after line across the cloud, forth and back, which is kinder to
-/// programs that search in file order.
+/// Writes the points of a file in the order of a scanner: line after line across the cloud, forth and back. Programs
+/// that search in file order run faster on such files.
 ///   scan_order IN OUT
-/// PLY or LAS, out as in.
+/// The output has the format of the input, PLY or LAS.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -14,14 +14,14 @@
 namespace bench {
 namespace {
 
-/// The place of a point: its line, then the place along it, backwards in every other line.
+/// The place of a point in scan order: its line, then its place along the line, backwards in every other line.
 struct Place {
   std::int64_t line;
   double along;
   bool operator<(const Place& other) const { return line != other.line ? line < other.line : along < other.along; }
 };
 
-/// at(i, axis): returns a coordinate of point i, in any unit.
+/// Returns the rows in scan order. at(i, axis) returns a coordinate of point i, in any unit.
 template <class At>
 std::vector<std::size_t> scan_order(std::size_t count, At at) {
   if (count == 0) return {};

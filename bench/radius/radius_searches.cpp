@@ -2,8 +2,9 @@
 /// Searches within a radius, on one thread, in nanoseconds per neighbour found:
 ///   radius_searches [POINTS] [NEIGHBORS_PER_ROW]
 /// Contenders: the search of this library (exact order, double precision), a grid of cells as wide as the radius, with
-/// and without sorting, and nanoflann's radiusSearch, sorted and unsorted. All see the points in the same compact order
-/// and must find the same number of neighbours and the same sum of distances. One JSON object a line.
+/// and without sorting, and nanoflann's radiusSearch, sorted and unsorted. All contenders get the points in one compact
+/// order, and must find equal numbers of neighbours and equal sums of squared distances. Prints one JSON object per
+/// line.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -51,7 +52,7 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-/// The cloud cut into cells. `ordered`: the points cell by cell, as the other contenders get them.
+/// The cloud cut into cells. `ordered`: the points cell by cell, in which order the other contenders get them.
 struct Cells {
   CellDirectory directory;
   std::vector<std::unique_ptr<Cell>> cells;
@@ -78,7 +79,7 @@ struct Cells {
     }
   }
 
-  /// Searches for the points of the first cells, until `queries` points.
+  /// Searches the neighbours of the first `queries` points of `ordered`.
   Found search(double radius, std::size_t queries) const {
     Found found;
     SearchScratch scratch;
@@ -101,7 +102,8 @@ struct Cells {
   }
 };
 
-/// Points sorted by the cells of a grid as wide as the radius: 27 of them are around a point.
+/// Points sorted by the cells of a grid. Cells are as wide as the radius, so that a point has its neighbours in 27
+/// cells.
 class Grid {
  public:
   Grid(const std::vector<Vec3>& points, double radius) : points_(points), per_length_(1 / radius) {
@@ -145,7 +147,7 @@ class Grid {
   std::size_t number(std::size_t x, std::size_t y, std::size_t z) const { return (x * size_[1] + y) * size_[2] + z; }
   std::size_t cell_of(Vec3 p) const { return number(along(p, 0), along(p, 1), along(p, 2)); }
 
-  /// Calls use(begin, end) for runs of cells along z.
+  /// Calls use(begin, end) for the points of each run of cells along z around p.
   template <class Use>
   void around(Vec3 p, Use use) const {
     const auto low = [&](std::size_t a) { return along(p, a) - std::min<std::size_t>(along(p, a), 1); };

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Takes the place of pointsweep/threads.cpp in the program pointsweep_traced. Loops and background tasks run as there
-/// (untraced_threads.cpp), and a record of them goes to the file that SPAN_TRACE names when the program ends. replay.py
-/// reads the file.
+/// Takes the place of pointsweep/threads.cpp in the program pointsweep_traced. Loops and background tasks run by the
+/// code of threads.cpp (untraced_threads.cpp). When the program ends, a record of them is written to the file that
+/// SPAN_TRACE names, for replay.py.
 ///
 /// SPAN_REAL=R: the program plans for its --threads N (thread_count() says N), but only R threads work. So a machine of
-/// two cores traces the run of 64: the chunks, groups and read-ahead of 64 threads, each piece timed without a crowd.
-/// Times are CPU times of threads, less the time of the tracer itself (event_ns, calibrated at the start).
+/// two cores traces a run planned for 64 threads, with the chunks, groups and read-ahead of 64 threads, and no piece of
+/// work is slowed down by the others. Times are CPU times of threads, less the time of the tracer itself (event_ns,
+/// calibrated at the start).
 #include <execinfo.h>
 #include <link.h>
 #include <pthread.h>
@@ -59,9 +60,9 @@ enum Kind : std::uint64_t {
   kWaitEnd,
   kLock,
   kUnlock,
-  kCall,  // with_threads, on the calling thread
+  kCall,  // with_threads(), on the calling thread
   kCallEnd,
-  kCalled,  // its work, perhaps on another
+  kCalled,  // the work of with_threads(), perhaps on another thread
   kCalledEnd,
 };
 
@@ -82,7 +83,7 @@ constexpr std::size_t kChunk = 1 << 15, kMostSamples = 1 << 16;
 struct Thread {
   pid_t tid;
   std::uint64_t overhead = 0;                ///< ns of the tracer
-  std::uint64_t last_cpu = 0, last_tsc = 0;  ///< at the last event for which the kernel was asked
+  std::uint64_t last_cpu = 0, last_tsc = 0;  ///< at the last event whose time the kernel gave
   std::vector<Event*> chunks;
   std::size_t used = kChunk;  ///< in the last chunk
   Sample* samples = nullptr;
@@ -165,7 +166,7 @@ void attach() {
   how.sigev_signo = SIGRTMIN + 3;
   how.sigev_notify_thread_id = self->tid;
   timer_t timer;
-  if (timer_create(CLOCK_THREAD_CPUTIME_ID, &how, &timer) == 0) {  // in practice every tick of the kernel: 4 ms at 250
+  if (timer_create(CLOCK_THREAD_CPUTIME_ID, &how, &timer) == 0) {  // expires at ticks of the kernel: every 4 ms at 250
                                                                    // Hz
     const itimerspec every{{0, 1000000}, {0, 1000000}};
     timer_settime(timer, 0, &every, nullptr);
@@ -197,8 +198,8 @@ inline void record(Kind kind, std::uint64_t id, std::uint64_t a = 0, std::uint64
   t->last_tsc = __rdtsc();
 }
 
-/// Locks are many and short. Their times are extrapolated, by the clock of the processor, from the last event for which
-/// the kernel was asked. If the thread was interrupted in between, the next such event corrects them.
+/// Locks are many and short. Their times are extrapolated, by the clock of the processor, from the last event whose
+/// time the kernel gave. If the thread was interrupted since, the next event with a time of the kernel corrects them.
 inline void record_lock(Kind kind, const void* mutex, const void* at) {
   constexpr std::uint64_t kLongest = 20'000'000;  // cycles
   Thread* const t = self;
@@ -305,7 +306,7 @@ void write_trace() {
     }
   }
   const std::uint64_t end = clock_ns(CLOCK_MONOTONIC);
-  std::fwrite(&end, sizeof end, 1, file);  // the driver knows from it how long the process takes to go
+  std::fwrite(&end, sizeof end, 1, file);  // time after which only the end of the process is left
   std::fclose(file);
 }
 

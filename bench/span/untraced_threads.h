@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The threads of the library under another name, for the threads that record their tasks (threads_traced.cpp).
+/// Declares the functions of threads.h in the namespace untraced, for threads_traced.cpp, which calls them and records
+/// loops and tasks.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Output of the tool: texts on standard output, sentences on standard error. No function here throws. A sentence that
-/// cannot be written has no effect on the exit status of a verb; a text only if standard output cannot be written, for
-/// example because a disk is full (printing_error()).
+/// cannot be written has no effect on the exit status of a verb; a text that cannot be written makes the verb fail
+/// (printing_error()), unless standard output is closed or its reader has ended.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ void open_console();
 /// Writes a text to standard output. If that is closed, or its reader has ended, the text is dropped.
 void print(std::string_view text);
 
-/// Returns the width of lines on standard output: that of the terminal, at most 100; 80 without a terminal.
+/// Returns the width of lines on standard output in characters: that of the terminal, within [60, 100]; 80 without one.
 std::size_t text_columns();
 
 /// Returns the errno of the first failure of print() other than a closed standard output; 0 without a failure.

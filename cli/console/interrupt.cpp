@@ -29,7 +29,7 @@ void remember(int signal) {
 }
 
 /// Ends the process when the timer of the first signal expires: the run has not stopped, because it waits for a disk or
-/// an operator takes long. An alarm that no interruption has set is ignored.
+/// because an operator takes long. An alarm that no interruption has set is ignored.
 void end_at_once(int) {
   if (interrupting_signal() == 0) return;
   remove_leftovers();

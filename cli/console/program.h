@@ -14,7 +14,8 @@ std::string version_text();
 /// Returns the version of the tool, e.g. "0.1.0".
 std::string version_number();
 
-/// Returns twelve digits, or the text that a packager has set; empty if the build does not know the commit.
+/// Returns the first twelve digits of the commit, or the text that a packager has set; empty if the build does not know
+/// the commit.
 std::string_view commit_of_build();
 
 /// Stores the command line for command_line(). Must be called once, at the start of main().

@@ -7,7 +7,7 @@
 namespace pointsweep {
 namespace {
 
-/// Returns what the bash script offers for a value: a mark or words.
+/// Returns the words that the bash script offers for a value, or a mark such as "@files" that kBashTail handles.
 std::string bash_values(const DeclaredOption& option) {
   switch (option.offer) {
     case Offer::words:

@@ -125,7 +125,7 @@ std::string cell_of_axis(const Box& bounds, int axis) {
   return fmt::format("{:.{}f} .. {:.{}f}", lo, decimals, hi, decimals);
 }
 
-/// Returns the number, from 1, of a list of attributes in `lists`, and adds a new list at the end.
+/// Returns the number of `list` in `lists`, counted from 1. Appends `list` if `lists` lacks it.
 std::size_t number_of(std::vector<std::string>& lists, const std::string& list) {
   const auto at = std::ranges::find(lists, list);
   const auto number = static_cast<std::size_t>(at - lists.begin()) + 1;

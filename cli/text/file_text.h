@@ -21,7 +21,7 @@ std::string attribute_text(const Schema& schema);
 std::string to_text(std::uint64_t points, const Box& bounds);
 
 /// A table with a line for each file: points, bounds, density, coordinate reference system, and the number of its list
-/// of attributes. The numbered lists follow below.
+/// of attributes. The numbered lists follow the table.
 class FileTable {
  public:
   void add(const FileSummary& file);

@@ -76,8 +76,8 @@ std::string extras_sentence(const CLI::App& app, const CLI::App* verb) {
   return fmt::format("{}: '{}' is one argument too many.", verb->get_name(), unknown.front());
 }
 
-/// Returns a sentence about a value that the parser has refused. The parser's message counts values; options here have
-/// one value each.
+/// Returns a sentence about a value that the parser has refused. Replaces messages of the parser that count values,
+/// because each option of the tool has one value.
 std::string parser_sentence(const CLI::ParseError& error) {
   std::string text = error.what();
   if (text.starts_with(kInputsAndOutput)) text.replace(0, std::string_view(kInputsAndOutput).size(), "IN... OUT");

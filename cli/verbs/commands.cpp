@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// A verb of the tool. `declare` gives it its options and what it does.
+/// A verb of the tool. `declare` adds its options and the callback that runs it.
 struct Verb {
   std::string_view name;
   const char* meaning;
@@ -18,7 +18,7 @@ struct Verb {
   bool shows_other_verbs = false;  ///< prints the options of other verbs
 };
 
-/// In the order of the help.
+/// All verbs, in the order of the help.
 constexpr Verb kVerbs[] = {
     {"convert", "Copy, merge or compress: write the points into another format", declare_convert_verb},
     {"normals", "Compute a unit normal for every point from its exact neighbours", declare_short_form},

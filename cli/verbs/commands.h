@@ -10,8 +10,8 @@
 
 namespace pointsweep {
 
-/// Each function declares the options of a verb and what it does. The verb runs while the command line is parsed, and
-/// throws its errors.
+/// Each function adds the options of a verb and the callback that runs it. The callback runs while the command line is
+/// parsed, and throws the errors of the verb.
 void declare_convert_verb(CLI::App& verb);
 void declare_short_form(CLI::App& verb);  // normals, curvature, splats, features, fair, denoise
 void declare_thin_verb(CLI::App& verb);
@@ -31,9 +31,9 @@ void declare_completion_verb(CLI::App& verb);
 void declare_man_verb(CLI::App& verb);
 void declare_help_verb(CLI::App& verb);
 
-/// Adds all verbs, in the order of the help. Where the command line begins with the verb `asked`, the others get their
-/// names alone, because the tool starts a third sooner without their options; of help, completion and man, which show
-/// other verbs, all are declared.
+/// Adds all verbs, in the order of the help. If the command line begins with the verb `asked`, only that verb gets its
+/// options, because the tool starts a third sooner without the options of the others. For help, completion and man,
+/// which show other verbs, all verbs get their options.
 void add_verbs(CLI::App& app, std::string_view asked = "");
 
 /// Error of `verify` if it found no difference but could not check everything. Its exit status is 3.

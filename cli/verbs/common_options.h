@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The options that several verbs share, declared once; a verb adds the groups that it supports. And the inputs and the
+/// The options that several verbs share, declared once; a verb adds the groups that it supports. The inputs and the
 /// output of a verb, as the user names them and as the files for which they stand.
 #pragma once
 
@@ -46,8 +46,8 @@ std::map<std::string, std::string> texts_of(const RunOptions& options);
 /// Returns the rules by which the inputs become one cloud.
 CloudOptions cloud_options(const CommonOptions& options);
 
-/// Adds the flag of the run option `name`. `meaning`: sentence for the help; null for that of the declaration. `flag`:
-/// name of the flag; null for that of the declaration.
+/// Adds the flag of the run option `name`. `meaning`: sentence for the help; null for the sentence of the declaration.
+/// `flag`: name of the flag; null for the flag of the declaration.
 void add_run_option(CLI::App& verb, RunOptions& options, std::string_view name, const char* meaning = nullptr,
                     const char* flag = nullptr);
 void add_named_options(CLI::App& verb, RunOptions& options, std::initializer_list<std::string_view> names);

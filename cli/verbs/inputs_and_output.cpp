@@ -129,7 +129,7 @@ void require_folder_for_format(const InputsAndOutput& named, bool is_folder) {
 }
 
 /// Returns the extension that --output-format states: ".laz" for "laz" and ".LAZ". Throws UsageError for an unknown
-/// one.
+/// extension.
 std::string parse_output_format(const std::string& text) {
   const std::string word = text.substr(text.starts_with('.') ? 1 : 0);
   std::string extension = extension_of("tile." + word);

@@ -100,8 +100,8 @@ struct TransformCommand {
   std::vector<OptionText> options;
 };
 
-/// Throws UsageError if no flag moves the points. The flag --scale sets the coordinate grid of the output and moves
-/// none.
+/// Throws UsageError if no flag moves the points. The flag --scale sets the coordinate grid of the output and moves no
+/// point.
 void require_move(const TransformCommand& command) {
   const auto moves = [](const OptionText& option) { return option.name != "inverse"; };
   if (std::ranges::any_of(command.options, moves)) return;

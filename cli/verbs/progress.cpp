@@ -118,7 +118,7 @@ void ProgressDisplay::print_for_people(std::uint64_t done, std::uint64_t total, 
     return;
   }
   const std::string line = bar_line(figures, targets_.columns);
-  // Blanks overwrite the rest of a longer bar, since not every terminal has an escape sequence for that.
+  // Blanks overwrite the rest of a longer bar, since not every terminal has an escape sequence that clears a line.
   write(targets_.people, fmt::format("\r{:<{}}", line, shown_));
   shown_ = line.size();
 }

@@ -11,7 +11,7 @@ namespace nb = nanobind;
 namespace pointsweep {
 namespace {
 
-/// A letter of the module struct, with the size of the value, as a type.
+/// Returns the type of a format letter of Python's module struct for values of `bytes` bytes; absent for other formats.
 std::optional<Type> type_of_format(std::string_view format, std::ptrdiff_t bytes) {
   if (format.starts_with('@') || format.starts_with('=')) format.remove_prefix(1);
   if (format.size() != 1) return std::nullopt;
@@ -27,7 +27,7 @@ std::optional<Type> type_of_format(std::string_view format, std::ptrdiff_t bytes
   return std::nullopt;
 }
 
-/// Gives the buffer back where the last column that refers to it is destroyed, which needs the interpreter.
+/// Returns a shared buffer of the array. The destruction of its last column releases it, and acquires the interpreter.
 std::shared_ptr<Py_buffer> buffer_of(nb::handle array, int flags) {
   auto view = std::make_unique<Py_buffer>();
   if (PyObject_GetBuffer(array.ptr(), view.get(), flags | PyBUF_FORMAT) != 0) throw nb::python_error();

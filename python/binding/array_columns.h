@@ -25,8 +25,8 @@ struct ArrayColumn {
   std::shared_ptr<const void> owner;
 };
 
-/// Holds the buffer of `array`, N×names.size() numbers in the byte order of the machine. Throws UsageError for another
-/// shape and for values that are not numbers of at most 64 bits.
+/// Returns a column that holds the buffer of `array`: N×names.size() numbers in the byte order of the machine. Throws
+/// UsageError for another shape and for values that are not numbers of at most 64 bits.
 ArrayColumn borrow_array(nanobind::handle array, std::vector<std::string> names);
 
 /// An N×values array to be written, one row after another without gaps.
@@ -37,8 +37,8 @@ struct WritableArray {
   std::shared_ptr<const void> owner;
 };
 
-/// Holds the buffer of `array`, N×m numbers that are contiguous. Throws as borrow_array(), and BufferError of Python
-/// where it cannot be written.
+/// Holds the buffer of `array`, N×m contiguous numbers. Throws like borrow_array(), and Python's BufferError if the
+/// array is read-only.
 WritableArray borrow_writable(nanobind::handle array, const std::string& name);
 
 }  // namespace pointsweep

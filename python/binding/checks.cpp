@@ -23,7 +23,7 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-/// (the JSON object of the file, its coordinate reference system)
+/// Returns (the JSON object of the file, its coordinate reference system).
 nb::tuple summarize_file(const std::filesystem::path& path, const std::string& format, bool spacing,
                          const nb::object& progress) {
   FileSummary summary;
@@ -74,7 +74,7 @@ Options options_of(const nb::list& pairs) {
   return options;
 }
 
-/// `options` has every key that pointsweep._verify.verify() gives.
+/// Converts the options of a verification. `options` has every key that pointsweep._verify.verify() gives.
 VerifyOptions verify_options(const nb::dict& options) {
   VerifyOptions check;
   check.sample = nb::cast<std::uint64_t>(options["sample"]);

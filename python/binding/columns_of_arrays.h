@@ -28,7 +28,7 @@ class ColumnsOfArrays final : public Reader {
 
  private:
   class Decoder;
-  /// Bytes of a row that are together in an array and in a record.
+  /// Bytes of a row that are contiguous in an array and in a record.
   struct Piece {
     const std::byte* first;  ///< address of row 0; null: the value is the number of the row
     std::ptrdiff_t stride;

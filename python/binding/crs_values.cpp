@@ -17,7 +17,7 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-/// Files may hold texts that are not UTF-8.
+/// Returns the text as a str. Bytes that are not UTF-8, which files may hold, become U+FFFD.
 nb::object text(const std::string& bytes) {
   return nb::steal(PyUnicode_DecodeUTF8(bytes.data(), static_cast<Py_ssize_t>(bytes.size()), "replace"));
 }
@@ -35,7 +35,7 @@ nb::object wkt_crs(const std::string& wkt) {
   return crs.name.empty() && crs.kind == CrsKind::unknown ? nb::none() : crs_value(crs);
 }
 
-/// Returns the coordinate reference system that the contents of the records of a LAS file state.
+/// Returns the coordinate reference system that the WKT and GeoTIFF records of a LAS file state.
 nb::object las_crs(const nb::bytes& wkt, const nb::bytes& directory, const nb::bytes& doubles, const nb::bytes& ascii,
                    bool wkt_counts) {
   GeoTiffKeys keys{elements<std::uint16_t>(directory), elements<double>(doubles), {ascii.c_str(), ascii.size()}};

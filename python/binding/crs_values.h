@@ -13,7 +13,7 @@ namespace pointsweep {
 /// Returns (name, kind, EPSG code, EPSG code of the heights, WKT, directory, doubles and ascii of GeoTIFF keys); None
 /// without a system.
 nanobind::object crs_value(const std::optional<Crs>& crs);
-/// The system that crs_value() made such a tuple of.
+/// Returns the system from which crs_value() made the tuple `value`; absent for None.
 std::optional<Crs> crs_from(nanobind::handle value);
 
 void bind_crs(nanobind::module_& module);

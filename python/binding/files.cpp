@@ -21,7 +21,7 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-/// (pairs of a path and its name in a folder of outputs, notices about files that are left out)
+/// Returns (pairs of a path and its name in a folder of outputs, notices about files that are left out).
 nb::tuple list_files(const std::vector<std::filesystem::path>& named, bool recursive, const std::string& format) {
   const InputList list = [&] {
     const nb::gil_scoped_release others_go_on;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Functions of the module about point files, and clouds that it generates.
+/// Functions of the module that list point files and read their headers.
 #pragma once
 
 #include <nanobind/nanobind.h>
 
 namespace pointsweep {
 
-/// list_files and describe.
+/// Adds the functions list_files and describe to the module.
 void bind_files(nanobind::module_& module);
 
 }  // namespace pointsweep

@@ -19,7 +19,8 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-/// `options`: seed, noise, outliers, outlier_box, origin (three numbers or None), float64, overwrite, threads.
+/// Converts options. `options` has the keys seed, noise, outliers, outlier_box, origin (three numbers or None) and
+/// float64.
 Sampling sampling_of(std::uint64_t points, const nb::dict& options) {
   Sampling sampling{.count = points,
                     .seed = nb::cast<std::uint64_t>(options["seed"]),
@@ -35,7 +36,8 @@ Sampling sampling_of(std::uint64_t points, const nb::dict& options) {
   return sampling;
 }
 
-/// Arrays by name, or None if `path` names a file to write.
+/// Returns a dict of arrays by name; None if `path` names a file, which is written. `options` also has overwrite and
+/// threads.
 nb::object generate(const std::string& shape, std::uint64_t points, const std::filesystem::path& path,
                     const nb::dict& options, const nb::object& progress, const nb::object& warn) {
   const std::unique_ptr<Reader> reader = generated_points(shape, sampling_of(points, options));

@@ -6,7 +6,7 @@
 
 namespace pointsweep {
 
-/// generate and shape_names.
+/// Adds the functions generate and shape_names to the module.
 void bind_generate(nanobind::module_& module);
 
 }  // namespace pointsweep

@@ -98,7 +98,8 @@ void NeighborArrays::put(const PlaceLists& lists) {
     put(lists, reinterpret_cast<std::uint32_t*>(rows_.bytes.get()), distances);
 }
 
-/// Writer that gives points without a finite place their number of neighbours, 0: the operator never sees these points.
+/// Writer that marks the arrays of points without neighbours as missing. The operator never gets points without a
+/// finite place.
 class NeighborArrays::EmptyRows final : public Writer {
  public:
   EmptyRows(NeighborArrays& arrays, const Schema& schema)

@@ -24,13 +24,13 @@ class NeighborArrays {
   /// neighbours.
   static NeighborArrays of_places(std::size_t k, std::uint64_t places, std::uint64_t points);
 
-  /// An operator that makes "neighbor_count", u32, and writes the neighbours of each point to *this, which outlives it.
-  /// A point may come twice, with the same neighbours.
+  /// Returns an operator that makes "neighbor_count", u32, and writes the neighbours of each point to *this, which must
+  /// outlive the operator. A point may come twice, with the same neighbours.
   std::shared_ptr<const LocalOperator> op();
   /// Returns a writer for Outputs::writer. It marks the rows of points without neighbours as missing. *this must
   /// outlive the run.
   std::unique_ptr<Writer> writer(const OutputPlan& plan);
-  /// Takes neighbours of places. Called from any number of threads at once, for different places.
+  /// Stores neighbours of places. Called from any number of threads at once, for different places.
   void put(const PlaceLists& lists);
   /// Returns (rows u32 or u64, distances f64) after the run, both N×k for the N points of the output, or the N places.
   /// Empties *this.

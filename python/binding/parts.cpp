@@ -31,8 +31,8 @@ const std::array<std::string, 10> kRoundNames{"look",  "other", "order", "sweep"
                                               "label", "rows",  "write", "cut",   "gather"};
 const std::array<std::string, 6> kJoinNames{"", "tiles", "borders", "components", "values", "pieces"};
 
-/// The arguments that all tasks of a run share, in the form of run_pipeline(); `to` has a file for each input, or the
-/// path of the files among which the output is divided. The facts are those of the whole cloud: (points, metres per
+/// The arguments that all tasks of a run share, in the form of run_pipeline(). `to`: an output for each input, or the
+/// one pattern of the files among which the output is divided. `known`: facts of the whole cloud, (points, metres per
 /// unit).
 struct PartRequest {
   PartRequest(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
@@ -96,7 +96,7 @@ nb::tuple planned_parts(const nb::list& source, const nb::list& pipeline, const 
                         nb::make_tuple(request.facts.points, request.facts.metres_per_unit));
 }
 
-/// Performs a task: (rows left, points of the tile, points swept, statistics as JSON).
+/// Performs a task. Returns (rows left, points of the tile, points swept, statistics as JSON).
 nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
                   const std::vector<std::string>& keep, const nb::dict& given, std::vector<std::filesystem::path> to,
                   const nb::object& facts, const nb::dict& task, const nb::object& progress) {

@@ -21,7 +21,7 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-/// `given` has every key that pointsweep._render.render() gives.
+/// Converts the options of a picture. `given` has every key that pointsweep._render.render() gives.
 RenderOptions render_options(const nb::dict& given) {
   RenderOptions options;
   options.width = nb::cast<unsigned>(given["width"]);
@@ -35,7 +35,8 @@ RenderOptions render_options(const nb::dict& given) {
   return options;
 }
 
-/// (the bytes of the PNG, what gave the colours, (lo, hi) of numbers or None, points that are outside)
+/// Returns (bytes of the PNG, name of what gave the colours, (lo, hi) of numbers or None, number of points outside of
+/// it).
 nb::tuple render_picture(const nb::list& source, const nb::dict& given, const nb::object& progress,
                          const nb::object& warn) {
   Cloud cloud = open_cloud(source, true, given);

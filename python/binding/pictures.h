@@ -6,7 +6,7 @@
 
 namespace pointsweep {
 
-/// render.
+/// Adds the function render to the module.
 void bind_pictures(nanobind::module_& module);
 
 }  // namespace pointsweep

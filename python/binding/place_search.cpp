@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-/// Places that are asked about at once: they are near to each other along the axis.
+/// Number of places, successive along the axis, that are searched at once.
 constexpr std::size_t kPlacesAtOnce = 1 << 16;
 
 Vec3 place_at(const ArrayColumn& places, std::size_t i) {

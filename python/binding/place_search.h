@@ -33,8 +33,8 @@ class PlaceSearch final : public InOrderOperator {
   /// Called from any number of threads at once; a place may come twice, with the same neighbours, if there is a k.
   using Take = std::function<void(const PlaceLists&)>;
 
-  /// `places`: N×3 numbers, which must outlive the run. `k`: largest number of neighbours; nothing: all within the
-  /// radius.
+  /// `places`: N×3 numbers, which must outlive the run. `k`: largest number of neighbours; absent: all neighbours
+  /// within the radius.
   PlaceSearch(const ArrayColumn& places, std::optional<std::size_t> k, double radius, Take take)
       : places_(places), k_(k), radius_(radius), take_(std::move(take)) {}
 

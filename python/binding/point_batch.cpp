@@ -17,7 +17,7 @@ namespace nb = nanobind;
 namespace pointsweep {
 namespace {
 
-/// N×shape values that `fill(place, i)` writes.
+/// Returns an array of this shape and type. fill(to) writes all its values, beginning at `to`.
 template <class T, class Fill>
 nb::object filled(std::vector<std::size_t> shape, Type type, Fill fill) {
   std::size_t values = 1;

@@ -19,7 +19,7 @@ namespace pointsweep {
 /// length of the longest one, with NaN, or 0 for integers.
 class PointBatch {
  public:
-  /// `contract` of the operator, which outlives this object's use.
+  /// `contract`: contract of the operator. `in` and `contract` must stay valid until end().
   PointBatch(const Neighborhoods& in, const Contract& contract, std::size_t first, std::size_t size);
   void end() { in_ = nullptr; }
 
@@ -29,7 +29,7 @@ class PointBatch {
   nanobind::object rows() const;                       ///< N i64
   nanobind::object counts() const;                     ///< N i64
   nanobind::object neighbor_positions() const;         ///< N×width×3 f64
-  nanobind::object neighbor_rows() const;              ///< N×width i64; missing: the largest
+  nanobind::object neighbor_rows() const;              ///< N×width i64; a missing neighbour has the largest i64
   nanobind::object own(std::size_t a) const;           ///< attribute a of `reads`, N or N×m
   nanobind::object of_neighbors(std::size_t a) const;  ///< attribute of `reads_neighbors`, N×width or N×width×m
 

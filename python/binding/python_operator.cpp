@@ -149,8 +149,8 @@ class PythonCall {
     contract_.reads_neighbors = all_resolved(reads_neighbors_, input, made);
   }
 
-  /// Takes the points of the batch to the function: put(m, first, array) gets its result m, of the points from `first`
-  /// on.
+  /// Calls the function with pieces of the batch. put(m, first, size, array) gets its result m for the `size` points
+  /// from `first` on.
   template <class Put>
   void call(const Neighborhoods& in, Put put) const {
     function_->threads().call([&] {
@@ -163,7 +163,7 @@ class PythonCall {
   }
 
  private:
-  /// Points from `first` on, so that the padded lists have at most most_places_.
+  /// Returns the number of points from `first` on, at least 1, whose padded lists have at most most_places_ places.
   std::size_t size_at(const Neighborhoods& in, std::size_t first) const {
     std::size_t width = 1, size = 0;
     for (; first + size < in.size(); ++size) {

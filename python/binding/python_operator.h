@@ -18,11 +18,11 @@ class PythonThreads;
 /// The functions that the operators of Python in a chain call.
 using PythonFunctions = std::vector<std::shared_ptr<PythonFunction>>;
 
-/// The stage that `op`, a pointsweep.Operator, describes: a select if it makes nothing. Appends its function to
-/// `functions`.
+/// Returns the stage that `op`, a pointsweep.Operator, describes: a select if it makes no attribute. Appends the
+/// function of `op` to `functions`.
 ChainStage python_operator(nanobind::handle op, PythonFunctions& functions);
 
-/// The functions are called on `threads`, which outlives the run.
+/// Makes the run call the functions on `threads`, which must outlive the run.
 void call_python_on(PythonThreads& threads, const PythonFunctions& functions);
 
 /// Throws the exception that a function has raised, if one has.

@@ -22,7 +22,8 @@ class RadiusLists {
   RadiusLists& operator=(const RadiusLists&) = delete;
   ~RadiusLists();
 
-  /// An operator that makes "neighbor_count", u32, and gives the lists of each batch to *this, which outlives it.
+  /// Returns an operator that makes "neighbor_count", u32, and gives the lists of each batch to *this, which must
+  /// outlive the operator.
   std::shared_ptr<const LocalOperator> op();
 
   /// Takes the lists of places, by their numbers. Called from any number of threads at once.
@@ -48,7 +49,7 @@ class RadiusLists {
   template <class Row>
   nanobind::tuple joined(std::uint64_t lists, Type type);
 
-  std::atomic<Batch*> newest_ = nullptr;  ///< owned; it owns the older ones
+  std::atomic<Batch*> newest_ = nullptr;  ///< owned by *this; each batch owns the batch that was added before it
 };
 
 }  // namespace pointsweep

@@ -86,7 +86,8 @@ bool changes_rows(const Chain& chain, const RunOptions& options) {
 
 bool moves_points(const Chain& chain) {
   return std::ranges::any_of(chain.stages, [](const ChainStage& stage) {
-    // An assignment to x, y or z is one to a part of the position only once the attributes of the cloud are known.
+    // An assignment to x, y or z becomes an assignment to a part of the position when it is bound to a cloud. Until
+    // then its attribute is a coordinate.
     const auto is_coordinate = [](const std::string& field) { return field == "x" || field == "y" || field == "z"; };
     return std::ranges::any_of(contract_of(stage).makes,
                                [&](const Attribute& made) { return std::ranges::any_of(made.fields, is_coordinate); });

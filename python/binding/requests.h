@@ -17,12 +17,14 @@ struct PythonChain : Chain {
   PythonFunctions functions = {};
 };
 
-/// `source`: a list of paths, or of pairs (names, N×m array). `with_rows`: arrays get kRowField. Throws as Cloud.
+/// Opens a cloud. `source`: a list of paths, or of pairs (names, N×m array). `with_rows`: clouds of arrays get the
+/// field kRowField. Throws as Cloud.
 Cloud open_cloud(const nanobind::list& source, bool with_rows, const nanobind::dict& options);
 
-/// `pipeline`: a list of texts and of operators of Python, for the cloud of `facts`. Throws as parse_chain().
+/// Builds the chain for the cloud of `facts`. `pipeline`: a list of texts and of operators of Python. Throws as
+/// parse_chain().
 PythonChain chain_of(const nanobind::list& pipeline, const Facts& facts);
-/// Returns the chain. Throws UsageError for a pipeline with only knn; an empty pipeline copies the points.
+/// Builds a chain that is run: throws UsageError for a pipeline with only knn. An empty pipeline copies the points.
 PythonChain chain_to_run(const nanobind::list& pipeline, const Facts& facts);
 
 /// Returns whether the rows of the output differ from the rows of the input: some are left out, or the order differs.

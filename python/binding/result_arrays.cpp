@@ -24,7 +24,8 @@ nb::dlpack::dtype dtype_of(Type type) {
   return {static_cast<std::uint8_t>(code), static_cast<std::uint8_t>(8 * size_of(type)), 1};
 }
 
-/// The bytes of a row stand side by side in a record, in the types of the array.
+/// Returns whether the fields are contiguous in a record and have the type of the array, so that a row is copied as
+/// bytes.
 bool is_one_piece(const std::vector<Field>& fields) {
   std::uint32_t next = fields.front().offset;
   return std::ranges::all_of(fields, [&](const Field& field) {

@@ -28,13 +28,13 @@ struct ArrayMemory {
   explicit ArrayMemory(std::size_t size) : bytes(new std::byte[size]) {}
 };
 
-/// An array of NumPy that owns `memory`.
+/// Returns a NumPy array that owns `memory`.
 nanobind::object numpy_array(ArrayMemory memory, const std::vector<std::size_t>& shape, Type type);
 
 /// Returns the type of the array for the values of `field`: f64 if it is scaled; u8 to u32 for bit fields.
 Type result_type(const Field& field);
 
-/// Components that make one array, e.g. {"xyz", {"x", "y", "z"}}.
+/// The name of an array and the fields that are its components, e.g. {"xyz", {"x", "y", "z"}}.
 using FieldGroup = std::pair<std::string, std::vector<std::string>>;
 
 /// The arrays that a run is to return.
@@ -49,7 +49,8 @@ struct WantedArrays {
 class ResultArrays {
  public:
   explicit ResultArrays(WantedArrays wanted) : wanted_(std::move(wanted)) {}
-  /// The arrays are in a nameless file in `folder` (empty: the system's). Throws Error if none can be made there.
+  /// Stores the arrays in an unnamed file in `folder` (empty: the temporary folder of the system). Throws Error if the
+  /// file cannot be created.
   ResultArrays(WantedArrays wanted, const std::filesystem::path& folder);
   /// Returns a writer for Outputs::writer. *this must outlive the run. Throws UsageError for a wanted name that does
   /// not exist.
@@ -57,7 +58,7 @@ class ResultArrays {
   /// Returns name -> (N or N×m array, or None for an existing array that was filled; names of its components) after the
   /// run, with the interpreter. Empties *this.
   nanobind::dict arrays();
-  /// Returns the arrays of the rows [first, first + rows), fewer rows at the end, where the arrays are in a file.
+  /// Returns the arrays of the rows [first, first + rows), or of fewer rows at the end. Only for arrays in a file.
   nanobind::dict read(std::size_t first, std::size_t rows) const;
   std::size_t rows() const { return rows_; }
 
@@ -75,11 +76,12 @@ class ResultArrays {
 
     std::size_t row_bytes() const { return values * size_of(type); }
     std::vector<std::string> components() const;
-    /// (`rows` rows in `values`, names of the components).
+    /// Returns (array of `rows` rows with the bytes `values`, names of the components).
     nanobind::tuple with_names(ArrayMemory values, std::size_t rows) const;
   };
   void add(const std::string& name, const std::vector<std::string>& fields, const OutputPlan& plan);
-  /// Returns the address for the values of an array within the existing array of that name; null: there is none.
+  /// Returns the address of the existing array with that name; null if there is none. Throws UsageError if its type or
+  /// shape differs.
   std::byte* place_in(const std::string& name, Type type, std::size_t values) const;
   void require_all_wanted() const;
 
@@ -87,7 +89,7 @@ class ResultArrays {
   std::size_t rows_ = 0;
   std::optional<SpillFile> file_;
   std::vector<Array> arrays_;
-  std::set<std::string> taken_;  ///< fields of the records that are in an array, where all are wanted
+  std::set<std::string> taken_;  ///< fields that an array already has; empty unless all fields are wanted
 };
 
 }  // namespace pointsweep

@@ -127,7 +127,7 @@ std::string plan(const nb::list& source, const nb::list& pipeline, const std::ve
   return plan_text(cloud, chain, {.points = to}, options);
 }
 
-/// Texts that are equal if the pipelines are.
+/// Returns a text of each stage. Equal pipelines have equal texts.
 std::vector<std::string> canonical(const nb::list& pipeline) {
   return canonical_stages(chain_of(pipeline, Facts{}), Presets::left_out);
 }

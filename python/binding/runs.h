@@ -6,7 +6,8 @@
 
 namespace pointsweep {
 
-/// run, neighbors and radius_neighbors.
+/// Adds the functions run, run_to_blocks, plan and canonical_stages, and the four searches for neighbours, to the
+/// module.
 void bind_runs(nanobind::module_& module);
 
 }  // namespace pointsweep

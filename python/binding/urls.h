@@ -6,7 +6,7 @@
 
 namespace pointsweep {
 
-/// reads_urls, known_place, object_state, get_object, put_object, list_objects and remove_object.
+/// Adds the functions reads_urls, known_place, object_state, get_object, put_object, list_objects and remove_object.
 void bind_urls(nanobind::module_& module);
 
 }  // namespace pointsweep

@@ -18,7 +18,7 @@ namespace {
 
 constexpr auto kBetweenLooks = std::chrono::milliseconds(50);  // between checks for signals
 
-/// The events since the last look.
+/// The events since the last call of look().
 struct Events {
   std::optional<Progress> progress;
   std::vector<std::string> warnings;
