@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// distance_to and m3c2 with files of all kinds, folders, budgets and resumed runs.
+/// The operators distance_to and m3c2 with files of all kinds, folders, budgets and resumed runs.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -21,7 +21,8 @@ class ChangeOfFiles : public Tool {
   static constexpr const char* kDistances = "run before.las out.las --force --quiet --no-provenance --pipeline ";
 };
 
-/// All points of the sphere are nearly as far from the terrain in its middle as the nearest: searches in groups.
+/// The terrain lies in the middle of the sphere, so all points of the sphere are almost equally far from it. Such
+/// places are searched in groups.
 TEST_F(ChangeOfFiles, IsTheSameInAllWaysToRun) {
   std::string sphere;
   for (int i = 0; i < 20'000; ++i) {
@@ -92,7 +93,7 @@ TEST_F(ChangeOfFiles, IsRefusedBeforeTheWork) {
 
 TEST_F(ChangeOfFiles, AResumedRunKnowsTheOtherCloud) {
   const std::string run = "run before.las out.las --pipeline 'distance_to(after.las)' --resume done --quiet ";
-  // No room for the output: the folder of checkpoints stays.
+  // The run stops because the output has no room. The folder of checkpoints stays.
   const Result stopped = tool_under("ulimit -f 2900 && exec", run + "--checkpoint-seconds 0");
   ASSERT_NE(stopped.status, 0);
   ASSERT_TRUE(exists("done")) << stopped.err;

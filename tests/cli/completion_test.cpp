@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Completion in shells, and manual pages: made of the declarations, so they hold what the help holds.
+/// Completion in shells, and manual pages. Both are made from the declarations of the verbs, so they list what the help
+/// lists.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -32,7 +33,7 @@ class Completion : public Tool {
   }
   bool has_program(const std::string& name) { return shell("command -v " + name).status == 0; }
 
-  /// What bash offers for the last of `words`, which the user is typing.
+  /// Returns the completions that bash offers for the last of `words`, which the user is typing.
   std::vector<std::string> offered(const std::vector<std::string>& words) {
     write("script", tool("completion bash").out);
     std::string line = "COMP_WORDS=(pointsweep";
@@ -48,7 +49,7 @@ class Completion : public Tool {
     return lines;
   }
 
-  /// The verbs of the help, in its order.
+  /// Returns the verbs that the help lists, in its order.
   std::vector<std::string> verbs() {
     std::vector<std::string> names;
     bool found = false;
@@ -60,7 +61,7 @@ class Completion : public Tool {
     }
     return names;
   }
-  /// "-k", "--radius", ... as the help of a verb shows them.
+  /// Returns the flags that the help of a verb shows: "-k", "--radius", ...
   std::vector<std::string> options_in_help(const std::string& verb) {
     std::vector<std::string> flags;
     for (const std::string& line : lines_in(tool("help " + verb).out)) {

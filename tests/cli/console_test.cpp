@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Whatever becomes of standard output and standard error: no verb aborts, loses its status or writes its words into a
-/// file.
+/// Standard output and standard error may be closed, full or without a reader. No verb then aborts, changes its exit
+/// status or writes its text into another file.
 #include "cli/console/console.h"
 
 #include <fcntl.h>
@@ -41,7 +41,8 @@ void suffer(int descriptor, Fate fate) {
 
 class Console : public Tool {
  protected:
-  /// The status of the tool, run in a copy of this process, which takes a tenth of the time of a new one.
+  /// Returns the exit status of the tool. The tool runs in a fork of this process, which takes a tenth of the time of a
+  /// new process.
   int status(std::vector<std::string> words, Fate out, Fate err) {
     words.insert(words.begin(), "pointsweep");
     std::vector<char*> arguments;
@@ -51,7 +52,7 @@ class Console : public Tool {
       if (chdir(folder_.c_str()) != 0) _exit(255);
       if (out != Fate::closed) suffer(STDOUT_FILENO, out);
       suffer(STDERR_FILENO, err);
-      if (out == Fate::closed) close(STDOUT_FILENO);  // last, for a file would take its number
+      if (out == Fate::closed) close(STDOUT_FILENO);  // last, since another file would take its number
       _exit(run_tool(static_cast<int>(words.size()), arguments.data()));
     }
     int state = 0;
@@ -64,7 +65,8 @@ class Console : public Tool {
     return WEXITSTATUS(std::system(command.c_str()));
   }
 
-  /// Status 0 becomes 1 where a text could not be written to a full standard output, and no status becomes another.
+  /// Expects that status 0 becomes 1 if a text cannot be written to a full standard output, and that no other status
+  /// changes.
   void expect_own_status(const std::vector<std::string>& words) {
     const int right = status(words, Fate::kept, Fate::kept);
     const bool prints = !contents(folder_ / ".out").empty();
@@ -130,7 +132,7 @@ TEST_F(Console, PointsForAClosedStandardOutputAreAnError) {
   }
 }
 
-/// The severities of the lines on standard error, in their order.
+/// Returns the severities of the lines on standard error, in their order.
 std::vector<std::string> severities_of(const Result& result) {
   std::istringstream text(result.err);
   std::vector<std::string> found;
@@ -152,9 +154,9 @@ TEST_F(Console, SentencesBeginWithTheirSeverity) {
   EXPECT_EQ(severities("sort scan.ply out.ply"), (Severities{"error"}));
 }
 
-/// What a terminal gets that is standard error of the command.
+/// Returns the text that a terminal gets as standard error of the command.
 std::string terminal_gets(int terminal, const std::string& command) {
-  const int kept_open = open(ptsname(terminal), O_RDWR | O_NOCTTY);  // else what it holds is lost when the tool ends
+  const int kept_open = open(ptsname(terminal), O_RDWR | O_NOCTTY);  // keeps the text after the tool ends
   EXPECT_EQ(std::system((command + " 2>" + ptsname(terminal)).c_str()), 0);
   std::string text;
   char buffer[4096];

@@ -15,7 +15,7 @@ class ConvertVerb : public Tool {
  protected:
   void SetUp() override { made("generate terrain in.las -n 3000 --noise 0.01 --outliers 0.01 -q"); }
 
-  /// The rows of the file as text, with all attributes.
+  /// Returns the rows of the file as text, with all attributes.
   std::string rows_of(const std::string& file) {
     made("convert " + file + " rows.csv -q -f");
     return contents(folder_ / "rows.csv");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a run says of the coordinate system of points that it moves.
+/// The warnings of a run that moves points of a cloud with a coordinate reference system.
 #include "tests/cli/tool.h"
 #include "tests/formats/las_test_file.h"
 

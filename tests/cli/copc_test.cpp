@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// COPC outputs as a user makes them. Whether their levels are good and other programs read them is the matter of
-/// tests/levels and tests/readers.
+/// COPC outputs as a user makes them. tests/levels tests the choice of their levels, tests/readers that other programs
+/// read them.
 #include <algorithm>
 #include <cstring>
 #include <sstream>
@@ -13,7 +13,7 @@ namespace {
 
 class Copc : public Tool {
  protected:
-  /// The lines of a file as text, in any order.
+  /// Returns the lines of a file as text, sorted.
   std::vector<std::string> points_of(const std::string& file) {
     std::istringstream text(made("convert " + file + " text.csv --force --no-provenance", "text.csv"));
     std::vector<std::string> lines;
@@ -28,7 +28,7 @@ class Copc : public Tool {
     EXPECT_EQ(tool("verify " + input + " out.copc.laz").status, 0) << input;
     return file;
   }
-  /// Text with one point in a line.
+  /// Writes a text file with one point per line.
   void write_points(const std::string& name, std::size_t count, const auto& line) {
     std::string text = "x y z intensity\n";
     for (std::size_t i = 0; i < count; ++i) text += line(i) + "\n";

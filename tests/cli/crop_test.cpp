@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// crop with a file of polygons as a user runs it: what outputs record, and what a run goes on with.
+/// The operator crop with a file of polygons as a user runs it: the record in the output, and runs that are resumed.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ TEST_F(CropStage, VerifyReadsTheFileThatTheRunReadAndRefusesAnother) {
     EXPECT_EQ(sound.status, 0) << sound.out << sound.err;
     EXPECT_NE(tool(fmt::format("info {}", out)).out.find("crop(polygon=area.geojson, checksum="), std::string::npos);
   }
-  // 19 points on the first row down to 1: all with x + y <= 22, those on the edges too.
+  // Rows of 19 points down to 1: all points with x + y <= 22, including points on the edges.
   const std::string text = contents(folder_ / "out.txt");
   EXPECT_EQ(tool("info out.txt").out.find("points      190") != std::string::npos, true) << tool("info out.txt").out;
   write("less.txt", text.substr(0, text.rfind('\n', text.size() - 2) + 1));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// tile, split, and --tile and --split of other verbs as a user runs them, and what verify says of their files.
+/// The verbs tile and split, and the options --tile and --split of other verbs, as a user runs them; verify of their
+/// files.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The verbs of the tool, as it declares them.
+/// The verbs that the tool declares.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -6,7 +6,7 @@
 namespace pointsweep {
 namespace {
 
-/// Folders, patterns and virtual point clouds where files may be named.
+/// Folders, patterns and virtual point clouds (.vpc) in the place of file names.
 class FolderInputs : public Tool {
  protected:
   FolderInputs() {

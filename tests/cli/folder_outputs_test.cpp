@@ -46,7 +46,7 @@ class FolderOutputs : public Tool {
                                                             all.value(row, "y"), all.value(row, "z"), row % 50);
     for (const auto& [name, text] : texts) write(name + ".xyz", "x y z weight\n" + text);
   }
-  /// a.las, b.ply, c.xyz, deep/a.laz
+  /// Makes the tiles a.las, b.ply, c.xyz and deep/a.laz.
   void make_mixed_tiles() {
     made("sort a.xyz tiles/a.las --axis y --no-provenance");
     made("sort b.xyz tiles/b.ply --axis x --keep x,y,z --no-provenance");
@@ -59,8 +59,8 @@ class FolderOutputs : public Tool {
   }
   std::vector<std::string> tiles_ = {"a.las", "b.ply", "c.xyz", "deep/a.laz"};
 
-  /// The rows of the tiles in `out` one after the other have the values of `merged` in all of `fields`, to the last
-  /// bit. A text file is read as float64, and its shortest decimals give the float32 that was written.
+  /// Expects that the rows of the tiles in `out`, one tile after another, have the values of `merged` in all `fields`,
+  /// to the last bit. A text file is read as float64, and its shortest decimals give the float32 that was written.
   void expect_seamless(const std::string& out, const std::string& merged, const std::vector<std::string>& fields) {
     const StoredPoints whole(folder_ / merged);
     std::size_t row = 0;
@@ -76,7 +76,7 @@ class FolderOutputs : public Tool {
     }
     EXPECT_EQ(row, whole.rows);
   }
-  /// Every attribute of the inputs is in the tile, with its type, bits and values.
+  /// Expects that every tile in `out` has all attributes of its input, with their types, bits and values.
   void expect_inputs_kept(const std::string& out) {
     for (const std::string& name : tiles_) {
       const StoredPoints in(folder_ / "tiles" / name), tile(folder_ / out / name);
@@ -350,7 +350,7 @@ TEST_F(FolderOutputs, AfterASuddenDeathResumeLeavesFinishedOnesAndRemovesWhatWas
   std::system(command.c_str());
   ASSERT_TRUE(exists("out/a.ply") && exists("out/b.ply"));
   const auto written = std::filesystem::last_write_time(folder_ / "out/a.ply");
-  if (exists("kept")) made(arguments);  // else the process was complete before the signal came
+  if (exists("kept")) made(arguments);  // without the folder, the process was complete before the signal came
   EXPECT_EQ(std::filesystem::last_write_time(folder_ / "out/a.ply"), written);
   for (const char* name : {"a.ply", "b.ply", "big.xyz", "c.ply"})
     EXPECT_TRUE(contents(folder_ / "out" / name) == contents(folder_ / "whole" / name)) << name;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the tool says to a new user: help, version, near names, and texts that work as they stand.
+/// The texts for a new user: help, version, suggestions for misspelt names, and examples that run as pasted.
 #include "cli/text/help.h"
 
 #include <fmt/format.h>
@@ -31,14 +31,14 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// Number of characters, of which UTF-8 may take several bytes each.
+/// Returns the number of characters of a line in UTF-8.
 std::size_t columns_of(const std::string& line) {
   std::size_t columns = 0;
   for (const char c : line) columns += (static_cast<unsigned char>(c) & 0xc0) != 0x80;
   return columns;
 }
 
-/// The lines of `text` that begin with two blanks and `word`, without the word.
+/// Returns the lines of `text` that begin with two blanks and `word`, without the word.
 std::vector<std::string> lines_after(const std::string& text, const std::string& word) {
   std::vector<std::string> found;
   for (const std::string& line : lines_of(text))
@@ -56,7 +56,7 @@ TEST_F(Help, OfEveryVerbFitsAHundredColumns) {
     for (const std::string& line : lines_of(tool(command).out)) EXPECT_LE(columns_of(line), 100u) << line;
 }
 
-/// Whether the first word of `next` had room behind `line`.
+/// Returns whether `line` has room for the first word of `next`.
 bool is_broken_early(const std::string& line, const std::string& next) {
   const std::size_t begin = next.find_first_not_of(' '), end = std::min(next.find(' ', begin), next.size());
   return columns_of(line) + 1 + columns_of(next.substr(begin, end - begin)) <= 80;
@@ -207,7 +207,6 @@ TEST_F(Help, VersionTellsBuildInstructionSetAndFormats) {
   EXPECT_NE(result.out.find("GCC") + result.out.find("Clang"), 2 * std::string::npos);
 }
 
-/// Whether examples of the verb write a point file, which may exist.
 /// Returns whether the verb writes a file that may exist.
 bool takes_force(const std::string& help) { return help.find("--force") != std::string::npos; }
 
@@ -221,7 +220,7 @@ TEST_F(Help, ExamplesRunAsPasted) {
   }
   write("registration.txt", "0 -1 0 5\n1 0 0 2\n0 0 1 0\n0 0 0 1\n");
   for (const std::string& verb : every_verb()) {
-    if (verb == "verify" || verb == "render") {  // their examples read what others have made
+    if (verb == "verify" || verb == "render") {  // their examples read outputs of other verbs
       made("normals scan.ply normals.ply -k 12 --force");
       made("run scan.ply out.las --pipeline 'knn(k=12) | normals(orient=up)' --force");
       made("run scan.ply splats.ply --pipeline 'normals | curvature | splats' --force");
@@ -248,7 +247,7 @@ TEST_F(Help, EveryOptionOfRunsIsAFlagOfRun) {
 
 TEST_F(Help, ExamplesOfOperatorsArePipelinesThatRun) {
   made("generate statue in.ply -n 3000 --noise 0.002", "in.ply");
-  for (const char* other : {"before.las", "after.las", "labelled.las"})  // that examples compare with
+  for (const char* other : {"before.las", "after.las", "labelled.las"})  // files with which examples compare
     made(std::string("generate statue ") + other + " -n 3000 --noise 0.01");
   const auto operators = nlohmann::json::parse(tool("operators --json").out);
   EXPECT_EQ(operators.size(), all_operators().size() + 1) << "and knn";

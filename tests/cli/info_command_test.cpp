@@ -21,7 +21,7 @@ namespace {
 
 class Info : public Tool {
  protected:
-  /// A PLY file of such points, and what the tool says of it.
+  /// Writes a PLY file with `count` points, and returns what `info` prints about it.
   std::string info_of(const std::string& rows, int count) {
     write("a.ply", "ply\nformat ascii 1.0\nelement vertex " + std::to_string(count) +
                        "\nproperty float x\nproperty double y\nproperty double z\nproperty uchar red\nend_header\n" +
@@ -30,7 +30,7 @@ class Info : public Tool {
     EXPECT_EQ(result.status, 0) << result.err;
     return result.out;
   }
-  /// What `info --json` of such files says.
+  /// Returns the output of `info --json` for the files.
   nlohmann::ordered_json json_of(const std::string& files, int status = 0) {
     const Result result = tool("info --json " + files);
     EXPECT_EQ(result.status, status) << result.err;
@@ -130,7 +130,8 @@ TEST_F(Info, GivesTheRangeOfEveryAttribute) {
 }
 
 TEST_F(Info, DensityAndSpacingOfAGridAreThoseOfTheGrid) {
-  // 100 × 100 points, 0.25 apart, over 25 × 25 units: 16 points on a unit, up to the edge of cells at the border.
+  // 100 × 100 points, 0.25 apart, over 25 × 25 units: 16 points per square unit, up to the edges of the cells at the
+  // border.
   std::string rows;
   for (int i = 0; i < 100; ++i)
     for (int j = 0; j < 100; ++j) rows += fmt::format("{} {} 0 0\n", 0.25 * i, 0.25 * j);
@@ -393,7 +394,7 @@ TEST_F(InfoTable, HasALineForFilesThatCannotBeReadAndEndsWithStatus1) {
   refused(2, "info --json --table tiles", "--table");
 }
 
-/// Files of the library's own writers, which state what is true, and the same with a changed header.
+/// Compares files of the library's own writers, whose headers are right, with copies whose headers are changed.
 TEST_F(Info, ComparesTheHeaderOfLasWithThePoints) {
   for (const char* name : {"a.las", "a.laz"}) {
     std::string bytes = made(fmt::format("generate terrain {} -n 2000", name), name);
@@ -456,7 +457,7 @@ TEST(PlanArea, AFewPlacesCoverNoArea) {
 
 using Places = std::vector<std::pair<double, double>>;
 
-/// Evenly spread, in clusters, in clusters with a few points far from them, and along a line.
+/// Returns clouds that are evenly spread, in clusters, in clusters with a few points far from them, and along a line.
 std::vector<Places> some_clouds() {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> even(0, 100);
@@ -481,7 +482,8 @@ PlanArea area_of(const Places& places) {
 
 double density_of(const Places& places) { return static_cast<double>(places.size()) / area_of(places).area(); }
 
-/// The places of a cloud without most of those that `goes` chooses; those at its bounds stay.
+/// Returns the places of a cloud without most of the places that `goes` chooses. Places at the bounds of the cloud
+/// stay.
 Places without(const Places& all, const std::function<bool(const std::pair<double, double>&)>& goes) {
   const auto by_y = [](const auto& a, const auto& b) { return a.second < b.second; };
   const auto [least, most] = std::minmax_element(all.begin(), all.end());

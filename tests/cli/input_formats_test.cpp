@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Runs over the formats that are read only: the same results as from PLY, in all ways to run.
+/// Runs over formats that are only read have the results of runs over PLY, for all threads, memory and orders.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -60,7 +60,7 @@ class InputFormats : public Tool {
     return std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(dictionary.size()) + '\0' + dictionary;
   }
 
-  /// The columns `x y z nx ny nz` of a run over `name`, as text.
+  /// Returns the columns `x y z nx ny nz` of a run over `name`, as text.
   std::string normals_of(const std::string& name, const std::string& options) {
     return made("normals " + name + " out.csv --format kitti --keep x,y,z,nx,ny,nz --force --quiet " + options,
                 "out.csv");
@@ -73,7 +73,8 @@ constexpr const char* kNames[] = {"a.ptx", "a.pts", "text.vtk", "binary.vtk", "c
 
 TEST_F(InputFormats, GiveTheResultsOfTextInAllWaysToRun) {
   for (const char* options : {"", "--order sweep", "--memory 40M", "--order sweep --memory 40M --threads 1"}) {
-    // float32 coordinates in their shortest form are other float64 values: so every text format is compared with text.
+    // float32 coordinates in their shortest decimals are other float64 values, so every text format is compared with
+    // text.
     const std::string text = normals_of("a.xyz", options), floats = normals_of("c.npy", options);
     for (const std::string name : kNames) {
       SCOPED_TRACE(name + " " + options);
@@ -138,7 +139,7 @@ TEST_F(InputFormats, PointsThatAreNotFiniteFollowTheRule) {
   }
 }
 
-/// Rows with a word, a value that is skipped, a missing value and colours; `columns` names them.
+/// Files whose rows have a word, a skipped value, a missing value and colours; `columns` names their columns.
 class StatedColumns : public Tool {
  protected:
   StatedColumns() {

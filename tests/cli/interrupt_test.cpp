@@ -21,13 +21,13 @@ class Interrupt : public Tool {
   pid_t start(const std::string& arguments) const {
     const pid_t child = fork();
     if (child != 0) return child;
-    std::signal(SIGINT, SIG_DFL);  // a shell's background jobs ignore it, and so would the tool
+    std::signal(SIGINT, SIG_DFL);  // background jobs of a shell ignore SIGINT, and the tool would inherit that
     const std::string command =
         "cd '" + folder_.string() + "' && exec " + program() + " " + arguments + " >/dev/null 2>/dev/null";
     execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
     _exit(98);
   }
-  /// Waits until the tool has set its handlers, or has ended: before that a signal ends it as it ends every process.
+  /// Waits until the tool has set its signal handlers, or has ended. Before, a signal has its default effect.
   static void wait_for_handlers(pid_t child) {
     const auto catches_termination = [&] {
       std::ifstream status("/proc/" + std::to_string(child) + "/status");
@@ -44,7 +44,7 @@ class Interrupt : public Tool {
     waitpid(child, &state, 0);
     return WIFEXITED(state) ? WEXITSTATUS(state) : -WTERMSIG(state);
   }
-  /// Starts a run that would take hours, sends `signal` as soon as its output grows, and gives its status.
+  /// Starts a run that would take hours, sends `signal` as soon as its output exists, and returns the exit status.
   int status_after(int signal) {
     const pid_t child = start("generate statue out.xyz -n 10G");
     while (std::filesystem::is_empty(folder_)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -58,8 +58,8 @@ class Interrupt : public Tool {
     return names;
   }
 
-  /// Sends SIGTERM `delay` seconds after the tool has started. Returns how long the run then takes to end, or nothing
-  /// if it was over before.
+  /// Sends SIGTERM `delay` seconds after the tool has started. Returns the seconds until the run has ended; absent if
+  /// it ended before the signal.
   std::optional<double> seconds_to_end(const std::string& arguments, double delay) const {
     const pid_t child = start(arguments);
     wait_for_handlers(child);
@@ -86,7 +86,7 @@ TEST_F(Interrupt, TerminationEndsWithStatus143AndLeavesNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
-/// The handler of the timer that ends a run which does not stop by itself, called before the run sees the first signal.
+/// Calls the handler of the timer that ends a run which does not stop by itself, before the run sees the first signal.
 TEST_F(Interrupt, WhatEndsAtOnceLeavesNothingEither) {
   ASSERT_EQ(tool("generate statue s.ply -n 300K").status, 0);
   std::filesystem::create_directory(folder_ / "tmp");
@@ -110,7 +110,7 @@ TEST_F(Interrupt, WhatEndsAtOnceLeavesNothingEither) {
   EXPECT_EQ(files(), before);
 }
 
-/// Runs that take from seconds to hours. `many` is a cloud of 12 million points: one file forty times.
+/// Returns runs that take from seconds to hours. `many` names one file forty times: a cloud of 12 million points.
 std::vector<std::string> long_runs() {
   std::string many;
   for (int i = 0; i < 40; ++i) many += "s.ply ";
@@ -159,7 +159,7 @@ void Interrupt::expect_quick_ends(int turns, double longest) {
 /// Returns whether the run was still at work when the signal came.
 bool Interrupt::ends_quickly(const std::string& run, double after) {
   const std::set<std::string> before = files();
-  // A busy machine may keep a process waiting for longer than it works: the best of three counts.
+  // A busy machine may keep a process waiting for longer than it works, so the best of three attempts counts.
   std::optional<double> least;
   for (int attempt = 0; attempt < 3 && (!least || *least >= 1); ++attempt) {
     const std::optional<double> seconds = seconds_to_end(run, after);
@@ -178,7 +178,7 @@ bool Interrupt::ends_quickly(const std::string& run, double after) {
 
 TEST_F(Interrupt, EveryVerbEndsWithinASecondAndLeavesNothing) { expect_quick_ends(1, 0.3); }
 
-/// The test above with delays that reach every phase.
+/// Stops every verb, with delays that reach every phase.
 TEST_F(Interrupt, EveryVerbEndsWithinASecondInEveryPhaseAndLeavesNothing) { expect_quick_ends(2, 1.6); }
 
 }  // namespace

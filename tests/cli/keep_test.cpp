@@ -17,7 +17,7 @@ using Table = std::map<std::string, std::vector<double>>;  ///< values by column
 
 class SharedOptions : public Tool {
  protected:
-  /// A wavy surface with attributes that LAS knows and one that it does not.
+  /// Writes a wavy surface with attributes that LAS knows, and one that LAS does not know.
   SharedOptions() {
     std::string text = "x,y,z,intensity,classification,weight\n";
     for (int i = 0; i < 900; ++i) {
@@ -46,7 +46,7 @@ class SharedOptions : public Tool {
     for (const Field& field : reader->info().schema.fields) text += (text.empty() ? "" : " ") + field.name;
     return text;
   }
-  /// Values that were float32, which text holds with as few digits as tell them apart.
+  /// Converts values of text files back to float32. Text has the fewest digits that tell float32 values apart.
   static std::vector<float> singles(const std::vector<double>& values) { return {values.begin(), values.end()}; }
   void expect_columns_of(const Table& all, const Table& kept) const {
     for (const auto& [name, values] : kept) EXPECT_EQ(values, all.at(name)) << name;
@@ -119,7 +119,7 @@ TEST_F(SharedOptions, KeptCoordinatesAreTheMovedOnes) {
   expect_columns_of(table("all.ply"), table("kept.ply"));
 }
 
-/// `segments` makes three attributes: some of them are kept, or read by a later stage, or both.
+/// The operator segments makes three attributes. Some of them are kept, some are read by a later stage.
 TEST_F(SharedOptions, KeptValuesOfSegmentsAreThoseOfAll) {
   const std::string segments = "run in.ply {} -f -q --pipeline 'knn(k=12) | normals | segments(angle=2){}'{}";
   for (const std::string rows : {"", " | where(segment_residual < 0.64 && segment_size > 2)"}) {
@@ -173,7 +173,7 @@ TEST_F(SharedOptions, KeptWithAPrefixAnAttributeOfTheInputIsNotTheMadeOne) {
   expect_columns_of(table("whole.ply"), table("both.ply"));
 }
 
-/// The input already has a curvature and normals, both of bytes.
+/// The input already has a curvature and normals, both as bytes.
 TEST_F(SharedOptions, AReplacedAttributeIsKeptAsItIsMade) {
   std::string text =
       "ply\nformat ascii 1.0\nelement vertex 300\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "

@@ -17,7 +17,7 @@ std::string geotiff_vlr_of(std::uint16_t code) {
 
 class LasInputs : public Tool {
  protected:
-  /// 400 random points of about 10 m; the flags and numbers are random too.
+  /// Writes 400 random points within about 10 m. Flags and numbers are random as well.
   void write_las(const std::string& name, int format, double scale, std::vector<std::string> vlrs = {}) {
     las_test::File file;
     file.format = format;

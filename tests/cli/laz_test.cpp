@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Runs on compressed files give what runs on the same points as LAS give, whatever else is asked for.
+/// Runs on LAZ files have the results of runs on LAS files with equal points, for all options.
 #include "pointsweep/formats/las/laz_layout.h"
 #include "tests/cli/tool.h"
 
@@ -41,7 +41,7 @@ TEST_F(CompressedFiles, HoldTheSameResultsAsLas) {
     SCOPED_TRACE(options);
     out_of("a.las", "r.las", options);
     out_of("a.laz", "r.laz", options);
-    // The bytes of the two formats cannot be compared, hence a run that keeps every row and value.
+    // The bytes of LAS and LAZ differ, so a run that keeps every row and value converts both to PLY.
     EXPECT_TRUE(out_of("r.las", "las.ply", "--pipeline 'where(x > -1e300)'") ==
                 out_of("r.laz", "laz.ply", "--pipeline 'where(x > -1e300)'"));
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The stage level on clouds with more than one level, which clouds of the laws are too small for. verify evaluates it
-/// from the definition, with a cube, an order of points and a search of its own.
+/// The operator level on clouds with more than one level; the clouds of tests/laws are too small for that. verify
+/// evaluates the definition, with its own cube, order of points and search.
 #include <algorithm>
 #include <map>
 #include <sstream>
@@ -17,7 +17,7 @@ class LevelStage : public Tool {
     made("generate tls tls.ply -n 200000");
     write("nowhere.txt", "x y z\nnan 1 1\n2 inf 2\n");
   }
-  /// The lines "x,y,z,level" of a file, in any order.
+  /// Returns the lines "x,y,z,level" of files, sorted.
   std::vector<std::string> levels_of(const std::string& files) {
     std::istringstream text(made("convert " + files + " text.csv --force --keep x,y,z,level", "text.csv"));
     std::vector<std::string> lines;

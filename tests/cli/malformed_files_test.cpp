@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the tool makes of every broken or odd file of $POINTSWEEP_DATA/malformed: a whole output, or one sentence.
+/// Runs over every broken or odd file of $POINTSWEEP_DATA/malformed: each gives a whole output or one error sentence.
 #include <set>
 
 #include "pointsweep/formats/e57/e57_file.h"
@@ -14,8 +14,8 @@ namespace {
 
 struct Outcome {
   const char* file;
-  std::uint64_t points;            ///< that a run brings into its output
-  const char* sentence = nullptr;  ///< part of what it says instead
+  std::uint64_t points;            ///< number of points of the output
+  const char* sentence = nullptr;  ///< part of the error sentence; null if the run succeeds
 };
 
 constexpr Outcome kOutcomes[] = {
@@ -96,14 +96,15 @@ constexpr Outcome kOutcomes[] = {
     {"point-cloud-utils/bunny_duplicates.ply", 2895},
 };
 
-/// KB: no count of a header is believed. The shadow memory of a sanitizer is larger than any limit.
+/// A limit of 400,000 KB of memory, because no count of a header may be believed. The shadow memory of a sanitizer is
+/// larger than any limit.
 const std::string limited = has_sanitizer() ? "exec timeout 60" : "ulimit -v 400000 && exec timeout 60";
 
 class MalformedFiles : public Tool {
  protected:
   MalformedFiles() : data_(data_folder() / "malformed") {}
 
-  /// A run over the file, and the check that every point and attribute of it came out.
+  /// Runs over the file, and expects its error sentence, or an output with all its points and attributes.
   void expect(const Outcome& outcome) {
     const std::string in = "'" + (data_ / outcome.file).string() + "'";
     const std::string_view name = outcome.file;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The law of --memory: every operator stays below it, in the least memory that it accepts and in the least that has
-/// room for all of many threads.
+/// The law of --memory: every operator stays below the budget, both with the least budget that it accepts and with the
+/// least budget that has room for 16 threads.
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/tool.h"
@@ -17,24 +17,24 @@ class MemoryLaw : public Tool, public testing::WithParamInterface<std::string> {
     write_labelled_points(folder_ / "other.ply", cloud_for_examples(20000, 2));
   }
 
-  /// The command of the example in so many MB.
+  /// Returns the command of the operator's example with a budget of `mega` MB.
   std::string command(std::uint64_t mega) const {
     return "run in.ply out.ply --force --quiet --threads 16 --stats stats.json --memory " + std::to_string(mega) +
            "M --pipeline '" + example_of(GetParam(), "other.ply").pipeline + "'";
   }
 
-  /// The number of MB that a text names behind `words`; `otherwise` where it does not have them.
+  /// Returns the number of MB that follows `words` in a text; `otherwise` if the text does not have the words.
   static std::uint64_t mega_behind(const std::string& words, const std::string& text, std::uint64_t otherwise) {
     const std::size_t at = text.find(words);
     return at == std::string::npos ? otherwise : std::stoull(text.substr(at + words.size()));
   }
-  /// The least MB that are accepted; those of a run that is not refused are what it needs at most.
+  /// Returns the least budget in MB that is accepted.
   std::uint64_t least_mega() {
     const Result refused = tool(command(1));
     EXPECT_TRUE(refused.status == 0 || refused.err.find("give --memory ") != std::string::npos) << refused.err;
     return mega_behind("give --memory ", refused.err, 48);
   }
-  /// The least MB that have room for all threads.
+  /// Returns the least budget in MB that has room for all threads.
   std::uint64_t mega_for_all_threads(std::uint64_t least) {
     return mega_behind("no room for more; --memory ", made(command(least) + " --dry-run", ".out"), least);
   }

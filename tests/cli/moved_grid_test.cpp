@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// LAS outputs of pipelines that move points: the grid is planned from the positions that are written.
+/// LAS outputs of pipelines that move points. Their coordinate grid is planned from the written positions.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ class MovedGrid : public Tool {
   }
   LasQuantization grid(const std::string& file) const { return open_reader(folder_ / file)->info().las->grid; }
 
-  /// Every point is where the formula says, to half a step.
+  /// Expects that every point is where the formula places it, within half a step of the grid.
   void expect_moved(const std::string& file, double dx, double dy, double step) const {
     const auto x = values("scan.las", "x"), y = values("scan.las", "y"), z = values("scan.las", "z");
     const auto far_x = values(file, "x"), far_y = values(file, "y"), far_z = values(file, "z");

@@ -8,7 +8,7 @@
 namespace pointsweep {
 namespace {
 
-/// Inputs that have attributes whose names made ones would take.
+/// Inputs with attributes whose names the computed attributes would take.
 class Naming : public Tool {
  protected:
   Naming() {
@@ -23,7 +23,7 @@ class Naming : public Tool {
     EXPECT_EQ(tool("sort in.xyz in.las --axis x --no-provenance").status, 0);
   }
 
-  /// The cells under a name of a text file.
+  /// Returns the values of a column as text.
   std::vector<std::string> column(const std::string& file, const std::string& name) {
     EXPECT_EQ(tool("sort " + file + " column.csv --axis x -f --no-provenance").status, 0);
     std::istringstream lines(contents(folder_ / "column.csv"));

@@ -16,7 +16,7 @@
 namespace pointsweep {
 namespace {
 
-/// A cloud of a sphere with points here and there that have no place, and the same cloud without them.
+/// A cloud of a sphere in which some points have no finite coordinates, and the cloud without these points.
 class NonfinitePoints : public Tool {
  protected:
   static constexpr int kRows = 9000;  // more than two blocks of rows
@@ -73,7 +73,7 @@ TEST_F(NonfinitePoints, AreKeptByOtherFormatsByDefaultAndListedToo) {
 
 TEST_F(NonfinitePoints, DroppedFromAnyFormatOrderAndVerbLeaveTheOutputOfTheOtherPoints) {
   const std::string formats[] = {"ply", "csv", "xyz", "las"};
-  std::size_t turn = 0;  // each verb has two of the formats
+  std::size_t turn = 0;  // each verb is tried with two of the formats
   for (const char* verb : {"normals", "sort", "splats --order sweep", "normals --order sweep --memory 40M",
                            "run --pipeline 'normals|splats|fair|reneighbor|resort|normals' --order sweep",
                            "run --pipeline 'normals|splats|fair|reneighbor|normals'", "curvature --engine reference"}) {
@@ -175,7 +175,7 @@ TEST_F(NonfinitePoints, OfEveryOperatorAreAsVerifyDerivesThem) {
       try {
         const Verdict verdict = verify({}, folder_ / "out.ply");
         EXPECT_TRUE(verdict.same()) << to_text(verdict);
-      } catch (const UsageError& refusal) {  // of rows that the output does not tell
+      } catch (const UsageError& refusal) {  // for rows that cannot be told from the output
         const std::string sentence = refusal.what();
         EXPECT_TRUE(sentence.starts_with("verify: ")) << sentence;
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the tool and the docs say of operators is what these declare.
+/// The texts of the tool and of the docs about operators agree with the declarations of the operators.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -27,13 +27,13 @@ TEST_F(OperatorListing, DocsAreWhatTheToolPrints) {
   EXPECT_EQ(tool("operators --attributes").out, page.substr(from, page.find(end) - from)) << "run script/docs";
 }
 
-/// Returns the text between two others; empty if the first is missing.
+/// Returns the text between `begin` and `end`; empty if `begin` is missing.
 std::string between(const std::string& text, const std::string& begin, const std::string& end) {
   const std::size_t from = text.find(begin);
   return from == text.npos ? "" : text.substr(from, text.find(end, from + begin.size()) - from);
 }
 
-/// Returns the words that end at `after`, of the lines that begin with `before`.
+/// Returns the words up to `after`, from all lines that begin with `before`.
 std::vector<std::string> words_of_lines(const std::string& text, const std::string& before, char after) {
   std::vector<std::string> words;
   std::istringstream lines(text);

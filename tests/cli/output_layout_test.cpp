@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What values become in the formats: decimals of text, types of coordinates, depth of colours, errors that name rows.
+/// The values that the formats store: decimals of text, types of coordinates, depth of colours, and errors that name
+/// rows.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -154,7 +155,8 @@ TEST_F(Layout, ALineSaysByHowMuchFloat32RoundsLargeCoordinates) {
   EXPECT_EQ(same.err.find("rounds them"), std::string::npos) << "nothing is rounded: " << same.err;
 }
 
-/// Rows 39, 79, ... have the level 39 and more, so does row 2, which has no finite place.
+/// Returns a text file in which rows 39, 79, ... have a level of at least 39. With `has_nan`, row 2, which has no
+/// finite coordinates, has such a level as well.
 std::string levels(bool has_nan) {
   std::string text = "x y z level\n";
   for (int i = 0; i < 30000; ++i)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The ending of a name says the format, for every verb that writes points; verbs are those of the registry.
+/// The extension of its name decides the format of an output, for every verb that writes points.
 #include <CLI/CLI.hpp>
 #include <map>
 #include <set>
@@ -21,7 +21,8 @@ class OutputName : public Tool {
 TEST_F(OutputName, OfCopcGivesLevelsByEveryVerbThatWritesPoints) {
   const std::map<std::string, std::string> others = {
       {"run", " --pipeline normals"}, {"thin", " --voxel 1"}, {"transform", " --translate 1,2,3"}};
-  // Arrays, pictures, other inputs, many files, and an order that COPC does not have.
+  // Verbs that write arrays, pictures or many files, that take other inputs, or that need an order that COPC does not
+  // have.
   const std::set<std::string> of_other_files = {"neighbors", "render", "generate", "split", "tile", "sort"};
   const auto has_output = [](const CLI::App* verb) { return verb->get_option_no_throw("-o") != nullptr; };
   CLI::App app;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Statistics of points against naive ones over all values in memory, and `pointsweep info --stats --by --histogram`.
+/// Statistics of points against naive statistics over all values in memory, and `pointsweep info --stats --by
+/// --histogram`.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,7 +39,7 @@ class PointStatisticsTool : public Tool {
   }
 };
 
-/// The statistics of finite values by their definitions.
+/// Compares statistics with those of the finite values, computed from their definitions.
 void expect_statistics(const Json& found, std::vector<double> values) {
   const std::size_t n = values.size();
   ASSERT_EQ(found.at("count"), n);

@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// A display whose clock stands until it is moved, and what it wrote so far.
+/// A display of progress with a clock that the test moves, and the text that it has written so far.
 class ProgressDisplays : public testing::Test {
  protected:
   ProgressDisplays() {
@@ -119,7 +119,7 @@ TEST_F(ProgressDisplays, ProgramsGetTheFirstAndTheLastOfAPhaseAndSomeBetween) {
   wait(0.15);
   display.report("sweeping", 20, 100);
   display.report("sweeping", 100, 100);
-  display.report("sweeping", 99, 100);  // another thread, late
+  display.report("sweeping", 99, 100);  // a late report of another thread
   EXPECT_EQ(written(), R"({"phase":"sweeping","done":0,"total":100,"seconds":0.0})"
                        "\n"
                        R"({"phase":"sweeping","done":20,"total":100,"seconds":0.25})"

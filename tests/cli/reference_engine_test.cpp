@@ -52,7 +52,7 @@ TEST_F(ReferenceEngine, WhatItCannotDoIsSaid) {
   EXPECT_FALSE(exists("checkpoints"));
 }
 
-/// Rows of two .npy files of `bytes` each that differ.
+/// Returns the number of rows, of `bytes` bytes each, that differ between two .npy files.
 int differing_rows(const std::string& a, const std::string& b, std::size_t bytes) {
   const std::size_t header = a.size() % bytes == 0 ? bytes : a.size() % bytes;
   EXPECT_EQ(a.size(), b.size());

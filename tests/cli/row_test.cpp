@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// `row` by the tool: tiles, LAZ, both orders, `verify`.
+/// The name `row` in pipelines of the tool: tiles, LAZ, both orders, `verify`.
 #include <fmt/format.h>
 
 #include <random>
@@ -11,7 +11,8 @@ namespace {
 
 class RowStages : public Tool {
  protected:
-  /// 700 points in a.txt, 500 of which follow in b.txt with one more attribute, rows without finite places among them.
+  /// Writes 700 points to a.txt and 500 others to b.txt, which has the attribute `extra` in place of `level`. Some rows
+  /// have no finite x.
   void write_inputs() {
     std::mt19937_64 random(81);
     const auto number = [&] { return static_cast<double>(random() % 1000) / 10; };

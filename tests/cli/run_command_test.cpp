@@ -87,7 +87,7 @@ TEST_F(RunVerb, UpdateOperatorsWorkInTextAndJson) {
     EXPECT_NE(dry.out.find(words), std::string::npos) << words << "\n" << dry.out;
 }
 
-/// Lines of the header of a PLY file that tell about positions.
+/// Returns the types of the positions in the header of a PLY file.
 std::string position_types(const std::string& ply) {
   std::string types;
   for (const char* type : {"float", "double"})

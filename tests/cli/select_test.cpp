@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// where, sor and unique as a user runs them, on files of every format.
+/// The operators where, sor and unique as a user runs them, on files of every format.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 class SelectStages : public Tool {
  protected:
-  /// Text with x y z and a number for each row; those of `rows` only.
+  /// Writes a text file of x, y, z and a number for each row that `keep` chooses.
   void write_rows(const std::string& name, bool (*keep)(int)) {
     std::string text = "x y z level\n";
     for (int i = 0; i < 900; ++i)
@@ -75,7 +75,7 @@ TEST_F(SelectStages, SeveralInputsOfDifferentAttributesAreOneCloud) {
   const std::string text =
       made("run a.txt b.txt -o out.txt --no-provenance --pipeline 'unique | where(level == 0 && z < 5)'", "out.txt");
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
-            72 + 1 + 0);  // rows 0, 7, ... 497 and the header; b's first equals a's
+            72 + 1 + 0);  // rows 0, 7, ... 497 and the header; the first row of b equals row 0 of a
 }
 
 TEST_F(SelectStages, VerifyFindsAMissingRowAndAWrongOutlier) {
@@ -87,14 +87,14 @@ TEST_F(SelectStages, VerifyFindsAMissingRowAndAWrongOutlier) {
   write("less.txt", text.substr(0, last));
   refused(1, "verify all.txt less.txt", "points came out of");
   std::string wrong = text;
-  wrong[wrong.size() - 2] = wrong[wrong.size() - 2] == '0' ? '1' : '0';  // of the last point
+  wrong[wrong.size() - 2] = wrong[wrong.size() - 2] == '0' ? '1' : '0';  // changes the outlier flag of the last point
   write("wrong.txt", wrong);
   refused(1, "verify all.txt wrong.txt", "outlier");
   made("run all.txt kept.txt --pipeline 'sor | where(outlier == 0)' -q");
   EXPECT_EQ(tool("verify all.txt kept.txt").status, 0);
 }
 
-/// The rest of the output is checked, and the sentence names what is not.
+/// The rest of the output is checked, and the sentence names the attribute that is not.
 TEST_F(SelectStages, VerifySaysWhatNeedsMoreMemoryThanItMayUse) {
   write_rows("all.txt", [](int) { return true; });
   const std::string pipeline =
@@ -133,7 +133,7 @@ TEST_F(SelectStages, VerifyEvaluatesWhatReadsValuesOfAllPoints) {
   EXPECT_EQ(sound.out.find("not independent"), std::string::npos) << sound.out;
 }
 
-/// The same rows of the same points stored in text, float32 and scaled integers, and of tiles and all in one.
+/// Points that are stored as text, as float32, as scaled integers, as tiles or as one file: equal rows stay.
 TEST_F(SelectStages, ThinningKeepsTheSameRowsInEveryFormatAndTiling) {
   write_rows("all.txt", [](int) { return true; });
   write_rows("a.txt", [](int i) { return i < 300; });
@@ -150,7 +150,8 @@ TEST_F(SelectStages, ThinningKeepsTheSameRowsInEveryFormatAndTiling) {
     EXPECT_LT(std::count(rows.begin(), rows.end(), '\n'), 850);
     EXPECT_EQ(thinned("a.txt b.txt", "out.ply"), rows);
     EXPECT_EQ(tool("verify a.txt b.txt out.ply --pipeline '" + std::string(thin) + "'").status, 0);
-    // The last bit of a coordinate in a LAS file may differ: another hash, another side of a face.
+    // The last bit of a coordinate in a LAS file may differ. It changes the hash of a point, and may move the point
+    // over a face of a voxel.
     made("run all.txt all.las -f -q --pipeline 'unique'", "all.las");
     const std::string of_las = thinned("all.las", "out.las");
     const bool by_hash = std::string(thin) != "voxel(2.57)";
@@ -187,7 +188,7 @@ TEST_F(SelectStages, VerifyRefusesAThinningBehindOtherStagesAndChecksWhatStandsB
     made(fmt::format("run all.txt out.txt -f -q --pipeline '{}'", before), "out.txt");
     EXPECT_EQ(tool("verify all.txt out.txt").status, 0) << before;
   }
-  // A row too many, or another one, is found.
+  // verify finds a row that should not be there.
   made("run all.txt out.txt -f -q --no-provenance --pipeline 'where(level > 1)'", "out.txt");
   refused(1, "verify all.txt out.txt --pipeline 'where(level > 2)'", "points came out of");
 }

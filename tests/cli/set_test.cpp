@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// set and drop as a user runs them, on LAS, PLY and text, and what verify says of them.
+/// The operators set and drop as a user runs them, on LAS, PLY and text, and verify of their outputs.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -149,7 +149,7 @@ TEST_F(SetStage, StandardNamesStayFieldsOfLas) {
   EXPECT_FALSE(exists("bad.las"));
 }
 
-/// The names that other programs have for what LAS files hold.
+/// Other programs have other names for the fields of LAS files.
 TEST_F(SetStage, NamesMayBeThoseOfOtherPrograms) {
   const std::string keep = " -f -q --no-provenance --pipeline ";
   const std::string own =

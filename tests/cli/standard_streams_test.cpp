@@ -18,7 +18,7 @@ class StandardStreams : public Tool {
     std::filesystem::create_directory(folder_ / "temp");
   }
 
-  /// A script in the folder of the test, in which $T is the tool; its status is that of the whole pipe.
+  /// Runs a script in the folder of the test, in which $T is the tool. A failure of any command of a pipe counts.
   Result script(const std::string& text) {
     write(".script", "set -o pipefail\nT=" + program() + "\n" + text + "\n");
     const int state = std::system(("cd '" + folder_.string() + "' && exec bash .script >.out 2>.err").c_str());
@@ -100,7 +100,7 @@ TEST_F(StandardStreams, ErrorsLeaveStandardOutputEmpty) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "temp"));
 }
 
-/// "-" is PLY, and --output-format names another format whose bytes come in sequence.
+/// Output "-" is PLY, unless --output-format names another format that is written sequentially.
 TEST_F(StandardStreams, OutputFormatIsThatOfStandardOutput) {
   made("sort in.ply in.las --axis x");
   const char* const kRuns[] = {"convert {} {}", "run {} {} --pipeline 'knn(k=8) | normals | where(nz > 0)'",
@@ -142,7 +142,8 @@ TEST_F(StandardStreams, RefusesFormatsWhoseHeaderIsCompletedLast) {
   EXPECT_THAT(script("$T tile in.ply - --size 1 --output-format csv").err, HasSubstr("many files are written"));
 }
 
-/// A reader that has enough ends a run, as it ends other tools; a run that has not completed its other outputs says so.
+/// A reader that closes the pipe ends a run without an error. A run that has not completed its other outputs reports
+/// that.
 TEST_F(StandardStreams, AReaderThatEndsEndsTheRunInSilence) {
   made("generate statue large.ply -n 200000");
   for (const char* options : {"", "--output-format csv", "--output-format csv --order sweep --threads 1"}) {
@@ -159,7 +160,7 @@ TEST_F(StandardStreams, AReaderThatEndsEndsTheRunInSilence) {
   EXPECT_EQ(std::count(closed.err.begin(), closed.err.end(), '\n'), 1) << closed.err;
 }
 
-// A shell's background jobs ignore Ctrl-C, so these tests send SIGTERM.
+// Background jobs of a shell ignore SIGINT, so this test and the following ones send SIGTERM.
 TEST_F(StandardStreams, AStopWhileAPipeIsReadLeavesNothing) {
   const Result stopped = script(
       "mkfifo p; $T normals - out.ply --temp-dir temp < p & exec 3> p; cat in.ply >&3; sleep 0.6\n"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// --crs and --replace-crs: outputs state the system that the user names, and no coordinate changes.
+/// --crs and --replace-crs: outputs state the coordinate reference system that the user names, and no coordinate
+/// changes.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// take with files of all kinds, folders, budgets and resumed runs.
+/// The operator take with files of all kinds, folders, budgets and resumed runs.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -109,7 +109,7 @@ TEST_F(TakeOfFiles, AResumedRunKnowsTheOtherCloud) {
   const std::string run =
       "run whole.las out.las --pipeline 'take(few.las, attributes=[tree_id, z_of, classification])' --resume done "
       "--quiet ";
-  // No room for the output: the folder of checkpoints stays.
+  // The run stops because the output has no room. The folder of checkpoints stays.
   const Result stopped = tool_under("ulimit -f 2900 && exec", run + "--checkpoint-seconds 0");
   ASSERT_NE(stopped.status, 0);
   ASSERT_TRUE(exists("done")) << stopped.err;

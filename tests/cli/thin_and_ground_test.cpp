@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The verbs thin and ground are the pipelines that their help names.
+/// The verbs thin and ground run the pipelines that their help names.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ class ThinAndGround : public Tool {
       text += fmt::format("{} {} {}\n", i % 30 * 0.5, i / 30 * 0.5, i % 7 == 0 ? 4 : i * 37 % 101 * 0.001);
     write("all.txt", text);
   }
-  /// Expects that a verb writes what a pipeline does.
+  /// Expects that a verb writes the bytes that a pipeline writes.
   void expect_same(const std::string& verb, const std::string& pipeline) {
     const std::string common = " -f -q --no-provenance ";
     EXPECT_EQ(made(verb + " all.txt verb.ply" + common, "verb.ply"),

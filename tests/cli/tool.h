@@ -15,13 +15,13 @@
 namespace pointsweep {
 
 struct Result {
-  int status;  ///< of the process; 128 + number if a signal ended it
+  int status;  ///< exit status of the process; 128 + number of the signal if a signal ended it
   std::string out, err;
 };
 
 class Tool : public testing::Test {
  protected:
-  /// The tool of the build folder in which this test stands, in quotes for the shell.
+  /// Returns the path of the tool in the build folder of this test, quoted for the shell.
   static std::string program() {
     return "'" + (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "../cli/pointsweep").string() + "'";
   }
@@ -32,9 +32,9 @@ class Tool : public testing::Test {
   }
   ~Tool() override { std::filesystem::remove_all(folder_); }
 
-  /// `arguments` pass through the shell, so they may redirect further descriptors.
+  /// Runs the tool. `arguments` pass through the shell, so they may redirect further descriptors.
   Result tool(const std::string& arguments) { return tool_under("exec", arguments); }
-  /// `how` the shell is to start the tool, e.g. "ulimit -f 10 && exec".
+  /// Runs the tool. `how`: shell text that starts the tool, e.g. "ulimit -f 10 && exec".
   Result tool_under(const std::string& how, const std::string& arguments) {
     const std::string command =
         "cd '" + folder_.string() + "' && " + how + " " + program() + " " + arguments + " >.out 2>.err </dev/null";
@@ -42,13 +42,13 @@ class Tool : public testing::Test {
     return {WIFEXITED(state) ? WEXITSTATUS(state) : 128 + WTERMSIG(state), contents(folder_ / ".out"),
             contents(folder_ / ".err")};
   }
-  /// Expects success and gives what the file `name` then holds; nothing without a name.
+  /// Runs the tool, expects success, and returns the contents of the file `name`; "" without a name.
   std::string made(const std::string& arguments, const std::string& name = "") {
     const Result result = tool(arguments);
     EXPECT_EQ(result.status, 0) << arguments << "\n" << result.err;
     return name.empty() ? "" : contents(folder_ / name);
   }
-  /// Expects the status and an error on standard error, and `words` there.
+  /// Runs the tool, and expects its exit status and an error with `words` on standard error.
   void refused(int status, const std::string& arguments, const std::string& words) {
     const Result result = tool(arguments);
     EXPECT_EQ(result.status, status) << arguments << "\n" << result.err;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// orient(method=trajectory) from the command line.
+/// The stage orient(method=trajectory) from the command line.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -17,7 +17,7 @@ class OrientByTrajectory : public Tool {
  protected:
   static constexpr const char* kPipeline = "'knn(k=8) | normals | orient(method=trajectory, trajectory=flight.csv)' ";
 
-  /// Two walls, at x = 0 and x = 10, measured from between them at times that grow with y.
+  /// Writes two walls, at x = 0 and x = 10, measured from between them at times that grow with y.
   void SetUp() override {
     std::string points = "x y z gps_time\n";
     for (int i = 0; i < 40; ++i)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// transform as a user runs it: the verb, files, tiles, a matrix that changes, and what verify says.
+/// The verb and the operator transform as a user runs them: files, tiles, a changed matrix file, and what verify says.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -70,7 +70,7 @@ TEST_F(TransformVerb, AnotherMatrixOfTheSameFileIsAnotherRun) {
   made("generate terrain in.las -n 30000 --quiet");
   const std::string run =
       "run in.las out.txt --pipeline 'knn(k=6) | normals | transform(m.txt)' --resume done --quiet ";
-  // No room for the output: the folder of checkpoints stays.
+  // The run stops because the output has no room. The folder of checkpoints stays.
   const Result stopped = tool_under("ulimit -f 2500 && exec", run + "--checkpoint-seconds 0");
   ASSERT_NE(stopped.status, 0);
   ASSERT_TRUE(exists("done")) << stopped.err;

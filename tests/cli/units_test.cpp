@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Clouds whose coordinate system says that their numbers are no metres.
+/// Clouds whose coordinate reference systems have units other than metres.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ std::string keys_vlr(std::vector<std::pair<std::uint16_t, std::uint16_t>> keys) 
 
 class Units : public Tool {
  protected:
-  /// A level ground of 30 x 30 points, 1 m apart, with a house 6 m high on it, in units of `metres`.
+  /// Writes level ground of 30 x 30 points, 1 m apart, with a house 6 m high, in units of `metres` metres.
   void write_las(const std::string& name, const std::string& vlr, double metres) {
     las_test::File file;
     file.format = 1, file.minor = 2, file.count = 900;
@@ -128,7 +128,8 @@ TEST_F(Units, ASystemThatDoesNotStateItsUnitIsNamedWhereDefaultsAreLengths) {
     EXPECT_EQ(tool(silent).err.find("does not state"), std::string::npos) << silent;
 }
 
-/// Of every operator of the registry: what has a default that is a length says it is in metres, and is converted.
+/// For every operator of the registry: an option whose default is a length states that the default is in metres, and
+/// the default is converted.
 TEST_F(Units, EveryDefaultThatIsALengthIsConverted) {
   write_feet();
   std::size_t lengths = 0;

@@ -120,7 +120,7 @@ TEST_F(Usage, TwoOutputsAreNotOneFile) {
   EXPECT_EQ(contents(folder_ / "s"), "old");
 }
 
-/// The command line "VERB FLAG ''", or "VERB ''" for an argument, as the parser takes it.
+/// Expects that the parser refuses the command line "VERB FLAG ''", or "VERB ''" for an argument.
 void expect_no_empty_value(const std::string& verb, const std::string& flag) {
   CLI::App app;
   add_verbs(app);

@@ -88,7 +88,7 @@ TEST_F(VerifyVerb, SaysInItsLastLineWhatWasChecked) {
   ends_with("two.xyz more.xyz", 3, "not checked: 1 attribute; all else is correct");
 }
 
-/// A direction that the data do not determine: points on a line have no normal.
+/// The data do not determine a normal: all points lie on a line.
 TEST_F(VerifyVerb, EndsWithStatus3WhereItCannotDecide) {
   std::string line = "x y z\n";
   for (int i = 0; i < 40; ++i) line += std::to_string(i * i) + " 0 0\n";
@@ -99,7 +99,7 @@ TEST_F(VerifyVerb, EndsWithStatus3WhereItCannotDecide) {
   EXPECT_NE(last_line(result.out).find("not checked: 40 of "), std::string::npos) << result.out;
 }
 
-/// A LAS output has all fields of its point format; those that nothing fills are 0, and returns are 1 of 1.
+/// A LAS output has all fields of its point format. Fields that no attribute fills are 0, and returns are 1 of 1.
 TEST_F(VerifyVerb, KnowsWhatLasHoldsInFieldsThatNothingFills) {
   made("normals in.ply out.las", "out.las");
   same("out.las");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// `verify` of outputs in every format of the registry: a right one is "OK", and one value that is off by the smallest
+/// `verify` of outputs in every format of the registry: a right output is "OK", and a value that is off by the smallest
 /// step is found.
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@ namespace {
 
 class VerifyFormats : public Tool {
  protected:
-  /// Two LAS tiles without a common grid, so that the records of both together have float64.
+  /// Writes two LAS tiles without a common grid, so that the merged records have float64 coordinates.
   VerifyFormats() {
     made("generate terrain a.ply -n 1500");
     made("generate terrain b.ply -n 1000 --seed 2");
@@ -30,7 +30,7 @@ class VerifyFormats : public Tool {
     EXPECT_EQ(result.status, 0) << output << " " << pipeline << " " << options << "\n" << result.out << result.err;
   }
 
-  /// CSV files have no record of their run.
+  /// Returns the options that `verify` needs for CSV files, which have no record of their run; "" for other files.
   static std::string with_what_csv_does_not_record(const std::string& output, const std::string& pipeline,
                                                    const std::string& options) {
     if (output.find(".csv") == std::string::npos && options.find(".csv") == std::string::npos) return "";
@@ -51,7 +51,7 @@ TEST_F(VerifyFormats, TilesInEveryFormatHaveTheStepsOfTheirOwnGrids) {
   for (const std::string_view extension : writable_extensions()) {
     const std::string format = fmt::format("--output-format {}", extension);
     accepted("out/", "knn(k=8) | normals", format);
-    if (extension == ".copc.laz") continue;  // its rows are in no order, so that dropped ones cannot be told
+    if (extension == ".copc.laz") continue;  // its rows are in no order, so verify cannot tell which rows were dropped
     accepted("out/", "knn(k=8) | normals | where(nz > 0.9)", format);
     if (extension.find("la") == std::string_view::npos)
       accepted("out/", "knn(k=8) | normals", format + " --positions float32");
@@ -75,8 +75,8 @@ TEST_F(VerifyFormats, OnePointOfATileThatIsOneStepAwayIsFound) {
   }
 }
 
-/// Rows of equal points cannot be told apart where the output is in another order. One of the rows must have what was
-/// made.
+/// Equal points cannot be told apart in an output in another order. One of the equal rows must have the computed
+/// values.
 TEST_F(VerifyFormats, EqualPointsInAnotherOrder) {
   made(
       "run b.ply twice.ply --pipeline 'set(x = 100 * floor(x / 100), y = 100 * floor(y / 100), z = 0, nx = 0, ny = 0, "

@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t kPoints = 600;
 
-/// Points with normals and classes, and outputs whose values are changed in place, so that their records stay. Where
-/// many outputs are checked, verify() does it in this process, from their folder: to start the tool takes longer.
+/// Points with normals and classes, and outputs whose values are changed in place, so that the record of their run
+/// stays. Tests with many outputs call verify() in this process, because starting the tool takes longer.
 class VerifyOperators : public Tool {
  protected:
   VerifyOperators() : started_in_(std::filesystem::current_path()) { std::filesystem::current_path(folder_); }
@@ -50,7 +50,7 @@ class VerifyOperators : public Tool {
   void run(const std::string& pipeline, const std::string& options = "") {
     made("run in.ply out.ply --force --quiet --pipeline '" + pipeline + "' " + options);
   }
-  /// Returns whether values that rounding decides are at most what is not checked.
+  /// Returns whether all values are checked, except for values that rounding decides.
   static bool only_rounding_is_open(const Verdict& verdict) {
     static const std::regex open("not checked: [0-9,]+ of [0-9,]+ values; all else is correct");
     return verdict.is_complete() || std::regex_match(conclusion(verdict), open);
@@ -59,14 +59,14 @@ class VerifyOperators : public Tool {
     EXPECT_TRUE(verdict.same() && only_rounding_is_open(verdict)) << what << "\n" << to_text(verdict);
     EXPECT_TRUE(verdict.by_own_operator.empty()) << what << "\n" << to_text(verdict);
   }
-  /// The output by its record.
+  /// Verifies the output against the record of its run in its header.
   static Verdict checked(const std::string& output = "out.ply") { return verify({}, output); }
   static Verdict checked(const std::vector<std::filesystem::path>& inputs, const std::string& output,
                          const std::string& pipeline) {
     return verify(inputs, output, {.pipeline = pipeline});
   }
 
-  /// Changes a value of every `step`-th row of out.ply from `first` on; the file stays as it is otherwise.
+  /// Changes a value of every `step`-th row of out.ply from row `first` on.
   void change(const std::string& field, std::size_t first, std::size_t step) {
     const auto reader = open_reader(folder_ / "out.ply");
     const Schema schema = reader->info().schema;
@@ -81,7 +81,7 @@ class VerifyOperators : public Tool {
     }
     write("out.ply", bytes);
   }
-  /// A wrong `normal_turned` shows in the normal that it belongs to.
+  /// Expects that a changed value of `field` is found. A wrong `normal_turned` shows as a wrong normal.
   void found(const std::string& field, std::size_t first, std::size_t step, const std::string& what) {
     const std::string right = contents(folder_ / "out.ply");
     change(field, first, step);
@@ -96,8 +96,8 @@ class VerifyOperators : public Tool {
     return found.same() && found.is_complete();
   }
 
-  /// Every shape in one of the two orders by turns; the first shape in both, with each field, and without the record
-  /// of the run.
+  /// Checks a pipeline on every shape in one of the two orders by turns, and on the first shape in both orders, with
+  /// each field changed, and without the record of the run.
   void checks(const std::string& pipeline, const std::vector<std::string>& fields) {
     std::vector<std::string> orders = {"input", "sweep"};
     for (const auto& [name, shape] : hostile_shapes()) {
@@ -137,7 +137,7 @@ TEST_F(VerifyOperators, EveryRadiusAtTheLeastThatHoldsAPointAndNextToIt) {
       try {
         const Verdict found = checked();
         EXPECT_TRUE(found.same()) << pipeline << "\n" << to_text(found);
-      } catch (const UsageError& refusal) {  // of stages whose rows a sample does not tell
+      } catch (const UsageError& refusal) {  // for stages whose kept rows a sample does not determine
         EXPECT_NE(std::string(refusal.what()).find("verify the output of the stages before it"), std::string::npos);
       }
     }
@@ -183,7 +183,7 @@ TEST_F(VerifyOperators, SegmentsOfNormalsOfTheInputAndOfNormalsThatWereMade) {
   checks("knn(k=5) | normals | segments(angle=10)", {"segment", "segment_size", "segment_residual"});
 }
 
-/// The output then has the normals of the input, which the segments are not made of.
+/// The output has the normals of the input, but the segments are made from computed normals.
 TEST_F(VerifyOperators, NormalsThatWereMadeAndNotWrittenAreNotThoseOfTheInput) {
   write_hostile(hostile_shapes()[0].second);
   const std::string orient = "knn(k=8) | normals | orient", segments = " | segments(angle=20)";
@@ -220,9 +220,9 @@ TEST_F(VerifyOperators, Ground) {
 }
 
 TEST_F(VerifyOperators, LabelsOfNeighborsWhereTheMemoryDoesNotHoldAllPoints) {
-  // Memory of the sweep's order, not of a graph.
+  // This budget suffices for the order of the sweep, but not for a graph.
   const auto checked_within_little = [] { return verify({}, "out.ply", {.memory_bytes = 60 * 1024}); };
-  std::size_t turn = 0;  // each cloud but one takes half of the pipelines
+  std::size_t turn = 0;  // each cloud but one is checked with half of the pipelines
   for (const auto& [name, shape] : hostile_shapes()) {
     write_hostile(shape);
     ++turn;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// `verify` of outputs without the rows that a select after other stages has left out: right ones pass, and a value
-/// that was changed, a row that should stay and a row that should go are found.
+/// `verify` of outputs whose pipelines drop rows after other stages: right outputs pass; a changed value, a missing row
+/// and a surplus row are found.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ class VerifySelects : public Tool {
  protected:
   using Cells = std::vector<std::string>;
 
-  /// A plane with noise, a slope and scattered points; some rows come twice.
+  /// Writes a plane with noise, a slope and scattered points. Some rows come twice.
   void write_all() {
     std::mt19937_64 random(5);
     const auto number = [&](double most) { return most * static_cast<double>(random() % 10'000) / 10'000; };
@@ -32,7 +32,7 @@ class VerifySelects : public Tool {
     }
     write("all.txt", text);
   }
-  /// The numbers of a text file; its other lines, which come before, in head_.
+  /// Returns the numbers of a text file, and stores the lines before them in head_.
   std::vector<Cells> rows_of(const std::string& name) {
     std::istringstream text(contents(folder_ / name));
     std::vector<Cells> rows;
@@ -126,7 +126,7 @@ TEST_F(VerifySelects, SeveralAndOthers) {
   checks("normals | orient | where(nz > 0.5)");
 }
 
-/// What stands behind new neighbours is named, and what stands before is checked.
+/// Stages after `reneighbor` are named as not checked; stages before it are checked.
 TEST_F(VerifySelects, NameWhatTheyCannotTell) {
   write_all();
   made("run all.txt out.txt -q --pipeline 'where(level > 0) | sor | where(outlier == 0) | normals | where(nz > 0.5)'");
