@@ -21,12 +21,12 @@
 namespace pointsweep {
 namespace {
 
-/// Points in the order of their keys would tell nothing of a wrong order: rows are shuffled.
+/// A graph over points whose rows are shuffled. With rows in the order of the keys, a wrong order would not be seen.
 struct Graph {
   std::vector<PointKey> points;  ///< by row
   std::vector<ForestEdge> edges;
 
-  /// Of two points, the first edge counts: weight and sign are functions of the points.
+  /// Adds an edge unless the two points have one. So the weight and the sign of an edge are functions of its points.
   void add(std::uint64_t a, std::uint64_t b, double weight, bool flips) {
     if (!joined_.insert({std::min(a, b), std::max(a, b)}).second) return;
     if (points[b] < points[a]) std::swap(a, b);
@@ -49,12 +49,12 @@ Graph graph_of(std::size_t n, std::mt19937_64& random) {
 struct PointResult {
   std::uint64_t first;  ///< row of the first point of its component
   std::uint64_t size;
-  bool differs;  ///< its sign is not that of the first point
+  bool differs;  ///< true if its sign differs from that of the first point of its component
   std::int64_t votes;
   bool operator==(const PointResult&) const = default;
 };
 
-/// Sums of the rows with the signs of the points; with the sign of the first point of the component, in the end.
+/// Votes by the sum of the rows, each with the sign of its point relative to the first point of the component.
 class SumOfRows final : public VoteRule {
  public:
   std::size_t ballot_bytes() const override { return 1; }
@@ -78,7 +78,8 @@ class SumOfRows final : public VoteRule {
   }
 };
 
-/// Kruskal: all edges in their order, with the signs of points relative to their sets.
+/// Returns the results by Kruskal's algorithm: all edges in their order, with the signs of points relative to their
+/// sets.
 std::vector<PointResult> in_memory(const Graph& graph, bool weighted) {
   const std::size_t n = graph.points.size();
   std::vector<std::vector<std::size_t>> members(n);
@@ -125,7 +126,7 @@ struct LoggedForest {
   SpanningForest forest;
 };
 
-/// What logs tell of all points.
+/// The components and signs of all points, read from the logs of forests.
 class LabelsOfPoints {
  public:
   explicit LabelsOfPoints(std::size_t points) : labels_(points) {}
@@ -133,7 +134,7 @@ class LabelsOfPoints {
   void take(const ForestLog& log) {
     take(log, [](std::uint64_t row, auto put) { put(row, false); });
   }
-  /// `points_of(row, put)` calls put(row, flips) for each point of what the log knows as one.
+  /// `points_of(row, put)` calls put(row, flips) for each point of supernode `row` of the log.
   template <class PointsOf>
   void take(const ForestLog& log, PointsOf points_of) {
     const std::size_t first = add(log);
@@ -142,7 +143,7 @@ class LabelsOfPoints {
       points_of(known, [&](std::uint64_t row, bool flips) { set(row, label.number, label.flips != flips); });
     });
   }
-  /// Components from number `whole` on are supernodes, whose points `use(row, supernode, flips)` gets.
+  /// Components from number `whole` on are supernodes: their points are passed to use(row, supernode, flips).
   template <class Use>
   void take(const ForestLog& log, std::size_t whole, Use use) {
     const std::size_t first = add(log);
@@ -191,8 +192,8 @@ class LabelsOfPoints {
   std::vector<std::int64_t> votes_;
 };
 
-/// Edge e comes in batch `batch_of[e]`. A point is open from the batch of its first edge to that of its last; points
-/// without edges, for one batch.
+/// Builds the forest from batches: edge e comes in batch batch_of[e]. A point is open from the batch of its first edge
+/// to the batch of its last edge; a point without edges, for one batch.
 Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, bool weighted) {
   const std::size_t n = graph.points.size();
   const std::size_t batches = batch_of.empty() ? 1 : *std::ranges::max_element(batch_of) + 1;
@@ -243,8 +244,8 @@ Streamed streamed(const Graph& graph, const std::vector<std::size_t>& batch_of, 
   return out;
 }
 
-/// A graph whose points are in tiles, each with a forest of its own edges that leaves open what `stays_open` says, and
-/// the ends of all edges between tiles. Edges come in batches, as in streamed().
+/// Builds a forest for each tile from the edges inside the tile, and joins the forests. The points in `stays_open` and
+/// the ends of edges between tiles stay open. Edges come in batches, as in streamed().
 std::vector<PointResult> joined(const Graph& graph, const std::vector<std::size_t>& tile_of, std::size_t tiles,
                                 const std::vector<std::size_t>& batch_of, const std::vector<bool>& stays_open,
                                 bool weighted) {
@@ -270,7 +271,7 @@ std::vector<PointResult> joined(const Graph& graph, const std::vector<std::size_
   LabelsOfPoints labels(n);
   const auto join = std::make_unique<LoggedForest>(weighted, rule);
   std::vector<std::vector<std::size_t>> members;  // by supernode
-  std::vector<bool> turned(n);                    // in its supernode
+  std::vector<bool> turned(n);                    // by row: sign relative to the supernode of the point
   for (std::size_t t = 0; t < tiles; ++t) {
     const auto tile = std::make_unique<LoggedForest>(weighted, rule);
     std::vector<std::uint64_t> rows;
@@ -312,7 +313,7 @@ std::vector<PointResult> joined(const Graph& graph, const std::vector<std::size_
   return labels.results();
 }
 
-/// Weights: all equal, of few values, or all different; signs at random, so that another forest has other signs.
+/// Returns a weight: equal for all edges (kind 0), one of few values (1), or different for most edges (2).
 double weight_of(std::size_t kind, std::mt19937_64& random) {
   return kind == 0 ? 1 : kind == 1 ? static_cast<double>(random() % 3) : static_cast<double>(random() % 1'000'000);
 }
@@ -349,7 +350,8 @@ std::map<std::string, Graph> hostile_graphs(std::size_t n, std::size_t kind, std
   return graphs;
 }
 
-/// Divisions of the edges: all at once, one by one, at random, in the order of the rows, and against it.
+/// Returns divisions of the edges into batches: all at once, one by one, at random, in the order of the rows, and in
+/// reverse order.
 std::vector<std::vector<std::size_t>> divisions(const Graph& graph, std::mt19937_64& random) {
   const std::size_t n = graph.edges.size();
   std::vector<std::vector<std::size_t>> all(5, std::vector<std::size_t>(n));
@@ -379,7 +381,7 @@ TEST(SpanningForest, IsThatOfKruskalInMemory) {
   }
 }
 
-/// Tiles at random, in which every point is at a border or few are, and some tiles are empty.
+/// Points are in random tiles: all points or few points lie at a border, and some tiles are empty.
 TEST(SpanningForest, IsJoinedFromThoseOfTiles) {
   std::mt19937_64 random(6);
   for (std::size_t trial = 0; trial < 30; ++trial) {
@@ -429,7 +431,7 @@ TEST(SpanningForest, TakesRandomGraphsInRandomBatches) {
   }
 }
 
-/// What it holds follows the points that are open, however long the chain is.
+/// The memory of a forest is proportional to the number of open points, for any length of a chain.
 TEST(SpanningForest, HoldsNoMoreThanIsOpen) {
   for (const bool weighted : {false, true}) {
     std::size_t before = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A library to be preloaded into the tool, which makes operations on files go wrong where a test wants it.
+/// A library to be preloaded into the tool. It makes operations on files fail where a test wants it.
 ///
 ///   FAULTS_FOLDERS  only operations on paths under these folders count (separated by colons)
 ///   FAULTS_KIND     enospc  fails with "no space left", and so does whatever needs space afterwards
@@ -49,7 +49,8 @@ bool is_watched(std::string_view path) {
   return false;
 }
 
-/// Standard streams are not on the disk, wherever a test has put what they get.
+/// The path of an open file. Standard streams get a name under which no folder lies, even if a test redirects them to
+/// files.
 struct PathOf {
   explicit PathOf(int descriptor) {
     strcpy(text, "/standard stream");
@@ -62,7 +63,7 @@ struct PathOf {
   char text[4096];
 };
 
-/// As seen from the root.
+/// A path as an absolute path.
 struct WholePath {
   explicit WholePath(const char* path) {
     char folder[4000] = "";
@@ -105,7 +106,7 @@ void change_target(std::string_view kind) {
 enum Needs : unsigned { kNothing = 0, kSpace = 1, kTransfer = 2 };
 enum class Fault { none, error, half };
 
-/// Called before every operation; sets errno where the answer is `error`.
+/// Returns the fault of an operation, before which it is called. Sets errno if the fault is `error`.
 Fault fault_at(const char* name, const char* given, unsigned needs) {
   const WholePath whole(given);
   const char* path = whole.text;
@@ -213,7 +214,8 @@ int fdatasync(int descriptor) {
   if (fault_at("sync", PathOf(descriptor).text, kSpace) == Fault::error) return -1;
   return real<int (*)(int)>("fdatasync")(descriptor);
 }
-/// What is closed is closed, whatever the answer; network file systems tell of earlier writes only here.
+/// Closes the descriptor even if the fault is an error: network file systems report failures of earlier writes when a
+/// file is closed.
 int close(int descriptor) {
   const Fault fault = fault_at("close", PathOf(descriptor).text, kSpace);
   const int error = errno;

@@ -22,12 +22,12 @@ class Faults : public Tool {
   static constexpr const char* kRun =
       "normals in.ply out.ply --order sweep --memory 30M --temp-dir temp --threads 1 --quiet";
 
-  /// The run with these settings of the shim.
+  /// Runs the tool with these settings of the shim.
   Result faulty(const std::string& settings, const std::string& run = kRun) {
     return tool_under("FAULTS_FOLDERS='" + folder_.string() + "' " + settings + " LD_PRELOAD='" POINTSWEEP_FAULTS "'",
                       run);
   }
-  /// Names of the operations of a run that goes well, in order; `right_` is then what it wrote.
+  /// Returns the names of the operations of a run without faults, in order. Stores its output in right_.
   std::vector<std::string> operations() {
     EXPECT_EQ(faulty("FAULTS_LOG=.log").status, 0);
     std::istringstream lines(contents(folder_ / ".log"));
@@ -44,7 +44,7 @@ class Faults : public Tool {
       names.insert(entry.path().lexically_relative(folder_).string());
     return names;
   }
-  /// One sentence and nothing left, or success and the right output.
+  /// Expects an error of one sentence and no files left, or success and the right output.
   void expect_all_or_nothing(const Result& result) {
     EXPECT_TRUE(result.status == 0 || result.status == 1) << result.status << result.err;
     if (result.status == 1) {
@@ -146,7 +146,8 @@ class FaultsAndCheckpoints : public Faults {
       "curvature in.ply out.ply --resume done --checkpoint-seconds 0 --memory 64M --threads 1 --quiet";
 
   void remove_output() { std::filesystem::remove(folder_ / "out.ply"); }
-  /// With an output, only the folder of checkpoints may be left.
+  /// Expects that an output is right if there is one, and that the next run, which resumes, completes it and leaves
+  /// nothing else.
   void expect_to_go_on() {
     EXPECT_TRUE(!exists("out.ply") || contents(folder_ / "out.ply") == right_);
     remove_output();
@@ -163,7 +164,8 @@ TEST_F(FaultsAndCheckpoints, KilledAtAnyOperationARunGoesOnToTheSameOutput) {
   for (std::size_t at = 1; at <= operations_; at += std::max<std::size_t>(1, operations_ / 24)) {
     SCOPED_TRACE(at);
     const int status = faulty("FAULTS_KIND=kill FAULTS_AT=" + std::to_string(at), kRun).status;
-    // Checkpoints are written beside the work, so that runs differ by some operations: the last ones may not come.
+    // Checkpoints are written in the background, so the numbers of operations of two runs differ a little. The last
+    // operations may not come.
     if (status != 0 || at + operations_ / 8 < operations_) {
       EXPECT_EQ(status, 128 + 9);
     }
@@ -187,12 +189,12 @@ TEST_F(Faults, AnInputThatChangesGivesNoMixture) {
   const std::vector<std::string> names = operations();
   const std::string input = contents(folder_ / "in.ply");
   for (const char* kind : {"shrink", "grow", "rewrite"}) {
-    for (std::size_t at = 5; at <= names.size(); ++at) {  // before it was opened it would be another input
+    for (std::size_t at = 5; at <= names.size(); ++at) {  // a change before the input is opened would be another input
       SCOPED_TRACE(std::string(kind) + " " + std::to_string(at));
       expect_all_or_nothing(
           faulty(std::string("FAULTS_TARGET=in.ply FAULTS_KIND=") + kind + " FAULTS_AT=" + std::to_string(at)));
       write("in.ply", input);
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));  // some ticks of the file system's clock
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));  // longer than some ticks of the file system's clock
     }
   }
 }
@@ -209,7 +211,7 @@ TEST_F(Faults, ATemporaryFolderThatGoesAwayIsSurvivedOrSaid) {
 
 TEST_F(Faults, ALimitOnFileSizesIsASentenceAndNoSignal) {
   for (const char* arguments : {"normals in.ply out.ply", "sort in.ply out.ply"}) {
-    const Result result = tool_under("ulimit -f 20 && exec", arguments);  // of 512 or 1024 bytes
+    const Result result = tool_under("ulimit -f 20 && exec", arguments);  // blocks of 512 or 1024 bytes
     EXPECT_EQ(result.status, 1) << result.err;
     EXPECT_NE(result.err.find("ulimit -f"), std::string::npos) << result.err;
     EXPECT_FALSE(exists("out.ply"));

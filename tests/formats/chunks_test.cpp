@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t kRows = 70000;  // several chunks of each format
 
-/// Records of x, y, z, intensity, whose values tell the row.
+/// Returns records of x, y, z and intensity whose values identify the row.
 std::vector<std::byte> rows_of_values(const Schema& schema, std::uint64_t count) {
   std::vector<std::byte> records(count * schema.stride);
   for (std::uint64_t row = 0; row < count; ++row)
@@ -39,7 +39,7 @@ OutputPlan plan_of_rows(const std::filesystem::path& path, std::uint64_t count) 
   return plan;
 }
 
-/// PTX with empty cells, VTK in text and binary, an array in Fortran order.
+/// Adds files that the library does not write: PTX with empty cells, VTK in text and binary, an array in Fortran order.
 void add_files_of_other_programs(const TemporaryFolder& folder, const std::string& lines,
                                  std::vector<std::filesystem::path>& paths) {
   const std::string ptx = "1\n70002\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
@@ -64,7 +64,7 @@ void add_files_of_other_programs(const TemporaryFolder& folder, const std::strin
   paths.push_back(folder.write("fortran.npy", npy + dictionary + array));
 }
 
-/// One file of each way to hold rows.
+/// Writes a file in each format that stores rows in its own way, and returns their paths.
 std::vector<std::filesystem::path> files(const TemporaryFolder& folder) {
   std::vector<std::filesystem::path> paths;
   for (const char* name : {"a.ply", "a.las", "a.laz", "a.pcd", "a.xyz", "a.csv"}) {
@@ -157,7 +157,7 @@ std::vector<std::byte> decoded_in_parallel(InputCloud& cloud) {
   return decoded;
 }
 
-/// Inputs of different schemas, so that records are converted: each format before and after two others.
+/// The inputs have different schemas, so that records are converted. Each format comes before and after two others.
 TEST(Chunks, OfSeveralInputsAreDecodedInParallelAsInTurn) {
   const TemporaryFolder folder;
   const auto paths = files(folder);
@@ -171,7 +171,7 @@ TEST(Chunks, OfSeveralInputsAreDecodedInParallelAsInTurn) {
     }
 }
 
-/// Whether a row stays of a selection with whole, empty and mixed blocks.
+/// Returns whether a selection with whole, empty and mixed blocks has the row.
 bool stays(std::uint64_t row) { return row < 9000 || (row > 22000 && row % 3 == 1 && row % 20000 < 15000); }
 
 void select_some_rows(InputCloud& cloud) {
@@ -201,7 +201,7 @@ TEST(Chunks, OfSelectedRowsAreDecodedInParallel) {
   }
 }
 
-/// Text and binary, with points whose coordinates are not finite here and there, also where a chunk begins.
+/// Text and binary files have some points whose coordinates are not finite, also where a chunk begins.
 TEST(Chunks, WithoutNonfiniteRowsAreDecodedInParallel) {
   const TemporaryFolder folder;
   std::string text = "ply\nformat ascii 1.0\nelement vertex 70000\n", finite;

@@ -17,7 +17,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// Records in memory under any schema.
+/// A reader of records in memory with any schema.
 class MemoryReader final : public Reader {
  public:
   MemoryReader(Schema schema, std::vector<std::vector<double>> rows, std::optional<Box> bounds = {}) {

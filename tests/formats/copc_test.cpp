@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The hierarchy of COPC files: boxes of chunks, and what happens where it is damaged.
+/// The hierarchy of COPC files: boxes of chunks, and damaged hierarchies.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ using las_test::put;
 
 constexpr std::size_t kPageEntry = 32;
 
-/// One entry of a page, as COPC 1.0 lays it out.
+/// Returns an entry of a hierarchy page in the layout of COPC 1.0.
 std::string page_entry(std::int32_t level, std::int32_t x, std::int32_t y, std::int32_t z, std::uint64_t offset,
                        std::int32_t bytes, std::int32_t points) {
   std::string entry(kPageEntry, '\0');
@@ -44,7 +44,7 @@ class Copc : public testing::Test {
     file.minor = 4;
     file.format = 6;
     file.count = 2 * kLazChunkPoints + 1000;
-    // A writer leaves the VLR of a COPC out, so it gets its name when the file is there.
+    // Writers drop the info VLR of COPC, so the VLR gets its name after the file is written.
     file.vlrs = {las_test::vlr("cop_", 1, std::string(160, '\0'))};
     std::ofstream(folder_ / "a.las", std::ios::binary) << file.bytes();
     const auto reader = open_las(folder_ / "a.las");
@@ -76,7 +76,7 @@ class Copc : public testing::Test {
                       static_cast<std::int32_t>(c.rows));
   }
 
-  /// The file with a page at its end, which the info VLR names.
+  /// Returns the file with the root page `page` at its end.
   std::string with_root(const std::string& page) const {
     std::string bytes = bytes_;
     put(bytes, info_ + 40, std::uint64_t{bytes.size()});
@@ -89,7 +89,7 @@ class Copc : public testing::Test {
     return open_las(folder_ / "c.copc.laz");
   }
 
-  /// The points are read all the same, and one warning gives the reason.
+  /// Expects that the points are read without the hierarchy, and that one warning gives the reason.
   void expect_ignored(const std::string& bytes, const std::string& reason) const {
     const auto reader = opened(bytes);
     EXPECT_FALSE(reader->chunk_of(0).bounds) << reason;
@@ -107,7 +107,7 @@ class Copc : public testing::Test {
 
   const TemporaryFolder folder_;
   std::string bytes_;
-  std::size_t info_ = 0;  ///< where the content of the info VLR begins
+  std::size_t info_ = 0;  ///< offset of the content of the info VLR in the file
   std::vector<Chunk> chunks_;
 };
 
@@ -127,7 +127,7 @@ TEST_F(Copc, ChunksHaveTheBoxesOfTheirNodes) {
 }
 
 TEST_F(Copc, PagesNamePages) {
-  // The page of two nodes, then a page that names it, then the root.
+  // The file has a page of two nodes, then a page that refers to the first page, then the root page.
   const std::string leaves = node(1, 2, 0, 0, 1) + node(2, 2, 3, 3, 3);
   const std::uint64_t at = bytes_.size();
   const std::string between = page_entry(2, 0, 0, 1, at, static_cast<std::int32_t>(leaves.size()), -1);
@@ -181,7 +181,7 @@ TEST_F(Copc, AHierarchyWhosePagesAreNotInTheFileOrLeadInCirclesIsIgnored) {
   expect_ignored(with_root(all + page_at(bytes_.size(), 128)), "more than once");        // itself
   expect_ignored(with_root(all + page_at(~std::uint64_t{0}, 32)), "are no page of it");  // outside
   expect_ignored(with_root(all + page_at(bytes_.size(), -32)), "are no page of it");     // negative
-  // Pages that overlap end where more bytes would be read than the file has.
+  // Overlapping pages are refused once their bytes in all exceed those of the file.
   std::string many;
   for (std::uint64_t i = 0; i < 3000; ++i)
     many += page_at(i + 100'000, static_cast<std::int32_t>(bytes_.size() / 2 / 32 * 32));

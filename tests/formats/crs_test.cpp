@@ -24,7 +24,7 @@ const std::string kUtm10 =
     R"(298.257222101]],AUTHORITY["EPSG","4269"]],UNIT["metre",1],AXIS["Easting",EAST],AUTHORITY["EPSG","26910"]])";
 const std::string kWgs84 = R"(GEOGCRS["WGS 84",DATUM["World Geodetic System 1984"],CS[ellipsoidal,2],ID["EPSG",4326]])";
 
-/// The content of GeoKeyDirectoryTag: four numbers for each key.
+/// Returns the content of GeoKeyDirectoryTag. `entries`: four numbers for each key.
 std::vector<std::uint16_t> directory(const std::vector<std::uint16_t>& entries) {
   std::vector<std::uint16_t> all{1, 1, 0, static_cast<std::uint16_t>(entries.size() / 4)};
   all.insert(all.end(), entries.begin(), entries.end());
@@ -135,7 +135,7 @@ TEST(Crs, HeightsThatOnlyOneDefinesAreUndecidedAndDifferentUnitsDifferent) {
   EXPECT_EQ(compare(with({3076, 0, 1, 9001}), with({3076, 0, 1, 9002})), CrsAgreement::different);
 }
 
-/// A small LAS file with these VLRs.
+/// Writes a small LAS file with these VLRs.
 std::filesystem::path las_with(const TemporaryFolder& folder, const std::string& name, std::vector<std::string> vlrs,
                                int format = 1) {
   las_test::File file;

@@ -177,7 +177,7 @@ TEST_F(E57, DamagedFilesAreOneSentence) {
   flat.attributes.pop_back();
   std::string flipped = good, huge = good;
   flipped[60] = static_cast<char>(flipped[60] ^ 1);
-  huge[39] = 0x7f;  // of the length of the XML section
+  huge[39] = 0x7f;  // high byte of the length of the XML section
   const std::pair<std::string, const char*> cases[] = {
       {e57_test::file({many}), "more than fit into the file"},
       {e57_test::file({constant}), "no attribute with more than one value"},
@@ -207,7 +207,7 @@ TEST_F(E57, TruncatedAndDamagedFilesAreErrorsNotCrashes) {
   }
 }
 
-/// Counts and bounds are those that pye57 reads.
+/// The expected counts and bounds were read with pye57.
 TEST(E57Data, HasThePointsOfTheInventory) {
   const std::filesystem::path scans = data_folder() / "scans";
   if (!std::filesystem::exists(scans)) GTEST_SKIP() << "no real data in " << data_folder();

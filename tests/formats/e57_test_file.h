@@ -11,7 +11,7 @@ namespace e57_test {
 
 inline constexpr std::size_t kPage = 1024, kPayload = 1020;
 
-/// CRC-32C (Castagnoli), as pages end with it, the highest byte first.
+/// Returns the CRC-32C (Castagnoli) of the bytes. Pages end with it, the highest byte first.
 inline std::uint32_t crc32c(const char* bytes, std::size_t size) {
   std::uint32_t crc = ~std::uint32_t{0};
   for (std::size_t i = 0; i < size; ++i) {
@@ -46,7 +46,7 @@ std::string stream_of(const std::vector<T>& values) {
   return bytes;
 }
 
-/// Integers of `bits` bits each, the lowest first.
+/// Packs integers of `bits` bits each, the lowest bit first.
 inline std::string packed(const std::vector<std::uint64_t>& values, int bits) {
   std::string bytes((values.size() * static_cast<std::size_t>(bits) + 7) / 8, '\0');
   for (std::size_t i = 0; i < values.size() * static_cast<std::size_t>(bits); ++i)
@@ -87,7 +87,7 @@ inline std::string pose(const std::string& w, const std::string& z, const std::s
          "</x><y type=\"Float\">0</y><z type=\"Float\">0</z></translation></pose>";
 }
 
-/// The compressed vector of a scan that begins at `logical`, in one data packet.
+/// Returns the compressed vector of a scan, in one data packet. `logical`: logical offset at which the vector begins.
 inline std::string compressed_vector(const Scan& scan, std::uint64_t logical) {
   std::string packet;
   for (const Attribute& a : scan.attributes) append(packet, static_cast<std::uint16_t>(a.stream.size()));

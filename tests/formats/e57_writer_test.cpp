@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// E57 files that are written. tests/readers compares them with what libE57Format reads; here stands what needs schemas
-/// that no real file has, and what must be refused.
+/// Writing E57 files: schemas that no real file has, and values that must be refused. tests/readers compares written
+/// files with what libE57Format reads.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ class E57Writing : public testing::Test {
     write_all(plan, records);
     return open_reader(plan.path);
   }
-  /// Of the only attribute behind the coordinates.
+  /// Writes `values` as the only attribute besides the coordinates, and returns the values that are read again.
   std::vector<double> written_values(const Field& field, const std::vector<double>& values) const {
     OutputPlan one = plan(values.size());
     const std::size_t at = one.schema.append(field.name, field.type);

@@ -16,7 +16,7 @@ namespace {
 
 using Rows = std::vector<std::array<float, 3>>;
 
-/// n points (i, 0, 0), some of which have no place.
+/// Returns n points (i, 0, 0), of which about the share `share` has no finite coordinates.
 Rows rows_with_gaps(std::size_t n, double share, std::mt19937& random) {
   Rows rows;
   std::uniform_real_distribution<double> uniform;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a format says of itself holds: the same laws for every format of the list.
+/// Laws for every format of the registry: the facts that its descriptor states are true.
 #include "pointsweep/formats/format.h"
 
 #include <gmock/gmock.h>
@@ -131,13 +131,14 @@ TEST(Format, ItsOutputsAreRecognisedByTheirFirstBytes) {
   });
 }
 
-/// The table of the formats, which a change of a descriptor changes: put the printed one into docs/formats.md.
+/// A change of a descriptor changes the table of the formats. If this test fails, put the printed table into
+/// docs/formats.md.
 TEST(Format, TheDocumentationHasTheTableOfAllFormats) {
   const std::filesystem::path page = std::filesystem::path(POINTSWEEP_SOURCE_DIR) / "docs/formats.md";
   EXPECT_THAT(contents(page), ::testing::HasSubstr(formats_table()));
 }
 
-/// The least and most value of a type and what is hardest to hold between them.
+/// Returns the least and the greatest value of a type, and values between them that are hard to store.
 std::vector<double> extremes_of(Type type) {
   constexpr double kMostFloat = std::numeric_limits<float>::max(), kMostDouble = std::numeric_limits<double>::max();
   constexpr double kInfinity = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
@@ -166,7 +167,7 @@ std::vector<double> extremes_of(Type type) {
   return {-kMostDouble, 0x1p-1074, 0.1, 255.5, 16777217, kInfinity, kNan};
 }
 
-/// Returns whether the file holds `value` for the point at x = 4, under the name or in the exact copy NAME_TYPE.
+/// Returns whether the file has `value` for the point at x = 4, in the field `name` or in the exact copy NAME_TYPE.
 bool is_held(Reader& reader, const std::string& name, Type type, double value) {
   const std::vector<double> x = values_of(reader, "x");
   const auto row =
@@ -177,13 +178,13 @@ bool is_held(Reader& reader, const std::string& name, Type type, double value) {
       double found = values_of(reader, own.name).at(row);
       if (type == Type::f32) found = static_cast<float>(found);  // text has the shortest decimals
       const double rounded =
-          own.scale == 1 ? 0 : std::abs(own.scale) / 2 * (1 + 1e-9);  // LAS: degrees in steps of 0.006
+          own.scale == 1 ? 0 : std::abs(own.scale) / 2 * (1 + 1e-9);  // for example LAS: degrees in steps of 0.006
       if (std::abs(found - value) <= rounded || found == value || (std::isnan(found) && std::isnan(value))) return true;
     }
   return false;
 }
 
-/// A law over the list of formats: the value comes back, or the error names the row, the attribute and the file.
+/// For every format, a written value is read again, or the error names the row, the attribute and the file.
 TEST(Format, HoldsEveryValueOrNamesItsRow) {
   const TemporaryFolder folder;
   std::size_t refused = 0;
@@ -210,7 +211,7 @@ TEST(Format, HoldsEveryValueOrNamesItsRow) {
           }
         }
   });
-  EXPECT_GT(refused, 0u);  // PLY and E57 have no integers beyond these
+  EXPECT_GT(refused, 0u);  // PLY and E57 cannot store all integers of 64 bits
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST(Kitti, IsReadWhereItIsAskedFor) {
   EXPECT_THAT(sentence_of<Error>([&] { open_reader(folder.write("empty.bin", ""), "kitti"); }), HasSubstr("is empty"));
 }
 
-/// The first bytes of a coordinate may look like the signature of any format.
+/// KITTI files have no signature, and the first bytes of a coordinate may look like the signature of any format.
 TEST(Kitti, IsNotTakenForAnotherFormat) {
   const TemporaryFolder folder;
   const auto path = folder.write("000001.bin", "v 1 2 3\nv 4 5 6\n");

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kCount = 1000;
 
-/// A cloud of random values in a schema of one's choice.
+/// A cloud of random values, whose schema a test may extend.
 struct TestCloud {
   Schema schema;
   std::vector<std::byte> records;
@@ -192,7 +192,7 @@ TEST(LasConversion, OfAnotherLasLayoutKeepsHeaderVlrsAndWhatLiesBehind) {
                las_test::vlr("LASF_Spec", 4, las_test::descriptor("old", 1))};
   const std::string in = file.bytes() + "tail";
   const auto reader = open_las(folder.write("in.las", in));
-  TestCloud cloud(Type::f64);  // as if merged with a cloud of another kind
+  TestCloud cloud(Type::f64);  // float64, as after a merge with a cloud of another format
   cloud.schema.append("old", Type::u8);
   cloud.fill(1000, {500000, 0, 0});
   OutputPlan plan = cloud.plan(folder / "out.las");

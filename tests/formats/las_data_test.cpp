@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Real LAS files of many programs, and broken ones, from the folder POINTSWEEP_DATA: what becomes of each.
+/// Real LAS files of many programs, and broken files, from the folder POINTSWEEP_DATA, with the expected outcome of
+/// copying each.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +21,7 @@ namespace {
 
 enum Outcome {
   kSame,      ///< a copy has the same bytes
-  kRepaired,  ///< a copy differs in the counts and bounds of the header only: the input's are wrong or rounded
+  kRepaired,  ///< a copy differs only in the counts and bounds of the header, which are wrong or rounded in the input
   kRefused,
 };
 

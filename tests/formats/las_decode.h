@@ -21,7 +21,7 @@ inline bool has_color(int format) {
 inline bool has_nir(int format) { return format == 8 || format == 10; }
 inline bool has_waveform(int format) { return format == 4 || format == 5 || format == 9 || format == 10; }
 
-/// Bytes 14 to the end of the core of formats 0 to 5.
+/// Decodes the bytes from 14 to the end of the core record of formats 0 to 5.
 inline void decode_legacy(const std::string& r, std::size_t at, Values& v) {
   const auto returns = get<std::uint8_t>(r, at + 14), classes = get<std::uint8_t>(r, at + 15);
   v["return_number"] = returns & 7;
@@ -54,7 +54,7 @@ inline void decode_modern(const std::string& r, std::size_t at, Values& v) {
   v["point_source_id"] = get<std::uint16_t>(r, at + 20);
 }
 
-/// The standard fields of the record at byte `at`; coordinates are real.
+/// Returns the standard fields of the record at byte `at`, with scaled coordinates.
 inline Values decode(const std::string& file, int format, std::size_t at) {
   Values v;
   for (std::size_t a = 0; a < 3; ++a)
@@ -77,7 +77,7 @@ inline Values decode(const std::string& file, int format, std::size_t at) {
   return v;
 }
 
-/// A LAS file as bytes, and what its header says.
+/// A LAS file as bytes, and the facts that its header states.
 struct Decoded {
   std::string bytes;
   int minor() const { return bytes[25]; }
@@ -94,7 +94,7 @@ struct Decoded {
   Values point(std::size_t i) const {
     return decode(bytes, format(), get<std::uint32_t>(bytes, 96) + i * record_length());
   }
-  /// Content of the VLR, with its number of bytes; "" if there is none.
+  /// Returns the content of a VLR; "" if the file has no such VLR.
   std::string vlr(const std::string& user, int record) const {
     std::size_t at = get<std::uint16_t>(bytes, 94);
     for (std::uint32_t i = 0; i < get<std::uint32_t>(bytes, 100); ++i) {
@@ -105,7 +105,7 @@ struct Decoded {
     }
     return "";
   }
-  /// Names of the extra bytes.
+  /// Returns the names of the extra bytes.
   std::vector<std::string> extra_names() const {
     std::vector<std::string> names;
     const std::string content = vlr("LASF_Spec", 4);

@@ -15,7 +15,8 @@ namespace {
 
 using las_test::descriptor;
 
-/// The fields that `descriptors` add to a record of `length` bytes whose first 20 are the point format's.
+/// Returns the fields that `descriptors` add to a record of `length` bytes, of which the first 20 belong to the point
+/// format.
 Schema fields_of(const std::string& descriptors, std::uint32_t length = 1000) {
   Schema schema;
   schema.stride = 20;

@@ -58,7 +58,7 @@ TEST(LasHeader, AnUpgradeKeepsAllEntriesAndTheBytesBehind) {
     EXPECT_EQ(upgraded[25], 4);
     EXPECT_EQ(las_test::get<std::uint16_t>(upgraded, 94), 381);
     std::string kept = old.substr(0, 25);
-    if (minor < 2) kept.replace(6, 2, 2, '\0');  // the global encoding was reserved bytes before
+    if (minor < 2) kept.replace(6, 2, 2, '\0');  // the global encoding replaces reserved bytes of LAS 1.1 and earlier
     EXPECT_EQ(upgraded.substr(0, 25), kept);
     EXPECT_EQ(upgraded.substr(26, 94 - 26), old.substr(26, 94 - 26));
     EXPECT_EQ(upgraded.substr(96, 227 - 96), old.substr(96, 227 - 96));

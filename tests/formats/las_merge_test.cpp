@@ -28,19 +28,20 @@ using las_test::Decoded;
 using las_test::decoded;
 using las_test::Values;
 
-/// What a small file of random records is to be.
+/// Properties of a small file of random records.
 struct Kind {
   int format = 0;
   double scale = 0.01;
   std::array<double, 3> offset{0, 0, 0};
-  std::vector<std::string> extra{};  ///< descriptors, of one byte each
+  std::vector<std::string> extra{};  ///< descriptors of extra bytes, of one byte each
   std::vector<std::string> vlrs{};
-  int encoding = -1;  ///< global encoding; -1: the WKT bit as the format wants it
+  int encoding = -1;  ///< global encoding; -1: the WKT bit that the format requires
   int minor = 0;      ///< 0: the first version that has the format
-  int unnamed = 0;    ///< bytes of a record that nothing describes
+  int unnamed = 0;    ///< bytes of a record without a descriptor
 };
 
-/// Coordinates within a kilometre of 1000, 2000, 300; waveform offsets that a double holds.
+/// Returns a LAS file with coordinates within a kilometre of (1000, 2000, 300), and waveform offsets that a double
+/// holds exactly.
 std::string las_bytes(const Kind& kind, unsigned seed) {
   las_test::File file;
   file.format = kind.format;
@@ -81,7 +82,7 @@ std::string las_bytes(const Kind& kind, unsigned seed) {
   return bytes;
 }
 
-/// Copies the inputs in their order, with the outputs that a run makes, and returns the warnings.
+/// Copies the inputs in their order into an output as a run writes it, and returns the warnings.
 std::vector<std::string> copy_points(const std::vector<fs::path>& inputs, const fs::path& out) {
   InputCloud cloud(inputs, {.ignore_crs = true});
   const std::vector<std::byte> records = all_records(cloud, cloud.schema(), cloud.count());
@@ -100,7 +101,7 @@ std::vector<std::string> copy_points(const std::vector<fs::path>& inputs, const 
   return warnings;
 }
 
-/// The shortest point format that has all fields of both, read off the tables of the specification.
+/// Returns the shortest point format that has all fields of both formats, by the tables of the specification.
 int expected_format(int a, int b) {
   const bool modern = a >= 6 || b >= 6;
   const bool color = las_test::has_color(a) || las_test::has_color(b);
@@ -113,8 +114,8 @@ int expected_format(int a, int b) {
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// Every value of `in` is in `out`, coordinates differ by at most `tolerance`. Fields that `in` lacks are 0, but the
-/// overlap flag of points of class 12 is 1.
+/// Expects that `out` has every value of `in`, with coordinates that differ by at most `tolerance`. Fields that `in`
+/// lacks are 0, but the overlap flag of points of class 12 is 1.
 void expect_values(const Values& in, const Values& out, double tolerance, const std::string& where) {
   for (const auto& [name, value] : out) {
     const auto found = in.find(name);
@@ -344,7 +345,7 @@ TEST(LasThroughPly, MeetsLasAgainAtTheFinestScale) {
   }
 }
 
-/// Replaces `from` by `to` in the header, and the x of all points by x + 0.0037 where `move`.
+/// Copies a LAS file to PLY, moves the x of the first point by 0.0037, and returns the path.
 fs::path moved_ply(const TemporaryFolder& folder, const fs::path& las) {
   copy_points({las}, folder / "still.ply");
   std::string ply = contents(folder / "still.ply");
@@ -362,7 +363,7 @@ TEST(LasThroughPly, PointsThatLeftTheGridGetAFinerOne) {
   EXPECT_NEAR(out.point(0)["x"], decoded(in).point(0)["x"] + 0.0037, 1e-5);
 }
 
-/// A PLY file of points as LAS would have them, with one more property.
+/// Writes a PLY file with the fields of a LAS file and one more property.
 fs::path ply_with(const TemporaryFolder& folder, const std::string& property, const std::vector<std::string>& values) {
   std::string ply =
       "ply\nformat ascii 1.0\ncomment las scale 0.01 0.01 0.01 offset 0 0 0 gps_time week\nelement vertex " +
@@ -405,7 +406,7 @@ TEST(LasThroughPly, CommentsThatMakeNoSenseStayComments) {
   }
 }
 
-/// Real files, small ones first, of each point format with and without extra bytes.
+/// Returns real files, small files first, of each point format with and without extra bytes.
 std::vector<fs::path> real_files() {
   std::map<std::pair<int, bool>, std::vector<fs::path>> by_kind;
   std::vector<std::pair<std::uintmax_t, fs::path>> all;
@@ -424,7 +425,7 @@ std::vector<fs::path> real_files() {
   return chosen;
 }
 
-/// The names of all fields that point formats have and of the extra bytes of both files.
+/// Returns whether `name` is the name of an extra-bytes field of one of the files, or of undocumented bytes.
 bool is_known_name(const std::string& name, const Decoded& a, const Decoded& b) {
   for (const Decoded* file : {&a, &b}) {
     for (const std::string& extra : file->extra_names()) {
@@ -434,7 +435,8 @@ bool is_known_name(const std::string& name, const Decoded& a, const Decoded& b) 
   return name.starts_with("undocumented");
 }
 
-/// The scale that a merge of both has to have along `axis`: the finest, unless 32 bits cannot hold it.
+/// Returns the expected scale of a merge of both files along `axis`: the finer scale; absent if 32 bits do not suffice
+/// for it.
 std::optional<double> scale_of_merge(const Decoded& a, const Decoded& b, std::size_t axis) {
   const double finest = std::min(a.scale(axis), b.scale(axis));
   double lo = 1e300, hi = -1e300;

@@ -18,7 +18,7 @@ namespace {
 
 using las_test::File;
 
-/// What opening the file that `change` made of a good one says.
+/// Returns the sentence of the Error of opening `file` after `change` was applied to its bytes.
 template <class Change>
 std::string error_after(const File& file, Change&& change) {
   const TemporaryFolder folder;
@@ -139,7 +139,7 @@ TEST(LasReader, DecodesTheCoreOfFormatsSixToTen) {
 }
 
 TEST(LasReader, DecodesTimeColorsInfraredAndWaveformWhereTheFormatHasThem) {
-  // Byte of gps_time, red, nir and wavepacket_index in the record of each format; 0 where it has none.
+  // Offsets of gps_time, red, nir and wavepacket_index in the record of a format; 0 for a field that the format lacks.
   struct Places {
     std::size_t time, red, nir, wave;
   };

@@ -24,7 +24,7 @@ TEST(LasScale, ReachesBothEndsAndLosesLessThanPromised) {
       const double largest = std::max(std::abs(box.lo[axis]), std::abs(box.hi[axis]));
       ASSERT_LT(std::abs(box.lo[axis] - q.offset[axis]) / q.scale[axis], 2147483647);
       ASSERT_LT(std::abs(box.hi[axis] - q.offset[axis]) / q.scale[axis], 2147483647);
-      // Half a step; a step finer than doubles themselves or than a part in 10^12 of the cloud would be of no use.
+      // Steps finer than the spacing of doubles, or than 10^-12 of the cloud, are useless. The error is half a step.
       const double useful = std::max(largest * 2.3e-16, half * 1e-12);
       ASSERT_LE(q.scale[axis] / 2, std::max(1.3e-9 * extent, 10 * useful)) << extent << " " << largest;
     }

@@ -12,7 +12,7 @@
 
 namespace las_test {
 
-/// Bytes of a record of point formats 0 to 10 (LAS 1.4 R15, tables 7 to 17).
+/// Record lengths in bytes of point formats 0 to 10 (LAS 1.4 R15, tables 7 to 17).
 inline constexpr std::array<int, 11> kRecordLength{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
 template <class T>
@@ -34,7 +34,7 @@ inline std::string random_bytes(std::size_t count, unsigned seed) {
   return bytes;
 }
 
-/// A VLR, or an EVLR with `extended`.
+/// Returns a VLR; with `extended`, an EVLR.
 inline std::string vlr(const std::string& user, std::uint16_t record, const std::string& content,
                        bool extended = false) {
   std::string bytes(extended ? 60 : 54, '\0');
@@ -45,7 +45,7 @@ inline std::string vlr(const std::string& user, std::uint16_t record, const std:
   return bytes + content;
 }
 
-/// One descriptor of an extra-bytes VLR.
+/// Returns a descriptor of an extra-bytes VLR.
 inline std::string descriptor(const std::string& name, int type, int options = 0, std::array<double, 3> scale = {},
                               std::array<double, 3> offset = {}) {
   std::string bytes(192, '\0');
@@ -60,9 +60,9 @@ inline std::string descriptor(const std::string& name, int type, int options = 0
 struct File {
   int minor = 2;
   int format = 0;
-  int extra_bytes = 0;  ///< of each record, behind the fields of the format
+  int extra_bytes = 0;  ///< number of bytes of each record after the fields of the format
   std::size_t count = 100;
-  std::string user_header;  ///< behind the standard header
+  std::string user_header;  ///< bytes after the standard header
   std::vector<std::string> vlrs;
   std::string padding;  ///< between the VLRs and the points
   std::vector<std::string> evlrs;
@@ -80,7 +80,7 @@ struct File {
   }
 
   std::string bytes() const {
-    std::string header = random_bytes(header_size(), seed + 1);  // unused bytes have to survive, too
+    std::string header = random_bytes(header_size(), seed + 1);  // copies must keep unused bytes, too
     header.replace(0, 4, "LASF");
     header[24] = 1;
     header[25] = static_cast<char>(minor);
@@ -104,7 +104,7 @@ struct File {
     return all;
   }
 
-  /// Counts and bounds as the specification wants them.
+  /// Writes the counts and bounds that the specification requires.
   void put_statistics(std::string& header) const {
     const std::string records = points();
     std::array<std::uint64_t, 16> by_return{};

@@ -33,7 +33,7 @@ OutputPlan plan_like(const Reader& reader, const std::filesystem::path& path) {
   return plan;
 }
 
-/// What comes out when `file` is read and written unchanged.
+/// Returns the bytes that are written when `file` is read and written unchanged.
 std::string copy_of(const TemporaryFolder& folder, const std::string& file) {
   const auto reader = open_las(folder.write("in.las", file));
   OutputPlan plan = plan_like(*reader, folder / "out.las");
@@ -44,7 +44,7 @@ std::string copy_of(const TemporaryFolder& folder, const std::string& file) {
   return contents(folder / "out.las");
 }
 
-/// Records with `made` random bytes behind each.
+/// Returns records with `made` random bytes after each.
 std::string with_made(const std::string& records, std::size_t stride, std::size_t made) {
   std::string all;
   const std::string values = las_test::random_bytes(records.size() / stride * made, 99);
@@ -129,7 +129,7 @@ TEST(LasWriter, AppendsMadeFieldsAsExtraBytesAndMovesWhatLiesBehind) {
         descriptor("NormalX", 9) + descriptor("NormalY", 9) + descriptor("NormalZ", 9) + descriptor("Curvature", 10));
     const std::size_t vlrs_end = file.points_at() - file.padding.size();
     const std::size_t points_at = file.points_at() + expected_vlr.size();
-    // Behind the descriptors' numbers there is a description each, and one in the VLR's header: not compared.
+    // The descriptions in the header of the VLR and in each descriptor are not compared.
     std::string found_vlr = out.substr(vlrs_end, expected_vlr.size());
     for (std::string* text : {&expected_vlr, &found_vlr}) {
       text->replace(22, 32, 32, ' ');
@@ -141,7 +141,7 @@ TEST(LasWriter, AppendsMadeFieldsAsExtraBytesAndMovesWhatLiesBehind) {
     EXPECT_EQ(out.substr(points_at - file.padding.size(), file.padding.size()), file.padding);
     EXPECT_TRUE(out.substr(points_at, records.size()) == records);
     EXPECT_TRUE(out.substr(points_at + records.size()) == bytes.substr(file.points_at() + file.points().size()));
-    // The header is that of the input but for these.
+    // The header is that of the input, except for the following entries.
     std::string header = bytes.substr(0, file.header_size());
     put(header, 96, static_cast<std::uint32_t>(points_at));
     put(header, 100, std::uint32_t{4});
@@ -161,7 +161,7 @@ TEST(LasWriter, AppendsMadeFieldsAsExtraBytesAndMovesWhatLiesBehind) {
 TEST(LasWriter, ContinuesTheExtraBytesOfTheInput) {
   const TemporaryFolder folder;
   File file = file_with_everything(2, 3);
-  file.extra_bytes = 5;  // 2 described, 3 not
+  file.extra_bytes = 5;  // 2 bytes with a descriptor, 3 bytes without
   file.vlrs.insert(file.vlrs.begin() + 1, vlr("LASF_Spec", 4, descriptor("width", 4, 8, {0.5})));
   const auto reader = open_las(folder.write("in.las", file.bytes()));
   OutputPlan plan = plan_like(*reader, folder / "out.las");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// LAZ: the points of a LAS file, compressed and back, and what happens to files that are damaged.
+/// LAZ: the points of a LAS file, compressed and decompressed, and damaged files.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -37,7 +37,7 @@ std::string record_text_of(const std::filesystem::path& path) {
   return records;
 }
 
-/// All that the file has, in pieces that fit neither chunks nor blocks.
+/// Copies all records, in pieces whose size divides neither chunks nor blocks.
 void copy_points(const std::filesystem::path& from, const std::filesystem::path& to,
                  std::unique_ptr<Writer> (*create)(const OutputPlan&)) {
   const auto reader = open_las(from);
@@ -62,7 +62,7 @@ class Laz : public testing::Test {
     if (!has_laz()) GTEST_SKIP() << "built without codecs";
   }
 
-  /// A compressed file whose second chunk is not full.
+  /// Returns a compressed file of two chunks, of which the second is not full.
   std::string two_chunks() {
     las_test::File file;
     file.minor = 4;
@@ -239,7 +239,8 @@ TEST(LazData, EveryFileIsReadToItsEnd) {
   if (!std::filesystem::exists(data_folder() / "lidar")) GTEST_SKIP() << "no real data in " << data_folder();
   int files = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(data_folder())) {
-    // This one was damaged by a conversion of text: even its point format is not that of a compressed file.
+    // bad-ellipsoid.copc.laz was damaged by a conversion of text: even its point format is not that of a compressed
+    // file.
     if (entry.path().extension() != ".laz" || entry.path().filename() == "bad-ellipsoid.copc.laz") continue;
     SCOPED_TRACE(entry.path());
     ++files;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Rows past 2^32 in files of many gigabytes that are nearly all holes, so that they take no room on the disk.
+/// Rows past 2^32, in files of many gigabytes. The files are nearly all holes, so they take little room on the disk.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::uint64_t kManyRows = 4'400'000'000, kFar = 4'300'000'000;  ///< the lower 32 bits of kFar are 5,032,704
 
-/// Makes the file `size` bytes long and puts `bytes` at `offset`; false where the file system knows no holes so large.
+/// Makes the file `size` bytes long and writes `bytes` at `offset`. Returns false if the file system cannot hold such a
+/// hole.
 bool grow_with_hole(const std::filesystem::path& path, std::uint64_t size, std::uint64_t offset,
                     const std::string& bytes) {
   std::error_code error;
@@ -35,7 +36,7 @@ std::vector<std::byte> rows_of(Reader& reader, std::uint64_t first, std::size_t 
   return records;
 }
 
-/// The file that a writer has begun.
+/// Returns the path of the file that a writer has begun, the only file in the folder.
 std::filesystem::path only_file_in(const TemporaryFolder& folder) {
   return std::filesystem::directory_iterator(folder.path())->path();
 }

@@ -43,8 +43,8 @@ std::string array_of(const std::string& type, const std::string& shape, const st
          bytes;
 }
 
-/// A zip archive of stored members, as the specification of the format (APPNOTE 6.3) lays it out. `large`: all sizes
-/// and places stand in the records for 64 bits.
+/// Returns a zip archive of stored members in the layout of the specification (APPNOTE 6.3). `large`: all sizes and
+/// offsets are in the 64-bit records.
 std::string archive_of(const std::vector<std::pair<std::string, std::string>>& members, char method = 0,
                        bool large = false) {
   const auto number = [](std::uint64_t value, std::size_t size) {
@@ -198,7 +198,8 @@ TEST_F(NpyPoints, WrongArchivesAreOneSentence) {
   for (std::size_t bytes = 40; bytes < good.size(); ++bytes)
     EXPECT_THROW(opened(good.substr(0, bytes)), Error) << bytes;
   EXPECT_THAT(refusal(archive_of({{"notes.txt", "1 2 3\n"}})), HasSubstr("is a zip archive"));
-  // A directory that points outside, at each of its bytes.
+  // Damages each byte of the directory, so that some entries refer to places outside of the file. At most an Error is
+  // thrown.
   for (std::size_t at = good.find("PK\1\2"); at < good.size(); ++at) {
     std::string wrong = good;
     wrong[at] = static_cast<char>(wrong[at] ^ 0x7f);

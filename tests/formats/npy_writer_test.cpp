@@ -19,7 +19,8 @@ OutputPlan plan_of(const std::filesystem::path& path, Type type, std::uint32_t c
   return plan;
 }
 
-/// The file as numpy.lib.format describes it: 6 bytes of magic, 2 of version, 2 of length, the dictionary, the values.
+/// Expects a file as numpy.lib.format describes it: 6 bytes of magic, 2 of version, 2 of length, the dictionary, the
+/// values.
 void expect_array(const std::string& content, const std::string& dictionary, const std::string& values) {
   ASSERT_THAT(content, StartsWith(std::string("\x93NUMPY\x01\x00", 8)));
   const auto length = static_cast<unsigned char>(content[8]) + 256u * static_cast<unsigned char>(content[9]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Files that all threads encode and write: the bytes, and the errors, of one thread.
+/// Files that all threads encode and write have the bytes, and the errors, of one thread.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -70,7 +70,7 @@ TEST(ParallelWriters, NameTheFirstRowThatLasCannotHold) {
   }
 }
 
-/// Bytes come into the file when as many chunks are there as are compressed at once.
+/// The writer collects as many chunks as it compresses at once. Until then it writes no bytes.
 TEST(ParallelWriters, CompressAsManyChunksAtOnceAsTheirMemoryHolds) {
   if (!format_of_output("a.laz")->is_built_in()) GTEST_SKIP() << "built without LASzip";
   constexpr std::uint64_t kChunk = 50000;

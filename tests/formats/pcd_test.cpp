@@ -22,7 +22,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// LZF after its description, written for the tests: the longest match with what begins with the same three bytes.
+/// Compresses bytes as LZF, written from its description. Matches the last place that begins with the same three bytes.
 std::string lzf(const std::string& plain) {
   std::string out, literals;
   std::map<std::string, std::size_t> last;
@@ -187,7 +187,8 @@ TEST(Pcd, ACompressedFileThatIsCutAnywhereIsRefused) {
     const std::string whole = header(rows.size(), data) + body;
     for (std::size_t size = 1; size + 1 < whole.size(); size += 1 + size / 40) {
       folder.write("cut.pcd", whole.substr(0, size));
-      if (std::string_view(data) == "ascii" && size + 30 > whole.size()) continue;  // a shorter last number is a number
+      if (std::string_view(data) == "ascii" && size + 30 > whole.size())
+        continue;  // a truncated last number is still a number
       EXPECT_THROW(open_pcd(folder / "cut.pcd"), Error) << data << " cut after " << size;
     }
   }

@@ -18,7 +18,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// Records of `schema` with these values, field by field, component by component.
+/// Returns records of `schema`. `rows`: the values of each row, field by field, component by component.
 std::vector<std::byte> records_of_rows(const Schema& schema, const std::vector<std::vector<double>>& rows) {
   std::vector<std::byte> records(rows.size() * schema.stride);
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -69,7 +69,7 @@ TEST(PcdWriter, WritesTheHeaderAndBytesOfTheFormat) {
 
 TEST(PcdWriter, PacksColorsOfBytesAsPclHasThem) {
   const TemporaryFolder folder;
-  // Not in the order of the word, and not side by side.
+  // The colours are neither in the order of the packed word nor side by side.
   const Schema rgb = xyz_and({{"blue", Type::u8}, {"time", Type::f64}, {"red", Type::u8}, {"green", Type::u8}});
   const std::string plain = written(plan_for(folder / "rgb.pcd", 1, rgb), {{1, 2, 3, 0x33, 9.5, 0x11, 0x22}});
   EXPECT_THAT(plain, HasSubstr("FIELDS x y z rgb time\nSIZE 4 4 4 4 8\nTYPE F F F F F\nCOUNT 1 1 1 1 1\n"));
@@ -114,7 +114,7 @@ TEST(PcdWriter, StoresScaledValuesAsDoublesAndPartsOfWordsAsIntegers) {
   EXPECT_EQ(values_of(*reader, "returns"), std::vector<double>{4095});
 }
 
-/// `rgb`, `rgba` and `_` mean something to readers.
+/// Readers give fields named `rgb`, `rgba` and `_` a special meaning.
 TEST(PcdWriter, NamesThatMeanSomethingElseInPcdGetTheirType) {
   const TemporaryFolder folder;
   const Schema schema = xyz_and({{"rgb", Type::f32},

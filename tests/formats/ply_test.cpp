@@ -20,7 +20,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// The bytes of a value, the lowest first or the highest first.
+/// Returns the bytes of a value, the lowest first, or the highest first with `big_endian`.
 template <class T>
 std::string value_bytes(T value, bool big_endian = false) {
   std::string bytes(sizeof value, '\0');
@@ -29,7 +29,7 @@ std::string value_bytes(T value, bool big_endian = false) {
   return bytes;
 }
 
-/// Opens a file of this content and reads all of it.
+/// Returns the sentence of the Error that opening and reading a file of this content throws.
 std::string sentence_for(const std::string& content) {
   const TemporaryFolder folder;
   const auto path = folder.write("in.ply", content);
@@ -76,7 +76,7 @@ TEST(Ply, JumpsInAsciiGiveTheSameRowsAsReadingOn) {
   EXPECT_EQ(reader->read(150000, records), 0u);
 }
 
-/// A header with an element of lists and one of fixed size before the vertices.
+/// Returns a file with two elements before the vertices: one has lists, the other has a fixed size.
 std::string binary_file(bool big_endian) {
   std::string content = fmt::format("ply\nformat binary_{}_endian 1.0\n", big_endian ? "big" : "little");
   content += "element face 2\nproperty list uchar int vertex_indices\nproperty short flag\n";

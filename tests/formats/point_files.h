@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What tests of formats share: whole files as bytes and values.
+/// Functions that tests of formats share: whole files as bytes and values.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 
 namespace pointsweep {
 
-/// All records, read `block` at a time.
+/// Returns all records, read `block` records at a time.
 template <class Source>
 std::vector<std::byte> all_records(Source& source, const Schema& schema, std::uint64_t count,
                                    std::size_t block = 1000) {
@@ -34,14 +34,14 @@ inline std::vector<std::byte> all_records(Reader& reader, std::size_t block = 10
   return all_records(reader, reader.info().schema, reader.info().count, block);
 }
 
-/// All records as text, in one read.
+/// Returns the bytes of all records, read at once.
 inline std::string record_text(Reader& reader) {
   std::string bytes(reader.info().count * reader.info().schema.stride, '\0');
   EXPECT_EQ(reader.read(0, std::as_writable_bytes(std::span(bytes))), reader.info().count);
   return bytes;
 }
 
-/// The values of one field, by its name in the file.
+/// Returns the values of a field, by its name in the file.
 template <class Source>
 std::vector<double> values_of(Source& source, const Schema& schema, std::uint64_t count, const std::string& name) {
   const auto records = all_records(source, schema, count);

@@ -33,7 +33,7 @@ class Ptx : public testing::Test {
   int files_ = 0;
 };
 
-/// A turn by 90 degrees about z and a shift: (x, y, z) becomes (100 - y, 200 + x, 300 + z).
+/// The second scan is turned by 90 degrees about z and shifted: (x, y, z) becomes (100 - y, 200 + x, 300 + z).
 TEST_F(Ptx, AppliesTheTransformationOfEachScan) {
   const auto reader =
       opened("1\n2\n" + kIdentity + "1 2 3 0.25\n4 5 6 0.5\n" +
@@ -61,7 +61,7 @@ TEST_F(Ptx, LeavesOutEmptyCellsAndKeepsRowsAndColumnsOfTheOthers) {
   EXPECT_THAT(reader->info().warnings[0], HasSubstr("3 of its 6 cells are empty"));
 }
 
-/// Scans of all sizes, most cells empty, in every piece and from every place.
+/// Scans of many sizes, in which a third of the cells is empty, are read as a whole and from several rows on.
 TEST_F(Ptx, AreReadInAnyOrder) {
   std::string text;
   Numbers expected;
@@ -106,7 +106,7 @@ TEST_F(Ptx, WrongFilesAreOneSentence) {
   EXPECT_EQ(opened("0\n0\n" + kIdentity)->info().count, 0u);
 }
 
-/// Truncated anywhere, also inside a number: refused, or the whole file without its last digits.
+/// A file that is truncated in the first of its two cells, also inside a number, is refused.
 TEST_F(Ptx, TruncatedFilesAreRefusedOrHaveAllCells) {
   const std::string whole = "1\n2\n" + kIdentity + "1 2 3 0.25\n4 5 6 0.5\n";
   for (std::size_t bytes = whole.find("1 2 3 0"); bytes + 12 < whole.size(); ++bytes)
@@ -116,7 +116,7 @@ TEST_F(Ptx, TruncatedFilesAreRefusedOrHaveAllCells) {
 TEST(PtxData, HasTheValuesOfTheFiles) {
   const std::filesystem::path scans = data_folder() / "scans/pdal/ptx";
   if (!std::filesystem::exists(scans)) GTEST_SKIP() << "no real data in " << data_folder();
-  // By hand, from the matrix of the file; 8 of 12 cells are 0 0 0.
+  // The expected value is computed by hand from the matrix of the file. 8 of its 12 cells are 0 0 0.
   const auto turned = open_reader(scans / "complex-transform.ptx");
   EXPECT_EQ(turned->info().count, 4u);
   // -0.005630 * 0.999979 + 0.645218 * 0.003613 - 0.440506 * 0.005359 - 3.028748

@@ -16,7 +16,7 @@ namespace {
 
 using namespace qsplat_test;
 
-/// All values of a leaf, in the order of the fields.
+/// Returns all values of a leaf, in the order of the fields.
 std::vector<double> values_in(const Leaf& leaf, bool has_color) {
   const auto normal = qsplat_normal(leaf.normal);
   std::vector<double> values(leaf.sphere.begin(), leaf.sphere.begin() + 3);
@@ -144,7 +144,7 @@ TEST(Qsplat, EveryTruncationIsRefusedInOneSentence) {
   }
 }
 
-/// What is said of `whole` after bytes from `at` on were replaced.
+/// Returns the sentence of the Error of opening `whole` after its bytes from `at` on were replaced by `bytes`.
 std::string complaint_about(std::string whole, std::size_t at, std::string_view bytes) {
   const TemporaryFolder folder;
   whole.replace(at, bytes.size(), bytes);

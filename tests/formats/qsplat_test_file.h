@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// QSplat files made by the tests: trees of codes, written breadth first as the released program does, and what they
-/// mean, found by plain recursion from a list of all codes.
+/// QSplat files made by the tests: trees of codes, written breadth first as the released program does. Their leaves are
+/// found by plain recursion from a list of all codes.
 #pragma once
 
 #include <array>
@@ -91,8 +91,8 @@ inline std::string comment(std::string text) {
   return out + text;
 }
 
-/// (s, x, y, z) of every code: a cube of s cells at (x, y, z) of a grid of 13, if its circumscribed sphere meets the
-/// unit sphere. In integers, of 13 (centre · 13)² against (13 + √3 s)².
+/// Returns (s, x, y, z) of every code: a cube of s cells at cell (x, y, z) of a grid of 13³ cells. A cube has a code if
+/// its circumscribed sphere meets the unit sphere, in units of a thirteenth: (13 · centre)² <= (13 + √3 s)².
 inline const std::vector<std::array<int, 4>>& cubes() {
   static const std::vector<std::array<int, 4>> all = [] {
     std::vector<std::array<int, 4>> cubes;
@@ -128,14 +128,14 @@ inline void collect(const Node& node, const std::array<float, 4>& sphere, std::v
   }
 }
 
-/// Depth first.
+/// Returns the leaves of the tree, depth first.
 inline std::vector<Leaf> leaves_in(const Tree& tree) {
   std::vector<Leaf> leaves;
   collect(tree.root, tree.root_sphere, leaves);
   return leaves;
 }
 
-/// A node over about `leaves` leaves, split unevenly.
+/// Returns a node with about `leaves` leaves, split unevenly.
 inline Node random_node(std::mt19937& random, unsigned leaves) {
   Node node{static_cast<unsigned>(random() % cubes().size()),
             static_cast<unsigned>(random() % 16384),

@@ -51,14 +51,14 @@ TEST(Registry, RefusesExtensionsItCannotWrite) {
               HasSubstr("a file without an extension"));
 }
 
-/// What becomes of a real file: the points it holds, or a part of the sentence that refuses it.
+/// A real file, and the number of its points, or a part of the sentence with which it is refused.
 struct RealFile {
   const char* path;
   std::uint64_t points;
   const char* refusal = nullptr;
 };
 
-// Every PLY and text file of malformed/, and good files with the quirks that readers stumble over.
+// Every PLY and text file of malformed/, and good files with features that readers often handle wrongly.
 constexpr RealFile kRealFiles[] = {
     {"malformed/assimp/models/PLY/cube.ply", 8},
     {"malformed/assimp/models/PLY/cube_binary.ply", 8},
@@ -170,7 +170,7 @@ TEST(RealFiles, SurviveBeingWrittenAndReadAgain) {
       const auto again = open_reader(plan.path);
       EXPECT_EQ(field_names(again->info().schema), field_names(reader->info().schema));
       for (const Field& field : plan.schema.fields) {
-        // Text gives a float in its shortest form, which is the same float but another double.
+        // Text has a float in its shortest decimals, which are an equal float but another double.
         auto before = values_of(*reader, field.name), after = values_of(*again, field.name);
         if (field.type == Type::f32) {
           for (double& value : after) value = static_cast<float>(value);

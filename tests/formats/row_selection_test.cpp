@@ -27,7 +27,7 @@ struct Selected {
       if (bits[i]) rows.push_back(i);
   }
 
-  /// Records are the numbers of the rows.
+  /// Reads selected records, which are the numbers of their rows.
   std::vector<std::uint32_t> read(std::uint64_t first, std::size_t most) {
     std::vector<std::uint32_t> records(most);
     const std::size_t n = SelectionCursor(selection).read(first, 4, std::as_writable_bytes(std::span(records)),
@@ -85,7 +85,7 @@ TEST(RowSelection, KnowsTheNumberOfEveryKeptRow) {
   }
 }
 
-/// The rows around may be in a chunk that another thread decodes.
+/// Rows outside of the requested range may be in a chunk that another thread decodes.
 TEST(RowSelection, ReadsNoRowBeforeTheFirstOrAfterTheLast) {
   for (Selected& s : selections()) {
     for (std::size_t first = 0; first < s.rows.size(); first += 1 + s.rows.size() / 13) {

@@ -41,10 +41,10 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// The bytes of a text that outlives them.
+/// Returns the bytes of a text, which must outlive them.
 inline std::span<const std::byte> text_bytes(std::string_view text) { return std::as_bytes(std::span(text)); }
 
-/// The sentence with which `action` fails; a test failure if it does not.
+/// Returns the sentence of the Exception that `action` throws. Fails the test if `action` throws nothing.
 template <class Exception, class Action>
 std::string sentence_of(Action&& action) {
   try {

@@ -244,7 +244,7 @@ TEST(TextWriter, RefusesMoreOrFewerPointsThanAnnounced) {
   EXPECT_FALSE(std::filesystem::exists(plan.path));
 }
 
-/// Several scans one behind the other, each with its number of points.
+/// The file has several scans one after another, each with its number of points.
 TEST(Text, PtsOfSeveralScansIsOneCloud) {
   const TemporaryFolder folder;
   const auto reader =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Inputs of different attributes are one cloud: for all pairs of formats, in both orders.
+/// Inputs with different attributes make one cloud, for all pairs of formats in both orders.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 
 constexpr std::uint64_t kPoints = 3;
 
-/// Three points with x, y, z and the attributes `names`, whose values are `value`, `value` + 1, ...
+/// Writes three points with x, y, z and the attributes `names`, whose values are `value`, `value` + 1, ...
 std::filesystem::path file_with(const std::filesystem::path& path, const std::vector<std::string>& names,
                                 double value) {
   OutputPlan plan = plan_for(path, kPoints);

@@ -20,7 +20,7 @@ namespace {
 using testing::HasSubstr;
 using Numbers = std::vector<double>;
 
-/// The bytes of a big-endian number.
+/// Returns the bytes of a number, big-endian.
 template <class T>
 std::string big(T value) {
   std::string bytes(reinterpret_cast<const char*>(&value), sizeof value);
@@ -44,7 +44,7 @@ class Vtk : public testing::Test {
   std::string refusal(const std::string& text) {
     return sentence_of<Error>([&] { values_of(*opened(text), "x"); });
   }
-  /// What comes with the points is the same in both encodings.
+  /// Expects the attributes of a file, which are equal in both encodings.
   static void expect_all_attributes(Reader& reader) {
     EXPECT_EQ(values_of(reader, "x"), (Numbers{1.5, 4}));
     EXPECT_EQ(values_of(reader, "y"), (Numbers{2, 5}));
@@ -186,7 +186,7 @@ TEST_F(Vtk, TruncatedBinaryFilesAreRefused) {
                             bigs<std::int16_t>({-7, 300});
   values_of(*opened(whole), "x");
   for (std::size_t bytes = kBinary.size(); bytes < whole.size(); ++bytes) {
-    // Behind an array and before the next keyword nothing is missing that the file has announced.
+    // A file that ends between an array and the next keyword lacks nothing that it has announced.
     const std::string part = whole.substr(0, bytes);
     const std::size_t end = whole.find("\nPOINT_DATA");
     if (bytes == end || bytes == end + 1 || part.ends_with("POINT_DATA 2") || part.ends_with("POINT_DATA 2\n"))

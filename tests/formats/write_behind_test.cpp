@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-/// What came to a writer, and whether it was completed.
+/// The bytes that a writer has received, and whether finish() was called.
 struct Arrived {
   std::vector<std::byte> bytes;
   bool finished = false;
