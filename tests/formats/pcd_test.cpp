@@ -187,8 +187,7 @@ TEST(Pcd, ACompressedFileThatIsCutAnywhereIsRefused) {
     const std::string whole = header(rows.size(), data) + body;
     for (std::size_t size = 1; size + 1 < whole.size(); size += 1 + size / 40) {
       folder.write("cut.pcd", whole.substr(0, size));
-      if (std::string_view(data) == "ascii" && size + 30 > whole.size())
-        continue;  // a truncated last number is still a number
+      if (std::string_view(data) == "ascii" && size + 30 > whole.size()) continue;  // a cut last number is a number
       EXPECT_THROW(open_pcd(folder / "cut.pcd"), Error) << data << " cut after " << size;
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The kept corpus of the fuzzers, read once more in every run of the tests, also under sanitizers.
+/// Reads the stored corpus of the fuzzers in every run of the tests, also under sanitizers.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -18,7 +18,7 @@
 namespace pointsweep {
 namespace {
 
-/// Calls use(bytes) with every file kept for a fuzzer.
+/// Calls use(bytes) with every file of the corpus of a fuzzer.
 template <class Use>
 void for_each_kept(const std::string& fuzzer, Use use) {
   std::size_t files = 0;

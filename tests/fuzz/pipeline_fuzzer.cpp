@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Damaged pipelines, as text and as JSON: each is parsed, and comes back from its own text, or is refused as a
-/// UsageError.
+/// Damaged pipelines, as text and as JSON. Each is refused with a UsageError, or its canonical text gives an equal
+/// pipeline.
 #include <cstdlib>
 
 #include "pointsweep/error.h"

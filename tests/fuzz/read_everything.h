@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a fuzzer does with each input: open it as a file in memory and read all of it, forwards and in jumps.
+/// Opens an input of a fuzzer as a file in memory, and reads all of it, in order and from several rows on.
 #pragma once
 
 #include <sys/mman.h>
@@ -20,7 +20,7 @@
 
 namespace pointsweep {
 
-/// A file without a name, which lives as long as the object.
+/// A file in memory, which exists as long as this object.
 class MemoryFile {
  public:
   MemoryFile(const std::uint8_t* bytes, std::size_t size) : descriptor_(::memfd_create("input", MFD_CLOEXEC)) {
@@ -35,9 +35,9 @@ class MemoryFile {
   int descriptor_;
 };
 
-/// An Error is a good answer to a bad file; anything else that is thrown, a crash or a hang is a finding. So is a count
-/// of points that the file has no bytes for, or a read that does not deliver what was counted; compressed points may
-/// take less than a byte each, and of many of them only the first are read.
+/// Opens and reads a file. An Error is a valid answer. Findings are other exceptions, crashes, hangs, a count of points
+/// for which the file has no bytes, and reads of other than the counted points. Compressed points may take less than a
+/// byte each; only the first 100,000 of them are read.
 inline void read_everything(std::unique_ptr<Reader> (*open)(const std::filesystem::path&), const std::uint8_t* bytes,
                             std::size_t size) {
   const MemoryFile file(bytes, size);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What --dry-run says of how each kind of stage takes the points, for every operator of the registry.
+/// The lines of --dry-run about the order in which stages take the points, for every operator of the registry.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -27,7 +27,8 @@ std::string connecting(const std::string& op) {
   return kSearch + " / connects neighbours by edges, in the temporary folder; '" + op + "' is known after the pass";
 }
 
-/// By stage, the passages of the passes that it makes itself; {axis} stands for what --axis says.
+/// Returns, by stage, the lines of the passes that the stage needs. `axis`: the axis that --axis names. `in_plane`: the
+/// axis of stages that ignore z.
 std::map<std::string, std::string> expected(const std::string& axis, const std::string& in_plane) {
   const std::string beside = in_order(axis, "beside those of the other cloud");
   const std::string disks = in_order(axis, "each held until all points within the radius have come");
@@ -89,7 +90,7 @@ class DryRun : public testing::Test {
   }
   ~DryRun() override { std::filesystem::remove(other_); }
 
-  /// The lines on how the passes take the points, with " / " between them.
+  /// Returns the lines about the order in which the passes take the points, separated by " / ".
   std::string passages(const std::string& pipeline, std::optional<int> axis) const {
     InputCloud cloud = input_.cloud();
     EngineOptions options;
@@ -109,7 +110,7 @@ class DryRun : public testing::Test {
   Records input_;
 };
 
-/// Notes along which axis the places of its points come, and checks that they do.
+/// Stores the axis along which the places of its points should ascend, and checks that they ascend.
 class AxisNote final : public InOrderOperator {
  public:
   explicit AxisNote(bool in_plane) : in_plane_(in_plane) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// `verify` checks every stage that an operator of the registry makes by a formula that shares nothing with it, or
+/// `verify` checks the stages of every operator of the registry by a formula that shares no code with the operator, or
 /// refuses the chain.
 #include <gtest/gtest.h>
 

@@ -22,14 +22,14 @@ namespace {
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN(), kFar = 1e9;
 constexpr std::size_t kLawPoints = 60;
 
-/// What the coordinates of a point are in place of finite ones.
+/// The coordinates of a point that are not finite.
 enum class Lost { no, x, y, z, all };
 
 Lost lost_by(std::size_t row) {
   return row == 0 || row == 31 ? Lost::x : row == 7 ? Lost::y : row == 8 ? Lost::z : row == 59 ? Lost::all : Lost::no;
 }
 
-/// A bumpy surface with attributes of many types; normals point up.
+/// Returns a bumpy surface with attributes of many types. Normals point up. `placed` may move each point.
 Records law_cloud(const std::function<Vec3(std::size_t row, Vec3 place)>& placed) {
   Records out;
   for (const char* axis : {"x", "y", "z"}) out.schema.append(axis, Type::f64);
@@ -58,7 +58,7 @@ Vec3 without_place(std::size_t row, Vec3 p) {
   return p;
 }
 
-/// Those that have lost x alone are far away instead, where they have no neighbours and are in no box.
+/// Places points whose x alone is not finite far away instead, where they have no neighbours and are in no box.
 Vec3 far_away(std::size_t row, Vec3 p) {
   if (lost_by(row) != Lost::x) return without_place(row, p);
   p.x = kFar * double(1 + row);
@@ -82,7 +82,7 @@ class NonfiniteLaw : public testing::Test {
   std::string other_;
 };
 
-/// The records of an output by the id of their point.
+/// Returns the records of an output by the id of their point.
 std::map<double, const std::byte*> by_id(const Records& records) {
   std::map<double, const std::byte*> rows;
   for (std::size_t i = 0; i < records.size(); ++i) rows[records.value(i, "id")] = records.at(i);
@@ -91,7 +91,8 @@ std::map<double, const std::byte*> by_id(const Records& records) {
 
 bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// "undefined: NaN" in the documented meaning of an attribute; else the fill that the attribute declares.
+/// Returns the value after "undefined: " in the documented meaning of an attribute; else the fill that the attribute
+/// declares.
 double documented_value(const OperatorDeclaration& declaration, const Attribute& a) {
   const auto note = std::ranges::find(declaration.attributes, a.name, &AttributeNote::name);
   const std::string meaning = note == declaration.attributes.end() ? a.meaning : note->meaning;
@@ -102,7 +103,8 @@ double documented_value(const OperatorDeclaration& declaration, const Attribute&
   return value_of(field, fill.data());
 }
 
-/// Judges the points without a place in `out`, the output of a run over `in`; `twin` is that of far_away().
+/// Judges the points without a finite place in `out`, the output of a run over `in`. `twin`: the output for points
+/// placed by far_away().
 class Judgement {
  public:
   Judgement(const OperatorCase& one, const ChainPlan& plan, const Records& in, const Records& out, const Records& twin)

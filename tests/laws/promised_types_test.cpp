@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Operators get the type that their contract promises: attributes of the input in float64 give the results that the
-/// same values give after they were rounded to that type.
+/// Operators get attributes in the types that their contracts promise: a float64 attribute of the input gives the
+/// results of its values rounded to the promised type.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -47,7 +47,8 @@ class PromisedTypes : public testing::Test {
     return all;
   }
 
-  /// Every attribute that an operator reads. Those of float32 are stored as `real`, with the same values if `rounded`.
+  /// Returns a cloud with every attribute that an operator reads. Attributes promised as float32 are stored as `real`;
+  /// with `rounded`, their values are those of float32.
   Records cloud(Type real, bool rounded) const {
     const std::vector<Vec3> points = cloud_for_examples(kPromisePoints, 3);
     Records out;

@@ -25,7 +25,8 @@ class RadiusRule : public testing::Test {
   RadiusRule() : other_(testing::TempDir() + fmt::format("pointsweep-radius-{}.csv", getpid())) {}
   ~RadiusRule() override { std::filesystem::remove(other_); }
 
-  /// A run over the pair and over far points, so that slabs lie between. The second of the pair is the other cloud.
+  /// Runs over the pair and points far away, so that slabs lie between. The second point of the pair also is the other
+  /// cloud.
   RunResult made(const PairAtRadius& pair, const std::string& text, double radius,
                  Engine engine = Engine::exact) const {
     std::ofstream(other_) << fmt::format("x,y,z,label\n{},{},{},1\n", pair.q.x, pair.q.y, pair.q.z);
@@ -50,7 +51,7 @@ class RadiusRule : public testing::Test {
   std::string other_;
 };
 
-/// Whether the output tells that the second point of the pair counts for the first.
+/// Returns whether the output shows that the second point of the pair counts as a neighbour of the first.
 bool holds(const RunResult& made, double radius) {
   const auto first = [&](const char* field) {
     return made.schema.find(field) ? std::optional(made.field(field).front()) : std::nullopt;

@@ -31,7 +31,7 @@ TEST(TransformLaw, KnowsEveryDirectionAndLengthThatOperatorsMake) {
     for (const Vec3& p : cloud_for_examples(100, 9)) file << fmt::format("{} {} {}\n", p.x, p.y, p.z);
   }
   const EveryOperator every({}, "", other);
-  const Transform transform({.matrix = "0,-2,0,0,2,0,0,0,0,0,2,0"});  // a turn, and twice as large
+  const Transform transform({.matrix = "0,-2,0,0,2,0,0,0,0,0,2,0"});  // a rotation, and scale 2
   std::size_t seen = 0;
   for (const OperatorDeclaration& declaration : all_operators()) {
     for (const Attribute& made : contract_of(declaration.make(every.values_of(declaration), {})).makes) {

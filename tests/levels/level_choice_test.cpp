@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The oracle has octants by division of doubles, leaves by recursion, and one loop over all points for each depth. The
-/// cube and the order of points are those of the code; verify/formulas/levels derives these, too, and tests/cli holds the
-/// stage `level` against it.
+/// Compares the choice of levels with an oracle: octants by division of doubles, leaves by recursion, and one loop over
+/// all points for each depth. The oracle takes the cube and the order of points from the library.
+/// verify/formulas/levels derives both on its own, and tests/cli compares the stage `level` with it.
 #include "pointsweep/levels/level_choice.h"
 
 #include <gtest/gtest.h>
@@ -141,7 +141,7 @@ class Oracle {
   void take(int depth, double spacing) {
     for (std::size_t i = 0; i < depth_.size(); ++i)
       if (leaf_depth_[i] == depth && depth_[i] < 0) depth_[i] = depth;
-    // The grid only speeds the search up: every point within one cell is looked at.
+    // The grid only makes the search faster: all points of the neighbouring cells are compared.
     Cells cells;
     const auto cell = [&](std::size_t i) {
       const Vec3 p = grid_.place(cloud_.points[i]);
@@ -202,7 +202,7 @@ Cloud volume(std::size_t n, unsigned seed) {
   return cloud;
 }
 
-/// Half of the points at few places, one point far away, the rest along a line.
+/// Returns a cloud with half of its points at few places, one point far away, and the rest along a line.
 Cloud clusters(std::size_t n, unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> bell(0, 1);

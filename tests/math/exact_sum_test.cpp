@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Exact sums against a sum of big integers, written digit by digit in base 2.
+/// Exact sums against sums of big integers, added digit by digit in base 2.
 #include "pointsweep/math/exact_sum.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ class BitCounts {
     for (int bit = exponent - 53 + doublings; mantissa != 0; ++bit, mantissa >>= 1)
       if (mantissa & 1) counts_[static_cast<std::size_t>(bit + kShift)] += std::signbit(value) ? -1 : 1;
   }
-  /// Bit by bit of b, adds a shifted.
+  /// Adds the product: for each bit of b, a shifted by its place.
   void add_product(double a, double b) {
     int exponent = 0;
     const double fraction = std::frexp(std::abs(b), &exponent);
@@ -81,7 +81,7 @@ double by_bits(const std::vector<double>& terms) {
   return counts.rounded();
 }
 
-/// Doubles of all magnitudes and both signs, denormals included.
+/// Returns doubles of all magnitudes below 1e300 and both signs, including denormals.
 std::vector<double> of_all_magnitudes(std::size_t n, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<double> values;
@@ -139,7 +139,7 @@ TEST(ExactSum, OfInfinitiesAndNaN) {
 TEST(ExactSum, EqualsTheSumOfBits) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     std::vector<double> terms = of_all_magnitudes(200, seed);
-    if (seed % 2 == 0)  // the largest cancel, so that the small ones decide
+    if (seed % 2 == 0)  // cancels 190 of 200 terms, so that the others decide
       for (std::size_t i = 0; i < 190; ++i) terms.push_back(-terms[i]);
     EXPECT_EQ(sum_of(terms), by_bits(terms)) << "seed " << seed;
   }

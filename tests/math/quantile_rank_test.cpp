@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Quantiles against a count of ranks.
+/// Ranks of quantiles against counting.
 #include "pointsweep/math/quantile_rank.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-/// By counting the steps of 1 / (count - 1) that fit into the part.
+/// Returns the rank by counting the steps of 1 / (count - 1) that fit into part / whole.
 std::uint64_t by_counting(std::uint64_t count, std::uint32_t part, std::uint32_t whole) {
   std::uint64_t rank = 0;
   while ((rank + 1) * whole <= part * (count - 1)) ++rank;

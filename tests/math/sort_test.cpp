@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/// Many equal ones, of both signs, of any size.
+/// Returns n numbers of both signs and any magnitude, many of them equal.
 std::vector<double> numbers(std::size_t n) {
   std::mt19937_64 random(n);
   std::vector<double> out;

@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kEpsilon = 0x1p-52;
 
-/// Matrices with eigenvalues of very different sizes, equal ones, zeros, negative ones, and entries from a list of
-/// special values.
+/// Returns matrices with eigenvalues of very different sizes, equal, zero or negative eigenvalues, and entries from a
+/// list of special values.
 std::vector<Symmetric3> matrices() {
   std::vector<Symmetric3> all{{}, {1, 0, 0, 1, 0, 1}, {3, 0, 0, 2, 0, 1}, {0, 1, 0, 0, 0, 0}, {1, 1, 1, 1, 1, 1}};
   std::mt19937_64 random(20052);
@@ -94,7 +94,7 @@ TEST(EigenSymmetric3, FollowsAScalingByPowersOfTwoExactly) {
 TEST(EigenSymmetric3, HasTheSameBitsInEveryLaneOfEveryInstructionSet) {
   const std::vector<Symmetric3> all = matrices();
   for_each_instruction_set([&] {
-    for (const std::size_t first : {0u, 1u, 5u}) {  // other lanes, other company
+    for (const std::size_t first : {0u, 1u, 5u}) {  // each matrix in other lanes, beside other matrices
       const std::span<const Symmetric3> some = std::span(all).subspan(first);
       std::vector<Eigen3> found(some.size());
       batch_eigen_symmetric3(some, found);

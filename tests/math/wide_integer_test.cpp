@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-/// Of up to `bits` bits, of either sign.
+/// Returns a random integer of up to `bits` bits, of either sign.
 Int128 number(std::mt19937_64& random, int bits) {
   const auto wide = static_cast<Int128>(static_cast<UInt128>(random()) << 64 | random());
   return wide >> (128 - bits);
@@ -28,7 +28,7 @@ TEST(Int192, IsThatOf128BitsWhereTheseHoldIt) {
   }
 }
 
-/// (a + b)² - a² - 2ab = b², with squares of 162 bits; and the sign of what is negative.
+/// Checks (a + b)² - a² - 2ab = b² with squares of 162 bits, and the sign of negated values.
 TEST(Int192, CancelsSquaresExactly) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 20'000; ++i) {

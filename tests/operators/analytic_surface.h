@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Random points of surfaces whose normals and curvatures are known, and what operator tests feed from them.
+/// Random points of surfaces whose normals and curvatures are known, and the columns that operator tests make from
+/// them.
 #pragma once
 
 #include <array>
@@ -34,13 +35,13 @@ class AnalyticSurface {
     const Vec3 n{s * std::cos(a), s * std::sin(a), z};
     return {radius * n, n, 1 / radius, 1 / radius, {}};
   }
-  /// Around the z axis, 0 <= z < height.
+  /// Returns a point of a cylinder around the z axis with 0 <= z < height.
   AnalyticPoint cylinder(double radius, double height) {
     const double a = uniform(0, kTurn);
     const Vec3 n{std::cos(a), std::sin(a), 0};
     return {radius * n + Vec3{0, 0, uniform(0, height)}, n, 1 / radius, 0, {-n.y, n.x, 0}};
   }
-  /// A tube around a circle of radius 1 about the z axis.
+  /// Returns a point of a torus: a tube around a circle of radius 1 about the z axis.
   AnalyticPoint torus(double tube) {
     for (;;) {
       const double a = uniform(0, kTurn), b = uniform(0, kTurn), to_axis = 1 + tube * std::cos(b);
@@ -90,7 +91,7 @@ inline Column normals_of(std::span<const AnalyticPoint> points) {
   return column_of(normals);
 }
 
-/// Between the lines of two vectors, in radians.
+/// Returns the angle between the lines of two vectors, in radians.
 inline double line_angle(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), std::abs(dot(a, b))); }
 
 }  // namespace pointsweep

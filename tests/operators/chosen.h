@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a rule chooses for the points of a cloud in memory.
+/// The sizes of neighbourhoods that a rule chooses for a cloud in memory.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// A rule as an operator that makes its choice an attribute.
+/// An operator whose attribute is the size that a rule chooses.
 class Choice final : public LocalOperator {
  public:
   explicit Choice(const NeighborhoodRule& rule) : rule_(rule) {}
@@ -26,7 +26,8 @@ class Choice final : public LocalOperator {
   const NeighborhoodRule& rule_;
 };
 
-/// `attributes`: the values of each attribute that the rule reads, one for each point.
+/// Returns the size that the rule chooses for each point. `attributes`: the values of each attribute that the rule
+/// reads, one per point.
 inline std::vector<std::uint32_t> chosen(const NeighborhoodRule& rule, std::span<const Vec3> points,
                                          const std::vector<std::vector<std::uint32_t>>& lists,
                                          const std::vector<std::vector<double>>& attributes = {},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Radius outliers, densities and local outlier factors on points whose values one calculates by hand.
+/// Radius outliers, densities and local outlier factors of points whose values are calculated by hand.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ RunResult made(const std::vector<Vec3>& points, const std::string& pipeline) {
   return run_in_memory(points, build_chain(parse_pipeline(pipeline), Facts{}), {});
 }
 
-/// At 0, 1, 2, 3 and 10 on a line.
+/// Points at 0, 1, 2, 3 and 10 on a line.
 const std::vector<Vec3> kLine = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {10, 0, 0}};
 
 TEST(Crowding, ANeighbourAtTheRadiusCounts) {
@@ -48,7 +48,7 @@ TEST(Crowding, DensitiesAreCountsOverDiscsAndBalls) {
 TEST(Crowding, LocalOutlierFactorsOfALineAreThoseOfTheDefinition) {
   const RunResult got = made(kLine, "knn(k=2) | lof");
   EXPECT_EQ(got.field("k_distance"), (std::vector<double>{2, 1, 1, 2, 8}));
-  // Reachabilities: of 0: 1 and 2; of 1: 2 and 1; of 2: 1 and 2; of 3: 1 and 2; of 10: 7 and 8.
+  // Reachability distances: 1 and 2 for point 0; 2 and 1 for point 1; 1 and 2 for points 2 and 3; 7 and 8 for point 10.
   const std::vector<double> density = got.field("reachability_density"), lof = got.field("lof");
   for (int i = 0; i < 4; ++i) EXPECT_DOUBLE_EQ(density[i], 2 / 3.0) << i;
   EXPECT_DOUBLE_EQ(density[4], 2 / 15.0);

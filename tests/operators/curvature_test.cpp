@@ -44,7 +44,7 @@ Points torus() {
   return AnalyticSurface::draw(2000, [&] { return s.torus(0.4); });
 }
 
-/// Mean relative errors against the truth; of k2 relative to k1, since it may be 0.
+/// Mean errors relative to the true curvature. Errors of k2 are relative to k1, since k2 may be 0.
 struct Errors {
   double k1_bias = 0, k2_bias = 0, k1 = 0, k2 = 0, mean_bias = 0, angle = 0;
   std::size_t points = 0;
@@ -148,7 +148,7 @@ TEST(Curvature, CombinationsFollowFromThePrincipalOnes) {
   }
 }
 
-/// Equation 2 written out with Eigen's solver and in long double; k1 and k2 with equal weights.
+/// Equation 2 in long double with Eigen's solver. k1 and k2 use equal weights.
 struct Equation2 {
   double k1, k2, variation;
   std::array<double, 3> eigenvalues;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Equation 1 twice more: written out in long double as the paper has it, and as the scalar twin of the vector kernel.
+/// Equation 1 for tests, in two forms: in long double as in the paper, and in the scalar operations of a lane of the
+/// vector kernel.
 #pragma once
 
 #include <Eigen/Dense>
@@ -18,8 +19,9 @@
 
 namespace pointsweep {
 
-/// The paper's formula with Eigen's solver. What an eigenvector's error is divided by: `gap` = (λ1 - λ0) / λ2 for one
-/// in the matrix, `own_gap` = (λ1 - λ0) / λ1 for one in θ, which changes each term of the sum by a share of that term.
+/// The paper's formula with Eigen's solver. The error of the normal is at most a relative error of the matrix divided
+/// by `gap` = (λ1 - λ0) / λ2, or a relative error of the weights θ divided by `own_gap` = (λ1 - λ0) / λ1, because an
+/// error of θ changes each term of the sum by a share of that term.
 struct Equation1 {
   Vec3 normal;
   double gap = 0, own_gap = 0;
@@ -46,7 +48,7 @@ struct Equation1 {
   }
 };
 
-/// The first of its largest components positive, and no -0.
+/// Returns v or -v: the first of its largest components is positive. Replaces -0 by 0.
 inline std::array<float, 3> canonical_direction(std::array<float, 3> v) {
   float largest = v[0];
   for (const std::size_t c : {1u, 2u}) largest = std::abs(v[c]) > std::abs(largest) ? v[c] : largest;
@@ -54,7 +56,7 @@ inline std::array<float, 3> canonical_direction(std::array<float, 3> v) {
   return v;
 }
 
-/// The unoriented normal, operation for operation as a lane computes it.
+/// Returns the unoriented normal, with the operations of a lane of the vector kernel.
 inline std::array<float, 3> scalar_normal(std::span<const Vec3> points, std::size_t i,
                                           std::span<const std::uint32_t> neighbors) {
   if (neighbors.size() < 2) return {};

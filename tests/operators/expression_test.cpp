@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// For a = 1, 2, ... each value of `a`, with b = 10 and c the 64-bit values beside it.
+/// Returns whether the condition holds for each value of `a`, with b = 10 and c = the 64-bit value at the same index.
 std::vector<int> kept(const std::string& text, std::vector<double> a, std::vector<std::uint64_t> c = {},
                       bool is_signed = false) {
   const Expression expression(text);
@@ -98,7 +98,7 @@ TEST(Expression, FunctionsAreThoseOfTheirNames) {
   EXPECT_EQ(kept("-abs (a) * 2 == -4", {-2, 4}), (Bits{1, 0}));
 }
 
-/// A name was a name before there were words.
+/// The words of the language are names where an operand stands, so that older expressions keep their meaning.
 TEST(Expression, WordsAreNamesWhereAnOperandStands) {
   for (const char* text :
        {"in < 2 && and < 3", "between between or and not", "min in (in, max)", "not in in (1)", "not == 1", "2 < not"})

@@ -25,7 +25,7 @@ namespace {
 using Float3 = std::array<float, 3>;
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
-/// What fairing looks at.
+/// A cloud with the attributes that fairing reads.
 struct FairCloud {
   std::vector<Vec3> points;
   Lists lists;
@@ -63,9 +63,9 @@ double rms(const std::vector<Vec3>& points, Off off_surface) {
   return std::sqrt(sum / double(count));
 }
 
-/// How far noise of 0.05 % of the diagonal of a bounding box falls with f and g of 0.5 % of it, k = 64, on a patch as
-/// dense as a cloud of 200,000 points.
-constexpr double kDiagonal = 2 * std::numbers::sqrt3;  // of the unit sphere
+/// The setting of the tests of noise: noise of 0.05 % and widths f and g of 0.5 % of the diagonal of the bounding box,
+/// k = 64, patches as dense as a unit sphere of 200,000 points.
+constexpr double kDiagonal = 2 * std::numbers::sqrt3;  // diagonal of the bounding box of the unit sphere
 constexpr double kNoise = 0.0005 * kDiagonal;
 constexpr FairOptions kWidths{0.005 * kDiagonal, 0.005 * kDiagonal};
 
@@ -93,7 +93,7 @@ TEST(Fair, DividesTheNoiseOfAPlaneByThree) {
   EXPECT_LE(rms(fair, off), rms(patch, off) / 3);
 }
 
-/// Two faces of a cube at their common edge, the y axis: z = 0, x <= 0 and x = 0, z <= 0.
+/// Two faces of a cube, z = 0 with x <= 0 and x = 0 with z <= 0. Their common edge is the y axis.
 struct Edge {
   double half = 0.5 * std::sqrt(3000 * 4 * std::numbers::pi / 200'000);
   std::vector<Vec3> points;
@@ -107,7 +107,8 @@ struct Edge {
       normals.push_back(i % 2 ? Float3{0, 0, 1} : Float3{1, 0, 0});
     }
   }
-  /// Distance to the surface of points that are `from` to `to` away from the edge.
+  /// Returns a function of a point: its distance to the surface, and whether it counts. Points count within [from, to)
+  /// of the edge.
   auto off(double from, double to) const {
     return [this, from, to](Vec3 p) {
       const double away = std::max(std::abs(p.x), std::abs(p.z));

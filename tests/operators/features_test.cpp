@@ -21,7 +21,7 @@ namespace {
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
-/// Values of the first point, whose neighbours are all others, by name.
+/// Returns the values of the first point, whose neighbours are all other points, by name.
 std::map<std::string, double> of_first(const std::vector<Vec3>& points, const FeaturesOptions& options = {}) {
   Lists lists(points.size());
   for (std::uint32_t j = 1; j < points.size(); ++j) lists[0].push_back(j);
@@ -37,7 +37,7 @@ std::map<std::string, double> of_first(const std::vector<Vec3>& points, const Fe
   return values;
 }
 
-/// To the rounding of float32.
+/// Expects equality up to the rounding of float32.
 void expect_close(double got, double want) { EXPECT_NEAR(got, want, 2e-7 * std::abs(want)); }
 
 /// Variances 4, 1 and 1/4 along x, y and z about the first point: l = 8/7, 2/7 and 1/14 of seven points.

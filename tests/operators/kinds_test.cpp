@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the kind of a stage is, and that nothing forgets a kind.
+/// The kinds of stages: what their classes derive from, and that a visit needs a case for each kind.
 #include <gtest/gtest.h>
 
 #include <memory>

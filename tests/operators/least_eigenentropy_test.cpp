@@ -18,7 +18,7 @@ namespace {
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
-/// The eigenentropy of a point and its first k neighbours, written out: mean, covariance and logarithms in long double.
+/// Returns the eigenentropy of a point and its first k neighbours: mean, covariance and logarithms in long double.
 long double eigenentropy(const std::vector<Vec3>& points, std::size_t i, const std::vector<std::uint32_t>& list,
                          std::size_t k) {
   using Real = long double;
@@ -39,7 +39,7 @@ long double eigenentropy(const std::vector<Vec3>& points, std::size_t i, const s
   return entropy;
 }
 
-/// A plane, an edge and a thicket, with some noise: neighbourhoods of different best sizes.
+/// Returns a plane, an edge and a thicket with some noise, whose neighbourhoods have different best sizes.
 std::vector<Vec3> scene(std::size_t n, unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> u(0, 1);
@@ -71,7 +71,7 @@ TEST(LeastEigenentropy, ChoosesTheSizeThatAPlainEvaluationChooses) {
         second = std::min(second, e);
     }
     ++seen[best];
-    if (second - least < 1e-12L) continue;  // a tie to rounding
+    if (second - least < 1e-12L) continue;  // rounding may decide between two sizes
     ASSERT_EQ(found[i], best) << i;
   }
   EXPECT_GE(std::count_if(seen.begin(), seen.end(), [](std::size_t n) { return n > 0; }), 30) << "sizes differ";

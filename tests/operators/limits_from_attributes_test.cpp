@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
 
-/// On the line of whole numbers, each point with its six nearest: at distances 1, 1, 2, 2, 3, 3 inside.
+/// Points at whole numbers of a line, each with its six nearest: inside the line at distances 1, 1, 2, 2, 3, 3.
 struct Line {
   std::vector<Vec3> points;
   std::vector<std::vector<std::uint32_t>> lists;
@@ -24,7 +24,7 @@ struct Line {
     for (int x = 0; x < 20; ++x) points.push_back({double(x), 0, 0});
     lists = brute_force_neighbors(points, 6);
   }
-  /// What point 10 keeps.
+  /// Returns the number of neighbours that point 10 keeps.
   std::uint32_t kept(const AttributeLimits& limits, const std::vector<double>& values) const {
     std::vector<std::vector<double>> attributes;
     for (const double value : values) attributes.emplace_back(points.size(), value);
@@ -62,7 +62,8 @@ TEST(LimitsFromAttributes, ARadiusOfZeroKeepsThePointsInTheSamePlace) {
             (std::vector<std::uint32_t>{2, 2, 2, 0}));
 }
 
-/// Of the rounded root of a squared distance, whose square may be less.
+/// The radius is the rounded root of a squared distance. The square of the rounded root may be less than the squared
+/// distance.
 TEST(LimitsFromAttributes, ASquaredDistanceIsComparedWithTheRoundedSquareOfTheRadius) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -71,7 +72,7 @@ TEST(LimitsFromAttributes, ASquaredDistanceIsComparedWithTheRoundedSquareOfTheRa
   const auto lists = brute_force_neighbors(points, 7);
   std::vector<double> radius(points.size());
   std::vector<std::uint32_t> expected(points.size(), 7);
-  std::size_t below = 0;  // roots whose squares are less than what they are the roots of
+  std::size_t below = 0;  // number of radii whose square is less than the squared distance
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const double farthest2 = distance2(points[i], points[lists[i].back()]);
     radius[i] = std::sqrt(farthest2);

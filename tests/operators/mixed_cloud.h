@@ -13,7 +13,7 @@
 
 namespace pointsweep {
 
-/// Volume, plane, line, duplicates, neighbourhoods of 0 to 1000 points, in one batch.
+/// A volume, a plane, a line and duplicates, with neighbourhoods of 0 to 1000 points, in one batch.
 struct MixedCloud {
   std::vector<Vec3> points;
   std::vector<std::vector<std::uint32_t>> lists;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Operators behind an operator that moved points, whose lists are in the order of the search and no longer of
-/// distances. Each is compared with its formula written out in long double over N_i as a set.
+/// Operators after an operator that moves points. The neighbour lists are in the order of the search, which no longer
+/// is that of the distances. Each operator is compared with its formula in long double over N_i as a set.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -36,7 +36,7 @@ using Vector = Eigen::Matrix<Real, 3, 1>;
 using Matrix = Eigen::Matrix<Real, 3, 3>;
 using Solver = Eigen::SelfAdjointEigenSolver<Matrix>;
 
-/// A cloud after a move: where points are, and who their neighbours were before.
+/// A cloud after a move: the moved points, and their neighbours before the move.
 struct MovedCloud {
   std::string name;
   std::vector<Vec3> points;
@@ -59,7 +59,7 @@ std::vector<Vec3> noisy_torus(std::size_t n) {
   return points;
 }
 
-/// Smoothed so far that near and far neighbours change places.
+/// Returns the points smoothed so much that near and far neighbours change places.
 std::vector<Vec3> faired(const std::vector<Vec3>& points, const Lists& lists) {
   const InCoreCloud cloud(points, lists);
   const Column normals = cloud.apply(Normals()).columns[0];
@@ -71,20 +71,20 @@ std::vector<Vec3> faired(const std::vector<Vec3>& points, const Lists& lists) {
   return moved;
 }
 
-/// Onto a grid so coarse that many neighbours come to lie on the point, first or last in its list.
+/// Rounds points to a grid so coarse that many neighbours, first or last in a list, coincide with their point.
 std::vector<Vec3> snapped(std::vector<Vec3> points) {
   for (Vec3& p : points) p = {0.125 * std::round(8 * p.x), 0.125 * std::round(8 * p.y), 0.125 * std::round(8 * p.z)};
   return points;
 }
 
-/// An inversion about a point near the cloud: far becomes near.
+/// Returns the points inverted about a place near the cloud, so that far points become near points.
 std::vector<Vec3> inverted(std::vector<Vec3> points) {
   const Vec3 center{1.05, 0.02, 0.03};
   for (Vec3& p : points) p = center + (1 / dot(p - center, p - center)) * (p - center);
   return points;
 }
 
-/// Every point to the place of another one.
+/// Moves every point to the place of another point.
 std::vector<Vec3> shuffled(std::vector<Vec3> points) {
   std::mt19937_64 random(5);
   std::shuffle(points.begin(), points.end(), random);
@@ -141,7 +141,7 @@ std::vector<Vector> unit_vectors(const std::vector<Float3>& normals) {
 
 Vec3 narrowed(const Vector& v) { return {double(v(0)), double(v(1)), double(v(2))}; }
 
-/// Normals as a stage before the move left them: of any kind, here of a torus.
+/// Returns normals of a stage before the move. Any normals do; these are normals of a sphere.
 Column some_normals(std::size_t n) {
   AnalyticSurface surface(77);
   std::vector<Float3> normals;
@@ -225,7 +225,8 @@ TEST(MovedPoints, TheirCurvaturesEqualEquation2) {
   });
 }
 
-/// The major semi-axis, or 0: eight neighbours inside, measured in the metric of the ellipse.
+/// Returns the major semi-axis of a splat: eight neighbours lie inside, in the metric of the ellipse. Returns 0 without
+/// a neighbour at a distance.
 Real splat_length(const MovedCloud& cloud, std::size_t i, const Vector& normal, const Vector& axis, Real ratio) {
   const Vector across = normal.cross(axis);
   std::vector<Real> reach2;
@@ -294,7 +295,7 @@ std::vector<Column> all_columns(const MovedCloud& cloud, std::size_t cell_points
   return made;
 }
 
-/// Neighbourhoods of 0 to 150 points, with those of ordinary and of extreme extents side by side.
+/// Returns a cloud with neighbourhoods of 0 to 150 points, in which ordinary and extreme extents stand side by side.
 MovedCloud mixed_cloud() {
   MovedCloud cloud = moved_clouds(150)[1];
   const std::size_t counts[] = {8, 8, 0, 1, 2, 9, 64, 7, 150, 16, 33};
@@ -318,7 +319,7 @@ TEST(MovedPoints, TheirBytesDependNeitherOnTheBatchNorOnTheInstructionSet) {
 
 using Rows = std::vector<std::uint64_t>;
 
-/// Rows whose values are all 0.
+/// Returns the rows whose values are all 0.
 Rows zero_rows(const InCoreResult& result, std::size_t points) {
   Rows rows;
   for (std::uint64_t i = 0; i < points; ++i) {

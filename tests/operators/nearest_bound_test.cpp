@@ -12,8 +12,8 @@ namespace {
 
 double number(std::mt19937_64& random) { return 1 + static_cast<double>(random() >> 11) * 0x1p-53; }
 
-/// One place, the origin, and points whose coordinates are those of the nearest in another order: they are as far away,
-/// and rounding makes some of them nearer.
+/// The place is the origin. The points have the coordinates of the nearest point in another order, so they are equally
+/// far away, and rounding makes some of them nearer.
 TEST(NearestBound, LeavesOutNothingThatRoundingMakesAsNear) {
   std::mt19937_64 random(1);
   int nearer = 0;
@@ -29,7 +29,7 @@ TEST(NearestBound, LeavesOutNothingThatRoundingMakesAsNear) {
   EXPECT_GT(nearer, 1000);
 }
 
-/// By 2^-44 of the distance, of places that are near to each other and far away.
+/// The points are farther by 2^-44 of the distance. The places are near to each other and far from the origin.
 TEST(NearestBound, LeavesOutWhatIsALittleFarther) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 1000; ++i) {

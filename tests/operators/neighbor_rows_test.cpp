@@ -12,7 +12,8 @@
 namespace pointsweep {
 namespace {
 
-/// Two points, each the other's neighbour, in these rows.
+/// Returns the neighbours that the operator makes for two points at `rows`, each of which is the neighbour of the
+/// other.
 template <class Row>
 std::vector<Row> neighbors_of_two(const NeighborRows& op, std::array<std::uint64_t, 2> rows) {
   const double x[] = {0, 1}, yz[] = {0, 0};

@@ -25,7 +25,7 @@ using Normal = std::array<float, 3>;
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
 Vec3 wide(Normal n) { return {n[0], n[1], n[2]}; }
-/// Between the lines of two vectors, in radians.
+/// Returns the angle between the lines of two vectors, in radians.
 double angle(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), std::abs(dot(a, b))); }
 
 std::vector<Vec3> random_cloud(std::size_t n, Vec3 extent, unsigned seed) {
@@ -95,13 +95,13 @@ TEST(Normals, EqualEquation1AtAnyScale) {
 
 /// Points and their true normals, with the largest curvature of the surface.
 struct Surface {
-  std::function<std::pair<Vec3, Vec3>(double, double)> at;  // of two uniform numbers in [0, 1)
+  std::function<std::pair<Vec3, Vec3>(double, double)> at;  // point and normal for two uniform numbers in [0, 1)
   double curvature;
 };
 
-/// Neighbours within r lie within κ r²/2 of the tangent plane. Where they surround the point evenly the tilts cancel;
-/// random ones are lopsided, so a normal may be off by about half of κ r, rarely more, and on average by a fraction of
-/// it.
+/// Expects normals near the true normals. Neighbours within r lie within κ r²/2 of the tangent plane. Random neighbours
+/// do not surround a point evenly, so a normal may be off by about half of κ r, rarely more, and on average by a
+/// fraction of κ r.
 void expect_tangent_plane(const Surface& surface) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> u(0, 1);

@@ -64,7 +64,7 @@ std::vector<std::vector<Key>> nearest(PointCells& cells, const std::vector<Vec3>
   return all;
 }
 
-/// Of each place the least distance; of none, none.
+/// Returns for each place the least squared distance to a point; an empty list if no point is within most2.
 std::vector<std::vector<double>> distances(PointCells& cells, const std::vector<Vec3>& places, double most2) {
   std::vector<std::vector<double>> all(places.size());
   const NearestWanted any{.most2 = most2, .any_of_equal = true};
@@ -95,7 +95,7 @@ void expect_nearest(const std::vector<Vec3>& points, const std::vector<Vec3>& pl
   }
 }
 
-/// Several times as many cells as are in memory; questions from all over and from outside.
+/// There are several times as many cells as memory holds. Places lie all over the cloud and outside of it.
 TEST(PointCells, FindTheNearestInAnyOrderOfQuestions) {
   const std::vector<Vec3> points = random_points(150'000, {100, 40, 5}, 1);
   std::vector<Vec3> places = random_points(40, {100, 40, 5}, 2);
@@ -129,7 +129,7 @@ std::vector<Vec3> moved(std::vector<Vec3> points, double scale, Vec3 by) {
   return points;
 }
 
-/// More places than are asked about together, of points that are all nearly as far away.
+/// More places than one group holds. All points are almost equally far from a place.
 TEST(PointCells, FindTheNearestOfPlacesFarAwayAndInTheMiddle) {
   std::vector<Vec3> points = random_points(1600, {1, 1, 1}, 8);
   std::ranges::transform(points, points.begin(), on_sphere);
@@ -138,7 +138,7 @@ TEST(PointCells, FindTheNearestOfPlacesFarAwayAndInTheMiddle) {
        {Vec3{100, 0, 0}, Vec3{0, -3, 0}, Vec3{7, 7, 1e6}, Vec3{1e9, 1e9, -1e9}, Vec3{1e12, -3e11, 2e11}})
     expect_nearest(points, moved(places, 1, far), 2, kAny);
   for (const double scale : {0.0, 1e-12, 0.01, 1.0}) expect_nearest(points, moved(places, scale, {}), 2, kAny);
-  expect_nearest(points, moved(places, 1, {3, 0, 0}), 3, 7);  // of some places, a few or none
+  expect_nearest(points, moved(places, 1, {3, 0, 0}), 3, 7);  // some places find a few points, some none
   expect_nearest(moved(points, 1e-160, {}), moved(places, 1e-160, {}), 2, kAny);
 }
 
@@ -189,7 +189,7 @@ TEST(PointCells, GiveAllPointsOfABox) {
   }
 }
 
-/// Against a look at all points for each place.
+/// Compares the points within a radius of each place with a loop over all points.
 void expect_within(const std::vector<Vec3>& points, const std::vector<Vec3>& places, double radius) {
   for (const auto space : {PointCells::Space::plane, PointCells::Space::all})
     for (const int axis : {0, 1}) {

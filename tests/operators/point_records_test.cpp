@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-/// Scratch in memory, which counts what is read of it.
+/// Scratch in memory that counts the reads.
 class CountedScratch final : public Scratch {
  public:
   explicit CountedScratch(std::size_t& reads) : reads_(reads) {}
@@ -68,7 +68,7 @@ TEST(PointRecords, NearToTheLastOnesAreReadOnce) {
     records.gather(numbers, std::as_writable_bytes(std::span(got)));
     ASSERT_EQ(got.back(), values[first + 9'999]);
   }
-  EXPECT_LE(reads, 80u);  // blocks: 74, and those around the ones that were dropped
+  EXPECT_LE(reads, 80u);  // 74 blocks, and blocks that are read again after they were dropped
 }
 
 }  // namespace

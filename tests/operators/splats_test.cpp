@@ -59,7 +59,7 @@ Points cylinder(std::size_t n, unsigned seed) {
   return AnalyticSurface::draw(n, [s = AnalyticSurface(seed)]() mutable { return s.cylinder(0.5, 3); });
 }
 
-/// The splats of a cloud as plain values, to ask many questions.
+/// The splats of a cloud as plain values, for many queries.
 struct Cover {
   std::vector<Vec3> points, major, minor;  // axes divided by their lengths
   double area = 0;                         // of all splats
@@ -74,7 +74,7 @@ struct Cover {
       area += std::numbers::pi * a * b;
     }
   }
-  /// Splats over x among those of points within `near` of it.
+  /// Returns how many splats of points within `near` of x lie over x.
   std::size_t over(Vec3 x, double near) const {
     std::size_t count = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -92,7 +92,7 @@ void expect_cover(const char* name, Points (*surface)(std::size_t, unsigned), Sp
   EXPECT_EQ(cloud.make(axes).degenerate, 0u);
   const Cover cover(cloud);
   const std::size_t asked = 5000;
-  const double near = 8 * std::sqrt(surface_area / 3000);  // of spacings: no splat of another sheet
+  const double near = 8 * std::sqrt(surface_area / 3000);  // 8 spacings: excludes splats of another sheet
   std::size_t bare = 0;
   for (const AnalyticPoint& x : surface(asked, 2)) bare += cover.over(x.position, near) == 0;
   const std::string label = std::string(name) + "_k" + std::to_string(k) + (axes == SplatAxes::curvature ? "_c" : "_m");

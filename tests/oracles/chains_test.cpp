@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every operator at every point against its formula, in real runs: several slabs, two threads, in memory and spilled.
+// Every operator is compared with its formula at every point, in runs of several slabs and two threads, in memory and
+// spilled.
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/operators/surface/fair.h"
 #include "tests/oracles/clouds.h"
@@ -20,7 +21,7 @@ TEST(Oracles, TheirGridFindsWhatBruteForceFinds) {
   }
 }
 
-/// Every operator, and every attribute, as the first version that a chain makes of it.
+/// Chains with every operator and every attribute, each attribute as the first version that the chain makes.
 const char* const kChains[] = {
     "knn(k=8) | normals | neighborhood_size",
     "knn(k=16) | normals | curvature",
@@ -46,7 +47,7 @@ const char* const kChains[] = {
     "knn(radius=0.12) | ror(radius=0.06, min_neighbors=6)"};
 
 TEST(Oracles, EveryChainOnASurfaceIsItsFormula) {
-  PointCloud points(bumpy_surface(4000));  // under sanitizers as well: with fewer, `features` within a radius are open
+  PointCloud points(bumpy_surface(4000));  // fewer, as under sanitizers, would leave `features` undetermined
   for (const char* chain : kChains) expect_formulas(points.cloud(), chain, "surface");
 }
 
@@ -57,7 +58,8 @@ TEST(Oracles, TheirTolerancesAreTight) {
         "knn(k=16) | normals | splats | fair", "knn(k=20) | features(with_point=no)"}) {
     const OracleReport report = expect_formulas(points.cloud(), chain, "surface");
     for (const auto& [name, use] : report.largest_use) {
-      // Lengths are of the surface, about 1; curvatures, of normals that are right to 1e-7, divide by the reach.
+      // Lengths are about 1, as on the surface. Curvatures come from normals that are right to 1e-7, divided by the
+      // radius of the neighbourhood.
       EXPECT_LE(report.median_error(name), name == "normal" ? 2e-7 : name == "position" ? 1e-8 : 1e-5) << name;
       EXPECT_GE(use, 0.02) << name << ": the bound is " << 1 / use << " times what is ever used";
     }
@@ -108,7 +110,7 @@ TEST(Oracles, OrientationsAreWhatTheySay) {
 }
 
 TEST(Oracles, NeighborhoodsOfTheirOwnSizeAreWhatTheRulesSay) {
-  const std::vector<Vec3> surface = bumpy_surface(3000, 6);  // as above
+  const std::vector<Vec3> surface = bumpy_surface(3000, 6);  // as many as in the test above
   std::vector<double> k, radius;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     k.push_back(i % 40 == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(i % 30) - 2 + 0.75);
@@ -120,7 +122,7 @@ TEST(Oracles, NeighborhoodsOfTheirOwnSizeAreWhatTheRulesSay) {
        {"knn(k=24, k_from=wanted)", "knn(k=30, radius_from=reach)", "knn(radius=0.1, radius_from=reach)",
         "knn(k=20, k_from=wanted, radius_from=reach)", "knn(k=40, adaptive=eigenentropy, k_min=5)"})
     for (const char* stages : {" | neighborhood_size | normals | curvature | splats", " | features"})
-      // Where there are one or two neighbours, the second axis of `features` is open.
+      // One or two neighbours do not determine the second axis of `features`.
       expect_formulas(points.cloud(), std::string(neighborhood) + stages, "surface", 0.03);
 }
 
@@ -147,9 +149,9 @@ TEST(Oracles, NeighborhoodsOfTheirOwnSizeAreWhatTheRulesSayAlsoPieceByPiece) {
   }
 }
 
-/// Where every neighbourhood of the reference is exact, its values are those of the formulas, as its rows are.
+/// If all neighbourhoods of the reference engine are exact, its values are those of the formulas.
 TEST(Oracles, TheReferenceEngineMakesWhatTheFormulasSayWithinARadius) {
-  PointCloud points(bumpy_surface(2000, 17));  // as above
+  PointCloud points(bumpy_surface(2000, 17));  // as many as in the test above
   for (const char* text :
        {"knn(radius=0.12) | normals | curvature | splats | neighborhood_size",
         "knn(radius=0.1) | normals | splats | fair",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Clouds for the oracles: generated ones, which are always there, and real ones, which may be.
+/// Clouds for the oracles: generated clouds, and real clouds if the machine has them.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@
 
 namespace pointsweep {
 
-/// A closed surface with bumps and noise, none of whose neighbourhoods is special.
+/// Returns a closed surface with bumps and noise, whose neighbourhoods are not degenerate.
 inline std::vector<Vec3> bumpy_surface(std::size_t count, std::uint64_t seed = 3) {
   std::mt19937_64 rng(seed);
   std::vector<Vec3> points(count);

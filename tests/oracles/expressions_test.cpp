@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Compares the values of random expressions, which the test computes while it makes their text, with those that the
-/// tool finds and those that verify finds. verify has a parser of its own.
+/// Compares the values of random expressions, which the test computes while it makes their text, with the values of the
+/// tool and of verify. verify has a parser of its own.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -150,12 +150,14 @@ class ExpressionMaker {
             kOperand};
   }
 
-  /// The text of a piece where an operand of at least this rank stands.
+  /// Returns the text of a piece as an operand whose operators must bind at least as tightly as `rank`, in parentheses
+  /// if needed.
   std::string in(const Piece& piece, int rank) {
     return piece.rank < rank || pick(8) == 0 ? "(" + piece.text + ")" : piece.text;
   }
 
-  /// The function by its definition. Of exp, log and atan2, which no definition rounds, tests/math has the oracle.
+  /// Returns the value of a function by its definition. exp, log and atan2 are taken from the library, since no
+  /// definition gives their rounding; tests/math has their oracle.
   static double defined(const std::string& name, const std::vector<double>& v) {
     const double x = v[0], y = v.size() > 1 ? v[1] : 0;
     const bool is_nan = std::isnan(x) || std::isnan(y);

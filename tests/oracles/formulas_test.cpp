@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The formulas themselves on neighbourhoods so small that the values can be worked out by hand.
+// The formulas of verify on neighbourhoods so small that their values can be calculated by hand.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -22,7 +22,7 @@ const Place kOrigin{};
 const std::vector<Place> kCross{{{1, 0, 0}}, {{0, 2, 0}}};
 const Estimate kUp{.value = {0, 0, 1}};
 
-/// θ of Equation 1 at the two arms of kCross: σ² = π 2² / 2.
+/// Returns θ of Equation 1 at distance r for the neighbours of kCross: σ² = π 2² / 2.
 Real theta(Real r) { return std::exp(-r * r / (2 * kPi * 4 / 2)); }
 
 TEST(Formulas, EigenvaluesAscendAndVectorsAreTheirs) {
@@ -71,7 +71,7 @@ TEST(Formulas, ASplatFromCurvatureLiesAcrossK1) {
 }
 
 TEST(Formulas, ACylinderIsCurvedAcrossItsAxis) {
-  // Radius 2, axis y: at the angle ±a and heights ±1 around (0, 0, 2).
+  // Points of a cylinder of radius 2 around the y axis, at angles ±a and heights ±1 from (0, 0, 2).
   std::vector<Place> places;
   std::vector<Estimate> normals;
   const Real a = 0.001L;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Exact neighbours of every point of a cloud of some 100,000 by a plain grid: all points of the cells around a point,
-/// ring by ring, until no unseen cell can hold a nearer one. Shares nothing with the library's search.
+/// Exact neighbours of every point of a cloud of some 100,000 points by a plain grid: all points of the cells around a
+/// point, ring by ring, until no unseen cell can hold a nearer point. Shares no code with the library's search.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace pointsweep {
 
 class GridNeighbors {
  public:
-  /// Cells are about as wide as a cube of `per_cell` points would be if the points lay on a square surface.
+  /// Makes cells so wide that a cell would hold about `per_cell` points if the points lay on a square surface.
   explicit GridNeighbors(std::span<const Vec3> points, double per_cell = 4) : points_(points) {
     Box box;
     for (const Vec3& p : points)
@@ -34,14 +34,15 @@ class GridNeighbors {
     farthest_cell_ = static_cast<std::int64_t>(longest / width_) + 1;
   }
 
-  /// Rows of the k nearest with distance2 <= radius², the point itself excluded, nearest first, ties by x, y, z, row.
+  /// Returns the rows of the k nearest points with distance2 <= radius², without the point itself, nearest first, ties
+  /// by x, y, z, row.
   std::vector<std::uint32_t> of(std::uint32_t row, std::size_t k, double radius) const {
     std::vector<Key> found;
     const Vec3 p = points_[row];
     if (!is_finite(p)) return {};
     for (std::int64_t ring = 0; ring <= farthest_cell_; ++ring) {
       add_ring(row, ring, radius * radius, found);
-      const double seen = static_cast<double>(ring) * width_ * (1 - 1e-9);  // every point as near as this was met
+      const double seen = static_cast<double>(ring) * width_ * (1 - 1e-9);  // all points within this distance are found
       if (seen > radius) break;
       if (found.size() < k) continue;
       std::nth_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(k - 1), found.end());
@@ -63,7 +64,7 @@ class GridNeighbors {
     return {along(p.x, low_.x), along(p.y, low_.y), along(p.z, low_.z)};
   }
 
-  /// Points of the cells that are `ring` away in the maximum norm.
+  /// Adds the points of the cells that are `ring` cells away in the maximum norm.
   void add_ring(std::uint32_t row, std::int64_t ring, double radius2, std::vector<Key>& found) const {
     const Cell c = cell_of(points_[row]);
     for (std::int64_t x = -ring; x <= ring; ++x)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What operators make of points that have moved: neighbourhoods of the search, positions of now.
+// Operators after a move of the points have the neighbourhoods of the search and the moved positions.
 #include <fmt/format.h>
 
 #include "pointsweep/operators/statistics/neighbor_rows.h"
@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-/// The mover that the paper knows, in front of every operator.
+/// The operator fair, the only one of the paper that moves points, comes before other operators.
 TEST(OraclesOfMovedPoints, FairedPointsGetTheNormalsOfWhereTheyAre) {
   PointCloud points(bumpy_surface(sized(4000), 7));
   for (const char* chain : {"knn(k=16) | normals | splats | fair | normals",
@@ -24,7 +24,8 @@ TEST(OraclesOfMovedPoints, FairedPointsGetTheNormalsOfWhereTheyAre) {
     expect_formulas(points.cloud(), chain, "surface");
 }
 
-/// Rotations, a mirror, scales and inverses, by far coordinates: positions, directions and lengths of earlier stages.
+/// Rotations, a mirror, scales and inverses, also with large translations, change positions, directions and lengths of
+/// earlier stages.
 TEST(OraclesOfMovedPoints, AMatrixMovesTurnsAndScalesWhatWasMade) {
   PointCloud points(bumpy_surface(sized(3000), 8));
   const std::string made = "knn(k=12) | normals | curvature | splats | features | lof | density | ";
@@ -47,7 +48,7 @@ TEST(OraclesOfMovedPoints, RealModelsAreFaired) {
   }
 }
 
-/// A mover that a user might write: it leaves neighbourhoods full of ties, copies and planes.
+/// A user's operator that rounds positions to a grid. Its neighbourhoods are full of ties, copies and planes.
 class Snap final : public LocalOperator {
  public:
   explicit Snap(double step) : step_(step) {}
@@ -97,7 +98,8 @@ TEST(OraclesOfMovedPoints, TheGraphBehindAMoverIsOfTheMovedPositions) {
   expect_formulas(points.cloud(), chain, "snapped", 0);
 }
 
-/// Behind `reneighbor` everything is as of a file that holds the moved positions and what was made before.
+/// Stages after `reneighbor` have the results of a run over a file with the moved positions and the attributes made
+/// before.
 TEST(OraclesOfMovedPoints, NewNeighborhoodsAreThoseOfTheMovedPositions) {
   const std::string before = "knn(k=14) | normals | splats | fair(f=2, g=2)";
   for (const std::string behind : {"normals | splats | neighborhood_size", "curvature | splats | fair"}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Holds every point of a run against the formulas of verify/formulas, on neighbourhoods found by the tests' own grid.
+/// Compares every point of a run with the formulas of verify/formulas, on neighbourhoods found by the tests' own grid.
 #pragma once
 
 #include <fmt/format.h>
@@ -23,10 +23,10 @@
 namespace pointsweep {
 
 struct OracleReport {
-  std::size_t values = 0;  ///< estimates held against the output
+  std::size_t values = 0;  ///< number of compared values
   std::size_t wrong = 0, open = 0;
-  std::vector<std::string> differences;               ///< the first few
-  std::map<std::string, std::vector<double>> errors;  ///< by attribute, of what is not open
+  std::vector<std::string> differences;               ///< sentences about the first differences
+  std::map<std::string, std::vector<double>> errors;  ///< by attribute: errors of the values that the data determine
   std::map<std::string, double> largest_use;          ///< by attribute: greatest distance over allowed error
 
   double share_open() const { return values == 0 ? 0 : static_cast<double>(open) / static_cast<double>(values); }
@@ -43,7 +43,7 @@ inline std::vector<Vec3> positions_of(RowSource& source) {
   return points;
 }
 
-/// Every finite point with its neighbours, as a chain that looks `rings` rings far wants them.
+/// Returns all finite points with their neighbours, for a chain that needs `rings` rings of neighbours.
 inline Surroundings surroundings_of_all(const std::vector<Vec3>& points, const Neighborhood& what, std::size_t rings) {
   const GridNeighbors grid(points);
   Surroundings all;
@@ -64,7 +64,7 @@ inline Surroundings surroundings_of_all(const std::vector<Vec3>& points, const N
   return all;
 }
 
-/// A whole output and the formulas' values of the same chain.
+/// The values of a chain by the formulas, to be compared with a whole output.
 class Oracle {
  public:
   Oracle(InputCloud& cloud, const Chain& chain)
@@ -134,7 +134,7 @@ class Oracle {
   ChainResults expected_;
 };
 
-/// Several slabs, small cells, two threads.
+/// Returns options for several slabs, small cells and two threads.
 inline EngineOptions streamed(std::uint64_t points, bool spill = false) {
   EngineOptions options;
   options.slab_points = std::max<std::uint64_t>(64, points / 7);

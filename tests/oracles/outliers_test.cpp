@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// sor against a plain evaluation in long double over neighbours found by brute force, and its sums against each other.
+/// The operator sor against a plain evaluation in long double over neighbours found by brute force, and partial sums
+/// against each other.
 #include "pointsweep/operators/statistics/outliers.h"
 
 #include <gtest/gtest.h>
@@ -24,9 +25,9 @@ Real distance(Vec3 a, Vec3 b) {
   return std::sqrt(dx * dx + dy * dy + dz * dz);
 }
 
-/// Mean distances, mean + multiplier * deviation, from lists and the positions at which to look.
+/// Outliers from neighbour lists and positions: mean distances, and the threshold mean + multiplier * deviation.
 struct PlainOutliers {
-  std::vector<Real> mean_distance;  ///< NaN where there is none
+  std::vector<Real> mean_distance;  ///< NaN for points without neighbours
   Real threshold = 0;
   OutlierDefinition definition;
 
@@ -116,7 +117,7 @@ TEST(Outliers, OfEveryDefinitionAreThoseOfItsPlainFormula) {
   }
 }
 
-/// Distances of 1, exactly at the mean, and the same with copies of one point.
+/// All distances are 1, so all points lie exactly at the mean; then copies of a point are added.
 TEST(Outliers, AtTheThresholdAreWhatTheDefinitionSays) {
   std::vector<Vec3> points;
   for (int i = 0; i < 40; ++i) points.push_back({double(i), 0, 0});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Runs that were stopped and resumed, held against the formulas.
+// Runs that were stopped and resumed, compared with the formulas.
 #include <fmt/format.h>
 
 #include "pointsweep/error.h"

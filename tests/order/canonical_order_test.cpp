@@ -91,7 +91,7 @@ TEST(CanonicalOrder, SortsGridsFullOfTies) {
 }
 
 TEST(CanonicalOrder, TellsApartWhatDiffersInTheLastBitOnly) {
-  // The first 32 significant bits of the keys are few values, so that nearly all is settled afterwards.
+  // The first 32 significant bits of the keys have few values, so that later bits decide nearly all of the order.
   std::mt19937_64 random(12);
   check(made_by(4000, [&](int, std::size_t i) {
     if (i == 0) return -1e300;

@@ -15,7 +15,7 @@
 
 namespace pointsweep {
 
-/// x, y, z of type T, and a tag that makes each record unlike the others.
+/// A source of records of x, y, z of type T, and a tag that differs between records.
 template <class T>
 struct CloudSource {
   std::vector<std::byte> bytes;

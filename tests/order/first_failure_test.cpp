@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::uint64_t kChunk = 1000;
 
-/// A source of which every chunk but the first one fails. The second one fails after another one, which a thread reads
-/// that has read the first one.
+/// A source in which every chunk but the first fails. The thread that has read the first chunk reads a later chunk,
+/// which fails before the second chunk.
 struct FailingSource {
   CloudSource<double> cloud{random_points(20 * kChunk, 3)};
   std::atomic<bool> second_is_read = false, has_failed = false;
@@ -42,7 +42,7 @@ struct FailingSource {
     };
   }
 
-  /// Waits for a second at most, which one thread alone would wait.
+  /// Waits for an event, at most a second. A single thread waits for the whole second.
   static void wait_for(const std::atomic<bool>& event) {
     for (int i = 0; !event && i < 1000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

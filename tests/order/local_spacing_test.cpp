@@ -26,7 +26,7 @@ std::vector<Vec3> sphere(std::size_t n) {
   return points;
 }
 
-/// One in a hundred anywhere in a box of `size` times the sphere's; these are the first.
+/// Returns a sphere whose first points, one in a hundred, are anywhere in a box of `size` times the size of the sphere.
 std::vector<Vec3> sphere_with_outliers(double size) {
   std::vector<Vec3> points = sphere(kSample);
   const std::vector<Vec3> anywhere = random_points(kSample / 100, 3);  // in [-3, 3] x [-2, 2] x [-1, 1]

@@ -21,7 +21,7 @@ struct Case {
   std::size_t record_bytes;
   bool spilled;
   std::size_t buffer_bytes;
-  std::uint64_t missing_every;  ///< rows divisible by it are never put; 0: none
+  std::uint64_t missing_every;  ///< rows divisible by it are never put; 0: all rows are put
 };
 
 std::byte byte_of(std::uint64_t row, std::size_t i) {
@@ -95,7 +95,7 @@ TEST(RowStore, MayBeEmpty) {
 }
 
 TEST(RowStore, HasRowsPastFourBillion) {
-  // Nearly none is ever put: one byte each, of which memory never holds more than the buffers.
+  // Few of the rows are put, one byte each. Memory never holds more than the buffers.
   const TempFolder folder(std::filesystem::temp_directory_path());
   constexpr std::uint64_t kRows = 4'300'000'000;
   RowStore store(kRows, {std::byte{0}}, &folder, 64 << 20);
@@ -136,7 +136,7 @@ TEST(RowStore, GoesOnFromWhereItWasEncoded) {
   {
     RowStore store(kRows, std::vector<std::byte>(8), kept, 1 << 16);
     put(store, 0, 1000, 7);
-    bytes = encoded(store);  // what is put between two of them is in the second
+    bytes = encoded(store);  // the second encoding has the rows that are put between both
     put(store, 1000, 2500, 7);
     bytes = encoded(store);
     put(store, 2500, 4000, 99);  // lost

@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-/// Records of `size` bytes that say their number.
+/// Returns records of `size` bytes that hold their number.
 std::vector<std::byte> numbered(std::uint64_t first, std::uint64_t count, std::size_t size) {
   std::vector<std::byte> bytes(count * size);
   for (std::uint64_t i = 0; i < count; ++i) {

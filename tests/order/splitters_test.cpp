@@ -67,7 +67,7 @@ TEST(QuantileLimits, GiveAFrequentValueAPieceOfItsOwn) {
 }
 
 TEST(LimitsNotTooNear, LeaveNoPieceThinnerThanFourSpacings) {
-  // A wall of 0.05 at 1, with points 0.1 apart, on ground with points 0.1 apart.
+  // A wall of thickness 0.05 at 1 stands on ground. The points of both are 0.1 apart.
   std::vector<double> sample;
   for (int i = 0; i < 1000; ++i) sample.push_back(i < 500 ? 1 + i * 1e-4 : (i - 500) * 0.01);
   const std::vector<double> spacing(sample.size(), 0.1);

@@ -33,10 +33,10 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 struct Entry {
   Vec3 p;
   std::uint64_t row = 0;
-  std::vector<std::byte> bytes;  ///< of the working record
+  std::vector<std::byte> bytes;  ///< bytes of the working record
 };
 
-/// The canonical order, said once more.
+/// Returns whether a precedes b in the canonical order, written from its definition.
 bool precedes(int axis, const Entry& a, const Entry& b) {
   const auto key = [axis](const Entry& e) { return std::tuple(e.p[axis], e.p.x, e.p.y, e.p.z, e.row); };
   return key(a) < key(b);
@@ -81,7 +81,7 @@ Streamed run(const PointSource& source, const StreamOptions& options, const Surv
   return streamed(Stream(source, look, options));
 }
 
-/// Everything stream.h promises, checked against the source itself.
+/// Checks all promises of stream.h against the source.
 template <class T>
 void check(const CloudSource<T>& cloud, const StreamOptions& options, const Streamed& streamed) {
   const std::uint32_t stride = cloud.source.schema.stride;
@@ -143,7 +143,7 @@ bool same(const Streamed& a, const Streamed& b) {
   return std::ranges::equal(a.nonfinite, b.nonfinite, equal);
 }
 
-/// In memory and spilled, with one thread and four: all promises kept, and all the same.
+/// Checks streams in memory and spilled, made by one thread and by four: all keep the promises and are equal.
 template <class T>
 void check_all_ways(const std::vector<Vec3>& points, StreamOptions options) {
   const CloudSource<T> cloud(points);
@@ -243,7 +243,7 @@ TEST(Stream, DoesNotCareHowTheInputIsSorted) {
 }
 
 TEST(Stream, SplitsADensePlaceThatTheSampleMissed) {
-  // The survey claims a sample of evenly spread points; nearly all of them are in one spot in truth.
+  // The sample of the survey has evenly spread points, but nearly all points of the source are in one place.
   std::vector<Vec3> points = random_points(20000, 4);
   const CloudSource<double> even(points);
   for (std::size_t i = 0; i < points.size(); i += 1 + (i % 50 != 0))
@@ -270,7 +270,7 @@ TEST(Stream, PutsPointsWithoutAPlaceAsideInAscendingRow) {
 
 TEST(Stream, MayConsistOfPointsWithoutAPlaceOnly) {
   StreamOptions options = small_options(0);
-  options.buffer_bytes = 4096;  // so few that sorting them by row takes several pieces
+  options.buffer_bytes = 4096;  // so small that sorting by row takes several pieces
   check_all_ways<float>(made_by(20000, [](std::size_t) { return Vec3{kNaN, 0, kInf}; }), options);
 }
 
@@ -286,7 +286,7 @@ TEST(Stream, CarriesWholeRecordsIfAsked) {
 }
 
 TEST(Stream, JoinsThinSlabs) {
-  // Half of the points share one coordinate, which gets its own pieces between pieces of nearly nothing.
+  // Half of the points share a coordinate, which gets pieces of its own between pieces with few points.
   std::vector<Vec3> points = random_points(20000, 9);
   for (std::size_t i = 0; i < points.size(); i += 2) points[i].x = 0.5;
   const CloudSource<double> cloud(points);
@@ -357,7 +357,7 @@ TEST(Stream, OfLargeCoordinatesLosesNothing) {
   check_all_ways<double>(points, small_options(1));
 }
 
-/// Every input row in exactly one slab, in the slab's box and not below its least row.
+/// Expects every input row in exactly one slab, inside the box of the slab and not below its least row.
 void check_slabs(const Streamed& streamed, std::size_t points) {
   std::vector<int> seen(points, 0);
   for (std::size_t s = 0; s < streamed.slabs.size(); ++s) {
@@ -429,7 +429,7 @@ void expect_the_same_from_its_kept_file(bool canonical) {
   saved.finish();
   EXPECT_TRUE(same(before, streamed(again)));
   EXPECT_GT(before.nonfinite.size(), 0u);
-  EXPECT_EQ(spacing.has_sparse_places(), canonical);  // elsewhere they have slabs of their own
+  EXPECT_EQ(spacing.has_sparse_places(), canonical);  // other streams give sparse places slabs of their own
   for (const Vec3& p : points) {
     if (!is_finite(p)) continue;
     EXPECT_EQ(again.spacing_in_slabs().is_sparse(p), spacing.is_sparse(p));
@@ -462,7 +462,7 @@ struct SharedSource {
 std::vector<Vec3> ordered_along_x(std::size_t n, std::size_t run) {
   std::vector<Vec3> points = random_points(n, 8);
   std::ranges::sort(points, {}, &Vec3::x);
-  // Of each run of points that follow each other, the order is lost.
+  // Shuffles each run of successive points.
   std::mt19937_64 rng(5);
   for (std::size_t first = 0; first < n; first += run)
     std::shuffle(points.begin() + static_cast<std::ptrdiff_t>(first),
@@ -534,7 +534,7 @@ TEST(StreamOnDemand, DecodesEachBlockOnceWhereSlabsAreReadInOrder) {
       EXPECT_EQ(shared.rows_read - before, 40000u);  // surveyed and counted
       streamed(*stream);
       EXPECT_EQ(shared.rows_read - before, 60000u);
-      streamed(*stream);  // all once more: from memory as far as it goes
+      streamed(*stream);  // reads all points again, from memory as far as possible
       EXPECT_GT(shared.rows_read - before, 60000u);
       EXPECT_LE(shared.rows_read - before, 80000u);
     });
@@ -610,7 +610,8 @@ TEST(StreamOnDemand, IsRefusedWhereTooManyPointsWouldWait) {
   StreamOptions options = small_options(0);
   options.slab_points = 500, options.max_slab_points = 2000;
   const SharedSource<double> ordered(ordered_along_x(20000, 2000)), random(random_points(20000, 3));
-  // Runs of 2,000 points and blocks of 100: at most two runs and a slab are decoded before the first is handed over.
+  // With runs of 2,000 points and blocks of 100, at most two runs and a slab are decoded before the first slab is
+  // handed over.
   EXPECT_TRUE(on_demand(ordered, options, of_blocks(100, 5000)));
   std::string why_not;
   EXPECT_FALSE(on_demand(ordered, options, of_blocks(100, 1500), &why_not));
@@ -705,7 +706,7 @@ TEST(EstimateWaiting, IsAboutABoxForBoxesInARowAndAllForBoxesThatAllOverlap) {
   EXPECT_EQ(estimate_waiting(one_on_another, 0, sample, 16000, 100, 1), 16000u);
   EXPECT_EQ(estimate_waiting(row, 1, sample, 16000, 100, 1), 16000u);  // across the row
   EXPECT_EQ(estimate_waiting(row, 0, {}, 16000, 100, 1), 16000u);
-  // One box for the second half of the row: when the front is there, the points of the first half have been handed
+  // One box covers the second half of the row. When the sweep reaches it, the points of the first half have been handed
   // over.
   row.resize(8);
   row.push_back({8000, 8000, {{0, -2, -1}, {3, 2, 1}}});

@@ -42,7 +42,7 @@ TEST(Survey, SamplesAllPartsOfALargeCloudOnceInAscendingRow) {
   EXPECT_GT(look.sample.back().x, 299000);
 }
 
-/// Two scanners that take turns of 128 rows. Each of the 1,024 runs of the sample has 128 of a share of 256 rows.
+/// Two scanners take turns of 128 rows. Each of the 1,024 runs of the sample has 128 of 256 rows.
 TEST(Survey, SeesBothOfTwoInterleavedScannersWhateverTheirPeriod) {
   std::vector<Vec3> points(1024 * 256);
   for (std::size_t i = 0; i < points.size(); ++i) points[i].x = i % 256 < 128 ? 0 : 1;

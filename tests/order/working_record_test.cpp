@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-/// Something like a LAS record: scaled integers, bits that share a byte, unnamed bytes.
+/// Returns a schema like that of LAS: scaled integers, bits that share a byte, unnamed bytes.
 Schema las_like() {
   Schema schema;
   schema.append("X", Type::i32);

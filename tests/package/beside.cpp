@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// An outside program that generates a cloud, looks at a file, checks the result of a run, draws it and makes its
-/// report.
+/// A program outside of the source tree that generates a cloud, inspects a file, checks the result of a run, draws it
+/// and writes its report.
 #include <pointsweep/info.h>
 #include <pointsweep/pointsweep.h>
 #include <pointsweep/program/generate.h>

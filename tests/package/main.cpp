@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// An outside program that uses what the package has: its own reader, operator, writer and observer, the built-in
-/// operators by function, by name and as text, files, and errors. Checks what it gets.
+/// A program outside of the source tree that uses the installed package: an own reader, operator, writer and observer,
+/// the built-in operators by function, by name and as text, files, and errors. The program checks the results.
 #include <pointsweep/pointsweep.h>
 
 #include <array>
@@ -46,7 +46,7 @@ class Terrace final : public pointsweep::Reader {
   }
 };
 
-/// How far the neighbours reach upwards.
+/// Makes the height of the highest neighbour above the point.
 class Rise final : public pointsweep::PointOperator {
  public:
   std::string name() const override { return "rise"; }

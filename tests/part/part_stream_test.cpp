@@ -58,7 +58,7 @@ class StoredTiles {
     catalogue_ = decoded<TileCatalogue>(encoded(std::as_const(catalogue_ = catalogue_of(scratch_, names, names))));
   }
 
-  /// `steps`: that the halo is cut for.
+  /// Sweeps a tile. `steps`: number of steps for which the halo is cut.
   void sweep_tile(std::size_t tile, const Chain& chain, std::size_t steps, Collected& sink,
                   SweepStatistics& sum) const {
     PlannedPass planned = plan_chain(chain, schema_in_scratch(working_)).passes.front();
@@ -82,10 +82,10 @@ class StoredTiles {
 
 struct PartCase {
   std::uint64_t slab_points;
-  std::size_t steps;  ///< that the halo is cut for; the chain has four
+  std::size_t steps;  ///< number of steps for which the halo is cut; the chain has four
 };
 
-/// Names the tests in lists.
+/// Prints the parameter of a test for its name in lists.
 void PrintTo(const PartCase& part, std::ostream* out) {
   *out << "slabs of " << part.slab_points << " and " << part.steps << " steps";
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The values that tasks leave for each other, damaged.
+/// Damaged encodings of the values that tasks store for each other.
 #include <gtest/gtest.h>
 
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Signs by the minimum spanning forest of a graph in tiles are those of the whole graph.
+/// Signs by the minimum spanning forest of a graph in tiles equal those of the whole graph.
 #include "pointsweep/part/tile_forest.h"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ class SignedSums final : public VoteRule {
   }
 };
 
-/// Points whose rows are those of the tiles, one tile after another, and for each point the neighbours that it names.
+/// Points in the order of their tiles, and for each point the rows of the neighbours that it names.
 struct CloudOfTiles {
   std::vector<PointKey> points;
   std::vector<std::vector<std::uint64_t>> named;
@@ -77,7 +77,8 @@ struct CloudOfTiles {
   RowsOfTile rows(std::size_t tile) const { return {tiles.tiles[tile].first_row, tiles.tiles[tile].rows}; }
 };
 
-/// Points on a line in tiles that overlap a little; each names points near it, and some name points anywhere.
+/// Returns points on a line in tiles that overlap a little. Each point names points near it; with `some_anywhere`, some
+/// points also name points anywhere.
 CloudOfTiles cloud_of(const std::vector<std::uint64_t>& rows_of_tiles, bool some_anywhere, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   CloudOfTiles cloud;
@@ -99,7 +100,7 @@ CloudOfTiles cloud_of(const std::vector<std::uint64_t>& rows_of_tiles, bool some
   return cloud;
 }
 
-/// Of some tiles nothing is left, and one has a single point.
+/// Returns a cloud in which some tiles are empty and one tile has a single point.
 CloudOfTiles cloud_of(std::uint64_t seed) { return cloud_of({100, 0, 1, 60, 0, 130, 40, 0}, true, seed); }
 
 const MakeScratch kInMemory = []() -> std::unique_ptr<Scratch> { return std::make_unique<ScratchInMemory>(); };
@@ -198,7 +199,7 @@ TEST(TileForest, LeavesNoMoreThanItsBorder) {
   }
 }
 
-/// Whoever reads an object that is damaged names it, so that it is made again.
+/// A task that reads a damaged object names the object, so that it is made again.
 TEST(TileForest, NamesTheObjectThatIsDamaged) {
   const CloudOfTiles cloud = cloud_of(1);
   MemoryStorage scratch;

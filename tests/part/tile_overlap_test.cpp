@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// In how many tiles a point lies.
+/// The mean number of tiles in which a point lies.
 #include "pointsweep/part/tile_overlap.h"
 
 #include <gtest/gtest.h>
