@@ -110,7 +110,7 @@ TEST(Oracles, OrientationsAreWhatTheySay) {
 }
 
 TEST(Oracles, NeighborhoodsOfTheirOwnSizeAreWhatTheRulesSay) {
-  const std::vector<Vec3> surface = bumpy_surface(3000, 6);  // as many as in the test above
+  const std::vector<Vec3> surface = bumpy_surface(3000, 6);  // as many points under sanitizers
   std::vector<double> k, radius;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     k.push_back(i % 40 == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(i % 30) - 2 + 0.75);
@@ -151,7 +151,7 @@ TEST(Oracles, NeighborhoodsOfTheirOwnSizeAreWhatTheRulesSayAlsoPieceByPiece) {
 
 /// If all neighbourhoods of the reference engine are exact, its values are those of the formulas.
 TEST(Oracles, TheReferenceEngineMakesWhatTheFormulasSayWithinARadius) {
-  PointCloud points(bumpy_surface(2000, 17));  // as many as in the test above
+  PointCloud points(bumpy_surface(2000, 17));  // as many points under sanitizers
   for (const char* text :
        {"knn(radius=0.12) | normals | curvature | splats | neighborhood_size",
         "knn(radius=0.1) | normals | splats | fair",

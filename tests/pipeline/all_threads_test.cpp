@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Every pass over the input decodes it on all threads, whatever the passes before have left out or made; and the bytes
-/// of the output are the same for any number of threads.
+/// Every pass over the input decodes it on all threads, whatever earlier passes have dropped or made. The output has
+/// equal bytes for any number of threads.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -38,7 +38,7 @@ class Meeting {
     const std::lock_guard lock(mutex_);
     phase_ = phase;
   }
-  /// The number of decoders seen at once, by phase.
+  /// Returns the number of decoders seen at once, by phase.
   std::map<std::string, int> phases() const {
     std::map<std::string, int> all;
     for (const auto& [phase, seen] : seen_) all[phase] = seen.most;
@@ -58,8 +58,8 @@ class Meeting {
   int inside_ = 0;
 };
 
-/// A hilly square, as records of x, y, z and intensity. Its rows come in chunks of `chunk_rows`, or in any range if
-/// that is 0; kLostRows rows have no place.
+/// A hilly square, as records of x, y, z and intensity. Rows are decoded in chunks of `chunk_rows` rows; 0: in any
+/// range. kLostRows rows have no finite place.
 class WavyReader final : public Reader {
  public:
   WavyReader(Meeting* meeting, std::uint64_t rows, std::uint64_t chunk_rows)
@@ -109,8 +109,8 @@ InputCloud wavy_square(Meeting* meeting, std::uint64_t rows, std::uint64_t chunk
   return InputCloud(std::move(readers));
 }
 
-/// The number of decoders at work at once, by phase of a run over a cloud with rows that have no place. They wait for
-/// each other in the phases `expected`.
+/// Returns the number of decoders at work at once, by phase of a run over a cloud in which some rows have no finite
+/// place. Decoders wait for each other in the phases `expected`.
 std::map<std::string, int> decoders_by_phase(const std::string& pipeline, std::uint64_t chunk_rows,
                                              EngineOptions options, const std::set<std::string>& expected) {
   Meeting meeting(expected);
@@ -132,7 +132,7 @@ TEST(AllThreads, DecodeTheInputInEveryPass) {
       {"normals | splats | fair | resort", {"ordering", "writing"}},
       {"set(intensity = intensity / 2)", {"writing"}},
   };
-  const std::string crossed = "where(intensity < 90) | normals";  // in chunks or not, with rows dropped or not
+  const std::string crossed = "where(intensity < 90) | normals";  // tried with both chunks and both rules
   for (const std::uint64_t chunk_rows : {std::uint64_t{0}, kWavyChunkRows})
     for (const auto& [pipeline, phases] : phases_that_decode_all)
       for (const Nonfinite rule : {Nonfinite::keep, Nonfinite::drop}) {

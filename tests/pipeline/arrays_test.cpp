@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 constexpr std::size_t kPoints = 400;
 constexpr std::size_t kNeighbors = 12;
 
-/// Points of a wavy surface.
+/// Returns points of a wavy surface.
 std::vector<std::array<double, 3>> wavy_surface() {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> side(0, 4);
@@ -40,7 +40,8 @@ std::vector<Vec3> vectors(const std::vector<std::array<double, 3>>& points) {
   return made;
 }
 
-/// Equation 1 of the paper, from its definition: the eigenvector of the smallest eigenvalue of the weighted covariance.
+/// Returns the normal by the definition in Equation 1 of the paper: the eigenvector of the smallest eigenvalue of the
+/// weighted covariance.
 Eigen::Vector3d normal_by_definition(const std::vector<Vec3>& points, std::size_t i) {
   const std::vector<std::uint32_t> list =
       brute_force_neighbors_of(points, std::uint32_t(i), kNeighbors, std::numeric_limits<double>::infinity());

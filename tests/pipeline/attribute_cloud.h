@@ -17,7 +17,7 @@
 
 namespace pointsweep {
 
-/// Whole records of any schema.
+/// A reader of whole records of any schema.
 class RecordReader final : public Reader {
  public:
   RecordReader(Schema schema, std::vector<std::byte> records) : records_(std::move(records)) {
@@ -52,7 +52,7 @@ struct Records {
     for (std::size_t i = 0; i < size(); ++i) all.push_back(position(i));
     return all;
   }
-  /// Those rows for which `keep(row)`.
+  /// Returns the records of the rows for which keep(row) is true.
   template <class Keep>
   Records those(Keep keep) const {
     Records out{schema, {}};
@@ -78,8 +78,8 @@ inline RunResult run_text(const Records& input, const std::string& pipeline, con
 
 inline Records records_of(const RunResult& result) { return {result.schema, result.records}; }
 
-/// `points` with x, y, z f64, classification u8 (0 to 9), intensity u16, gain f32 (a tenth NaN) and id u64 (2^63 +
-/// row).
+/// Returns `points` as records of x, y, z f64, classification u8 (0 to 9), intensity u16, gain f32 (a tenth NaN) and id
+/// u64 (2^63 + row).
 inline Records with_attributes(const std::vector<Vec3>& points, std::uint64_t seed = 5) {
   Records out;
   for (const char* axis : {"x", "y", "z"}) out.schema.append(axis, Type::f64);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Components of small clouds by brute force: all pairs, and flooding.
+/// Components of small clouds by brute force: all pairs of points, and flood fill.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ struct Labels {
   bool operator==(const Labels&) const = default;
 };
 
-/// Sets of points, by flooding.
+/// Sets of joined points, found by flood fill.
 class Sets {
  public:
   explicit Sets(std::size_t n) : joined_(n) {}
@@ -29,7 +29,7 @@ class Sets {
     joined_[i].push_back(j);
     joined_[j].push_back(i);
   }
-  /// `counts`: those whose components are numbered; the others have none.
+  /// Returns the components, numbered from 0, of the points i for which counts(i) is true; -1 for other points.
   template <class Counts>
   Labels labels(const std::vector<Vec3>& points, Counts counts) const {
     std::vector<std::size_t> order(points.size());
@@ -59,7 +59,7 @@ class Sets {
   std::vector<std::vector<std::size_t>> joined_;
 };
 
-/// For each point the rows of its k nearest, nearest first.
+/// Returns for each point the rows of its k nearest points, nearest first.
 inline std::vector<std::vector<std::size_t>> nearest_rows(const std::vector<Vec3>& points, std::size_t k) {
   std::vector<std::vector<std::size_t>> lists(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -75,7 +75,7 @@ inline std::vector<std::vector<std::size_t>> nearest_rows(const std::vector<Vec3
   return lists;
 }
 
-/// x, y, z f64 and a normal of float32 for each.
+/// Returns records of x, y, z as f64 and of normals as f32.
 inline Records records_with_normals(const std::vector<Vec3>& points, const std::vector<Vec3>& normals) {
   Records out;
   for (const char* name : {"x", "y", "z"}) out.schema.append(name, Type::f64);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// voxel(keep=centroid) against a map of voxels.
+/// The stage voxel(keep=centroid) against a map of voxels.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ namespace {
 
 __extension__ typedef __float128 Quad;
 
-/// x, y, z, classification u8, intensity u16, gain f32 with NaN, id u64 (with_attributes), then nx ny nz f32.
+/// Returns the fields of `input`, those of with_attributes(), and nx, ny, nz as f32.
 Records with_normals(const Records& input, std::uint64_t seed) {
   Records out{input.schema, {}};
   for (const char* name : {"nx", "ny", "nz"}) out.schema.append(name, Type::f32);
@@ -38,7 +38,7 @@ Records with_normals(const Records& input, std::uint64_t seed) {
   return out;
 }
 
-/// Mean of the finite values: their sum in 113 bits, rounded once, over their number.
+/// Returns the mean of the finite values: their sum in 113 bits, rounded once, divided by their number.
 double mean_of(const std::vector<double>& values) {
   Quad sum = 0;
   double n = 0, least = 1e308, most = -1e308;
@@ -51,7 +51,7 @@ double mean_of(const std::vector<double>& values) {
 }
 
 struct Centroids {
-  std::vector<std::size_t> rows;  ///< that stay, ascending
+  std::vector<std::size_t> rows;  ///< rows that stay, ascending
   std::map<std::size_t, std::vector<std::size_t>> members;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// distance_to and m3c2 against all points of both clouds.
+/// The operators distance_to and m3c2 against loops over all points of both clouds.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 class Change : public testing::Test {
  protected:
-  /// Text holds every double exactly.
+  /// Writes points to a text file, which holds every double exactly, and returns its path.
   std::string written(const std::vector<Vec3>& points) {
     const std::filesystem::path path = folder_ / "other.xyz";
     std::ofstream file(path);
@@ -68,7 +68,7 @@ TEST_F(Change, DistanceIsThatToTheNearestOfAllPoints) {
   }
 }
 
-/// What one cloud has in a cylinder: number, mean and deviation along its axis.
+/// The points of a cloud in a cylinder: their number, and the mean and deviation of their places along the axis.
 struct InCylinder {
   double count = 0, mean = kNaN, spread = kNaN;
 };
@@ -95,7 +95,7 @@ TEST_F(Change, M3c2IsItsFormulaOverAllPointsOfBothClouds) {
   std::size_t compared = 0;
   for (const auto& [name, shape] : hostile_shapes()) {
     const std::vector<Vec3> points = make_cloud(shape, sized(500), 3), other = make_cloud(shape, sized(600), 4);
-    // Diameter and depth that no offset between points of a grid has, so that rounding cannot decide.
+    // No offset between points of a grid equals this diameter or depth, so that rounding decides nothing.
     const std::string stage =
         fmt::format("m3c2(\"{}\", cylinder=0.8137, depth=0.4391, registration=0.01)", written(other));
     for (const EngineOptions& options : ways_to_run()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// color against a plain loop: least and greatest value, then the map.
+/// The operator color against a plain loop: least and greatest value, then the colour map.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ std::vector<Channels> colors_in(const RunResult& result) {
   return colors;
 }
 
-/// 255 t, halves upwards.
+/// Returns the grey levels 255 t, rounded half up, times `brightest`.
 std::vector<Channels> gray_of(const Records& input, const std::string& field, double lo, double hi, double brightest) {
   std::vector<Channels> colors;
   for (std::size_t i = 0; i < input.size(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// components against union-find over all pairs.
+/// The operator components against flood fill over all pairs.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -72,7 +72,7 @@ TEST(Components, WithinADistanceAreThoseOfAllPairs) {
   }
 }
 
-/// A chain through the whole cloud, a comb along each axis whose teeth join at one end, and single points.
+/// The cloud has a chain through all of it, a comb along each axis whose teeth join at one end, and single points.
 TEST(Components, JoinWhatMeetsAtTheEndOfTheCloud) {
   std::vector<Vec3> points;
   for (int axis = 0; axis < 3; ++axis) {
@@ -103,7 +103,7 @@ TEST(Components, JoinWhatMeetsAtTheEndOfTheCloud) {
   }
 }
 
-/// What comes behind sees the numbers; what comes before may run in the same sweep.
+/// Later stages see the numbers of components; earlier stages may run in the same sweep.
 TEST(Components, StandBetweenOtherStages) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[9].second, sized(3000), 83));
   const RunResult alone = run_text(input, "knn(k=2) | components", tiny(300));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// crop: what is left is the cloud of the points that a plain loop finds inside.
+/// The operator crop keeps the points that a plain loop finds inside.
 #include "pointsweep/operators/rows/crop.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 using IsInside = bool (*)(Vec3);
 
-/// Regions whose edges lie on multiples of 1/8, and the same in C++.
+/// Returns regions whose edges lie on multiples of 1/8, as options and as functions.
 const std::vector<std::pair<std::string, IsInside>>& regions() {
   static const std::vector<std::pair<std::string, IsInside>> all = {
       {"[-0.5,0.125,0.0,0.75,4,4]",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// features, sor, ror, lof, density and statistics are the same bytes however they are computed, and in whatever order
-/// points come.
+/// The operators features, sor, ror, lof, density and statistics give equal bytes for all threads, slabs and memory,
+/// and for any order of the points.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ TEST(FeaturesAndOutliers, AreTheSameBytesInMemoryAndSpilledByAnyThreadsAndSlabs)
   }
 }
 
-/// Whole records, in an order of their own.
+/// Returns all records, sorted by their bytes.
 std::vector<std::string> sorted_records(const RunResult& result) {
   std::vector<std::string> records;
   for (std::size_t at = 0; at < result.records.size(); at += result.schema.stride)

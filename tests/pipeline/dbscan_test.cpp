@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// dbscan and segments against all pairs.
+/// The operators dbscan and segments against loops over all pairs.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -71,7 +71,8 @@ TEST(Dbscan, IsThatOfAllPairs) {
   }
 }
 
-/// In lists of before the move the nearest core point is at any place. Numbers go by the positions of the search.
+/// After a move, the nearest core point may be at any place of a neighbour list. Clusters are numbered by the positions
+/// of the search.
 TEST(Dbscan, SeesThePointsWhereTheyAreNow) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[1].second, sized(1500), 93));
   const auto moved = [&](std::vector<ChainStage> stages) {
@@ -139,7 +140,7 @@ TEST(Segments, AreThoseOfAllPairs) {
   }
 }
 
-/// Three faces of a cube, and a sphere beside it.
+/// The cloud has three faces of a cube, and a sphere beside it.
 TEST(Segments, DivideFacesAtTheirEdgesAndHoldWhatIsRound) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> g;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Inputs that are decoded once: whatever a run does, each row is decoded once, and results do not change.
+/// Inputs that a run decodes once: each row is decoded once, and results do not change.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,8 @@ namespace {
 
 constexpr std::uint64_t kRows = 5000, kChunkRows = 700;
 
-/// Records of x, y, z and intensity that are slow to decode, with or without decoders for several threads.
+/// A reader of x, y, z and intensity whose rows are to be decoded once, or each time, with or without decoders for
+/// threads.
 class SlowReader final : public Reader {
  public:
   struct Counts {
@@ -117,7 +118,7 @@ TEST_F(InputDecodedOnce, EachRowIsDecodedOnceAndResultsAreTheSame) {
           EngineOptions options;
           options.order = order;
           EXPECT_EQ(bytes_of(slow, pipeline, options, format), bytes_of(plain, pipeline, options, format));
-          // What is written as LAS is looked through for points that are not finite, before anything else.
+          // A run with a LAS output first searches the input for points that are not finite.
           EXPECT_EQ(once.decoded, format == std::string(".las") ? 4 * kRows : 2 * kRows);
           EXPECT_GT(often.decoded, 2 * kRows);
         }

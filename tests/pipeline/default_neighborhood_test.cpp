@@ -126,7 +126,8 @@ TEST(DefaultNeighborhood, GivesTheBytesOfTheNumberThatIsNamed) {
   EXPECT_NE(bytes("normals | curvature"), bytes("knn(k=31) | normals | curvature"));
 }
 
-/// Of a sphere of radius 1 without noise it is 1; with 8 neighbours a tenth of the points are below 0.66 or above 1.14.
+/// The mean curvature of a sphere of radius 1 is 1. With 8 neighbours, a tenth of the results would be below 0.66 or
+/// above 1.14.
 TEST(DefaultNeighborhood, ShowsTheMeanCurvatureOfASphere) {
   const RunResult result = run_in_memory(unit_sphere(10'000), named("normals | curvature"), {});
   const std::vector<float> mean = sorted_column(result, "mean_curvature");

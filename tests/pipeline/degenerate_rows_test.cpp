@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The rows of degenerate results in the statistics, against clouds made so that they are known.
+/// The rows of degenerate results in the statistics, for clouds in which these rows are known.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,12 +17,12 @@ namespace {
 
 using Rows = std::vector<std::uint64_t>;
 
-/// A flat grid, on which every result is defined, and far from it groups of points without some results. Rows are in
-/// random order. Within a radius of 2 and with at most 8 neighbours no group reaches another.
+/// A flat grid, on which every result is defined, and groups of points far from the grid, which lack some results. Rows
+/// are in random order. Within a radius of 2 and with at most 8 neighbours no group reaches another.
 struct HandMade {
   std::vector<Vec3> points;
-  Rows without_plane;   ///< in one place, on a line, in pairs and alone
-  Rows without_shapes;  ///< these and triangles, whose points have two neighbours: a plane, but no curvature
+  Rows without_plane;   ///< rows of points in one place, on a line, in pairs and alone
+  Rows without_shapes;  ///< rows in without_plane, and triangles, whose points have a plane but no curvature
 
   HandMade() {
     std::vector<std::pair<Vec3, char>> all;
@@ -54,7 +54,7 @@ RunResult run_text(const std::vector<Vec3>& points, const std::string& text, con
   return run_in_memory(cloud, build_chain(parse_pipeline(text), cloud), options);
 }
 
-/// Threads, memory, slabs, cells and orders, each with the reference engine too.
+/// Returns options with different threads, memory, slabs, cells and orders, each also with the reference engine.
 std::vector<EngineOptions> many_options() {
   std::vector<EngineOptions> all;
   for (const std::uint64_t slab : {30, 1'000'000}) {
@@ -101,7 +101,8 @@ TEST(DegenerateResults, AreListedByStageAndRowHoweverTheRunIsDone) {
   }
 }
 
-/// Nothing leaves its plane, so the same points lack results behind fairing, with old and with new neighbourhoods.
+/// Fairing moves no point out of its plane, so equal points lack results before and after it, with old and new
+/// neighbourhoods.
 TEST(DegenerateResults, AreListedForEachStageOfALongChainWithMovers) {
   const HandMade made;
   for (const EngineOptions& options : many_options()) {
@@ -120,7 +121,7 @@ TEST(DegenerateResults, AreListedForEachStageOfALongChainWithMovers) {
   }
 }
 
-/// A normal of length 0 and a splat of length 0 are the documented values.
+/// Returns the rows whose fields are all 0: the documented values are a normal of length 0 and a splat of length 0.
 Rows rows_of_zeros(const RunResult& result, const std::vector<Vec3>& points, const std::vector<std::string>& fields) {
   std::vector<bool> zero(points.size(), true);
   for (const std::string& name : fields) {
@@ -159,7 +160,7 @@ TEST(DegenerateResults, OfRecalledPointsAreCountedOnce) {
   EXPECT_GT(degenerate, 1000u);
 }
 
-/// Projected to the x-axis, no point of any cloud has a result.
+/// All clouds are projected to the x axis, so that no point has a result.
 TEST(DegenerateResults, OfPointsOnALineAreEachCountedOnceAlsoWhereTheyAreRecalled) {
   std::uint64_t recalled = 0;
   for (const auto& [name, shape] : hostile_shapes()) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The survey of a ball with three quarters of its points in the middle tenth. Its rim waits for far points and makes
-/// the middle wait.
+/// The survey of a ball that has three quarters of its points within a tenth of its radius. Cells of the sparse rim
+/// wait for far points, and dense cells wait for the rim.
 #pragma once
 
 #include <cmath>

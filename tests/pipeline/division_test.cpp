@@ -71,12 +71,12 @@ std::map<std::string, std::string> bytes_in(const fs::path& folder) {
   return files;
 }
 
-/// A file of points at borders, one unit in the last place beside them, on both sides of 0, and anywhere.
+/// Files of points at borders of tiles, one unit in the last place beside borders, on both sides of 0, and anywhere.
 class Division : public testing::Test {
  protected:
   Division() { fs::create_directory(folder_ / "in"); }
 
-  /// `not_finite`: with points that have no place.
+  /// Writes the input. `not_finite`: also writes points without a finite place.
   fs::path input(bool not_finite) {
     std::vector<double> values = {0.0, -0.0, 5e-324, -5e-324, 0.1, 499.99999};
     for (int i = -3; i <= 3; ++i)
@@ -128,7 +128,7 @@ class Division : public testing::Test {
   std::size_t points_ = 0;
 };
 
-/// The definition, by comparing with the edges alone.
+/// Expects the row inside its tile by the definition, comparing with the edges of the tile.
 void expect_in_tile(const std::string& name, const Row& row, double size, std::array<double, 2> origin) {
   const std::size_t between = name.find('_');
   const double corner[2] = {std::stod(name.substr(0, between)), std::stod(name.substr(between + 1))};
@@ -255,7 +255,7 @@ TEST_F(Division, WaitsInTheTemporaryFolderForTheSameFiles) {
   }
 }
 
-/// Divides the points as processes do that know of each other by a folder.
+/// Divides the points in tasks, which share a folder as processes would.
 void divide_in_tasks(std::vector<fs::path> inputs, const fs::path& out, EngineOptions options, const fs::path& scratch,
                      std::size_t tasks) {
   InputCloud cloud(inputs);
@@ -442,7 +442,7 @@ TEST_F(Division, ByValuesHasAFileForEach) {
     std::byte* const record = records.data() + i * schema.stride;
     set_value(schema.fields[3], record, static_cast<double>(i));
     set_value(schema.fields[4], record, static_cast<double>(i % 3) - 1);
-    const std::uint64_t wide = ~std::uint64_t{0} - i % 2;  // no float64 tells them apart
+    const std::uint64_t wide = ~std::uint64_t{0} - i % 2;  // float64 cannot distinguish both values
     std::memcpy(record + schema.fields[5].offset, &wide, sizeof wide);
   }
   const auto split_by = [&](const std::string& attribute) {
@@ -515,7 +515,7 @@ TEST_F(Division, OfMoreThanTenThousandFilesIsRefusedBeforeTheFirst) {
 
 TEST_F(Division, LeavesCompleteFilesOnlyWhereOneCannotBeWritten) {
   const fs::path file = input(false);
-  fs::create_directories(folder_ / "out/0_0.ply");  // a folder in the place of a tile
+  fs::create_directories(folder_ / "out/0_0.ply");  // a folder has the name of a tile
   EXPECT_NE(sentence_of<Error>([&] { divide(file, "out/*.ply", tiles(500)); }), "");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "out"), {}), 1) << "found before the first file";
   fs::remove(folder_ / "out/0_0.ply");

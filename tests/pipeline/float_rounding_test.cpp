@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The stated rounding of coordinates against the rounding of each.
+/// The stated bound on the rounding of coordinates, against the rounding of each coordinate.
 #include "pointsweep/pipeline/output/float_rounding.h"
 
 #include <gtest/gtest.h>
@@ -59,8 +59,8 @@ TEST(FloatRounding, IsAtMostWhatIsSaidAndTheMoveHelpsAsMuchAsItIsSaidTo) {
       for (Vec3& p : points) p = corner + size * Vec3{unit(random), unit(random), unit(random)};
       const std::string sentence = said(points);
       const double most = number_after(sentence, "rounds them by at most "), is = largest_change(points, {});
-      EXPECT_GE(most * 1.05, is) << sentence;  // two digits
-      if (size >= 1) {  // else the points lie within a step
+      EXPECT_GE(most * 1.05, is) << sentence;  // the sentence has two digits
+      if (size >= 1) {                         // smaller clouds lie within a step of float32
         EXPECT_LE(most, 16 * is) << sentence;
       }
       const std::size_t at = sentence.find("translate=[");

@@ -52,7 +52,7 @@ std::vector<Vec3> cloud_of(const std::string& name) {
   return points;
 }
 
-/// Every `step`-th point; the dimension is told.
+/// Returns a survey whose sample has every `step`-th point, with the given dimension.
 Survey survey_of(const std::vector<Vec3>& points, std::size_t step, double dimension) {
   Survey survey;
   for (std::size_t i = 0; i < points.size(); i += step) survey.sample.push_back(points[i]);
@@ -60,8 +60,8 @@ Survey survey_of(const std::vector<Vec3>& points, std::size_t step, double dimen
   return survey;
 }
 
-/// The most points that are open at a front, by brute force: a point is open from its place to that of the last point
-/// that lists it or that it lists.
+/// Returns the largest number of points that are open at once, by brute force. A point is open from its own place to
+/// the place of the last point that lists it or that it lists.
 std::size_t most_open(const std::vector<Vec3>& points) {
   std::vector<PointKey> keys;
   for (std::size_t i = 0; i < points.size(); ++i) keys.push_back({points[i], i});
@@ -87,8 +87,8 @@ std::size_t most_open(const std::vector<Vec3>& points) {
   return most;
 }
 
-/// Not too low by more than the noise of a sample, so that a forest stays inside its memory, and not many times too
-/// high, so that a run is not refused for nothing.
+/// The estimate may be too low only by the noise of a sample, so that a forest stays within its memory, and not many
+/// times too high, so that no run is refused without need.
 TEST(ForestEstimate, IsNearTheMostOpenPointsWhateverTheSample) {
   const std::map<std::string, double> dimensions = {{"surface", 2},     {"volume", 3},       {"line", 1},
                                                     {"wall across", 2}, {"plane across", 2}, {"thick wall across", 2}};
@@ -119,11 +119,11 @@ TEST(ForestEstimate, OfSmallCloudsAllPointsMayBeOpen) {
   EXPECT_EQ(estimate_open_points({}, 0, 8), 0u);
 }
 
-/// A bucket holds as many points on a wall across the axis as elsewhere.
+/// No bucket has too many points, even on a wall across the axis.
 TEST(ForestEstimate, BucketsAreDividedEvenly) {
   for (const char* name : {"surface", "wall across", "plane across"}) {
     const std::vector<Vec3> points = cloud_of(name);
-    constexpr std::uint64_t kTimes = 100;  // each point of the sample stands for so many
+    constexpr std::uint64_t kTimes = 100;  // number of points for which a point of the sample stands
     std::vector<Vec3> begins = places_between_buckets(survey_of(points, 1, 2), kTimes * kForestPoints);
     std::ranges::sort(begins, AlongAxis{0}, [](Vec3 p) { return PointKey{p}; });
     std::map<std::size_t, std::uint64_t> counts;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Where ground stands in pipelines, and what may not change its classes. tests/numpy/ground_test.py compares them with
-/// whole rasters.
+/// The operator ground in pipelines, and properties of the input that must not change its classes.
+/// tests/numpy/ground_test.py compares the classes with filters of whole rasters.
 #include "pointsweep/operators/ground/ground.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ RunResult run_ground(const Records& input, const std::string& pipeline, const En
   return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud), options);
 }
 
-/// Hills with houses and trees, 60 x 40, and a few pits.
+/// Returns hills with houses, trees and a few pits, on 60 x 40 units.
 std::vector<Vec3> hills(std::size_t n, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<Vec3> points;
@@ -40,12 +40,13 @@ std::vector<Vec3> hills(std::size_t n, std::uint64_t seed) {
   return points;
 }
 
-/// The classification of each row.
+/// Returns the classification of each row.
 std::vector<double> classes(const RunResult& result) { return result.field("classification"); }
 
 constexpr const char* kGroundText = "ground(window=9)";
 
-/// A plane that rises by one in two along x or y, at the centres of cells; and points above it.
+/// The cloud has a plane that rises by 1/2 per unit along x or y, sampled at the centres of cells, and points above the
+/// plane.
 TEST(Ground, OfATiltedPlaneIsWhatLiesWithinTheThresholdAndTheScalarTimesTheSlope) {
   for (const bool along_x : {true, false}) {
     std::vector<Vec3> points;
@@ -69,7 +70,7 @@ TEST(Ground, OfATiltedPlaneIsWhatLiesWithinTheThresholdAndTheScalarTimesTheSlope
   }
 }
 
-/// A block 6 cells wide, 4 high, and a pit one cell wide, 8 deep.
+/// The cloud has a block 6 cells wide and 4 high, and a pit one cell wide and 8 deep.
 TEST(Ground, BlocksNarrowerThanTheWindowAndPitsAreNotGround) {
   std::vector<Vec3> points;
   std::vector<double> expected, with_narrow_window;
@@ -104,7 +105,7 @@ TEST(Ground, NoiseKeepsItsClassAndOnlyGroundHasTheClassOfGround) {
   EXPECT_GT(std::ranges::count(classes(with_noise), 2), std::ranges::count(found, 2));
 }
 
-/// Points of three returns: only the last can be ground.
+/// Points are returns 1, 2 and 3 of two returns. Only returns 2 and 3 can be ground.
 TEST(Ground, OnlyLastReturnsTakePart) {
   Records input;
   for (const char* axis : {"x", "y", "z"}) input.schema.append(axis, Type::f64);
@@ -229,7 +230,7 @@ TEST(Ground, TheReferenceEngineGetsTheSameClasses) {
   EXPECT_TRUE(run_ground(input, "ground(window=5)", options).records == expected.records);
 }
 
-/// Without the net of rows that are left out the raster would have 1e9 columns.
+/// The raster would have 1e9 columns if empty rows and columns were stored.
 TEST(Ground, APointFarAwayChangesNoOtherPoint) {
   std::vector<Vec3> points = hills(sized(3000), 11);
   const auto ground = std::make_shared<Ground>(GroundOptions{.window = 9});
@@ -240,7 +241,7 @@ TEST(Ground, APointFarAwayChangesNoOtherPoint) {
     EXPECT_EQ(classes(run_in_memory(points, {{}, {ground}}, options)), expected);
 }
 
-/// One raster of them all would have 1e9 cells, nearly all of them empty.
+/// A single raster of all points would have more than 1e9 cells, nearly all of them empty.
 TEST(Ground, ManyPointsFarFromEachOtherCostLittleAndChangeNoOtherPoint) {
   std::vector<Vec3> points = hills(sized(1500), 11);
   const auto ground = std::make_shared<Ground>(GroundOptions{.window = 9});
@@ -252,7 +253,8 @@ TEST(Ground, ManyPointsFarFromEachOtherCostLittleAndChangeNoOtherPoint) {
   EXPECT_EQ(classes(run_in_memory(points, {{}, {ground}}, options)), expected);
 }
 
-/// Two sheets, the nearer with a bank at its edge that holes on the way to the farther one would make narrow.
+/// The cloud has two sheets. The first has a bank at its edge towards the second. If cells of the gap were filled, the
+/// bank would look narrow.
 TEST(Ground, DoesNotDependOnPointsBeyondItsReach) {
   for (const bool along_x : {true, false}) {
     const auto add_sheet = [&](std::vector<Vec3>& points, int from, int to, double z) {
@@ -286,7 +288,7 @@ TEST(Ground, TellsWhatIsWrong) {
               std::string::npos);
 }
 
-/// 20,000 columns of cells, each with its rows of the largest disk.
+/// The filter would hold 20,000 columns of cells, each for as many rows as the largest disk has.
 TEST(Ground, RowsThatMemoryCannotHoldAreRefusedInAdvance) {
   std::mt19937_64 random(12);
   std::vector<Vec3> points;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// height against a search through all points of the ground.
+/// The operator height against a search through all ground points.
 #include "pointsweep/operators/ground/height.h"
 
 #include <fmt/format.h>
@@ -27,10 +27,10 @@ RunResult run_height(const Records& input, const std::string& pipeline, const En
   return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud), options);
 }
 
-/// NaN of any bits is one value.
+/// Returns whether the heights are equal or both NaN.
 bool same_height(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// For each k the formula, over the k least of all ground points.
+/// Returns for each k the heights by the formula, over the k nearest of all ground points.
 std::vector<std::vector<double>> heights_by_brute_force(const std::vector<Vec3>& points,
                                                         const std::vector<bool>& is_ground,
                                                         const std::vector<std::size_t>& all_k) {

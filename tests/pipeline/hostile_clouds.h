@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Clouds that try every weak place of an engine, each a function of a random generator.
+/// Clouds that are hard for an engine, each a function of a random generator.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Runs of the pipeline on points in memory, and slow evaluations of the same on the whole cloud.
+/// Runs of pipelines on points in memory.
 #pragma once
 
 #include <cstring>
@@ -23,7 +23,7 @@ struct RunResult {
   Schema schema;
   std::vector<std::byte> records;  ///< whole output records
 
-  /// All values of a field, row by row.
+  /// Returns all values of a field, row by row.
   std::vector<double> field(const std::string& name) const {
     const Field& f = schema.fields[*schema.find(name)];
     std::vector<double> values;
@@ -33,7 +33,7 @@ struct RunResult {
   }
 };
 
-/// Keeps whole records.
+/// A writer that stores whole records.
 class RecordKeeper final : public Writer {
  public:
   explicit RecordKeeper(std::vector<std::byte>& out) : out_(out) {}
@@ -44,10 +44,10 @@ class RecordKeeper final : public Writer {
   std::vector<std::byte>& out_;
 };
 
-/// The chain of a pipeline over a cloud of which nothing is known.
+/// Returns the chain of a pipeline for a cloud without known facts.
 inline Chain chain_of_any_cloud(const std::string& pipeline) { return build_chain(parse_pipeline(pipeline), Facts{}); }
 
-/// Slabs and cells so small that every boundary case happens.
+/// Returns options for slabs and cells so small that every boundary case happens.
 inline EngineOptions small_slabs(std::uint64_t slab_points, std::uint32_t cell_points, unsigned threads = 2,
                                  bool spill = false) {
   EngineOptions options;

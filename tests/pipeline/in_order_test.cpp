@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
 
-/// Drops the points left of -1, gives the points right of 1 their values, and says nothing of those between.
+/// An operator that drops points with x < -1 and sets the values of points with x > 1. Other points get the fill.
 class Sides final : public InOrderOperator {
  public:
   std::string name() const override { return "sides"; }

@@ -55,7 +55,7 @@ TEST(KeptColumns, ChangesNoValueOfWhatIsKept) {
   }
 }
 
-/// By attribute, from the chain of ridges.
+/// Returns the lifetimes of columns by attribute, for the chain `ridges`.
 std::map<std::string, Lifetime> lifetimes(const std::vector<std::string>& keep) {
   Schema input;
   for (const char* axis : {"x", "y", "z"}) input.append(axis, Type::f32);
@@ -82,7 +82,7 @@ TEST(KeptColumns, LetsAColumnLastAsLongAsAnybodyLooks) {
   EXPECT_EQ(lifetimes({"normal"})["splat_axis"], Lifetime::none);
 }
 
-/// Makes two attributes, of which the second is not wanted: it needs a place all the same.
+/// Makes two attributes, of which the second is not wanted. Its column needs memory nevertheless.
 class TwoNumbers final : public LocalOperator {
  public:
   std::string name() const override { return "two_numbers"; }
@@ -105,7 +105,7 @@ TEST(KeptColumns, TellsOperatorsWhichColumnsAreNotWanted) {
   EXPECT_EQ(run_in_memory(points, chain, {}).field("first"), (std::vector<double>{1, 2, 3}));
 }
 
-/// Has something to say of every third row only.
+/// Sets the value of every third row only.
 class EveryThird final : public LocalOperator {
  public:
   std::string name() const override { return "every_third"; }

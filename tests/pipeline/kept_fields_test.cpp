@@ -57,7 +57,7 @@ RunResult run_of(const std::string& pipeline, const std::vector<std::string>& ke
   return run_in_memory(cloud, build_chain(parse_pipeline(pipeline), cloud, keep), options);
 }
 
-/// Values of all components of all fields, by name.
+/// Returns the values of all components of all fields, by name.
 std::map<std::string, std::vector<double>> table(const RunResult& result) {
   std::map<std::string, std::vector<double>> values;
   for (const Field& f : result.schema.fields)

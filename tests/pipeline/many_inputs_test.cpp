@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What very many open inputs take is part of the memory budget.
+/// The memory of very many open inputs is part of the budget.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -17,7 +17,7 @@
 namespace pointsweep {
 namespace {
 
-/// So many inputs of one point each.
+/// Many inputs of one point each.
 class ManyInputs {
  public:
   explicit ManyInputs(std::size_t inputs) {

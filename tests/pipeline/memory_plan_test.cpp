@@ -60,7 +60,7 @@ TEST(MemoryPlan, ExpectsNoMoreThanTheBudgetForAnyCloud) {
   }
 }
 
-/// Lists that become edges are shorter, so that both fit in what lists alone may take.
+/// Lists from which edges are made are shorter, so that lists and edges fit into the memory that lists alone may take.
 TEST(MemoryPlan, ListsLeaveRoomForTheEdgesThatAreMadeOfThem) {
   const MemoryPlan lists = plan_memory(256 * kMega, normals_plan(), twenty_million());
   MemoryDemand demand = twenty_million();
@@ -68,7 +68,7 @@ TEST(MemoryPlan, ListsLeaveRoomForTheEdgesThatAreMadeOfThem) {
   const MemoryPlan edges = plan_memory(256 * kMega, normals_plan(), demand);
   EXPECT_LE(edges.lists_bytes / sizeof(NeighborRef) * (sizeof(NeighborRef) + 156), lists.lists_bytes);
   EXPECT_GE(edges.lists_bytes / sizeof(NeighborRef) * (sizeof(NeighborRef) + 156), lists.lists_bytes / 2);
-  demand.most_neighbors = 100'000;  // of one point, which has to fit in any case
+  demand.most_neighbors = 100'000;  // the lists of a single point must always fit
   SweepPlan radius = normals_plan(Neighborhood::kUnlimited);
   const std::uint64_t with = plan_memory(1024 * kMega, radius, demand).expected_bytes;
   demand.listed_edge_bytes = 0;
@@ -138,7 +138,7 @@ TEST(MemoryPlan, CountsTheWindowThatARadiusKeeps) {
   EXPECT_GE(thick.window_bytes, thin.window_bytes + 5'000'000 * 40);
 }
 
-/// A cell of later steps waits for its neighbours and these for theirs, however thin the slabs are.
+/// A cell of a later step waits for its neighbours, which wait for their own neighbours, however thin the slabs are.
 TEST(MemoryPlan, CountsThePointsThatWaitForSeveralSteps) {
   MemoryDemand demand = twenty_million();
   demand.slab_points = 1024;
@@ -163,7 +163,7 @@ TEST(MemoryPlan, CountsThePointsThatUnevenDensityMakesWait) {
     chain.steps = std::move(steps);
     const std::uint64_t neighbors = window_neighbors(chain, 1024, survey.dimension);
     demand.waiting_for_steps = estimate_open_points(survey, demand.points, neighbors);
-    return try_plan_memory(64 * kMega, chain, demand).window_bytes / window_point_bytes(chain);  // without lists
+    return try_plan_memory(64 * kMega, chain, demand).window_bytes / window_point_bytes(chain);  // in points
   };
   EXPECT_GE(window({0, 0, 0, 0}), 478'449u);
   EXPECT_LE(window({0, 0, 0, 0}), 2 * 478'449u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the tests of the update operators have in common: a mover without limits, and chains of it.
+/// Parts that tests of the update operators share: an operator that moves points anywhere, and chains with it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ namespace pointsweep {
 
 using Stages = std::vector<ChainStage>;
 
-/// Throws every point somewhere else, by up to `reach` along each axis; one in fifty out of space.
+/// Moves every point by up to `reach` along each axis, and makes one in fifty not finite.
 class Throw final : public LocalOperator {
  public:
   explicit Throw(double reach, std::uint64_t seed = 1) : reach_(reach), seed_(seed) {}
@@ -60,12 +60,12 @@ inline std::shared_ptr<const LocalOperator> graph(std::size_t k, std::size_t n) 
   return std::make_shared<NeighborRows>(k, n, false);
 }
 
-/// Slabs and cells so small that every boundary case happens, in memory or spilled.
+/// Returns options for slabs and cells so small that every boundary case happens, in memory or spilled.
 inline EngineOptions tiny(std::uint64_t slab_points, bool spill = false, unsigned threads = 2) {
   return small_slabs(slab_points, slab_points < 200 ? 16 : slab_points < 1000 ? 64 : 1024, threads, spill);
 }
 
-/// Threads, spilled or in memory, and axes.
+/// Returns options with different threads, slabs and axes, spilled and in memory.
 inline std::vector<EngineOptions> ways_to_run() {
   std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3), tiny(700)};
   all[1].axis = 1;
@@ -74,13 +74,13 @@ inline std::vector<EngineOptions> ways_to_run() {
   return all;
 }
 
-/// One half of the ways to run at even turns, the other half at odd ones.
+/// Returns half of ways_to_run() for even turns, and the other half for odd turns.
 inline std::vector<EngineOptions> half_of_ways_to_run(std::size_t turn) {
   const std::vector<EngineOptions> all = ways_to_run();
   return {all[turn % 2], all[2 + turn % 2]};
 }
 
-/// Threads, spilled or in memory, and axes, for rows in one order.
+/// Returns options with different threads, slabs and axes, spilled and in memory, for one order of the output.
 inline std::vector<EngineOptions> ways_to_run(Order order) {
   std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3)};
   for (EngineOptions& options : all) options.order = order;

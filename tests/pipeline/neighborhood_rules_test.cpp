@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Neighbourhoods of a size of their own, through the whole engine.
+// Neighbourhoods whose sizes differ from point to point, in the whole engine.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,8 +23,7 @@ namespace {
 using Lists = std::vector<std::vector<std::uint32_t>>;
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/// Points with the attributes "scale", from -2 to `most_k` with some that are no numbers, and "range", up to
-/// `most_range`.
+/// Points with the attributes "scale", from -2 to `most_k` and sometimes NaN, and "range", up to `most_range`.
 struct Attributed {
   std::vector<Vec3> points;
   std::vector<double> xyz, scale, range;
@@ -47,7 +46,7 @@ struct Attributed {
     readers.push_back(std::move(reader));
     return InputCloud(std::move(readers));
   }
-  /// The k nearest within `radius`, less what a point's own limits leave out.
+  /// Returns the k nearest within `radius`, without the neighbours beyond a point's own limits.
   Lists lists(std::size_t k, double radius, bool by_scale, bool by_range) const {
     Lists out;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -60,7 +59,7 @@ struct Attributed {
   }
 };
 
-/// The largest neighbor_count among the neighbours and the point itself: needs what neighbours have made.
+/// Makes the largest neighbor_count of the neighbours and the point. The operator reads an attribute of neighbours.
 class LargestCount final : public LocalOperator {
  public:
   std::string name() const override { return "largest_count"; }
@@ -77,7 +76,7 @@ class LargestCount final : public LocalOperator {
   }
 };
 
-constexpr std::size_t kWritten = 12;  // neighbours of each point that are compared by row
+constexpr std::size_t kWritten = 12;  // number of neighbours of each point that are compared by row
 
 void expect_lists(const RunResult& found, const std::vector<Vec3>& points, const Lists& expected) {
   const auto count = found.field("neighbor_count"), radius = found.field("neighbor_radius"),
@@ -96,7 +95,8 @@ void expect_lists(const RunResult& found, const std::vector<Vec3>& points, const
   }
 }
 
-/// Runs with slabs, cells, threads and memory of all kinds; what was recalled in all of them is added up.
+/// Runs with different slabs, cells, threads and memory, and compares the lists. Adds the numbers of recalled points to
+/// `recalled`.
 void expect_everywhere(const Attributed& input, const Neighborhood& what, const Lists& expected,
                        std::uint64_t& recalled) {
   const std::size_t n = input.points.size();
@@ -119,7 +119,7 @@ Neighborhood limited(std::size_t k, double radius, const AttributeLimits& limits
   return {.k = k, .radius = radius, .rule = std::make_shared<LimitsFromAttributes>(limits)};
 }
 
-/// A length that holds a handful of points of most clouds.
+/// Returns a radius within which most points of the cloud have a few neighbours.
 double typical(const std::vector<Vec3>& points) {
   std::vector<double> reach;
   for (std::uint32_t i = 0; i < points.size(); i += 50)

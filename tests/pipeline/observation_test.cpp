@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a run notes of itself on request, without changing its results.
+/// Facts that a run records on request, without a change of its results.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ TEST(Observation, DistancesAreThoseOfBruteForceForAnySlabsAndThreads) {
         std::uint64_t nearest = 0, farthest = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {
           if (lists[i].empty()) continue;
-          // The edges of the bins are exact in squares.
+          // The edges of the bins are exact for squared distances.
           const auto inside = [&](std::uint32_t row) {
             const double d2 = distance2(points[row], points[i]);
             return d2 >= bin.from * bin.from * (1 - 1e-12) && std::sqrt(d2) < bin.to;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Points put in order by the boxes of their inputs: the same bytes as after a distribution pass, nothing spilled for
-/// the order, and a plan that says what it chose and why.
+/// Slabs made on demand from the boxes of the inputs: results are those of a distribution pass, the order spills
+/// nothing, and the plan states its choice with a reason.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,10 +22,10 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// Where a row lies.
+/// A function from a row to its place.
 using PlaceOf = std::function<Vec3(std::uint64_t row)>;
 
-/// Records of x, y, z and intensity (the row) that any number of threads can read from any row on.
+/// A reader of x, y, z and intensity (the row). Any number of threads can read from any row on.
 class TileReader final : public Reader {
  public:
   TileReader(std::string name, std::uint64_t count, std::optional<Box> bounds, PlaceOf place)
@@ -66,7 +66,7 @@ double hashed(std::uint64_t n) {
   return static_cast<double>((n ^ (n >> 32)) >> 11) * 0x1p-53;
 }
 
-/// A hilly surface over [from, from + width] x [0, 1], its points in random order.
+/// Returns a hilly surface over [from, from + width] x [0, 1], with points in random order.
 PlaceOf hills(double from, double width, std::uint64_t seed) {
   return [=](std::uint64_t row) {
     const double x = from + width * hashed(3 * row + 1 + (seed << 40)), y = hashed(3 * row + 2 + (seed << 40));
@@ -76,7 +76,7 @@ PlaceOf hills(double from, double width, std::uint64_t seed) {
 
 Box box_of(double from, double to) { return {{from, 0, -0.2}, {to, 1, 0.2}}; }
 
-/// Tiles in a row along x that overlap a little.
+/// Returns tiles in a row along x that overlap a little.
 InputCloud tiles_in_a_row(std::size_t tiles, std::uint64_t points, bool state_boxes = true) {
   std::vector<std::unique_ptr<Reader>> readers;
   for (std::size_t t = 0; t < tiles; ++t) {
@@ -88,7 +88,7 @@ InputCloud tiles_in_a_row(std::size_t tiles, std::uint64_t points, bool state_bo
   return InputCloud(std::move(readers));
 }
 
-/// Tiles of points that one by one are unlike each other: outliers above and beside the tiles, copies, a dense place.
+/// Returns tiles with outliers above and beside the tiles, copies of points, and a dense place.
 InputCloud hostile_tiles() {
   std::vector<std::unique_ptr<Reader>> readers;
   for (std::uint64_t t = 0; t < 5; ++t) {
@@ -150,7 +150,7 @@ TEST(OnDemandOrder, GivesTheBytesOfADistributionForHostilePointsWhichAreRecalled
   InputCloud cloud = hostile_tiles();
   for (const char* pipeline : {"knn(k=6) | normals", "knn(k=12) | normals | curvature | splats | fair", "unique"})
     for (const Order order : {Order::input, Order::sweep})
-      for (const int axis : {0, 1}) {  // along z slabs would have to be split
+      for (const int axis : {0, 1}) {  // along z, slabs would have to be split
         EngineOptions options = small(Ordering::planned);
         options.slab_points = 2000;
         options.order = order;
@@ -163,7 +163,7 @@ TEST(OnDemandOrder, GivesTheBytesOfADistributionForHostilePointsWhichAreRecalled
 }
 
 TEST(OnDemandOrder, FallsBackToADistributionWherePointsNeedIt) {
-  // A wall across the axis makes slabs too big; NaNs have no place.
+  // A wall across the axis makes slabs too large. The other cloud has points without a finite place.
   for (const bool wall : {true, false}) {
     std::vector<std::unique_ptr<Reader>> readers;
     readers.push_back(std::make_unique<TileReader>("wall", 4000, box_of(0, 1), [wall](std::uint64_t row) {
@@ -186,7 +186,7 @@ TEST(OnDemandOrder, FallsBackToADistributionWherePointsNeedIt) {
   }
 }
 
-/// About a million points, far more than the budget holds.
+/// 1.2 million points, far more than the budget holds.
 constexpr std::uint64_t kTilePoints = 120'000, kTiles = 10, kBudget = 72 << 20;
 
 TEST(OnDemandOrder, IsChosenForTilesThatDoNotFitTheBudgetAndSpillsNothingForIt) {

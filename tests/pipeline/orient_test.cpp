@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// orient against Kruskal's algorithm in memory, and on surfaces whose outside is known.
+/// The operator orient against Kruskal's algorithm in memory, and on surfaces whose outside is known.
 #include "pointsweep/operators/graph/orient.h"
 
 #include <fmt/format.h>
@@ -29,18 +29,18 @@ std::vector<Vec3> normals_in(const RunResult& result) {
 }
 
 struct Signed {
-  std::vector<std::size_t> set;  ///< of each point, by its first point in x, y, z, row
-  std::vector<int> sign;         ///< relative to that point
+  std::vector<std::size_t> set;  ///< by point: row of the first point of its set, by x, y, z, row
+  std::vector<int> sign;         ///< by point: sign relative to the first point of its set
 };
 
-/// All edges of the graph of the k nearest in their order.
+/// Returns sets and signs by Kruskal's algorithm over all edges of the graph of the k nearest neighbours.
 Signed signs_by_kruskal(const std::vector<Vec3>& points, const std::vector<Vec3>& normals, std::size_t k) {
   const std::size_t n = points.size();
   std::vector<std::size_t> order(n), rank(n);
   std::iota(order.begin(), order.end(), 0u);
   std::ranges::sort(order, {}, [&](std::size_t i) { return std::tuple(points[i].x, points[i].y, points[i].z, i); });
   for (std::size_t r = 0; r < n; ++r) rank[order[r]] = r;
-  std::set<std::tuple<double, std::size_t, std::size_t>> edges;  // ends by rank
+  std::set<std::tuple<double, std::size_t, std::size_t>> edges;  // weight, and ranks of the ends
   const auto lists = nearest_rows(points, k);
   const auto along = [&](std::size_t i, std::size_t j) {
     return (normals[i].x * normals[j].x + normals[i].y * normals[j].y) + normals[i].z * normals[j].z;
@@ -63,7 +63,7 @@ Signed signs_by_kruskal(const std::vector<Vec3>& points, const std::vector<Vec3>
   return out;
 }
 
-/// Positive where the signs are the right ones; by the points of one component.
+/// Returns the vote of a component with the points `rows`: positive if `sign` turns its normals the right way.
 double vote_of(const std::vector<std::size_t>& rows, const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
                const std::vector<int>& sign) {
   Vec3 center;
@@ -116,7 +116,7 @@ TEST(OrientedNormals, HaveTheSignsOfKruskalInMemory) {
   EXPECT_GT(decided, 20u);
 }
 
-/// Share of normals that point as `outside` says.
+/// Returns the share of normals that point to the side of `outside`.
 template <class Outside>
 double right_share(const RunResult& result, const std::vector<Vec3>& points, Outside outside) {
   const std::vector<Vec3> normals = normals_in(result);
@@ -157,7 +157,7 @@ TEST(OrientedNormals, PointOutOfClosedSurfacesAndUpFromOpenOnes) {
   EXPECT_EQ(share(hills, "knn(k=12) | normals | orient(viewpoint=[5,5,-100])", [](Vec3) { return Vec3{0, 0, -1}; }), 1);
 }
 
-/// One bad normal on top turned all others of an earlier rule.
+/// A bad normal of the highest point must not turn all other normals, as an earlier rule did.
 TEST(OrientedNormals, DoNotFollowTheHighestPointAlone) {
   std::mt19937_64 random(6);
   std::normal_distribution<double> g;
@@ -177,7 +177,7 @@ TEST(OrientedNormals, LeaveTheFirstPointAsItIsWhereNothingDecides) {
     std::vector<Vec3> points, normals;
     for (int i = 0; i < 2000; ++i) {
       points.push_back({3, static_cast<double>(i % 50), static_cast<double>(i / 50)});
-      normals.push_back({i == 0 ? 0.5 * sign : -sign, 0, 0});  // the first one is joined last
+      normals.push_back({i == 0 ? 0.5 * sign : -sign, 0, 0});  // the first point is joined last
     }
     const Records input = records_with_normals(points, normals);
     for (const EngineOptions& options : ways_to_run()) {

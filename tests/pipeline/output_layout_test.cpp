@@ -12,7 +12,8 @@
 namespace pointsweep {
 namespace {
 
-/// A record with attributes before, between and behind the positions, bits that share a byte, and a gap at the end.
+/// Returns a schema with attributes before, between and after the positions, bits that share a byte, and a gap at the
+/// end.
 Schema mixed_input(Type position) {
   Schema schema;
   schema.append("intensity", Type::u16);
@@ -40,7 +41,7 @@ std::vector<std::byte> input_record(const Schema& input) {
   return record;
 }
 
-/// The record of one point moved to (1/3, 2/3, 4/3), with a normal of (0, 0, 1).
+/// Returns the output record of a point that was moved to (1/3, 2/3, 4/3) and has the normal (0, 0, 1).
 std::vector<std::byte> assembled(const OutputLayout& layout, const std::vector<std::byte>& input) {
   struct {
     double position[3] = {1.0 / 3, 2.0 / 3, 4.0 / 3};
@@ -77,7 +78,7 @@ TEST(OutputLayout, MovedPositionsGetTheTypeAskedForWhereTheyStandAndAllElsePasse
   }
 }
 
-/// Normals as integers, and an array behind them, among other attributes.
+/// The input has normals of another type, and an array after them, among other attributes.
 TEST(OutputLayout, AnAttributeThatIsReplacedGetsTheTypeOfWhatIsMade) {
   for (const Type from : {Type::i8, Type::f64, Type::f32}) {
     Schema input = mixed_input(Type::f32);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// EngineOptions that say under which names and with which points outputs are written, and what they say of the run.
+/// EngineOptions that decide the names and points of outputs, and the record of the run.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ struct Sheet {
 const Chain kCurvature{.neighborhood = {.k = 8},
                        .stages = {std::make_shared<Normals>(), std::make_shared<Curvature>()}};
 
-/// What a run writes under a name, or of the column.
+/// Returns the values that a run writes in the field `name`.
 std::vector<float> written(InputCloud& cloud, const EngineOptions& options, const std::string& name, std::size_t rows) {
   std::vector<float> values(rows);
   const auto writer = [&](const OutputPlan& plan) -> std::unique_ptr<Writer> {

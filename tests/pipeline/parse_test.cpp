@@ -22,7 +22,7 @@ std::string told(const std::string& text) {
   return refusal([&] { parse_pipeline(text); });
 }
 
-/// The sentence names the place and says what is wrong.
+/// Expects that the sentence of the refusal has the place and the words.
 void expect_told(const std::string& text, const std::string& place, const std::string& words) {
   const std::string sentence = told(text);
   EXPECT_NE(sentence.find(place), std::string::npos) << text << "\n" << sentence;
@@ -148,7 +148,7 @@ rc::Gen<std::string> values() {
                         rc::gen::arbitrary<std::string>());
 }
 
-/// Up to 20 stages of up to 20 options: with the 100 that a container may have by default, a text has megabytes.
+/// Generates up to 20 stages of up to 20 options. With the default of up to 100 elements, texts would have megabytes.
 rc::Gen<StageTexts> pipelines() {
   const auto option = rc::gen::construct<OptionText>(names(), values(), rc::gen::just(std::string()));
   const auto stage = rc::gen::construct<StageText>(names(), rc::gen::container<std::vector<OptionText>>(option),

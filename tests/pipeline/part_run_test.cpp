@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Runs whose tiles are tasks of their own: the bytes of one run, or a refusal before the work.
+/// Runs in which each tile is a task of its own give the bytes of one run, or are refused before the work.
 #include "pointsweep/pipeline/run/part_run.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,8 @@
 namespace pointsweep {
 namespace {
 
-/// A run in parts, whose tasks and joints follow each other in one process. Each task opens its tile anew.
+/// A run in parts, whose tasks and joins are performed one after another in one process. Each task opens its tile
+/// again.
 class RunInParts {
  public:
   RunInParts(std::vector<std::filesystem::path> inputs, std::string pipeline, std::filesystem::path folder,
@@ -79,7 +80,7 @@ class RunInParts {
   }
   std::uint64_t points_swept() const { return points_swept_; }
 
-  /// Whatever tile a task has, the facts are those of the whole cloud.
+  /// Returns the chain with the facts of the whole cloud, for a task of any tile.
   Chain chain() const { return build_chain(parse_pipeline(pipeline_), facts_); }
   std::vector<std::filesystem::path> outputs(const std::vector<std::filesystem::path>& inputs) const {
     std::vector<std::filesystem::path> paths;
@@ -126,7 +127,7 @@ class PartRun : public testing::Test {
     return options;
   }
 
-  /// Writes a tile for each of `tiles`, of ten-metre squares beside each other or as they come.
+  /// Writes a file for each of `tiles`.
   void write_tiles(const std::vector<std::vector<Vec3>>& tiles, const std::string& extension = ".ply") {
     inputs_.clear();
     for (std::size_t t = 0; t < tiles.size(); ++t) {
@@ -136,7 +137,7 @@ class PartRun : public testing::Test {
     }
   }
 
-  /// Writes a folder of files for OTHER.
+  /// Writes the folder of files that replaces the name OTHER in pipelines.
   void write_other(const std::vector<std::vector<Vec3>>& files) const {
     std::filesystem::create_directories(folder_ / "other");
     for (std::size_t f = 0; f < files.size(); ++f) {
@@ -161,7 +162,8 @@ class PartRun : public testing::Test {
     run(cloud, build_chain(parse_pipeline(pipeline), cloud), outputs, of_run);
   }
 
-  /// Returns the points that the sweeps of the parts took.
+  /// Expects that a run in parts has the bytes of a whole run. Returns the number of points that the sweeps of the
+  /// parts took.
   std::uint64_t expect_same(const std::string& pipeline, const EngineOptions& given) {
     SCOPED_TRACE(pipeline);
     run_whole(pipeline, given);
@@ -192,7 +194,8 @@ std::vector<std::vector<Vec3>> squares_of(const std::vector<Vec3>& cloud) {
 
 class PartRunOf : public PartRun, public testing::WithParamInterface<std::string> {};
 
-/// Operators whose points have to know more of the whole cloud than what is near them. docs/cluster.md lists them.
+/// Operators whose values depend on more of the whole cloud than the surroundings of a point. docs/cluster.md lists
+/// them.
 const std::set<std::string> kUndivided = {"level", "sample"};
 
 TEST_P(PartRunOf, HasTheBytesOfOneRunOrIsRefused) {
@@ -239,7 +242,7 @@ TEST_P(PartRunOf, HasTheBytesOfOneRunOnHostileTiles) {
 INSTANTIATE_TEST_SUITE_P(EveryOperator, PartRunOf, testing::ValuesIn(names_of_all_operators()),
                          [](const auto& tested) { return tested.param; });
 
-/// Chains of two sweeps, values of the whole cloud, selects, moves, and rows of the input.
+/// Chains with two sweeps, values of the whole cloud, selects, moves, and rows of the input.
 const std::vector<std::string> kChains = {
     "knn(k=6) | normals | curvature",
     "sor | where(outlier == 0) | reneighbor | normals",
@@ -284,7 +287,7 @@ TEST_P(PartRunThrough, HostileTilesHasTheBytesOfOneRun) {
 
 INSTANTIATE_TEST_SUITE_P(Chains, PartRunThrough, testing::ValuesIn(kChains));
 
-/// Tiles of any shape and order: at a tile's border may be few of its points, or all.
+/// Returns divisions into tiles of any shape and order. Few points of a tile, or all, lie at its border.
 std::vector<std::vector<std::vector<Vec3>>> divisions_of(const std::vector<Vec3>& cloud, std::mt19937_64& random) {
   std::vector<std::vector<std::vector<Vec3>>> divisions(4);
   for (auto& tiles : divisions) tiles.resize(6);
@@ -299,7 +302,7 @@ std::vector<std::vector<std::vector<Vec3>>> divisions_of(const std::vector<Vec3>
   for (auto& tiles : divisions) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     tiles.insert(tiles.begin() + static_cast<std::ptrdiff_t>(random() % 6), {{nan, 0, 0}, {nan, nan, 1}});
-    tiles.push_back({cloud[3], cloud[4], cloud[3], {3e3, -2e4, 1}});  // places that other tiles have, too
+    tiles.push_back({cloud[3], cloud[4], cloud[3], {3e3, -2e4, 1}});  // copies of points of other tiles
     tiles.push_back({});
   }
   return divisions;
@@ -326,7 +329,7 @@ TEST_F(PartRun, OrientsNormalsHoweverTilesAreCut) {
   }
 }
 
-/// Points of a hilly square of 200 metres with walls.
+/// Returns points of a hilly square of 200 metres with walls.
 std::vector<Vec3> landscape(std::size_t count, unsigned seed) {
   std::mt19937_64 random(seed);
   std::vector<Vec3> points(count);
@@ -339,7 +342,7 @@ std::vector<Vec3> landscape(std::size_t count, unsigned seed) {
   return points;
 }
 
-/// Sixteen squares, and a tile with a point far away.
+/// Divides points into sixteen squares, and adds a tile with a point far away.
 std::vector<std::vector<Vec3>> sixteen_tiles_of(const std::vector<Vec3>& points) {
   std::vector<std::vector<Vec3>> tiles(17);
   for (const Vec3& p : points)
@@ -372,7 +375,7 @@ INSTANTIATE_TEST_SUITE_P(InOrder, PartRunOfTiles,
                                          "take(OTHER, attributes=tree_id, k=4, vote=mean)",
                                          "take(OTHER, attributes=tree_id, most=0.2, missing=1)"));
 
-/// In a line of points each of which decides about the next one, the last tile depends on the first point.
+/// Each point of a line decides about the next point, so the last tile depends on the first point.
 TEST_F(PartRun, ReadsAsFarAsPointsDecideAboutEachOther) {
   constexpr std::size_t kLineTiles = 10, kInTile = 30;
   std::mt19937_64 random(1);
@@ -393,7 +396,7 @@ TEST_F(PartRun, ReadsAsFarAsPointsDecideAboutEachOther) {
   EXPECT_GT(expect_same("poisson(1)", given), 5 * kLineTiles * kInTile) << "tiles have read much of the line";
 }
 
-/// Tiles of four points side by side, one of which is of class 2: several tiles hold the nearest ones.
+/// Each tile has four points, one of class 2, so the nearest points are in several tiles.
 TEST_F(PartRun, ReadsAsManyTilesAsHoldTheNearestPoints) {
   std::vector<std::vector<Vec3>> tiles;
   for (const Vec3& p : landscape(40, 1)) tiles.push_back({p, p + Vec3{1, 0, 2}, p + Vec3{0, 1, 3}, p + Vec3{1, 1, 1}});

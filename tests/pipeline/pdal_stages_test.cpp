@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Pipelines of PDAL as ours, written down from the documentation of PDAL 2.
+/// Translations of PDAL pipelines, written from the documentation of PDAL 2.
 #include "pointsweep/pipeline/language/pdal_stages.h"
 
 #include <gtest/gtest.h>

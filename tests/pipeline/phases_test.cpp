@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Each phase of a run in a process of its own, which has the command and the encoded values that the process before
-/// has left, gives the bytes of one process.
+/// A run gives equal bytes if each phase runs in a process of its own, which has only the command and the encoded
+/// values of the previous process.
 #include <gtest/gtest.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -39,7 +39,7 @@ void run_in(const std::filesystem::path& folder, const std::string& pipeline, co
   run(cloud, build_chain(parse_pipeline(pipeline), cloud), {folder / output, {}, {}}, options);
 }
 
-/// Ends the run at the first report of a second phase. A sweep also connects.
+/// Ends the run at the first report of a second phase. Reports of "connecting" belong to the sweep.
 int run_one_phase(const std::filesystem::path& folder, const std::string& pipeline) {
   std::string first;
   Watching watching([&](const Progress& progress) {
@@ -55,7 +55,7 @@ int run_one_phase(const std::filesystem::path& folder, const std::string& pipeli
   return 0;
 }
 
-/// Runs PhaseOfARun below in another process and returns its exit status.
+/// Runs the test PhaseOfARun in another process and returns its exit status.
 int run_process() {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
   std::vector<std::string> words = {self, "--gtest_filter=PhaseOfARun.DISABLED_InThisProcess",

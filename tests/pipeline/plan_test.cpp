@@ -32,7 +32,7 @@ ChainPlan plan_of(const std::string& text, bool ordered = false, const std::vect
   return plan_chain(chain, positions_and_level(), {.stream_order = ordered});
 }
 
-/// Kinds of nodes, in their order.
+/// Returns a letter for the kind of each node, in the order of the graph.
 std::string kinds_of(const ChainPlan& plan) {
   std::string kinds;
   for (const GraphNode& node : plan.graph.nodes)
@@ -94,7 +94,7 @@ TEST(ChainPlan, AChainThatBeginsWithNewNeighborsFindsValuesOfTheInputBeforeTheSw
   EXPECT_EQ(plan.passes[1].kind, PassKind::sweep);
 }
 
-/// float32 positions, a count of neighbours and a distance are 12, 4 and 8 bytes.
+/// Positions in float32 take 12 bytes, a number of neighbours 4, a distance 8.
 TEST(ChainPlan, CountsWhatAPointTakesInTheStreamAndBetweenPasses) {
   const ChainPlan plan = plan_of("sor | where(outlier == 0 && level > 3) | normals");
   ASSERT_EQ(plan.passes.size(), 3u);
@@ -122,7 +122,7 @@ TEST(ChainPlan, SaysOfEveryColumnWhoMakesItAndHowLongItIsNeeded) {
   EXPECT_EQ(plan.passes.back().columns.front().made_by, "a pass before");
 }
 
-/// Counts how often a chain is resolved.
+/// An operator that counts how often a chain is bound to a schema.
 class CountsBindings final : public LocalOperator {
  public:
   explicit CountsBindings(int& count) : count_(count) {}
@@ -156,7 +156,7 @@ std::string phases_text(const ChainPlan& plan) {
   return text;
 }
 
-/// S survey, O order, W sweep, U update, T write.
+/// Letters: S survey, O order, W sweep, U update, T write; numbers are passes.
 TEST(Phases, OfARunFollowFromItsPlan) {
   EXPECT_EQ(phases_text(plan_of("normals")), "S0 O0 W0 T0");
   EXPECT_EQ(phases_text(plan_of("normals", true)), "S0 O0 W0 T0");
@@ -170,7 +170,7 @@ TEST(Phases, OfARunFollowFromItsPlan) {
   EXPECT_EQ(phases_text(sort), "S0 O0 T0");
 }
 
-/// A cube of so many points.
+/// Returns the survey of a unit cube.
 Survey survey_of() {
   Survey survey;
   survey.bounds.include(Vec3{0, 0, 0}), survey.bounds.include(Vec3{1, 1, 1});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// poisson against the sequential greedy loop over the whole cloud.
+/// The operator poisson against the sequential greedy loop over the whole cloud.
 #include "pointsweep/operators/thinning/poisson.h"
 
 #include <fmt/format.h>
@@ -29,7 +29,7 @@ namespace {
 
 std::uint64_t disk_hash(const Vec3& p) { return plain_hash({p.x, p.y, p.z}, 0x706f6973736f6e); }
 
-/// The loop: one point after another, compared with all that have been kept.
+/// Returns which points the greedy loop keeps: each point in order is compared with all kept points.
 std::vector<bool> greedy(const std::vector<Vec3>& points, const std::vector<double>& radius) {
   std::vector<std::size_t> order(points.size()), kept;
   std::iota(order.begin(), order.end(), 0u);
@@ -68,8 +68,7 @@ TEST(Poisson, KeepsWhatTheGreedyLoopKeeps) {
   }
 }
 
-/// 5,000 points with several batches of undecided points, chains of waiting points, and the cloud in one order or
-/// another.
+/// Clouds with several batches of undecided points and chains of waiting points, in two orders of the rows.
 TEST(Poisson, AnyOrderOfRowsAndAnyAxisGiveTheGreedyChoice) {
   for (const std::size_t shape : {1, 3, 6, 7, 10}) {
     std::vector<Vec3> points = make_cloud(hostile_shapes()[shape].second, sized(9000), 52);
@@ -94,7 +93,8 @@ TEST(Poisson, AnyOrderOfRowsAndAnyAxisGiveTheGreedyChoice) {
   }
 }
 
-/// Decisions travel back along the axis: hashes ascend or descend along a line of points half a radius apart.
+/// Hashes ascend or descend along a line of points, so that decisions travel along the whole axis, in one case
+/// backwards.
 TEST(Poisson, AChainThroughTheWholeCloudIsDecidedExactly) {
   for (const bool backwards : {false, true}) {
     std::vector<Vec3> points;
@@ -221,7 +221,8 @@ TEST(Poisson, TellsWhatIsWrong) {
     EXPECT_NE(refusal([&] { Poisson p({radius}); }).find("scale the coordinates"), std::string::npos);
 }
 
-/// A radius as long as the cloud needs memory for the whole cloud: refused before the work, with the least that does.
+/// A radius as long as the cloud needs memory for the whole cloud. It is refused before the work, with the least memory
+/// that suffices.
 TEST(Poisson, ARadiusThatMemoryCannotHoldIsRefusedInAdvance) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[1].second, 400'000, 58));
   EngineOptions options = tiny(16384, true);
@@ -257,7 +258,7 @@ TEST(Simplify, KeepsWhatTheGreedyLoopKeepsWithRadiiOfTheCurvature) {
   }
 }
 
-/// A plane and a sphere of the same area and density.
+/// The cloud has a plane and a sphere of equal area and density.
 TEST(Simplify, KeepsFewPointsOnFlatParts) {
   std::vector<Vec3> points;
   std::mt19937_64 random(61);
@@ -299,7 +300,7 @@ TEST(Simplify, TellsWhatIsWrong) {
     EXPECT_NE(refusal([&] { chain_of(wrong); }), "") << wrong;
 }
 
-/// What is held is a slice of about two radii, however many points there are.
+/// The held points are a slice of about two radii, for any number of points.
 TEST(UndecidedPoints, HoldASliceBehindTheFront) {
   std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 30'000, 59);
   std::ranges::sort(points, {}, &Vec3::x);
@@ -327,7 +328,7 @@ TEST(UndecidedPoints, HoldASliceBehindTheFront) {
   }
 }
 
-/// What is decided of a slice of the cloud is what the whole cloud decides.
+/// Decisions about a slice of the cloud equal those about the whole cloud.
 TEST(UndecidedPoints, StayOpenWhereMissingPointsMayDecide) {
   for (const double radius : {0.01, 0.03, 0.06}) {
     std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 30'000, 59);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Neighbourhoods within a radius through the whole engine: in little memory, run by run, and cancelled.
+// Neighbourhoods within a radius in the whole engine: in little memory, with few lists at a time, and cancelled.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -47,7 +47,7 @@ EngineOptions options_of(std::uint64_t slab_points, std::uint32_t cell_points, s
 
 std::vector<Vec3> surface(std::size_t n) { return make_cloud(hostile_shapes()[0].second, n, 9); }
 
-/// Bytes of lists, and whether neighbours are searched again and points spilled. The clouds take one half by turns.
+/// Bytes of lists, and whether neighbours are searched again and points are spilled. The clouds use each half by turns.
 constexpr std::pair<std::uint64_t, bool> kFewLists[2][2] = {{{1, false}, {3000, true}}, {{1, true}, {3000, false}}};
 
 TEST(Radius, BytesAreTheSameHoweverFewListsAThreadHasInHand) {
@@ -74,7 +74,7 @@ TEST(Radius, BytesAreTheSameHoweverFewListsAThreadHasInHand) {
   }
 }
 
-/// Sizes of a neighbourhood by point: some of none, some beyond what is found.
+/// Sizes of the neighbourhood of each point: some are no limits, some exceed the found neighbours.
 struct Sized {
   std::vector<double> xyz, count, reach;
   explicit Sized(const std::vector<Vec3>& points) {
@@ -195,8 +195,8 @@ TEST(Radius, ARunThatCannotFitIsRefusedBeforeTheWork) {
   }
 }
 
-/// A plate across the axis: the window holds all of it as soon as the radius is its thickness, though no point has many
-/// neighbours.
+/// The cloud is a plate across the axis. If the radius is its thickness, the window holds the whole plate, though no
+/// point has many neighbours.
 TEST(Radius, ABudgetCountsThePointsThatTheRadiusKeeps) {
   std::mt19937_64 rng(3);
   std::uniform_real_distribution<double> u(0, 1);

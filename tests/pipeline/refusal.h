@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a request that makes no sense is told.
+/// The sentence with which a wrong request is refused.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace pointsweep {
 
-/// The sentence of the UsageError that `work` throws; empty if it throws none.
+/// Returns the sentence of the UsageError that `work` throws; empty if it throws none.
 template <class Work>
 std::string refusal(Work work) {
   try {

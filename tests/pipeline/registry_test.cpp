@@ -25,7 +25,7 @@
 namespace pointsweep {
 namespace {
 
-/// A noisy paraboloid, its normals neither all up nor all towards one point.
+/// Returns a noisy paraboloid, whose normals are neither all up nor all towards one point.
 std::vector<Vec3> surface() {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -76,8 +76,8 @@ TEST(Registry, EveryPresetIsAllowedAndMakesTheOperatorOfThatName) {
   }
 }
 
-/// Constructors check the options of C++, which no parser has seen. That of neighbourhoods is given a rule, not
-/// numbers.
+/// Constructors check options that come from C++ and not from a parser. Neighbourhoods have no such constructor: they
+/// take a rule, not numbers.
 TEST(Registry, EveryOperatorRefusesNumbersOutOfTheirLimitsInTheWordsOfItsDeclaration) {
   std::size_t tried = 0;
   for (const OperatorDeclaration& declaration : all_operators())
@@ -113,7 +113,7 @@ TEST(Registry, ATextOfSeveralNamesIsNoNameOfAFeature) {
             "features: 'linearity,planarity' is no name of a feature.");
 }
 
-/// A value that the declaration allows and that is not its preset.
+/// Returns a value that the declaration allows and that is not its preset.
 OptionValue another_value(const OptionDeclaration& option) {
   if (has_value(option.sample)) return option.sample;
   if (option.kind == OptionKind::choice) return option.choices.back();
@@ -143,7 +143,7 @@ class TrajectoryFile {
   std::string path_;
 };
 
-/// Values in which `option` is not its preset, with the options that it requires.
+/// Returns values in which `option` is not its preset, with the options that it requires.
 OptionValues changed(const OperatorDeclaration& declaration, const OptionDeclaration& option,
                      const TrajectoryFile& trajectory) {
   const Option k{"k", std::uint64_t{64}};
@@ -175,14 +175,14 @@ TEST(Registry, EveryOptionOfEveryOperatorIsInItsCanonicalTextWhichIsReadBack) {
   const TrajectoryFile trajectory;
   for (const OperatorDeclaration& declaration : all_operators()) {
     for (const OptionDeclaration& option : declaration.options) {
-      if (option.choices.size() == 1) continue;  // there is no other value
+      if (option.choices.size() == 1) continue;  // the option has only one choice
       const OptionValues values = changed(declaration, option, trajectory);
       const auto made = declaration.make(values, {});
       for (const Presets presets : {Presets::left_out, Presets::spelled_out}) {
         const std::string text = canonical_text(made, presets);
         EXPECT_NE(text.find(text_of_value(*values.find(option.name))), std::string::npos)
             << option.name << ": " << text;
-        // Some operators refuse neighbourhoods that do not hold what they count.
+        // A radius of 1e9, since some operators refuse neighbourhoods smaller than their own radius.
         EXPECT_EQ(canonical_text(chain_of_any_cloud("knn(radius=1e9) | " + text).stages.front(), presets), text);
       }
     }
@@ -377,7 +377,7 @@ TEST(Keep, WritesOnlyWhatItNames) {
   EXPECT_EQ(plan_chain(chain, schema_with_normals()).passes.front().plan.result_bytes, 12u);
 }
 
-/// Makes two attributes that are told apart by their values.
+/// Makes two attributes with different values: 1 and 2.
 class Pair final : public LocalOperator {
  public:
   std::string name() const override { return "pair"; }
@@ -413,7 +413,7 @@ TEST(Keep, UnknownNamesAreRefusedWithWhatIsMade) {
             "'centre' cannot be kept; the input has x, y, z, nx, ny, nz, and what is made is normal, left, right.");
 }
 
-/// Looks at its neighbours' normals.
+/// An operator that reads the normals of neighbours.
 class Across final : public LocalOperator {
  public:
   std::string name() const override { return "across"; }

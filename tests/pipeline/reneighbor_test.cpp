@@ -13,7 +13,8 @@
 namespace pointsweep {
 namespace {
 
-/// Runs the chain in many ways and compares position, normals and, if asked, lists with the whole cloud's.
+/// Runs the chain with different slabs, memory and threads, and compares positions, normals and the first `listed`
+/// neighbours with those of WholeCloud.
 void expect_as_the_whole_cloud(const std::vector<Vec3>& points, const Chain& chain, std::size_t listed = 0) {
   const WholeCloud whole(points, chain);
   std::vector<std::string> neighbors;
@@ -80,7 +81,7 @@ TEST(Reneighbor, TwiceInAChainOfFairingEqualsTheEvaluationOfTheWholeCloud) {
   }
 }
 
-/// What is written to a file in doubles and read again.
+/// Returns the result of a run over the moved positions, as a file of float64 would hold them.
 RunResult run_on_moved(const std::vector<Vec3>& points, const Throw& mover, const Chain& chain) {
   std::vector<Vec3> moved;
   for (const Vec3& p : points) moved.push_back(is_finite(p) ? mover.moved(p, moved.size()) : p);
@@ -96,7 +97,7 @@ TEST(Reneighbor, IsAFreshRunOverAFileOfTheMovedPositions) {
 }
 
 TEST(Reneighbor, MovedPositionsAreRoundedNeitherBetweenSweepsNorInTheOutput) {
-  std::vector<float> xyz(3 * 600, 1000);  // all in one place: what differs is far below the step of a float
+  std::vector<float> xyz(3 * 600, 1000);  // all points are in one place, and moves are far below the step of a float
   const auto cloud = cloud_of(std::make_unique<ArrayReader>(std::span<const float>(xyz)));
   const Chain chain{{.k = 6}, {thrown(1e-9), reneighbor(), graph(6, 600)}};
   const WholeCloud whole(std::vector<Vec3>(600, {1000, 1000, 1000}), chain);
@@ -113,7 +114,7 @@ TEST(Reneighbor, MovedPositionsAreRoundedNeitherBetweenSweepsNorInTheOutput) {
   EXPECT_EQ(values_of<std::uint32_t>(rounded, names), whole.values<std::uint32_t>("neighbors"));
 }
 
-/// How far the normal that is there is from the one given to the input; reads what only the file has.
+/// An operator that reads normals and an attribute that only the input has.
 class Marked final : public LocalOperator {
  public:
   std::string name() const override { return "marked"; }
@@ -231,12 +232,12 @@ TEST(Reneighbor, CountsAPointCertifiedInEverySweepOnce) {
   const auto lost =
       static_cast<std::uint64_t>(std::count_if(y.begin(), y.end(), [](double v) { return !std::isfinite(v); }));
   EXPECT_EQ(result.statistics.sweeps, 3u);
-  EXPECT_GT(result.statistics.nonfinite, 80u);  // those of the input and those thrown out before the last sweep
+  EXPECT_GT(result.statistics.nonfinite, 80u);  // points not finite in the input, or since a move before the last sweep
   EXPECT_EQ(result.statistics.nonfinite, lost);
   EXPECT_EQ(result.statistics.certified, 2000 - lost);
   EXPECT_EQ(
       result.statistics.series.back().first, 3 * 2000 - [&] {
-        std::uint64_t missing = 0;  // of the three streams
+        std::uint64_t missing = 0;  // number of points that are not finite, summed over the three sweeps
         std::vector<Vec3> p = points;
         for (const Throw& mover : {Throw(1), Throw(2, 9)}) {
           missing +=

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The law of --resume: every operator, killed in every phase, resumed in the same memory, gives the same bytes.
+/// The law of --resume: a run of any operator that is killed in every phase and resumed with the same memory gives the
+/// bytes of an uninterrupted run.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -41,7 +42,7 @@ class ResumeLaw : public testing::Test {
     return run(cloud, build_chain(parse_pipeline(example.pipeline), cloud), {folder_ / output, {}, {}}, options);
   }
 
-  /// The least memory with which the example runs; one that is not refused in any memory runs in 64 MB.
+  /// Returns the least budget with which the example runs; 64 MB for an example that is never refused.
   std::uint64_t least_memory(const Example& example) const {
     const std::string give = "give --memory ";
     std::string refusal = give + "64M";
@@ -56,7 +57,8 @@ class ResumeLaw : public testing::Test {
     return std::stoull(refusal.substr(at + give.size())) << 20;
   }
 
-  /// Processes that it takes: each phase ends one at its first report, and a sweep one more between its slabs.
+  /// Returns the number of processes of a run. Each phase ends a process at its first report, and a sweep ends another
+  /// one between its slabs.
   std::size_t run_killed_in_every_phase(const Example& example, const std::string& output, EngineOptions options) {
     std::map<std::string, int> kills;
     for (std::size_t processes = 1;; ++processes) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Runs that are stopped and go on in another process's place: the same bytes, whenever they were stopped.
+/// Runs that are stopped and resumed give the bytes of uninterrupted runs, whenever they are stopped.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -88,7 +88,8 @@ class Resume : public testing::Test {
     return run(cloud, graph, arrays, options);
   }
 
-  /// Stopped at the `stop`-th report of progress, if it is not complete before. Counts the reports in `reports`.
+  /// Runs until the `stop`-th report of progress. Returns the statistics if the run completes before, else nothing.
+  /// Counts the reports in reports_.
   std::optional<Statistics> run_until(std::uint64_t stop, const Work& work, EngineOptions options) {
     reports_ = 0;
     Watching watching([&](const Progress&) {
@@ -170,7 +171,7 @@ const std::vector<Work>& works() {
   return works;
 }
 
-/// A run that writes checkpoints and is not stopped makes these bytes as well.
+/// A run that writes checkpoints and is not stopped also has the bytes of a run without checkpoints.
 TEST_F(Resume, StoppedAnywhereARunGoesOnToTheSameBytes) {
   for (const Work& work : works()) {
     run_uninterrupted(work);
@@ -191,7 +192,7 @@ TEST_F(Resume, StoppedAnywhereARunGoesOnToTheSameBytes) {
   }
 }
 
-/// At the first and at the last report of every phase.
+/// The run is stopped at the first and at the last report of every phase.
 TEST_F(Resume, StoppedInAnyPhaseARunWithSelectsAndValuesGoesOn) {
   for (const Order order : {Order::input, Order::sweep}) {
     const Work work{"selects and values", "knn(k=6) | unique | sor(multiplier=1) | where(outlier == 0) | normals | sor",
@@ -213,7 +214,7 @@ TEST_F(Resume, StoppedInAnyPhaseARunWithSelectsAndValuesGoesOn) {
     EXPECT_GE(stops.size(), 2u * 6);
     for (const std::uint64_t stop : stops) {
       SCOPED_TRACE(fmt::format("stopped at report {} of {}", stop, reports));
-      // A checkpoint that is not on the disk yet puts the next one off, so the last report may not come.
+      // A checkpoint waits until the one before is on the disk, so the last report may not come.
       EXPECT_TRUE(!run_until(stop, work, resuming(work)) || stop + 2 > reports);
       expect_as_uninterrupted(work, run_all(work, resuming(work)));
       if (HasFailure()) return;
@@ -247,7 +248,7 @@ TEST_F(Resume, DoesNotRepeatWhatWasDone) {
   EXPECT_LT(reports_, all / 2);
 }
 
-/// Steps look at what the ones before made around a point: a resumed sweep reads so many slabs again that it has that.
+/// Steps read the results of earlier steps around a point. So a resumed sweep reads several slabs again.
 TEST_F(Resume, DoesNotLeaveWhatLiesAroundItsBeginToTheRecall) {
   const Work work = works()[4];
   run_uninterrupted(work);
@@ -259,16 +260,16 @@ TEST_F(Resume, DoesNotLeaveWhatLiesAroundItsBeginToTheRecall) {
   expect_as_uninterrupted(work, resumed);
 }
 
-/// After a run that was stopped comes one that must not go on with it.
+/// A run was stopped. The next run differs, and must not continue it.
 class Refused : public Resume {
  protected:
   Refused() { run_until(15, work_, resuming(work_)); }
-  /// With which it is refused.
+  /// Returns the sentence with which the next run is refused.
   std::string sentence(const Work& work, const EngineOptions& options) {
     return sentence_of<Error>([&] { run_all(work, options); });
   }
   std::string sentence(const Work& work) { return sentence(work, resuming(work)); }
-  /// What was done is still there, and the right run goes on with it.
+  /// Expects that the checkpoints still exist, and that the right run continues them.
   ~Refused() override {
     run_uninterrupted(work_);
     expect_as_uninterrupted(work_, run_all(work_, resuming(work_)));
@@ -307,7 +308,7 @@ TEST_F(Refused, IfAnyOptionOfAStageIsAnother) {
   }
 }
 
-/// The number of neighbours times a factor that only the operator knows.
+/// Makes the number of neighbours times a factor that is no option of the operator.
 class Counted final : public LocalOperator {
  public:
   explicit Counted(double factor) : factor_(factor) {}
@@ -410,7 +411,7 @@ TEST_F(Resume, RefusesAnInputThatHasAsManyPointsAsBeforeButOthers) {
   ++text[digit];
   const auto before = std::filesystem::last_write_time(input);
   folder_.write("a.xyz", text);
-  std::filesystem::last_write_time(input, before + std::chrono::seconds(1));  // whatever the clock's tick
+  std::filesystem::last_write_time(input, before + std::chrono::seconds(1));  // more than a tick of the clock
   const std::string sentence = sentence_of<Error>([&] { run_all(work, resuming(work)); });
   EXPECT_NE(sentence.find("a.xyz"), std::string::npos) << sentence;
   EXPECT_NE(sentence.find("remove the folder"), std::string::npos) << sentence;

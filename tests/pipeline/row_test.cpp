@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// `row` in conditions and values: the number of the point in the inputs, whatever earlier stages leave out.
+/// The name `row` in conditions and values: the number of the point in the inputs, even if earlier stages drop points.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace pointsweep {
 namespace {
 
-/// Points of which every 97th has no finite place.
+/// Returns points of which every 97th has no finite place.
 Records numbered_input(int points, std::uint64_t seed) {
   std::vector<Vec3> all = make_cloud(hostile_shapes()[1].second, points, seed);
   for (std::size_t i = 5; i < all.size(); i += 97) all[i].y = std::numeric_limits<double>::quiet_NaN();
@@ -79,7 +79,7 @@ TEST(Row, IsOfNeighborsInTheirConditions) {
   }
 }
 
-/// Several inputs: one with other attributes, so that records are converted; points without a place left out.
+/// One of the inputs has other attributes, so that records are converted. Points without a finite place are dropped.
 TEST(Row, CountsAllInputsAndThePointsThatAreDropped) {
   const Records a = numbered_input(300, 74), b = numbered_input(250, 75);
   for (const bool convert : {false, true}) {

@@ -16,7 +16,7 @@ void set_option(RunOptions& options, const std::string& name, const std::string&
   run_option(name).set(options, text, "--" + name);
 }
 
-/// A value of each option whose values are no words.
+/// A value of each option that has no fixed list of words.
 const std::map<std::string, std::string> kSamplesOfOptions = {
     {"replace", "a,b"},         {"prefix", "p_"},   {"memory", "268435456B"},  {"temp_folder", "/tmp"},
     {"threads", "3"},           {"resume", "here"}, {"scale", "0.001"},        {"offset", "auto"},

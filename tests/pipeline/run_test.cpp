@@ -50,7 +50,7 @@ TEST(Run, WithoutAnOutputIsRefused) {
   EXPECT_THROW(run(cloud, graph_within(1, 2), Outputs{}, EngineOptions{}), UsageError);
 }
 
-/// Reads a normal and makes a number, each as another type than it is.
+/// Reads a normal, or writes a number, in a wrong type.
 class WrongTypes final : public LocalOperator {
  public:
   explicit WrongTypes(bool makes_wrong) : makes_wrong_(makes_wrong) {}
@@ -189,7 +189,8 @@ TEST(Run, ShufflingTheInputShufflesTheOutputAndNothingElse) {
   }
 }
 
-/// Mean of the neighbours' normals: looks at what an earlier stage made, so that it must wait for its neighbours.
+/// Makes the mean |cos| to the normals of the neighbours. Reads an attribute that an earlier stage makes, so a cell
+/// waits for its neighbours.
 class MeanNormal final : public LocalOperator {
  public:
   std::string name() const override { return "mean_normal"; }
@@ -213,7 +214,7 @@ class MeanNormal final : public LocalOperator {
   }
 };
 
-/// And one that looks at that: the largest agreement around.
+/// Makes the largest agreement of the neighbours. Reads the attribute that MeanNormal makes.
 class LargestAgreement final : public LocalOperator {
  public:
   std::string name() const override { return "largest"; }
@@ -274,7 +275,7 @@ TEST(Run, NeighborhoodsFoundAgainAreThoseKept) {
   }
 }
 
-/// Looks at what the file says of the neighbours.
+/// Reads an attribute of the input at the neighbours.
 class SumOfMarks final : public LocalOperator {
  public:
   std::string name() const override { return "sum_of_marks"; }
@@ -390,7 +391,7 @@ TEST(Sort, PutsEveryPointInCanonicalOrderAndThoseWithoutAPlaceLast) {
         if (!is_finite(p) || !is_finite(q)) return is_finite(p) != is_finite(q) ? is_finite(p) : a < b;
         return std::tuple(p[axis], p.x, p.y, p.z, a) < std::tuple(q[axis], q.x, q.y, q.z, b);
       });
-      // The row travels as an attribute, so that the order found can be read back.
+      // The row is an attribute, so that the order of the output can be read from it.
       std::vector<double> xyz, row;
       for (const Vec3& p : points)
         xyz.insert(xyz.end(), {p.x, p.y, p.z}), row.push_back(static_cast<double>(row.size()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// sample and parts against their definitions, over the whole cloud.
+/// The operators sample and parts against their definitions, over the whole cloud.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ namespace {
 
 std::uint64_t hash_of_point(Vec3 p, std::uint64_t seed) { return plain_hash({p.x, p.y, p.z}, seed); }
 
-/// Which rows sample() keeps: by sorting all rows.
+/// Returns which rows the operator sample keeps, by sorting all rows.
 std::vector<bool> sampled(const std::vector<Vec3>& points, std::size_t number, std::uint64_t seed, bool rest) {
   std::vector<std::pair<std::uint64_t, std::size_t>> rows;
   std::vector<bool> keep(points.size(), true);
@@ -117,7 +117,7 @@ TEST(Parts, AreTheHashInEqualIntervals) {
     for (const std::uint64_t number : {1u, 10u, 65536u}) {
       const Records out = records_of(run_text(input, fmt::format("parts({}, seed=3)", number), tiny(90)));
       for (std::size_t i = 0; i < points.size(); ++i) {
-        // The interval of 2^64 / number that holds the hash, by long division of the hash into 16 bits.
+        // Finds the interval of length 2^64 / number that holds the hash, by long multiplication in digits of 16 bits.
         std::uint64_t carry = 0, part = 0;
         for (int shift = 0; shift < 64; shift += 16) {
           const std::uint64_t digits = hash_of_point(points[i], 3 + 0x7061727473) >> shift & 0xffff;

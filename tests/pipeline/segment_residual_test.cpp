@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// segment_residual against two passes over the points of each segment, in extended precision.
+/// The attribute segment_residual against two passes over the points of each segment, in extended precision.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -22,10 +22,10 @@ struct Flatness {
   long double residual = 0, extent = 0;
 };
 
-/// By number of the segment. The extent is the root mean square distance to the centroid.
+/// Returns the flatness by number of the segment. The extent is the root mean square distance to the centroid.
 std::map<double, Flatness> flatness(const std::vector<double>& segment, const std::vector<Vec3>& points) {
   using formulas::Vector;
-  std::map<double, std::vector<Vector>> members;  // from the first one
+  std::map<double, std::vector<Vector>> members;  // relative to the first point of the segment
   std::map<double, Vector> first;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (segment[i] >= 0) {
@@ -51,7 +51,7 @@ std::vector<double> residuals_of(const Records& input, const std::string& pipeli
   return run_text(input, pipeline, options).field("segment_residual");
 }
 
-/// Expects the residuals of the result; NaN where there is no segment.
+/// Expects right residuals; NaN for points without a segment.
 void expect_residuals(const RunResult& got, const std::vector<Vec3>& points, const std::string& name) {
   const auto segment = got.field("segment"), residual = got.field("segment_residual");
   const std::map<double, Flatness> expected = flatness(segment, points);
@@ -80,7 +80,7 @@ TEST(SegmentResidual, IsThatOfTwoPasses) {
   }
 }
 
-/// A plane with noise, tilted, whose residual is that of the noise: anywhere, and in any unit.
+/// The residual of a tilted plane with noise is that of the noise, at any place and in any unit.
 TEST(SegmentResidual, OfANoisyPlaneIsItsNoiseAnywhere) {
   for (const Vec3 origin : {Vec3{0, 0, 0}, {612'000, 5'410'000, 480}, {-3e9, 7, 2e9}}) {
     for (const double unit : {1.0, 1000.0, 1e-4}) {
@@ -94,7 +94,7 @@ TEST(SegmentResidual, OfANoisyPlaneIsItsNoiseAnywhere) {
       const Records input = records_with_normals(points, normals);
       const RunResult got = run_text(input, "knn(k=40) | segments(angle=20)", tiny(600));
       expect_residuals(got, points, fmt::format("origin {}, unit {}", origin.x, unit));
-      const double step = std::abs(origin.x) * 0x1p-52;  // of the coordinates themselves
+      const double step = std::abs(origin.x) * 0x1p-52;  // step of the coordinates in float64
       EXPECT_EQ(got.field("segment_size").front(), 4000) << unit;
       if (step < 1e-4 * unit) {
         EXPECT_NEAR(got.field("segment_residual").front(), 0.01 * unit, 2e-4 * unit);
@@ -103,7 +103,7 @@ TEST(SegmentResidual, OfANoisyPlaneIsItsNoiseAnywhere) {
   }
 }
 
-/// One segment of all points that lie in a plane across an axis, or on a line, or in one place; and points alone.
+/// All points are one segment, in a plane across an axis, on a line or in one place; or each point is alone.
 TEST(SegmentResidual, OfExactPlanesAndSinglePointsIsNone) {
   std::mt19937_64 random(12);
   for (int axis = 0; axis < 3; ++axis) {
@@ -145,7 +145,7 @@ TEST(SegmentResidual, DoesNotDependOnTheOrderOfTheInput) {
   }
 }
 
-/// Behind a stage that moves points the planes are those of the moved points.
+/// After a stage that moves points, the planes are those of the moved points.
 TEST(SegmentResidual, IsThatOfThePointsWhereTheyAreNow) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[1].second, sized(1500), 96));
   for (const EngineOptions& options : ways_to_run()) {

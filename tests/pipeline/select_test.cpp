@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Rows that leave the cloud: what is written, and what later stages see, is that of a file without them.
+/// Dropped rows: the output, and the cloud of later stages, are those of a file without these rows.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ namespace {
 
 using Keeps = std::function<bool(const Records&, std::size_t)>;
 
-/// Conditions and the same in C++.
+/// Returns conditions, as texts and as functions.
 const std::vector<std::pair<std::string, Keeps>>& conditions() {
   static const std::vector<std::pair<std::string, Keeps>> all = {
       {"classification == 2 || classification > 6",
@@ -65,7 +65,7 @@ const std::vector<std::pair<std::string, Keeps>>& conditions() {
   return all;
 }
 
-/// Makes 7 of every point once the diagonal of the input is known: its pass reads rows and searches nothing.
+/// Makes the value 7. Needs the diagonal of the input but no neighbours, so its pass reads rows and searches nothing.
 class Stamp final : public LocalOperator {
  public:
   std::string name() const override { return "stamp"; }
@@ -106,7 +106,7 @@ TEST(Where, LeavesTheCloudOfTheKeptRowsForAllLaterStages) {
 TEST(Where, KeepsWhatThePlainLoopKeeps) {
   for (const auto& [text, keeps] : conditions()) {
     SCOPED_TRACE(text);
-    const Records input = with_attributes(make_cloud(hostile_shapes()[13].second, 9001, 4));  // some not finite
+    const Records input = with_attributes(make_cloud(hostile_shapes()[13].second, 9001, 4));  // some rows not finite
     const Records kept = input.those([&, &k = keeps](std::size_t i) { return k(input, i); });
     const RunResult got = run_text(input, "where(" + text + ")", tiny(1000));
     EXPECT_TRUE(got.records == kept.bytes);
@@ -226,7 +226,7 @@ TEST(Where, TellsWhichNameIsWrongAndWhichThereAre) {
   EXPECT_NE(refused("where").find("'condition' is missing"), std::string::npos);
 }
 
-/// Rows of the first of equal coordinates, by a map.
+/// Returns which rows are the first with their coordinates, by a map.
 std::vector<bool> firsts(const std::vector<Vec3>& points) {
   std::map<std::tuple<double, double, double>, std::size_t> first;
   std::vector<bool> keep;
@@ -324,7 +324,7 @@ TEST(Select, WidthsOfFairingAreThoseOfTheRowsThatAreLeft) {
                  "knn(k=9) | normals | splats | fair(f=5, g=5) | normals");
 }
 
-/// Arrays have a row for each point that is left, as those of a cloud that holds only these.
+/// Arrays have a row for each kept point, like the arrays of a cloud of the kept points.
 TEST(Select, ArraysHoldTheRowsThatAreLeft) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 600, 21));
   const Records kept = input.those([&](std::size_t i) { return input.value(i, "classification") < 3; });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// set and drop against plain loops over the records.
+/// The operators set and drop against plain loops over the records.
 #include "pointsweep/operators/rows/set.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 namespace pointsweep {
 namespace {
 
-/// Threads, slabs, spilling.
+/// Returns options with different threads and slabs, spilled and in memory.
 std::vector<EngineOptions> ways_of_editing(Order order) {
   std::vector<EngineOptions> all = {tiny(100, false, 1), tiny(100, true, 2), tiny(50'000, false, 3)};
   for (EngineOptions& options : all) options.order = order;
@@ -32,7 +32,7 @@ std::size_t index_of(const Schema& schema, const std::string& name) {
   return 0;
 }
 
-/// `input` after `edit(record, row)` of every row, also of those without a finite place.
+/// Returns `input` after edit(field bytes, row) for every row, including rows without a finite place.
 template <class Edit>
 Records edited(Records input, const std::string& field, Edit edit) {
   const Field& f = input.schema.fields[index_of(input.schema, field)];
@@ -131,7 +131,7 @@ TEST(Set, NewAttributesHaveTheTypeOfLasOrTheOneAskedForOrFloat64) {
 
 TEST(Set, RealAttributesOfTheInputGetTheTypeAskedFor) {
   const Records input = with_attributes({{0.25, 2, 3}, {1, 5, 6.25}, {0.5, 1, 2}});
-  const RunResult real = run_text(input, "set(a = x) | where(1 < 2)", tiny(100));  // float64, as of a scanner
+  const RunResult real = run_text(input, "set(a = x) | where(1 < 2)", tiny(100));  // float64, as scanners write it
   const Records scanned{real.schema, real.records};
   const auto result = [&](const std::string& pipeline) {
     const RunResult r = run_text(scanned, pipeline, tiny(100));
@@ -154,7 +154,7 @@ TEST(Set, RealAttributesOfTheInputGetTheTypeAskedFor) {
   }
 }
 
-/// The input with the values of a field in another type, at the place where the field was.
+/// Returns the input with the values of a field in another type, at the place of the field.
 Records retyped(const Records& input, const std::string& field, Type type,
                 const std::function<double(std::size_t row)>& value) {
   Records result;
@@ -330,7 +330,7 @@ std::vector<std::string> names_in(const Schema& schema) {
 using FieldNames = std::vector<std::string>;
 
 TEST(Drop, LeavesAttributesOutInEveryOrder) {
-  const Records input = with_attributes(make_cloud(hostile_shapes()[13].second, 600, 8));  // some not finite
+  const Records input = with_attributes(make_cloud(hostile_shapes()[13].second, 600, 8));  // some points are not finite
   for (const Order order : {Order::input, Order::sweep}) {
     for (const EngineOptions& options : ways_of_editing(order)) {
       const auto as_kept = [&](const std::string& pipeline, const std::string& plain, const FieldNames& keep) {

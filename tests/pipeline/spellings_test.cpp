@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Every spelling of an attribute is understood wherever a chain names one; spellings, operators and options are those
-/// of the tables.
+/// Every spelling of an attribute is understood wherever a chain names an attribute, for all spellings, operators and
+/// options of the tables.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,8 +24,8 @@ Schema schema_with(const std::string& field) {
   return schema;
 }
 
-/// Calls `look(field, word)` for all spellings that files and users may have for the same attribute. Conditions and
-/// assignments have no words with blanks.
+/// Calls look(field, word) for all pairs of a spelling in files and a spelling of users that mean one attribute.
+/// Conditions and assignments have no words with blanks.
 void for_each_pair_of_spellings(const std::function<void(const std::string& field, const std::string& word)>& look) {
   for (const std::string& name : names_with_spellings()) {
     std::vector<std::string> fields = spellings_of(name);
@@ -37,7 +37,7 @@ void for_each_pair_of_spellings(const std::function<void(const std::string& fiel
   }
 }
 
-/// Whether some stage reads `field` of the input, writes a new version of it, or drops it.
+/// Returns whether some stage reads the field `field` of the input, writes a new version of it, or drops it.
 bool concerns(const ChainPlan& plan, const std::string& field) {
   return !plan.graph.dropped.empty() || std::ranges::any_of(plan.graph.versions, [&](const AttributeVersion& version) {
     const Schema input = schema_with(field);
@@ -51,7 +51,7 @@ bool names_attributes(const OptionDeclaration& option) {
          option.kind == OptionKind::condition || option.kind == OptionKind::assignments;
 }
 
-/// `of`: the results of statistics().
+/// Returns a value of the option that names `word`. The option `of` names results of the operator statistics.
 std::string value_with(const OptionDeclaration& option, const std::string& word) {
   const OptionKind kind = option.kind;
   if (option.name == "of") return word + "_mean";
@@ -59,7 +59,7 @@ std::string value_with(const OptionDeclaration& option, const std::string& word)
   return kind == OptionKind::assignments ? word + " = 1" : word;
 }
 
-/// A stage in which `option` names `word`, with what else is required.
+/// Returns a stage in which `option` names `word`, with the other options that it requires.
 StageText stage_with(const OperatorDeclaration& declaration, const OptionDeclaration& option, const std::string& word) {
   StageText stage{declaration.name, {{option.name, value_with(option, word), "here"}}, "here"};
   for (const OptionDeclaration& other : declaration.options)
@@ -106,7 +106,7 @@ TEST(Spellings, AreUnderstoodByEveryOptionOfNeighborhoodsAndByKeep) {
   });
 }
 
-/// An attribute that is made stands for all spellings of its name, also where the input has one of them.
+/// A made attribute is meant by all spellings of its name, even if the input has an attribute with one of them.
 TEST(Spellings, MeanWhatIsMadeRatherThanWhatTheInputHas) {
   for (const char* field : {"NormalZ", "nz", "intensity"})
     for (const char* word : {"nz", "NormalZ", "normal_z"}) {
@@ -115,7 +115,8 @@ TEST(Spellings, MeanWhatIsMadeRatherThanWhatTheInputHas) {
       EXPECT_TRUE(std::ranges::all_of(plan.graph.versions, [](const auto& v) { return v.producer.has_value(); }))
           << text << " of " << field;
     }
-  // Programs mean different quantities by "curvature": of the two that are there, the one that is called so.
+  // Programs use "curvature" for different quantities. Here it means the attribute of the input, which has exactly this
+  // name.
   const Chain chain = build_chain(parse_pipeline("normals | curvature | where(curvature > 0)"), Facts{});
   const ChainPlan plan = plan_chain(chain, schema_with("curvature"));
   EXPECT_TRUE(std::ranges::any_of(plan.graph.versions, [](const auto& v) { return !v.producer; }));

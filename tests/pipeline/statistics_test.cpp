@@ -19,7 +19,7 @@
 namespace pointsweep {
 namespace {
 
-/// Holds float64 and whole numbers of 64 bits exactly.
+/// A type that holds float64 and whole numbers of 64 bits exactly.
 using Exact = long double;
 
 Exact exact_value(const Records& records, std::size_t row, const std::string& name) {
@@ -36,7 +36,7 @@ struct Expected {
   Exact tolerance = 0;
 };
 
-/// The statistic of values in the order of the neighbours, from its definition.
+/// Returns a statistic by its definition. `v`: the values in the order of the neighbours.
 Expected defined(const std::string& statistic, std::vector<Exact> v) {
   std::erase_if(v, [](Exact value) { return !std::isfinite(value); });
   const auto n = static_cast<Exact>(v.size());
@@ -44,7 +44,7 @@ Expected defined(const std::string& statistic, std::vector<Exact> v) {
   if (v.empty()) return {std::numeric_limits<Exact>::quiet_NaN()};
   if (statistic == "majority") {
     const auto times = [&](Exact value) { return std::ranges::count(v, value); };
-    return {*std::ranges::max_element(v, {}, times)};  // the first of the greatest
+    return {*std::ranges::max_element(v, {}, times)};  // the first of the most frequent values
   }
   Exact sum = 0, squares = 0;
   for (const Exact value : v) sum += value;
@@ -136,7 +136,7 @@ TEST(NeighborhoodStatistics, AreTheirDefinitionsOnEveryCloudWithEveryNeighborhoo
   }
 }
 
-/// Points on a line at the places, the first at 0, with values of an attribute "v".
+/// Returns points on a line at these places, the first at 0, with values of an attribute "v".
 template <class Value>
 Records on_a_line(const std::vector<double>& places, const std::vector<Value>& values, Type type) {
   Records out;
@@ -165,7 +165,7 @@ TEST(NeighborhoodStatistics, OfEquallyFrequentValuesTheNearestIsTheMajority) {
 }
 
 TEST(NeighborhoodStatistics, TheMeanOfWholeNumbersRoundsTheirSumAlone) {
-  constexpr std::uint64_t kOdd = (std::uint64_t{1} << 53) + 1;  // no float64
+  constexpr std::uint64_t kOdd = (std::uint64_t{1} << 53) + 1;  // not exact in float64
   const Records in = on_a_line<std::uint64_t>({0, 1, -2, 3}, {0, kOdd, kOdd + 2, kOdd + 2}, Type::u64);
   const Records out = records_of(run_text(in, "knn(k=3) | statistics(v_mean)", {}));
   EXPECT_EQ(out.value(0, "v_mean"), 0x1p53 + 2);

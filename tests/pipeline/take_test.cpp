@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// take against the votes of all points of the other cloud, by their formula alone.
+/// The operator take against votes by their formulas, over all points of the other cloud.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// The k nearest points, nearest first, equal distances by x, y, z, row.
+/// Returns the k nearest points within `most`, nearest first, equal distances by x, y, z, row.
 std::vector<std::size_t> nearest_rows(const Records& other, Vec3 p, std::size_t k, double most) {
   std::vector<std::tuple<double, double, double, double, std::size_t>> all;
   for (std::size_t i = 0; i < other.size(); ++i) {
@@ -36,7 +36,7 @@ std::vector<std::size_t> nearest_rows(const Records& other, Vec3 p, std::size_t 
   return rows;
 }
 
-/// Nothing where no value counts. The mean of whole numbers is that of their exact sum.
+/// Returns the vote; nothing if no value counts. The mean of whole numbers is taken from their exact sum.
 std::optional<double> vote(const std::string& how, std::vector<double> values, bool are_whole) {
   if (values.empty()) return {};
   if (how == "nearest" || (how == "majority" && values.size() == 1)) return values.front();
@@ -59,7 +59,7 @@ struct Column {
   std::vector<double> values;
 };
 
-/// Points with x, y, z f64 and some attributes.
+/// Returns points with x, y, z f64 and some attributes.
 Records with_columns(const std::vector<Vec3>& points, const std::vector<Column>& columns) {
   Records out;
   for (const char* axis : {"x", "y", "z"}) out.schema.append(axis, Type::f64);
@@ -92,7 +92,7 @@ class TakeOf : public testing::Test {
     write_all(plan_for(path, records.size(), records.schema), records.bytes);
     return path.string();
   }
-  /// Of the one other.
+  /// Writes the other cloud, and returns a stage that takes attributes from it.
   std::string taking(const Records& other, const std::string& options) {
     return fmt::format("take(\"{}\", {})", written(other), options);
   }
@@ -171,7 +171,7 @@ TEST_F(TakeOf, WholeNumbersOf64BitsAreExact) {
   const Records own = with_attributes({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {kUnknown, 0, 0}});
   const Records other = with_attributes({{2, 0, 0}, {1, 0, 0}, {3, 0, 0}, {1, 0, 0}});
   const RunResult got = run_text(own, taking(other, "attributes=id, most=0.5"), tiny(100));
-  const std::vector<std::uint64_t> rows = {0, 1, 0, 2, 4};  // of the cloud itself at the ends
+  const std::vector<std::uint64_t> rows = {0, 1, 0, 2, 4};  // own rows at both ends, else rows of `other`
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::uint64_t id = 0;
     const Field& field = got.schema.fields[*got.schema.find("id")];

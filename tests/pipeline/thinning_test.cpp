@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// decimate and voxel against loops over the whole cloud, written from their definitions.
+/// The operators decimate and voxel against loops over the whole cloud, written from their definitions.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ namespace {
 
 std::array<double, 3> array_of(Vec3 p) { return {p.x, p.y, p.z}; }
 
-/// Numbers made by a program in another language.
+/// The expected numbers are from a program in another language.
 TEST(Decimate, HashesAreThoseOfSplitMix64) {
   EXPECT_EQ(plain_hash({0, 0, 0}, 0), 0x238275bc38fcbe91u);
   EXPECT_EQ(plain_hash({1, 2, 3}, 0), 0x82f7bd2230df7f4au);
@@ -76,7 +76,8 @@ std::set<std::tuple<double, double, double>> places_of(const RunResult& result) 
   return places;
 }
 
-/// A part within five standard deviations, another part for another seed, the smaller part in the larger.
+/// Shares are right within five standard deviations. Another seed gives another part, and a smaller part lies in a
+/// larger part.
 TEST(Decimate, SharesAreRandomPartsNestedInOneAnother) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[1].second, 20'000, 33));
   const auto places = [&](const char* text) { return places_of(run_text(input, text, tiny(5000))); };
@@ -88,7 +89,7 @@ TEST(Decimate, SharesAreRandomPartsNestedInOneAnother) {
   EXPECT_TRUE(std::ranges::includes(other, both));
 }
 
-/// Which point of each voxel stays, by comparing it with all others.
+/// Returns which points stay, by comparing each point with all others of its voxel.
 std::vector<bool> one_of_each_voxel(const std::vector<Vec3>& points, double size, bool by_hash) {
   using Voxel = std::tuple<double, double, double>;
   std::map<Voxel, std::vector<std::size_t>> members;
@@ -206,7 +207,8 @@ TEST(Voxel, NumbersBeyondThoseOfIntegersAndOfDoublesAreNoError) {
     EXPECT_NE(refusal([&] { chain_of(wrong); }), "") << wrong;
 }
 
-/// Cut at faces of the grid, in any order of rows, the parts give what the whole gives.
+/// Parts of a cloud that is cut at faces of the grid, with rows in any order, give the points that the whole cloud
+/// gives.
 TEST(Voxel, TilesAndAnyOrderOfRowsGiveTheSamePoints) {
   for (const std::size_t shape : {1, 4, 5, 12}) {
     std::vector<Vec3> points = make_cloud(hostile_shapes()[shape].second, sized(1500), 39);
@@ -251,7 +253,7 @@ TEST(Thinning, TheDryRunNamesThePasses) {
     EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << text;
 }
 
-/// One voxel holds the whole cloud, or each point is alone: memory is that of putting points in order.
+/// Voxels need no memory beyond that of ordering the points, whether a voxel holds all points or a single one.
 TEST(Thinning, ABudgetThatDoesForTheOrderDoesForVoxelsOfAnySize) {
   const Records input = with_attributes(make_cloud(hostile_shapes()[0].second, 60'000, 41));
   for (const char* text : {"voxel(1e6)", "voxel(1e-6)"}) {

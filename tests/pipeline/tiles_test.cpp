@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// An output for each input: no seams, each tile like its input, complete or absent.
+/// Runs with an output for each input: no seams, each tile has the layout of its input, and tiles are complete or
+/// absent.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,7 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// All records of a file.
+/// The schema and all records of a file.
 struct FileContent {
   Schema schema;
   std::vector<std::byte> records;
@@ -143,7 +144,7 @@ class Tiles : public testing::Test {
                               const EngineOptions& options) {
     return run(cloud, build_chain(parse_pipeline(pipeline), cloud), outputs, options);
   }
-  /// The inputs, of which the one of this number calls `hook` before each read.
+  /// Returns the inputs as a cloud. Input `number` calls `hook` before each read.
   InputCloud hooked(std::size_t number, std::function<void()> hook) const {
     std::vector<std::unique_ptr<Reader>> readers;
     for (const fs::path& path : inputs())
@@ -151,8 +152,8 @@ class Tiles : public testing::Test {
     return InputCloud(std::move(readers));
   }
 
-  /// The rows of the tiles, one after the other, have all attributes that `merged` has and no input, to the last bit.
-  /// A text file is read as float64, and its shortest decimals give the float32 that was written.
+  /// Expects that the rows of the tiles, one tile after another, have the computed attributes of `merged`, to the last
+  /// bit. A text file is read as float64, and its shortest decimals give the float32 that was written.
   void expect_no_seams(const fs::path& merged) const {
     const FileContent whole(merged);
     const Schema given = InputCloud(inputs()).schema();
@@ -175,7 +176,7 @@ class Tiles : public testing::Test {
     EXPECT_EQ(first, whole.rows);
   }
 
-  /// All files and folders below the folder of the test but those of the inputs.
+  /// Returns the contents of all files in a folder, by relative path.
   std::map<std::string, std::string> files(const std::string& below = "out") const {
     std::map<std::string, std::string> all;
     if (fs::exists(folder_ / below))
@@ -283,7 +284,7 @@ TEST_F(Tiles, KeepTheHeadersOfTheirInputs) {
     ASSERT_EQ(one.size(), tile.size());
     std::uint32_t points_at = 0;
     std::memcpy(&points_at, one.data() + 96, 4);
-    // The values of normals follow, and of the extra bytes only their ranges are in the header.
+    // The headers are equal: normals and ranges of extra bytes come later in the file.
     EXPECT_EQ(one.substr(0, 375), tile.substr(0, 375));
     EXPECT_NE(one.substr(points_at), tile.substr(points_at));
   }
@@ -320,7 +321,7 @@ TEST_F(Tiles, PointsThatAreNotFiniteAreDroppedFromTheirTileAlone) {
   EXPECT_EQ(FileContent(folder_ / "out/d.xyz").rows, 350u);
 }
 
-/// A folder of so many tiles would be listed as many times, which takes the square of their number.
+/// A folder of n tiles must not be listed for each of them, which would take time proportional to n².
 TEST_F(Tiles, LookForWhatKilledRunsHaveLeftBeforeTheFirstOfThemAlone) {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(0);
@@ -387,7 +388,7 @@ TEST_F(Tiles, ADryRunNamesThemAndMakesNothing) {
   EXPECT_THROW(preview(cloud, chain, sweep, tiles()), UsageError);
 }
 
-/// Reading the input of the third tile, while it gets its rows, fails as soon as the first two tiles are complete.
+/// Runs in which reading the third input fails, while its tile is written, as soon as the first two tiles are complete.
 class StoppedTiles : public Tiles {
  protected:
   template <class Failure>
@@ -396,7 +397,8 @@ class StoppedTiles : public Tiles {
       if (completes("a.las") && completes("b.las")) throw Failure();
     });
   }
-  /// Returns false before the tile is begun; else waits until it is complete, which another thread may do.
+  /// Returns false if the tile is not begun. Else waits until the tile is complete, which another thread may write, and
+  /// returns whether it is.
   bool completes(const char* name) const {
     const fs::path tile = folder_ / "out" / name;
     const auto is_there = [&] { return fs::exists(tile); };
@@ -452,7 +454,7 @@ class ResumedTiles : public StoppedTiles {
     resuming.checkpoint_seconds = 0;
     return resuming;
   }
-  /// Stops with two complete tiles.
+  /// Stops a run when two tiles are complete.
   void stop_while_writing(const std::string& pipeline) const {
     InputCloud cloud = failing_late<Cancelled>();
     EXPECT_THROW(run_cloud(cloud, pipeline, tiles(), resuming()), Cancelled);
@@ -494,14 +496,14 @@ TEST_F(ResumedTiles, AreTheSameAtWhicheverReportTheRunWasStopped) {
     reports = 0;
     EXPECT_THROW(run_all(pipeline, tiles(), stopping), Cancelled);
     for (const auto& [name, bytes] : files()) EXPECT_TRUE(files("whole").at(name) == bytes) << name;
-    run_all(pipeline, tiles(), stopping);  // counts on, so that it is not stopped again
+    run_all(pipeline, tiles(), stopping);  // the count of the hook goes on, so the run is not stopped again
     EXPECT_TRUE(files() == files("whole"));
   }
 }
 
 TEST_F(ResumedTiles, ThatAreNoLongerThoseOfTheRunAreNotTakenForThem) {
   stop_while_writing("normals");
-  const auto unlink_and_write = [&](const char* bytes) {  // often the same inode again
+  const auto unlink_and_write = [&](const char* bytes) {  // the new file often has the inode of the old one
     fs::remove(folder_ / "out/a.las");
     folder_.write("out/a.las", bytes);
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// transform against plain loops in extended precision.
+/// The operator transform against plain loops in extended precision.
 #include "pointsweep/operators/rows/transform.h"
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ using Numbers = std::vector<double>;
 constexpr const char* kTurn = "[0.8,-0.6,0,500000,0.6,0.8,0,5000000,0,0,1,-12.5]";
 const Numbers kTurnNumbers = {0.8, -0.6, 0, 500000, 0.6, 0.8, 0, 5000000, 0, 0, 1, -12.5};
 
-/// Points with unit normals of the type, an id, and float32 fields that `more` names, of 1, 2, 3, ...
+/// Returns points with unit normals of the type, an id, and the float32 fields `more` with values 1, 2, 3, ...
 Records with_normals(const std::vector<Vec3>& points, Type type, const std::vector<std::string>& more = {}) {
   Records out;
   for (const char* axis : {"x", "y", "z"}) out.schema.append(axis, Type::f64);
@@ -43,7 +43,7 @@ Records with_normals(const std::vector<Vec3>& points, Type type, const std::vect
   return out;
 }
 
-/// The sentence of the Error that `work` throws; empty if it throws none.
+/// Returns the sentence of the Error that `work` throws; empty if it throws none.
 template <class Work>
 std::string sentence_of(Work work) {
   try {
@@ -104,7 +104,7 @@ TEST(Transform, NormalsOfATurnedCloudAreTheTurnedNormals) {
     const std::string stage = fmt::format("transform({})", matrix);
     const bool shears = std::string(matrix).find("0.5") != std::string::npos;
     std::vector<Vec3> flat = points;
-    for (Vec3& p : flat) p.z = 0.3 * p.x - 0.2 * p.y;  // a plane stays one under a shear
+    for (Vec3& p : flat) p.z = 0.3 * p.x - 0.2 * p.y;  // a plane stays a plane under a shear
     const Records input = with_normals(shears ? flat : points, Type::f32);
     const Records before = records_of(run_text(input, "knn(k=9) | normals | " + stage, tiny(300)));
     const Records after = records_of(run_text(input, "knn(k=9) | " + stage + " | normals", tiny(300)));

@@ -40,7 +40,8 @@ TEST(Updates, TheBytesDependNeitherOnThreadsNorSlabsNorMemory) {
   }
 }
 
-/// Rows in canonical order along `axis` (negative: the longest of the finite ones), not finite ones last.
+/// Returns the rows in canonical order along `axis` (negative: the longest axis of the finite points). Points that are
+/// not finite come last.
 std::vector<std::uint32_t> canonical_rows(const std::vector<Vec3>& points, int axis) {
   Box box;
   for (const Vec3& p : points)
@@ -56,7 +57,7 @@ std::vector<std::uint32_t> canonical_rows(const std::vector<Vec3>& points, int a
   return rows;
 }
 
-/// The records of `by_row` in the order `rows`.
+/// Returns the records of `by_row` in the order `rows`.
 std::vector<std::byte> permuted(const RunResult& by_row, const std::vector<std::uint32_t>& rows) {
   std::vector<std::byte> records;
   for (const std::uint32_t row : rows) {
@@ -73,7 +74,7 @@ TEST(Resort, OrdersTheOutputByThePositionsAtItsPlaceAndChangesNoValue) {
     const std::vector<Vec3> points = make_cloud(shape, 300, 32);
     std::vector<Vec3> once, twice;
     for (const Vec3& p : points) once.push_back(is_finite(p) ? first.moved(p, once.size()) : p);
-    // Within one sweep a point that was thrown out of space is still thrown by the second.
+    // Within one sweep, the second operator also moves points that the first has made not finite.
     for (std::size_t i = 0; i < points.size(); ++i)
       twice.push_back(is_finite(points[i]) ? second.moved(once[i], i) : points[i]);
     const std::vector<std::tuple<std::string, Stages, std::vector<Vec3>>> chains = {
@@ -148,7 +149,7 @@ TEST(Updates, ChainsThatDoNotFitAreRefusedBeforeAnyWork) {
             std::string::npos);
 }
 
-/// The budget that a refusal of a run in one megabyte names.
+/// Returns the budget in bytes that the refusal of a run in one megabyte names.
 std::uint64_t least_budget(const std::vector<Vec3>& points, const Chain& chain) {
   EngineOptions options;
   options.resources.memory_bytes = 1 << 20;
@@ -166,7 +167,7 @@ TEST(Updates, ABudgetThatALaterSweepCannotKeepIsRefusedBeforeTheFirst) {
   const Chain chain{{.k = 4}, {thrown(1), reneighbor(19'000), graph(1, 20'000), thrown(1, 2)}};
   EngineOptions options;
   options.resources.memory_bytes =
-      least_budget(points, {{.k = 4}, {thrown(1), graph(1, 20'000)}});  // enough for the first
+      least_budget(points, {{.k = 4}, {thrown(1), graph(1, 20'000)}});  // suffices for the first sweep
   std::string phases;
   Watching watching([&](const Progress& p) { phases += p.phase; });
   options.observer = &watching;

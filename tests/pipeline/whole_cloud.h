@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The slow and obvious meaning of a chain: every operator on the whole cloud in memory, neighbours by all pairs, one
-/// stage after the other. Nothing of the engine takes part.
+/// A slow and obvious evaluation of a chain: every operator runs on the whole cloud in memory, one stage after another,
+/// with neighbours from all pairs. It uses no code of the engine.
 #pragma once
 
 #include <cstring>
@@ -34,7 +34,7 @@ class WholeCloud {
   }
 
   const std::vector<Vec3>& points() const { return points_; }
-  /// The values of an attribute, one component after the other.
+  /// Returns the values of an attribute, all components of a point side by side.
   template <class T>
   std::vector<T> values(const std::string& name) const {
     const Column& column = made_.at(name);
@@ -44,7 +44,7 @@ class WholeCloud {
   }
 
  private:
-  /// All values of the input that the operator needs.
+  /// Returns the values of the whole input that the operator needs.
   std::vector<std::vector<double>> values_for(const LocalOperator& op) const {
     std::vector<std::vector<double>> values;
     const Contract contract = op.contract();
@@ -72,7 +72,7 @@ class WholeCloud {
     for (std::size_t m = 0; m < contract.makes.size(); ++m) take(contract.makes[m], result.columns[m]);
   }
 
-  /// Points that were nowhere when the sweep began stay there and get the value of none.
+  /// Stores a column. Points that were not finite when the sweep began are not moved and get the fill.
   void take(const Attribute& attribute, Column column) {
     const std::size_t bytes = attribute.bytes();
     const bool moves = attribute.name == position_attribute().name;
@@ -90,7 +90,7 @@ class WholeCloud {
   Neighborhood neighborhood_;
   std::vector<std::vector<std::uint32_t>> lists_;
   std::vector<bool> is_somewhere_;
-  bool moved_ = false;  ///< since the lists were found
+  bool moved_ = false;  ///< true if points have moved since the lists were found
   std::map<std::string, Column> made_;
 };
 

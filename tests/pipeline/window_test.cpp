@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How much of a hostile cloud is in memory at once. Slabs here are 3 % of the cloud, so that an even cloud fills 16 %.
+// The share of a hostile cloud that the window holds at once. Slabs are 3 % of the cloud, so that an even cloud fills
+// 16 %.
 #include <gtest/gtest.h>
 
 #include "pointsweep/operators/statistics/neighbor_rows.h"
