@@ -31,7 +31,7 @@ std::vector<Vec3> positions_of(InputCloud& cloud) {
   return points;
 }
 
-/// The lists of at most kMost neighbours of `sample` rows (all, if there are fewer), by brute force.
+/// The nearest kMost neighbours of `sample` rows, or of all rows if there are fewer, by brute force.
 struct Truth {
   static constexpr std::size_t kMost = 64;
   std::size_t count;
@@ -46,7 +46,7 @@ struct Truth {
   }
 };
 
-/// Checks the k-nearest-neighbour graph, k at most Truth::kMost.
+/// Compares the k-nearest-neighbour graph with the truth; k is at most Truth::kMost.
 void expect_exact(InputCloud& cloud, const Truth& truth, const Neighborhood& what, const EngineOptions& options) {
   const RunResult result =
       run_in_memory(cloud, {what, {std::make_shared<NeighborRows>(what.k, truth.count, false)}}, options);
@@ -152,10 +152,10 @@ TEST(GeneratedClouds, FillLittleOfTheWindowHoweverUnevenTheirDensity) {
     return run_in_memory(cloud, {{.k = 8}, {std::make_shared<Normals>()}}, small(0, 1024, 2, 1ull << 30)).statistics;
   };
   const Statistics clean = run_on("statue", {});
-  // 5.0 to 5.6 %, for the same reason as the number of recalled points.
+  // Observed: 5.0 to 5.6 % of the points. The share varies, because the thread that partitions points first decides
+  // which points share a cell.
   EXPECT_LT(clean.peak_points, kPoints * 65 / 1000);
-  // None in most runs and about ten in the others: which points share a cell depends on which thread partitioned them
-  // first.
+  // No point is recalled in most runs, and about ten points in the others, because cells vary as described above.
   EXPECT_LT(clean.recalled, kPoints / 10'000);
   for (const auto& [share, box] : {std::pair(0.00001, 1000.0), {0.001, 10.0}, {0.01, 10.0}, {0.01, 1000.0}}) {
     SCOPED_TRACE(testing::Message() << share << " of the points in a box " << box << " times larger");
@@ -170,14 +170,14 @@ TEST(GeneratedClouds, FillLittleOfTheWindowHoweverUnevenTheirDensity) {
   for (const Sampling& sampling : {Sampling{}, noise}) {
     SCOPED_TRACE(sampling.noise);
     const Statistics s = run_on("tls", sampling);
-    // 7 to 10 %: where slabs end depends on the sample, and where cells end on which thread partitioned their points
-    // first.
+    // Observed: 7 to 10 % of the points. The ends of slabs depend on the sample, the ends of cells on the thread that
+    // partitioned their points first.
     EXPECT_LT(s.peak_points, kPoints * 11 / 100);
     EXPECT_LT(s.recalled, kPoints / 1000);
   }
 }
 
-/// Both begin at the same height but for chance, and the sheet must not wait for the end of the column.
+/// The sheet and the column begin at almost equal heights. The sheet must not wait for the end of the column.
 TEST(GeneratedClouds, ASheetUnderAColumnOfFewPointsFillsLittleOfTheWindow) {
   constexpr std::size_t kPoints = 200'000;
   std::uniform_real_distribution<double> u(0, 1);

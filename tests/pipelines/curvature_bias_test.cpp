@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How right curvatures are on dense noiseless surfaces, with normals estimated from the same neighbourhoods.
+// Errors of curvatures on dense noiseless surfaces, with normals estimated from equal neighbourhoods.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::size_t kPoints = 500'000;
 
-/// Mean errors, and means of their magnitudes, over the true k1 (which k2 is compared with, since it may be 0).
+/// Mean errors and mean absolute errors, relative to the true k1. Errors of k2 are relative to k1 as well, since k2 may
+/// be 0.
 struct Errors {
   double k1 = 0, k2 = 0, mean = 0, k1_size = 0, k2_size = 0;
 };

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kNeighbors = 64;
 
-/// Onto a grid so coarse that many points come to lie in one place.
+/// An operator that rounds positions to a grid so coarse that many points coincide.
 class Snap final : public LocalOperator {
  public:
   explicit Snap(double side) : side_(side) {}
@@ -37,7 +37,7 @@ class Snap final : public LocalOperator {
   double side_;
 };
 
-/// The vertices of an ascii PLY file that begin with x y z.
+/// Returns the vertices of an ascii PLY file whose vertex lines begin with x y z.
 std::vector<Vec3> vertices_of(const std::filesystem::path& path) {
   std::ifstream in(path);
   std::size_t count = 0;
@@ -68,7 +68,7 @@ Lists neighbors_of(const std::vector<Vec3>& points) {
   return lists;
 }
 
-/// Equation 1 at the moved positions, over neighbours found before.
+/// The normal by Equation 1 at the moved positions, over the neighbours found before the move.
 struct Plane {
   Vec3 normal;
   double tolerance, farthest;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Whether splats lie over a surface without holes: many points of the surface are asked which splats lie over them.
+/// Tests whether splats cover a surface without holes, by counting the splats over many points of the surface.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace pointsweep {
 
-/// The splats that a pipeline makes, in a grid so that few are tried for a place.
+/// The splats that a pipeline makes, stored in a grid, so that few splats are tried for a point.
 ///
 /// A splat lies over x if x, projected along the splat's normal into its plane, is inside its ellipse, and x is no
 /// farther from that plane than `kHeight` major semi-axes: a splat of another sheet covers nothing.
@@ -36,7 +36,7 @@ class SplatCover {
     fill_grid();
   }
 
-  /// How many splats lie over x.
+  /// Returns the number of splats that lie over x.
   std::size_t over(Vec3 x) const {
     std::size_t count = 0;
     const auto here = grid_.find(key(cell_of(x)));
@@ -58,7 +58,7 @@ class SplatCover {
     return u * u + v * v <= 1 && std::abs(dot(d, s.normal)) <= kHeight * s.major;
   }
 
-  /// Every splat is put where its ball reaches.
+  /// Adds every splat to all cells that its bounding ball touches.
   void fill_grid() {
     std::vector<double> lengths;
     for (const Splat& s : splats_) lengths.push_back(s.major);
@@ -80,7 +80,7 @@ class SplatCover {
     for (int a = 0; a < 3; ++a) cell[static_cast<std::size_t>(a)] = static_cast<std::int64_t>(std::floor(p[a] / side_));
     return cell;
   }
-  /// Unlike for cells within a million of the origin.
+  /// Returns a key of a cell, unique for cells within a million cells of the origin.
   static std::uint64_t key(GridCell c) {
     std::uint64_t k = 0;
     for (const std::int64_t v : c) k = k << 21 | (static_cast<std::uint64_t>(v + (1 << 20)) & 0x1FFFFF);
@@ -92,7 +92,7 @@ class SplatCover {
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> grid_;
 };
 
-/// What part of a surface has no splat over it, and how many lie over a point of it on average.
+/// The share of a surface that no splat covers, and the mean number of splats over a point.
 struct Covered {
   double bare = 0, depth = 0;
 };

@@ -41,7 +41,7 @@ struct Model {
     }
   }
 
-  /// Random points of the triangles, even by area.
+  /// Returns random points of the triangles, uniform by area.
   std::vector<Vec3> draw(std::size_t n) const {
     std::vector<double> area;
     for (const auto& t : triangles)

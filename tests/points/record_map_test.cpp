@@ -18,7 +18,7 @@ std::vector<std::byte> some_bytes(std::size_t n, std::mt19937& random) {
   return bytes;
 }
 
-/// Each byte of a target comes from the last part that covers it; all others are unchanged.
+/// A covered byte of the target comes from the last part that covers it. Other bytes are unchanged.
 TEST(RecordMap, CopiesEachPartOfEachRecordAndNothingElse) {
   std::mt19937 random(1);
   constexpr std::size_t kFrom = 120, kTo = 140, kRecords = 50;

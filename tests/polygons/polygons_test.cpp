@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Points in polygons, against whole-number arithmetic over all edges; and polygons as files have them.
+/// Points in polygons, against whole-number arithmetic over all edges; polygons in files.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,11 +36,11 @@ TEST(Orientation, EqualsThatOfWholeNumbersAtEveryScale) {
           return static_cast<std::int64_t>(random() >> (64 - bits)) - (1 << (bits > 20 ? 20 : bits - 1));
         };
         const Place a{coordinate(), coordinate()}, b{coordinate(), coordinate()};
-        // On the line or one unit off it, where the determinant is 0 or tiny beside its products.
+        // c lies on the line or one unit off it, where the determinant is 0 or tiny compared with its products.
         Place c{2 * b.x - a.x, 2 * b.y - a.y};
         if (turn % 3 == 1) c.x += 1;
         if (turn % 3 == 2) c = {coordinate(), coordinate()};
-        if (turn % 4 == 3) {  // as near to the line as whole numbers are: products of float64 do not tell the side
+        if (turn % 4 == 3) {  // as near to the line as whole numbers allow: float64 products leave the side open
           const double t = static_cast<double>(random() >> 11) / 0x1p53;
           c = {a.x + std::llround(t * static_cast<double>(b.x - a.x)),
                a.y + std::llround(t * static_cast<double>(b.y - a.y))};
@@ -76,7 +76,7 @@ TEST(Orientation, SeesTheLastBitOfCoordinatesOfAnyMagnitude) {
 
 using WholeRings = std::vector<std::vector<Place>>;
 
-/// Even-odd over all edges; on an edge counts as inside. By the definition.
+/// Returns whether p lies inside by the even-odd rule over all edges, or on an edge.
 bool is_covered(const std::vector<WholeRings>& polygons, Place p) {
   for (const WholeRings& rings : polygons) {
     bool inside = false, on_edge = false;
@@ -94,7 +94,8 @@ bool is_covered(const std::vector<WholeRings>& polygons, Place p) {
   return false;
 }
 
-/// Corners in a coarse grid: edges that touch, cross, repeat and lie level, rings of no area, holes outside.
+/// Returns polygons with corners in a coarse grid: edges that touch, cross, repeat or are horizontal, rings without
+/// area, holes outside.
 std::vector<WholeRings> random_polygons(std::mt19937_64& random) {
   std::vector<WholeRings> polygons(1 + random() % 3);
   const std::int64_t grid = random() % 2 == 0 ? 6 : 40;
@@ -114,7 +115,8 @@ TEST(PolygonIndex, CoversWhatEveryEdgeTogetherSays) {
   std::size_t covered = 0, asked = 0;
   for (int turn = 0; turn < 400; ++turn) {
     const std::vector<WholeRings> polygons = random_polygons(random);
-    // Whole numbers times 2^-3, at a national grid's offset: exact in double, with products that are not.
+    // Whole numbers times 2^-3, at the offset of a national grid: coordinates are exact in double, but their products
+    // are not.
     const double offset = turn % 2 == 0 ? 0 : 5234567.125;
     const auto real = [&](std::int64_t v) { return offset + static_cast<double>(v) / 8; };
     std::vector<Polygon> converted;

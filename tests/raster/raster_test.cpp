@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Filters of rows of cells against loops over whole rasters.
+/// Filters that stream rows of cells, against loops over whole rasters.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@
 namespace pointsweep {
 namespace {
 
-/// Counts what was made.
+/// Makes scratches in memory, and counts them.
 struct Scratches {
   std::size_t made = 0;
   MakeScratch make() {
@@ -41,7 +41,7 @@ struct Raster {
   bool operator==(const Raster&) const = default;
 };
 
-/// Gives a raster by `at_once` rows.
+/// A stream of the rows of a raster, `at_once` rows at a time.
 class RasterRows final : public RowStream {
  public:
   RasterRows(const Raster& raster, std::size_t at_once)
@@ -71,7 +71,7 @@ Raster all_of(RowStream& stream) {
   return raster;
 }
 
-/// `absent` of ten cells have no value; a tenth is marked.
+/// Returns a random raster. `absent` of ten cells have no value; a tenth of the cells is marked.
 Raster random_raster(std::size_t rows, std::size_t columns, unsigned absent, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   Raster raster{rows, columns, {}, {}};
@@ -83,7 +83,7 @@ Raster random_raster(std::size_t rows, std::size_t columns, unsigned absent, std
   return raster;
 }
 
-/// The least or greatest value over disks, cell by cell.
+/// Returns the least or greatest value over the disk around each cell.
 std::vector<double> over_disks(const Raster& raster, const std::vector<double>& values, int radius, bool least) {
   std::vector<double> result(values.size(), kNoCell);
   const int rows = static_cast<int>(raster.rows), columns = static_cast<int>(raster.columns);
@@ -131,7 +131,7 @@ TEST(OpenedRows, AreThoseOfTheWholeRaster) {
     }
 }
 
-/// The nearest known cell on each side, found step by step.
+/// Fills holes from the nearest known cell on each side, found step by step.
 Raster filled(const Raster& raster, int reach) {
   Raster result = raster;
   const int rows = static_cast<int>(raster.rows), columns = static_cast<int>(raster.columns);
@@ -175,7 +175,7 @@ TEST(FilledRows, AreThoseOfTheWholeRaster) {
       }
 }
 
-/// Cells of islands, given row by row; `far` is added to the rows and columns of the second island.
+/// Adds the cells of two islands, row by row. `far` is added to the rows and columns of the second island.
 void add_islands(LowestCells& cells, double far) {
   std::mt19937_64 random(7);
   std::set<std::pair<double, double>> places;
@@ -193,7 +193,7 @@ void add_islands(LowestCells& cells, double far) {
   cells.finish();
 }
 
-/// Of the cells that have a point, row by row.
+/// Returns the surface at the cells that have a point, row by row.
 std::vector<double> surface_of(const LowestCells& cells, const GroundRule& rule, std::uint64_t memory,
                                Scratches& made) {
   std::vector<double> values;
@@ -212,7 +212,7 @@ std::vector<double> surface_of(const LowestCells& cells, const GroundRule& rule,
   return values;
 }
 
-/// Cells of all bands, with those that are empty.
+/// Returns the number of cells of all bands, including empty cells.
 std::uint64_t all_cells(const LowestCells& cells) {
   std::uint64_t all = 0;
   for (std::size_t b = 0; b < cells.bands(); ++b) {
@@ -253,7 +253,7 @@ TEST(GroundSurface, DoesNotDependOnThreads) {
   EXPECT_EQ(surfaces[2], surfaces[0]);
 }
 
-/// Islands farther away than filters reach change nothing, wherever they are, and the raster does not grow with them.
+/// Islands beyond the reach of the filters change nothing, wherever they are, and do not enlarge the raster.
 TEST(GroundSurface, DoesNotDependOnWhatIsFarAway) {
   const GroundRule rule{.cell = 1, .slope = 2, .radius = 3};
   const double apart = 39 + static_cast<double>(rule.axis_rule().most);  // the first island has rows 0 to 39
@@ -269,7 +269,8 @@ TEST(GroundSurface, DoesNotDependOnWhatIsFarAway) {
   }
 }
 
-/// Less than the lowest object: the surface of minima that are filled, which is that of the filters.
+/// A band whose heights vary less than the lowest object: filled minima without filters give the surface of the
+/// filters.
 TEST(GroundSurface, OfALevelBandIsThatOfTheFilters) {
   const GroundRule filters{.cell = 1, .slope = 2, .radius = 6};
   std::mt19937_64 random(5);
@@ -282,7 +283,7 @@ TEST(GroundSurface, OfALevelBandIsThatOfTheFilters) {
     steep.add(i / 30, i % 30, z);
   }
   cells.finish();
-  steep.add(29, 30, 1.9);  // too high a range for the short way, too low for an object
+  steep.add(29, 30, 1.9);  // too much relief to skip the filters, too little for an object
   steep.finish();
   Scratches made;
   EXPECT_LT(CellBand(cells, 0).height(), filters.least_height());
@@ -292,7 +293,7 @@ TEST(GroundSurface, OfALevelBandIsThatOfTheFilters) {
   EXPECT_EQ(surface, std::vector<double>(by_filters.begin(), by_filters.end() - 1));
 }
 
-/// Cells one by one along a diagonal, each far from the others.
+/// Single cells lie along a diagonal, each far from the others.
 TEST(GroundSurface, EmptyRangesBetweenIslandsAreNoCells) {
   const GroundRule rule{.cell = 1, .slope = 2, .radius = 3};
   LowestCells cells(rule.axis_rule(), std::make_unique<ScratchInMemory>());

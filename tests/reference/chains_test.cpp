@@ -14,8 +14,8 @@
 namespace pointsweep {
 namespace {
 
-/// Makes "order", the number of neighbours whose "order" was smaller, from the "order" of the stage before: what it
-/// reads of its neighbours is what it overwrites.
+/// Makes "order", the number of neighbours with a smaller "order", from the "order" of the previous stage. So it
+/// overwrites the attribute that it reads from neighbours.
 class Smaller : public LocalOperator {
  public:
   explicit Smaller(bool first) : first_(first) {}
@@ -46,7 +46,7 @@ const auto kFair = std::make_shared<Fair>(FairOptions{.f = 0.1, .g = 0.1});
 struct NamedChain {
   std::string name;
   Stages stages;
-  int hops;  ///< how far from a point its results look: along lists of neighbours of neighbours
+  int hops;  ///< number of steps along neighbour lists on which a result depends
 };
 
 std::vector<NamedChain> chains() {
@@ -70,7 +70,7 @@ std::vector<NamedChain> chains() {
 
 std::vector<Vec3> surface(std::size_t n) { return make_cloud(hostile_shapes()[0].second, n, 21); }
 
-/// Points all of whose neighbours, `hops` steps far, have exact neighbourhoods.
+/// Returns the points whose neighbours up to `hops` steps away all have exact neighbourhoods.
 std::vector<bool> exact_within(std::vector<bool> exact, const Lists& neighbors, int hops) {
   for (int hop = 0; hop < hops; ++hop) {
     std::vector<bool> next = exact;

@@ -16,12 +16,12 @@ namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
-/// A kD-heap beside a plain list of the points it should hold.
+/// A kD-heap, and a plain list of the points that it should hold.
 class Beside {
  public:
   explicit Beside(int axis) : axis_(axis), heap_(axis) {}
 
-  /// As the sweep adds a point: to the sets of all others, then to the heap.
+  /// Adds a point as the sweep does: first to the sets of all other points, then to the heap.
   void add(Vec3 p, std::uint64_t index, std::size_t k, double radius2) {
     StreamPoint& point = points_.emplace_back(p, index, index, Reach{k, radius2});
     sets_.push_back({Reach{k, radius2}, {}});
@@ -104,7 +104,7 @@ class Beside {
   std::vector<StreamPoint*> held_;
 };
 
-/// On a coarse grid, so that coordinates and distances tie.
+/// Generates a point of a coarse grid, so that coordinates and distances tie.
 Vec3 grid_point() {
   const auto coordinate = [] { return static_cast<double>(*rc::gen::inRange(0, 7)); };
   return {coordinate(), coordinate(), coordinate()};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Runs of the reference engine as programs start them, through run(), and what they must hold to.
+/// Runs of the reference engine through run(), as programs start them, and checks of their results.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ using Stages = std::vector<ChainStage>;
 
 inline constexpr Order kOrders[] = {Order::input, Order::sweep};
 
-/// Notes the rows of the points that pass, in their order. Only for an engine of one thread.
+/// An operator that records the rows of the points in the order of their processing. Only for an engine of one thread.
 class Passing final : public LocalOperator {
  public:
   explicit Passing(std::vector<std::uint32_t>& rows) : rows_(rows) {}
@@ -43,7 +43,7 @@ class Passing final : public LocalOperator {
   std::vector<std::uint32_t>& rows_;
 };
 
-/// Slabs of 300 points, so that small clouds have many.
+/// Returns options with slabs of 300 points by default, so that small clouds have many slabs.
 inline EngineOptions by(Engine engine, Order order = Order::input, std::uint64_t slab_points = 300) {
   EngineOptions options;
   options.engine = engine;
@@ -60,7 +60,7 @@ inline Box bounds_of(const std::vector<Vec3>& points) {
   return box;
 }
 
-/// The rows in canonical order along the longest axis; points that are not finite last, by row.
+/// Returns the rows in canonical order along the longest axis; points that are not finite come last, by row.
 inline std::vector<std::uint32_t> canonical_rows(const std::vector<Vec3>& points) {
   const int axis = bounds_of(points).longest_axis();
   std::vector<std::uint32_t> rows(points.size());
@@ -74,7 +74,7 @@ inline std::vector<std::uint32_t> canonical_rows(const std::vector<Vec3>& points
   return rows;
 }
 
-/// The row of each output record.
+/// Returns the row of each output record.
 inline std::vector<std::uint32_t> rows_of_records(const std::vector<Vec3>& points, Order order) {
   if (order == Order::sweep) return canonical_rows(points);
   std::vector<std::uint32_t> rows(points.size());
@@ -82,7 +82,7 @@ inline std::vector<std::uint32_t> rows_of_records(const std::vector<Vec3>& point
   return rows;
 }
 
-/// Records of an output in the order `order`, by row.
+/// Returns the records of an output in the order `order`, by row.
 inline std::vector<std::string> records_by_row(const RunResult& result, const std::vector<Vec3>& points, Order order) {
   std::vector<std::string> records(points.size());
   const std::vector<std::uint32_t> rows = rows_of_records(points, order);
@@ -97,10 +97,10 @@ struct NeighborRun {
   Lists lists;                         ///< by row; the first `width` neighbours
   std::vector<double> counts;          ///< |N_i|, by row
   std::vector<std::uint32_t> entered;  ///< rows in the order in which points passed the reference
-  std::vector<std::string> records;    ///< of the output, by row
+  std::vector<std::string> records;    ///< records of the output, by row
 };
 
-/// The neighbours of all points of a cloud at `points`, up to `width` of each.
+/// Returns the neighbours of all points of a cloud at `points`, up to `width` of each point.
 inline NeighborRun neighbor_run(InputCloud& cloud, const std::vector<Vec3>& points, const Neighborhood& neighborhood,
                                 std::size_t width, const EngineOptions& options) {
   NeighborRun run;
@@ -124,7 +124,7 @@ inline NeighborRun neighbor_run(InputCloud& cloud, const std::vector<Vec3>& poin
   return run;
 }
 
-/// How many lists differ.
+/// Returns how many lists differ.
 inline std::uint64_t differing(const Lists& a, const Lists& b) {
   std::uint64_t count = 0;
   for (std::size_t i = 0; i < a.size(); ++i) count += a[i] != b[i];
@@ -157,8 +157,8 @@ inline CloudShape generated(const std::string& name) {
   };
 }
 
-/// Shapes with places so sparse that the engine would give them slabs of their own, and those that try an engine
-/// otherwise.
+/// Returns the hostile shapes, and shapes with places so sparse that the exact engine would give them slabs of their
+/// own.
 inline std::vector<std::pair<std::string, CloudShape>> trying_shapes() {
   std::vector<std::pair<std::string, CloudShape>> shapes = hostile_shapes();
   shapes.emplace_back("terrestrial scan", generated("tls"));

@@ -25,7 +25,7 @@ std::uint64_t finite_points(const std::vector<Vec3>& points) {
   return static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](Vec3 p) { return is_finite(p); }));
 }
 
-/// A length that holds a handful of points of most clouds.
+/// Returns a radius within which most points of the cloud have a few neighbours.
 double typical_reach(const std::vector<Vec3>& points) {
   std::vector<double> reach;
   for (std::uint32_t i = 0; i < points.size(); i += 50)
@@ -69,8 +69,9 @@ TEST(Reference, AuditCountsEveryListThatDiffersFromBruteForceAndNoOther) {
 }
 
 TEST(Reference, AuditReadsManyNeighborhoodsAgainThatReachWrittenPoints) {
-  // The points of a thin sheet have neighbours in the dense one before, most of which is written when the second point
-  // of the thin sheet comes. They are so many that they are settled several times: each takes 5 KB until it is.
+  // Points of a thin sheet have neighbours in the dense sheet before it. Most of the dense sheet is written when the
+  // second point of the thin sheet comes. The points of the thin sheet are settled in several batches, because each
+  // takes 5 KB until it is settled.
   const CloudShape sheets = [](auto& r) {
     const double x = std::floor(20 * uniform(r)) + (uniform(r) < 0.06 ? 0.5 : 0);
     return Vec3{x + 1e-3 * uniform(r), uniform(r), uniform(r)};
@@ -165,7 +166,7 @@ TEST(Reference, ListsDoNotDependOnTheOrderOfTheInput) {
 TEST(Reference, SweepsAlongTheLongestAxisOfAllPointsAlsoWhereASampleSaysOtherwise) {
   std::vector<Vec3> points = random_points(70000, 4);
   for (Vec3& p : points) p.y = 1.499 * p.y;  // a little shorter than along x
-  // One point that only a look at all points sees makes y the longest axis.
+  // A point that no sample contains makes y the longest axis.
   std::size_t row = 0;
   for (;; ++row) {
     std::vector<Vec3> changed = points;
@@ -199,7 +200,7 @@ TEST(Reference, TheBuffersTogetherAreTheActiveSet) {
 }
 
 TEST(Reference, RefusesToGrowBeyondItsMemory) {
-  // No list of 1,500 is full before the end, so all points stay.
+  // No list of 1,500 neighbours is full before the end, so all points stay in memory.
   const std::vector<Vec3> points = make_cloud(hostile_shapes()[1].second, 5000, 1);
   EngineOptions options = by(Engine::reference);
   options.resources.memory_bytes = 64u << 20;
@@ -220,7 +221,7 @@ TEST(Reference, ShortListsWithinARadiusFitIntoLittleMemory) {
   EXPECT_EQ(run.statistics.reference->complete, points.size());
 }
 
-/// Takes its time.
+/// A slow operator that counts its points.
 class Slow final : public LocalOperator {
  public:
   explicit Slow(std::size_t& points) : points_(points) {}
@@ -237,7 +238,8 @@ class Slow final : public LocalOperator {
 };
 
 TEST(Reference, CanBeStoppedWhileAllPointsPassAnOperatorAtOnce) {
-  // The first point lies so far beside the others that it is complete only behind the last, and they wait behind it.
+  // The first point lies so far beside the others that it is complete only after the last point, and all others wait
+  // for it.
   std::vector<Vec3> points = {{0, 999, 0}};
   for (int i = 1; i <= 1000; ++i) points.push_back({double(i), 0, 0});
   std::size_t processed = 0;

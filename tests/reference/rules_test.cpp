@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Neighbourhoods of a size of their own in the reference engine, against brute force and the exact engine.
+// Neighbourhoods whose sizes differ from point to point in the reference engine, against brute force and the exact
+// engine.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +46,7 @@ struct Attributed {
     InputCloud input = cloud();
     return neighbor_run(input, points, neighborhood, kMost, options);
   }
-  /// The first kMost of the k nearest within `radius`, less what a point's own limits leave out.
+  /// Returns the first kMost of the k nearest within `radius`, without the neighbours beyond a point's own limits.
   Lists lists(std::size_t k, double radius, bool by_size, bool by_range) const {
     Lists out;
     for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -63,7 +64,7 @@ Neighborhood limited(std::size_t k, double radius, const AttributeLimits& limits
   return {.k = k, .radius = radius, .rule = std::make_shared<LimitsFromAttributes>(limits)};
 }
 
-/// The lists are those that the reference counts as exact, in either order, and the same in both.
+/// Expects the exact lists from the reference engine, counted as exact, in both orders, with equal records.
 void expect_counted(const Attributed& input, const Neighborhood& neighborhood, const Lists& exact) {
   std::vector<std::string> records;
   for (const Order order : kOrders) {

@@ -12,7 +12,7 @@ namespace {
 struct Scan {
   const char* file;
   const char* meaning;
-  double radius;  ///< of the smaller neighbourhoods
+  double radius;  ///< radius of the smaller neighbourhoods
 
   friend void PrintTo(const Scan& scan, std::ostream* out) { *out << scan.file; }
 };

@@ -33,7 +33,7 @@ TEST(ColorMap, RangesLeaveOutliersAside) {
   EXPECT_EQ(robust_range({std::nan("")}), std::pair(0.0, 1.0));
 }
 
-/// Fields of one type, and records to look at.
+/// Fields of one type, and records of them.
 struct Records {
   explicit Records(std::vector<std::string> names, Type type) {
     for (const auto& name : names) schema.append(name, type);
@@ -47,7 +47,8 @@ struct Records {
   std::vector<std::byte> record;
 };
 
-/// Shows `color` all `records` and settles it on them; positions are x, y, z of the records where they have them.
+/// Passes all records to `color`, settles it and returns it. Positions are x, y, z of the records if they have these
+/// fields.
 PointColor settled(PointColor color, const Schema& schema, const std::vector<std::vector<double>>& rows, Up up = {},
                    bool flat = false) {
   std::vector<Vec3> positions;

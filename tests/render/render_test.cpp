@@ -20,7 +20,7 @@ namespace {
 
 constexpr Rgb kWhitePixel{255, 255, 255};
 
-/// Random points of spheres, with their normals.
+/// Random points of spheres with normals.
 struct Spheres {
   void add(Vec3 center, double radius, int points) {
     std::mt19937 random(5);
@@ -190,7 +190,7 @@ TEST(Render, FarOutliersDoNotShrinkThePicture) {
   EXPECT_EQ(rendering.outside, 3u);
 }
 
-/// The pixels of the outermost `rim` rows and columns that are not background.
+/// Returns the number of pixels in the outermost `rim` rows and columns that are not background.
 std::size_t touched(const Rendering& r, unsigned rim) {
   std::size_t count = 0;
   for (unsigned y = 0; y < r.picture.height; ++y)
@@ -202,7 +202,7 @@ std::size_t touched(const Rendering& r, unsigned rim) {
 }
 
 TEST(Render, EverythingIsInsideFromAllSides) {
-  Spheres spheres;  // a few points stand out, fewer than one in a thousand
+  Spheres spheres;  // with a few outlying points, fewer than one in a thousand
   spheres.add({0, 0, 0}, 1, 8000);
   for (const Vec3 far : {Vec3{2, 0, 0}, {-2, 0, 1}, {0, 2, -1}, {0, -2, 0}, {0.5, 0, 2}, {0, 0.3, -2}})
     spheres.add(far, 0.01, 1);
@@ -229,7 +229,7 @@ TEST(Render, DrawsAsManyPointsAsThereIsTimeFor) {
   RenderOptions options = small("plain");
   const Rendering all = render(cloud, options);
   EXPECT_EQ(all.drawn, 60000u);
-  options.seconds = 1e-3;  // not enough for a third of them
+  options.seconds = 1e-3;  // too short for a third of the points
   const Rendering some = render(cloud, options);
   EXPECT_LT(some.drawn, 20000u);
   EXPECT_NEAR(covered(some), covered(all), 0.1) << "by larger discs";
@@ -283,7 +283,7 @@ TEST(Render, SplatsHaveTheirSizeAndDirection) {
   EXPECT_EQ(pixel(r, 100 - 17, 100), kWhitePixel);
 }
 
-/// Says how it was read.
+/// A reader that records how it is read.
 class WatchedReader final : public Reader {
  public:
   explicit WatchedReader(std::uint64_t count) {

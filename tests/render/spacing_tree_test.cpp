@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-/// Random points of a square in the plane z = x / 2, `n` of them from `left` on.
+/// Returns `n` random points of a square in the plane z = x / 2, with x from `left` on.
 std::vector<Vec3> slope(std::size_t n, double left) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -41,7 +41,7 @@ TEST(SpacingTree, DenseAndSparsePartsDiffer) {
   EXPECT_GT(tree.spacing({5.5, 0.5, 2.75}), 5 * tree.spacing({0.5, 0.5, 0.25}));
 }
 
-/// Rings of a scanner on level ground: points 0.02 apart, rings 1.
+/// The cloud has rings of a scanner on level ground: points are 0.02 apart, rings 1.
 TEST(SpacingTree, IsAtMostTwiceTheDistanceToTheNextPoint) {
   std::vector<Vec3> rings;
   for (int ring = 1; ring <= 20; ++ring)

@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// `p` of a frame with z up, in a frame with `up` up (handedness does not matter here).
+/// Converts p from a frame with z up to a frame with `up` up (handedness does not matter here).
 Vec3 turned(Vec3 p, Up up) {
   Vec3 q;
   q[up.axis] = up.sign * p.z;
@@ -26,7 +26,7 @@ std::vector<Vec3> turned(std::vector<Vec3> cloud, Up up) {
 
 constexpr Up kAll[] = {{0, 1}, {1, 1}, {2, 1}, {0, -1}, {1, -1}, {2, -1}};
 
-/// The surface of a box of size a × b × c without its top, and a knob above it, as a vase with a stem.
+/// Returns points of a vase: the surface of a box of size a × b × c without its top, and a knob above it.
 std::vector<Vec3> vase() {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> in(0, 1);

@@ -18,7 +18,8 @@ std::vector<std::uint32_t> named(const BallLookup& index, Vec3 p) {
   return numbers;
 }
 
-/// Points and balls of sizes from 1e-9 to 1e3 around `middle`; some points lie exactly on a ball.
+/// Expects that the lookup names all balls that hold a point, for points and balls of sizes from 1e-9 to 1e3 around
+/// `middle`. Some points lie exactly on a ball.
 void expect_names_all_that_hold(Vec3 middle, std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> uniform(-1, 1);

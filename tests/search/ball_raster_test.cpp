@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// Returns how many of the points of the box may lie in a ball, each of which is held against the definition.
+/// Returns how many of the points of the box may lie in a ball. Expects that no point in a ball is excluded.
 std::size_t may_lie_in_a_ball(const Box& box, const std::vector<Ball>& balls, const std::vector<Vec3>& points) {
   const BallRaster raster(box, balls);
   std::size_t may = 0;

@@ -19,7 +19,7 @@
 namespace pointsweep {
 namespace {
 
-/// All points as one slab, cut into cells.
+/// All points of a cloud as one slab, cut into cells.
 struct Cells {
   CellDirectory directory;
   std::vector<std::unique_ptr<Cell>> cells;
@@ -66,7 +66,8 @@ struct Cells {
   }
 };
 
-/// Lists of points of one cell, by searches for at most `most` neighbours but for the last point's.
+/// Returns the lists of points of a cell, by several searches. A search finds at most `most` neighbours, not counting
+/// those of its last point.
 CellNeighbors search_in_turns(const CellQuery& query, const CellSubset& points, std::uint64_t most) {
   SearchScratch scratch;
   CellNeighbors all, run;
@@ -166,7 +167,7 @@ std::vector<std::pair<std::string, Shape>> shapes() {
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
-/// Checks the lists of all points against the first `what.k` neighbours of `expected`, which may have more.
+/// Compares the lists of all points with the first `what.k` neighbours of `expected`, which may have more.
 void expect_lists(const std::vector<Vec3>& points, const Lists& expected, const Neighborhood& what,
                   std::uint32_t cell_points) {
   const Lists found = Cells(points, cell_points).search(what);
@@ -247,7 +248,7 @@ TEST(CellSearch, HonoursTheRadiusInclusively) {
   }
 }
 
-/// Coordinates on a coarse grid of changing step: ties, duplicates and jumps in density, as the generator likes.
+/// Generates a point on a coarse grid of varying step: ties, duplicates and jumps in density.
 rc::Gen<Vec3> rough_point() {
   const auto coordinate = rc::gen::map(rc::gen::pair(rc::gen::inRange(-6, 7), rc::gen::element(1.0, 0.5, 1e-3, 1e3)),
                                        [](const std::pair<int, double>& c) { return c.first * c.second; });
@@ -333,7 +334,7 @@ TEST(CellSearch, SomePointsOfACellHaveTheListsTheyHaveInTheWholeCell) {
   }
 }
 
-/// So long that they are sorted in parts of parts.
+/// The lists are so long that they are sorted in parts of parts.
 TEST(CellSearch, LongListsEqualBruteForce) {
   std::mt19937_64 rng(17);
   for (const auto& [name, shape] : shapes()) {

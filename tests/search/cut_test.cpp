@@ -18,7 +18,8 @@ namespace {
 
 std::uint64_t row_of(std::uint32_t index) { return 1'000'000 - index; }
 
-/// kind 0: a noisy sheet; 1: a cube; 2: a regular grid, ties everywhere; 3: a line; 4: one place; 5: scales apart.
+/// Returns points of a kind: 0: a noisy sheet; 1: a cube; 2: a regular grid with many ties; 3: a line; 4: one place; 5:
+/// very different scales.
 std::vector<CutPoint> points_of(int kind, std::size_t n) {
   std::mt19937_64 rng(7 * n + static_cast<std::size_t>(kind));
   std::uniform_real_distribution<float> uniform(-1, 1);
@@ -43,7 +44,8 @@ std::vector<std::uint32_t> indices(const std::vector<CutPoint>& points) {
   return result;
 }
 
-/// Every half lies on its side of the other, along the longest side of both, but for the rounding of the keys.
+/// Expects that the two halves are separated along the longest side of their box, up to the rounding of the keys, and
+/// so are their halves.
 void expect_halves(const CutPoint* points, std::size_t n) {
   if (n <= kLeafCapacity) return;
   std::size_t longest = 0;

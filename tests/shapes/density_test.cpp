@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-/// Mean of `value` over 200,000 points.
+/// Returns the mean of `value` over 200,000 points of a shape.
 template <class F>
 double mean(std::string_view shape, F value) {
   const auto points = points_of(shape, 200'000);
@@ -31,7 +31,7 @@ TEST(Density, OfSimpleShapesIsUniform) {
 
 TEST(Density, OfTheStatueIsNearlyUniform) {
   const auto cloud = points_of("statue", 60'000);
-  std::vector<double> area;  // of the disc that holds the 32 nearest neighbours
+  std::vector<double> area;  // square of the radius that holds the 32 nearest neighbours
   for (std::size_t i = 0; i < 200; ++i) {
     std::vector<double> d2;
     for (const SurfacePoint& q : cloud) d2.push_back(distance2(q.position, cloud[i].position));
@@ -39,7 +39,8 @@ TEST(Density, OfTheStatueIsNearlyUniform) {
     area.push_back(d2[32]);
   }
   std::sort(area.begin(), area.end());
-  // A uniform sample gives a ratio of about 1.8; the same surface sampled by direction one of 4 and more.
+  // A uniform sample has a ratio of about 1.8. The surface sampled uniformly by direction would have a ratio of 4 or
+  // more.
   EXPECT_LT(area[190] / area[10], 2.2);
 }
 
@@ -57,7 +58,8 @@ TEST(Density, OfTheTerrainIsUniformInThePlanWithFewPointsOnWalls) {
 }
 
 TEST(Density, OfATerrestrialScanFallsWithTheSquareOfTheDistance) {
-  // On the ground the angle of incidence adds a third power, so rays between the ranges a and b number as 1/a - 1/b.
+  // On the ground the angle of incidence adds a third power of the range, so the number of rays between ranges a and b
+  // is proportional to 1/a - 1/b.
   const auto cloud = points_of("tls", 400'000);
   const auto between = [&](double a, double b) {
     return static_cast<double>(std::count_if(cloud.begin(), cloud.end(), [&](const SurfacePoint& p) {

@@ -42,7 +42,7 @@ TEST(ShapeReader, MakesTheSameBytesWithAnyNumberOfThreads) {
   EXPECT_EQ(records_with(1), records_with(4));
 }
 
-/// FNV-1a of the coordinates, so that a change of a single bit is seen.
+/// Returns the FNV-1a hash of the coordinates, which a change of a single bit changes.
 std::uint64_t fingerprint(const std::vector<std::byte>& bytes) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const std::byte b : bytes) hash = (hash ^ static_cast<std::uint64_t>(b)) * 0x100000001b3;

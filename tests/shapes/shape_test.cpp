@@ -72,7 +72,8 @@ TEST(Shapes, NormalsHaveUnitLength) {
   }
 }
 
-/// How far, in radians, the nearest neighbours of point i lie aslant of its normal. 0 on a flat or evenly curved piece.
+/// Returns the angle in radians by which the nearest neighbours of point i are tilted against its normal: 0 on a flat
+/// or evenly curved piece.
 double tilt(const std::vector<SurfacePoint>& cloud, std::size_t i, std::size_t neighbors) {
   std::vector<std::pair<double, std::size_t>> by_distance;
   for (std::size_t j = 0; j < cloud.size(); ++j)

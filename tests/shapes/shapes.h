@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Points of a shape as the tests of this folder look at them: in float64, with their normals.
+/// Points of a shape for the tests of this folder: in float64, with their normals.
 #pragma once
 
 #include <cstring>

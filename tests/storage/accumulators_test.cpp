@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The law of accumulators: those of several processes together are that of one.
+/// The law of accumulators: merged accumulators of several processes equal the accumulator of one process.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@
 namespace pointsweep {
 namespace {
 
-/// The reductions of the examples of all operators, and those of other chains, by their texts.
+/// Returns the reductions of the examples of all operators and of further chains, by their texts.
 std::map<std::string, std::shared_ptr<const Reduction>> all_reductions() {
   const TemporaryFolder folder;
   write_points(folder / "in.ply", cloud_for_examples(200, 1));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The bytes of each value that one phase of a run hands to another, written by hand: a change of the layout of a value
-/// raises its version.
+/// The bytes of each value that one phase of a run hands to another, written by hand. A change of the layout of a value
+/// must raise its version.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -17,7 +17,7 @@
 namespace pointsweep {
 namespace {
 
-// Numbers as bytes.
+// Whole numbers as little-endian bytes in hexadecimal digits.
 const std::string k0 = "0000000000000000", k1 = "0100000000000000", k2 = "0200000000000000", k3 = "0300000000000000",
                   k4 = "0400000000000000", k5 = "0500000000000000", k6 = "0600000000000000";
 const std::string kZero = "0000000000000000", kOne = "000000000000f03f", kTwo = "0000000000000040",

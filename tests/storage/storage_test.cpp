@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The laws of storage, in memory and in a folder.
+/// The laws of Storage, in memory and in a folder.
 #include "pointsweep/storage/storage.h"
 
 #include <gtest/gtest.h>
@@ -71,14 +71,14 @@ TEST(Storage, ReplacesAnObjectAsAWhole) {
     const std::unique_ptr<Source> before = storage.open("a");
     put(storage, "a", "07");
     EXPECT_EQ(hex(bytes_in(storage, "a")), "07");
-    EXPECT_EQ(before->size(), 5u);  // what is open does not change
+    EXPECT_EQ(before->size(), 5u);  // an open object does not change
     storage.remove("a");
     storage.remove("a");
     EXPECT_TRUE(storage.list().empty());
   });
 }
 
-/// Whichever operation fails, the object is the old one or the new one.
+/// Whichever operation fails, the storage holds the whole old object or the whole new object.
 TEST(Storage, ThatFailsHoldsWholeObjects) {
   const std::vector<std::byte> before = written("01020304"), after = written("05060708090a");
   for_each_storage([&](Storage& storage) {

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A parent that holds nothing but what the test puts there.
+/// A parent folder that holds only entries of the test.
 class TempFolders : public testing::Test {
  protected:
   void SetUp() override {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// URLs: which names are URLs, what of them is shown, and what is kept for requests.
+/// URLs: names that are URLs, the parts that are shown, and the parts that are kept for requests.
 #include "pointsweep/storage/remote/url.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Encoded values beside their bytes as a test writes them.
+/// Comparison of encoded values with bytes that a test writes by hand.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -44,8 +44,8 @@ inline std::string hex(std::span<const std::byte> bytes) {
   return text;
 }
 
-/// Damages bytes 2,000 times, by bytes and whole numbers in random places and by parts that are lost or come twice, and
-/// expects that `again` refuses each as an Error, or takes it for a value that has an encoding.
+/// Damages bytes 2,000 times: changes bytes and whole numbers in random places, drops parts and repeats parts. Expects
+/// that `again` throws an Error or returns the encoding of another value.
 inline void expect_survives_damage(const std::vector<std::byte>& bytes,
                                    const std::function<std::vector<std::byte>(std::span<const std::byte>)>& again) {
   constexpr std::array<std::uint64_t, 7> kNumbers = {0, 1, 255, 1u << 31, 1ull << 40, 1ull << 63, ~0ull};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The slow and obvious oracle of every neighbour search: all pairs, in double, in the order of neighbours that the
-/// library documents.
+/// The slow and obvious oracle of every neighbour search: all pairs in double, sorted in the order that the library
+/// documents.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +16,9 @@
 
 namespace pointsweep {
 
-/// Neighbours of points[query], nearest first: the k nearest with distance2 <= radius², itself excluded; equal
-/// distances by x, then y, then z, then row. Points that are not finite have no neighbours and are neighbours of none.
+/// Returns the neighbours of points[query], nearest first: the k nearest with distance2 <= radius², without the point
+/// itself; equal distances by x, then y, then z, then row. Points that are not finite have no neighbours and are
+/// neighbours of none.
 inline std::vector<std::uint32_t> brute_force_neighbors_of(std::span<const Vec3> points, std::uint32_t query,
                                                            std::size_t k, double radius) {
   std::vector<std::uint32_t> found;

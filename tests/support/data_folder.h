@@ -7,7 +7,7 @@
 
 namespace pointsweep {
 
-/// Returns an empty path if there is no such folder: tests then skip.
+/// Returns the folder of the real scans; empty if it does not exist, in which case tests are skipped.
 inline std::filesystem::path data_folder() {
   const char* named = std::getenv("POINTSWEEP_DATA");
   const std::filesystem::path folder = named != nullptr && *named != '\0'

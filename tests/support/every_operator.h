@@ -44,7 +44,7 @@ class EveryOperator {
     return all;
   }
 
-  /// The pipeline of a stage with these values.
+  /// Returns the case of a stage with these values.
   OperatorCase case_of(const OperatorDeclaration& declaration, const OptionValues& values) const {
     const auto stage = declaration.make(values, {});
     const std::string text = canonical_text(stage, Presets::left_out);
@@ -54,7 +54,7 @@ class EveryOperator {
     return {&declaration, text, neighborhood_ + makers_of(stage, known) + " | " + text};
   }
 
-  /// Samples of the options that have to be given, or whose names may be left out.
+  /// Returns samples of the options that are required, or whose names may be left out.
   OptionValues values_of(const OperatorDeclaration& declaration) const {
     OptionValues values(declaration.options, declaration.name);
     for (const OptionDeclaration& option : declaration.options)
@@ -73,7 +73,7 @@ class EveryOperator {
     return others;
   }
 
-  /// Choices that need other options are left out.
+  /// Adds a case, unless the values need further options.
   void add_case(const OperatorDeclaration& declaration, const OptionValues& values,
                 std::vector<OperatorCase>& all) const {
     try {
@@ -82,7 +82,8 @@ class EveryOperator {
     }
   }
 
-  /// " | normals | splats": stages of the registry that make what `needy` needs.
+  /// Returns text such as " | normals | splats": the stages of the registry that make the attributes that `needy`
+  /// reads.
   std::string makers_of(const ChainStage& needy, std::set<std::string>& known) const {
     std::string text;
     const Contract contract = contract_of(needy);

@@ -30,14 +30,14 @@ inline std::vector<std::string> names_of_all_operators() {
   return names;
 }
 
-/// The example of its declaration, in which `other_cloud` takes the place of another cloud.
+/// Returns the example in the declaration of the operator, with `other_cloud` in place of its file names.
 inline Example example_of(const std::string& name, const std::string& other_cloud) {
   static const std::regex file("[a-z]+\\.las");
   return {name, std::regex_replace(declaration_of(name)->example, file, other_cloud)};
 }
 
-/// Hilly ground of 4 points per unit of area, and a wall across the x axis: radii and cells of the examples hold some
-/// points each, and a tenth of the points have nearly the same x.
+/// Returns hilly ground of 4 points per unit of area, and a wall across the x axis. Radii and cells of the examples
+/// hold some points each, and a tenth of the points have nearly equal x.
 inline std::vector<Vec3> cloud_for_examples(std::size_t n, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);

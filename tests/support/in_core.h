@@ -32,7 +32,7 @@ struct InCoreResult {
 };
 
 /// A cloud cut by row into cells of `cell_points`, with neighbour lists by row and input columns shared by all
-/// operators. `moved`: the lists were found before the points came to where they are.
+/// operators. `moved`: true if the lists were found before the points were moved.
 class InCoreCloud {
  public:
   InCoreCloud(std::span<const Vec3> points, const std::vector<std::vector<std::uint32_t>>& neighbors,
@@ -42,7 +42,8 @@ class InCoreCloud {
     std::iota(row_.begin(), row_.end(), std::uint64_t{0});
   }
 
-  /// `reads` and `reads_neighbors`: the values of every attribute of the contract, one element per point.
+  /// Applies an operator to all points. `reads` and `reads_neighbors`: a column of values, one per point, for every
+  /// attribute that the contract reads.
   InCoreResult apply(const LocalOperator& op, std::span<const std::vector<std::byte>> reads = {},
                      std::span<const std::vector<std::byte>> reads_neighbors = {}) const {
     const Contract contract = op.contract();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Runs a check once with every instruction set this machine has and the library was generated for.
+/// Runs a check once with every instruction set that this machine has and for which the library is built.
 #pragma once
 
 #include <gtest/gtest.h>

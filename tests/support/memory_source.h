@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// Fields x, y, z in float64. `points` must outlive it.
+/// Returns a source with the fields x, y, z in float64. `points` must outlive the source.
 inline PointSource source_of(const std::vector<Vec3>& points) {
   Schema schema;
   for (const char* name : {"x", "y", "z"}) schema.append(name, Type::f64);

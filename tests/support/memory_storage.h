@@ -19,7 +19,7 @@
 
 namespace pointsweep {
 
-/// Objects as vectors.
+/// A storage whose objects are vectors in memory.
 class MemoryStorage final : public Storage {
  public:
   std::unique_ptr<Source> open(const std::string& key) const override {

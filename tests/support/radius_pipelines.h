@@ -16,7 +16,7 @@
 
 namespace pointsweep {
 
-/// Two points, and the least R with ((dx² + dy²) + dz²) <= R·R in double.
+/// Two points p and q, and the least radius R with ((dx² + dy²) + dz²) <= R·R in double.
 struct PairAtRadius {
   Vec3 p, q;
   double radius = 0;
@@ -68,12 +68,12 @@ inline const std::map<std::string, std::string>& radius_pipelines() {
   return pipelines;
 }
 
-/// The pipeline `text` of radius_pipelines(); `other` is the file of another cloud.
+/// Returns the pipeline `text` of radius_pipelines() with values. `other`: file of another cloud.
 inline std::string radius_pipeline(const std::string& text, double radius, const std::string& other) {
   return fmt::format(fmt::runtime(text), fmt::arg("r", radius), fmt::arg("wide", 2 * radius), fmt::arg("other", other));
 }
 
-/// "ror radius" of every option of the registry that means a radius.
+/// Returns names such as "ror radius" of all options of the registry that mean a radius.
 inline std::set<std::string> radii_of_registry() {
   std::set<std::string> radii;
   const auto add = [&](const std::string& name, const std::vector<OptionDeclaration>& options) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Which sanitizer watches this program. It is asked while tests run: the same objects of the tests are linked with the
-/// library of a release and with that of the address sanitizer (tests/CMakeLists.txt).
+/// Tells at run time which sanitizer watches this program: equal object files of the tests are linked with the library
+/// of a release and with that of the address sanitizer (tests/CMakeLists.txt).
 #pragma once
 
 extern "C" {
@@ -12,7 +12,7 @@ namespace pointsweep {
 
 inline bool has_address_sanitizer() { return __asan_init != nullptr; }
 inline bool has_thread_sanitizer() { return __tsan_init != nullptr; }
-/// They take memory of their own, by far more than the library.
+/// Returns whether a sanitizer watches this program. Sanitizers take far more memory than the library.
 inline bool has_sanitizer() { return has_address_sanitizer() || has_thread_sanitizer(); }
 
 }  // namespace pointsweep

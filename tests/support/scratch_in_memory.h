@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Scratch that is a vector.
+/// A Scratch that stores its bytes in a vector.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Clouds of tests are smaller under sanitizers, where every step costs ten times as much and brute force the square.
+/// Sizes of clouds of tests: smaller under sanitizers, where every step takes ten times as long, and brute force takes
+/// time proportional to the square of the size.
 #pragma once
 
 #include <cstddef>

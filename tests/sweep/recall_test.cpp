@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the recall makes must be what a sweep makes that recalls nothing, for any memory.
+/// The results of the recall are those of a sweep that recalls nothing, for any memory.
 #include "pointsweep/sweep/recall.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ TEST(Recall, GivesTheBytesOfASweepThatRecallsNothing) {
       const Swept whole = swept(points, deep_chain(k), points.size() + 1, {});
       ASSERT_EQ(whole.statistics.recalled, 0u) << name;
       for (const std::size_t recall_bytes : {std::size_t{1}, std::size_t{300'000}, std::size_t{64} << 20}) {
-        if (recall_bytes == 1 && k > 6) continue;  // every point alone, and its lists found again for each step
+        if (recall_bytes == 1 && k > 6) continue;  // slow: every point is a group, searched again for each step
         if (recall_bytes == 300'000 && k == 70) continue;
         SCOPED_TRACE(name + ", k " + std::to_string(k) + ", " + std::to_string(recall_bytes) + " bytes");
         SweepOptions options;

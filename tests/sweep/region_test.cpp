@@ -71,7 +71,7 @@ std::vector<Ball> random_balls(const SweptCloud& cloud, std::mt19937_64& rng, st
   return balls;
 }
 
-/// Points farther from all balls than these are wide do not come in.
+/// Points farther from all balls than the width of a ball are not read into the region.
 TEST(Region, HoldsThePointsOfTheBallsOnceAndFewOthers) {
   const SweptCloud cloud;
   Region region(cloud.stream, cloud.loader, cloud.frontier, 2);
@@ -99,7 +99,7 @@ TEST(Region, HoldsThePointsOfTheBallsOnceAndFewOthers) {
   EXPECT_LT(region.points(), cloud.points.size()) << "the test would not see a region that loads everything";
 }
 
-/// Balls shrink while they are filled, in any order of threads: what is left is each ball's nearest points, with ties.
+/// Balls shrink while threads fill them in any order. The nearest points of each ball, with ties, are left.
 TEST(Region, HoldsAsManyNearestPointsOfEachBallAsAreWanted) {
   const SweptCloud cloud;
   std::mt19937_64 rng(7);

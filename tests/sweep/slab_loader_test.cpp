@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint32_t kCellPoints = 64;
 
-/// A dense sheet, outliers around it, and 300 copies of one point, more than a cell holds.
+/// Returns a dense sheet, outliers around it, and 300 copies of a point, which are more than a cell holds.
 std::vector<Vec3> sheet_with_outliers_and_copies() {
   std::mt19937_64 rng(11);
   std::uniform_real_distribution<double> u(0, 1);
@@ -124,7 +124,7 @@ TEST(SlabLoader, KeepsTheRecordsInTheOrderOfTheStreamIfAskedFor) {
   EXPECT_TRUE(in.loader.load(1, false).records.empty());
 }
 
-/// One long cell over a sheet and its outliers would be searched for every point near it.
+/// A long cell that covers a sheet and its outliers would be searched for every point near it.
 TEST(SlabLoader, KeepsOutliersOutOfTheCellsOfASheet) {
   const StreamInSlabs in;
   std::size_t narrow = 0, cells = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Clouds that are hard to sweep, and the sweep alone over points in memory.
+/// Clouds that are hard to sweep, and sweeps over points in memory without the other phases of a run.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@
 
 namespace pointsweep {
 
-/// Result records by row, each of which must come once.
+/// A sink of result records by row. Each row must come exactly once.
 class Collected final : public Sink {
  public:
   Collected(std::size_t points, std::uint32_t bytes) : bytes_(bytes), records(points * bytes), times(points) {}
@@ -46,7 +46,7 @@ struct Swept {
   SweepStatistics statistics;
 };
 
-/// Operators of four steps: each looks at what the one before made of its neighbours.
+/// Returns a chain of four steps: each operator reads attributes of neighbours that the operator before it makes.
 inline Chain deep_chain(std::size_t k) {
   return {.neighborhood = {.k = k},
           .stages = {std::make_shared<Normals>(), std::make_shared<Curvature>(), std::make_shared<Splats>(),
@@ -73,7 +73,7 @@ inline Swept swept(const std::vector<Vec3>& points, const Chain& chain, std::uin
 
 inline double uniform(std::mt19937_64& rng) { return std::uniform_real_distribution<double>(0, 1)(rng); }
 
-/// A bent surface; `odd(i)` may move a point of it.
+/// Returns a bent surface. odd(i) may move point i.
 template <class Odd>
 std::vector<Vec3> surface(std::size_t points, Odd odd) {
   std::mt19937_64 rng(17);

@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-/// What the allocator gives for a block of so many bytes, if every block takes 16 bytes more and a multiple of 16.
+/// Returns the bytes that the allocator uses for a block: 16 more than asked for, rounded up to a multiple of 16.
 std::uint64_t allocated(std::uint64_t bytes) { return bytes == 0 ? 0 : (bytes + 16 + 15) / 16 * 16; }
 
 template <class T>
@@ -22,7 +22,7 @@ std::uint64_t allocated(const std::vector<T>& values) {
   return allocated(values.capacity() * sizeof(T));
 }
 
-/// Of a cell as the window holds it before it is searched, without the values of its columns.
+/// Returns the bytes of a cell that the window holds before its search, without the values of its columns.
 std::uint64_t bytes_of(const WindowCell& cell) {
   return allocated(sizeof(WindowCell)) + allocated(cell.cell.memory_bytes()) + allocated(cell.index_in_slab) +
          allocated(cell.leaf_reach) + allocated(cell.columns) + allocated(cell.column_pointers);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Which cells are ready and which may go, against the plain statement of both rules.
+/// Cells that are ready, and cells that may be dropped, against the plain statement of both rules.
 #include "pointsweep/sweep/window.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,8 @@ namespace {
 
 constexpr double kRadius = 0.05;
 
-/// Slabs of a thin block along x, with all neighbours within kRadius: the reach of every cell is known then.
+/// Slabs of a thin block along x. Neighbourhoods are all points within kRadius, so that the reach of every cell is
+/// known.
 class WindowTest : public testing::Test {
  protected:
   WindowTest()
@@ -155,7 +156,7 @@ TEST_F(WindowTest, KeepsWhatACellThatIsNotYetSearchedWillLookAt) {
     if (slot != waiting) window_.at(slot).steps_done = steps;
   }
   std::vector<std::uint32_t> near,
-      far;  // of the points themselves, since boxes of leaves are inside of that of the cell
+      far;  // by distances of points, since boxes of leaves lie inside that of their cell
   for (const std::uint32_t slot : slots) {
     const Cell &a = window_.at(waiting).cell, &b = window_.at(slot).cell;
     if (distance2(a.box, b.box) > 1.01 * kRadius * kRadius) far.push_back(slot);

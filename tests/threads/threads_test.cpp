@@ -38,7 +38,7 @@ TEST(ParallelFor, InsideAPieceDoesNotTakeUpAnotherOne) {
     std::atomic<bool> clash = false;
     std::atomic<int> done = 0;
     parallel_for(64, [&](std::size_t, unsigned) {
-      if (inside) clash = true;  // with a lock held in the piece, it would wait for itself for ever
+      if (inside) clash = true;  // a lock held by the piece would be waited for forever
       inside = true;
       parallel_for(4, [&](std::size_t, unsigned) {
         std::this_thread::sleep_for(std::chrono::microseconds(200));  // long enough for other threads to help
@@ -93,7 +93,7 @@ TEST(ParallelFor, ThrowsWhatTheLowestPieceThrewForAnyNumberOfThreads) {
   for (const unsigned threads : {1u, 2u, 7u})
     with_threads(threads, [] {
       const auto body = [](std::size_t i, unsigned) {
-        if (i == 41) std::this_thread::sleep_for(std::chrono::milliseconds(2));  // others fail before it
+        if (i == 41) std::this_thread::sleep_for(std::chrono::milliseconds(2));  // other pieces fail before this one
         if (i % 10 == 1 && i > 40) throw std::runtime_error(std::to_string(i));
       };
       try {

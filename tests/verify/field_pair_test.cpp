@@ -15,7 +15,7 @@ Schema schema_of(const std::string& name, Type type, std::uint32_t count = 1) {
   return schema;
 }
 
-/// Whether a copy `there` in a field of type `to` passes for the value `here` of type `from`.
+/// Returns whether a copy `there` in a field of type `to` is accepted for the value `here` of type `from`.
 bool passes(Type from, double here, Type to, double there, double scale = 1) {
   const Schema a = schema_of("v", from);
   Schema b = schema_of("v", to);

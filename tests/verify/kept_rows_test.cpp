@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The rows that verify says a run has kept: found by formulas, whatever the operators do.
+/// The rows that a run keeps, which verify finds by formulas of its own, even if an operator is broken.
 #include "pointsweep/verify/values/kept_rows.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ std::uint64_t kept_of(const Records& cloud, const std::string& condition, std::v
   return with_kept_rows(cloud.cloud(), {std::shared_ptr<const SelectOperator>(where)}, 1 << 20, {}).count();
 }
 
-/// Says that it is head(3), but keeps all rows.
+/// An operator with the name and options of head(3) that keeps all rows.
 class BrokenHead final : public SelectOperator {
  public:
   std::string name() const override { return "head"; }

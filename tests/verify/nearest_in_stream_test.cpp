@@ -19,7 +19,7 @@ std::vector<std::uint32_t> rows_of(const std::vector<NearPoint>& found) {
   return rows;
 }
 
-/// Some 100 places far from the points and among them.
+/// Returns about 100 places, far from the points and among them.
 std::vector<Vec3> places_for(const std::vector<Vec3>& points) {
   std::vector<Vec3> places{{0, 0, 0}, {-1e9, 3, 7}, {1e-300, -1e-300, 0}};
   for (std::size_t i = 0; i < points.size(); i += points.size() / 100)
@@ -35,7 +35,7 @@ TEST(NearestInStream, IsBruteForceOnEveryHostileCloud) {
       NearestInStream nearest(places, std::vector<double>(places.size(), kInf), most);
       for (std::size_t i = points.size(); i-- > 0;) nearest.offer(points[i], i);
       for (std::size_t i = 0; i < places.size(); ++i) {
-        points.push_back(places[i]);  // the oracle leaves out the point that asks
+        points.push_back(places[i]);  // the oracle excludes the query point itself
         const auto expected = brute_force_neighbors_of(points, std::uint32_t(points.size() - 1), most, kInf);
         points.pop_back();
         ASSERT_EQ(rows_of(nearest.nearest(i)), expected) << name << ", place " << i << ", most " << most;

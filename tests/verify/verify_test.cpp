@@ -76,12 +76,12 @@ class Verify : public testing::Test {
     const auto reader = open_reader(output);
     RowSource out(*reader);
     MadeBy made = made_by(chain(pipeline), cloud.schema());
-    made.operators.clear();  // as they are bound to the attributes of the cloud
+    made.operators.clear();  // takes the operators bound to the attributes of the cloud
     for (const GraphNode& node : plan_chain(chain(pipeline), cloud.schema()).graph.nodes)
       if (node.op() != nullptr && !node.is_order() && !node.drops_rows()) made.operators.push_back(*node.op());
     return verify(cloud, out, false, made, options);
   }
-  /// Writes the output again after `change` had its records.
+  /// Changes the records of an output with `alter`, and writes the output again.
   void change(const std::filesystem::path& path,
               const std::function<void(std::vector<std::byte>& records, const Schema& schema)>& alter) {
     const auto reader = open_reader(path);
@@ -92,7 +92,7 @@ class Verify : public testing::Test {
     plan.overwrite = true;
     write_all(plan, records);
   }
-  /// Expects a difference whose sentence has these words.
+  /// Expects differences, and `words` in the text of the verdict.
   static void different(const Verdict& verdict, const std::string& words) {
     EXPECT_FALSE(verdict.same());
     EXPECT_NE(to_text(verdict).find(words), std::string::npos) << to_text(verdict);
@@ -126,7 +126,7 @@ TEST_F(Verify, AcceptsEveryPipelineInBothOrders) {
     }
 }
 
-/// Several assignments to coordinates: each sees what those before it have moved, of its own point alone.
+/// Each of several assignments to coordinates reads the coordinates of its point that earlier assignments have changed.
 TEST_F(Verify, DecidesEveryValueOfPointsThatWereMovedSeveralTimes) {
   for (const char* pipeline : {"set(x = x * 0.3048, y = y * 0.3048, z = z * 0.3048)",
                                "knn(k=16, k_from=intensity) | set(x = x + 1, x = x * 2, y = x - y, w = x where z > 0)",
@@ -225,7 +225,7 @@ TEST_F(Verify, WhatIsExactIsFoundByItsLastBit) {
   }
 }
 
-/// Every made attribute of a chain, off by a hundred-thousandth or, where that is less, by what is far above rounding.
+/// One value of every computed attribute of a chain is changed by a thousandth of itself, plus 1e-6.
 TEST_F(Verify, EveryAttributeThatIsOffIsFound) {
   for (const char* pipeline : {"knn(k=12) | normals | curvature | splats", "knn(k=10) | normals | splats | fair"}) {
     const Chain written = chain(pipeline);
@@ -343,7 +343,7 @@ TEST_F(Verify, AttributesOfTheFileReachTheOperators) {
   different(check("curvature", output), "row 9: nx is 0.25");
 }
 
-/// Reads what the library makes and makes what it has no formula for.
+/// Reads an attribute of the library, and makes an attribute for which the library has no formula.
 class Steepness final : public LocalOperator {
  public:
   std::string name() const override { return "steepness"; }
@@ -378,7 +378,7 @@ TEST_F(Verify, OperatorsOfUsersAreAppliedAgainAndNamedAsNotIndependent) {
   different(checked(), "row 99: steepness is");
 }
 
-/// Has the name of an operator of the library and no options.
+/// An operator of a user with the name of an operator of the library and without options.
 class OwnRor final : public LocalOperator {
  public:
   std::string name() const override { return "ror"; }
@@ -416,7 +416,7 @@ TEST_F(Verify, NeighborsAndDistancesAreCheckedToTheLastOne) {
   EXPECT_TRUE(checked("d.npy").same()) << to_text(checked("d.npy"));
   std::string bytes = contents(folder_ / "n.npy");
   char* const row = bytes.data() + bytes.size() - 100 * 6 * 4;
-  std::swap_ranges(row, row + 4, row + 4);  // the nearest two of one point
+  std::swap_ranges(row, row + 4, row + 4);  // swaps the nearest two neighbours of a point
   folder_.write("n.npy", bytes);
   different(checked("n.npy"), "row 1400: neighbor_0 is");
 }
