@@ -1,7 +1,7 @@
 # cmake -D ROOT=<tree> -P check_layers.cmake: fails when an include of the library, of cli/ or of python/ points up.
-# A layer is a folder with sources, named by its path without `pointsweep/`; a folder that is not named here is refused, and so is one
-# of more than MOST_PAIRS pairs of files. A file may include its own folder, the layers named for it, and pointsweep/fail.h, cancellation.h,
-# leftovers.h, free_memory.h, threads.h, prefetch.h.
+# A layer is a folder with sources, named by its path without `pointsweep/`; a folder that is not named here is refused, and so is a
+# folder of more than MOST_PAIRS pairs of files. A file may include its own folder, the layers named for it, and pointsweep/fail.h,
+# cancellation.h, leftovers.h, free_memory.h, threads.h, prefetch.h.
 # A header of include/pointsweep/ belongs to the layer named for it here, and includes other public headers alone.
 # The tool is built on public headers: cli/ includes no other header of pointsweep/.
 cmake_minimum_required(VERSION 3.25)
@@ -35,8 +35,8 @@ set(layer_of_header_program/generate shapes)
 set(layer_of_header_info info)
 set(layer_of_header_verify verify/interface)
 set(may_include_math "")
-# inside(LAYER FOLDERS...): each folder of a layer may include what the layer may include and the folders before it. `.` is the folder
-# of the layer itself. all_of_LAYER names all of them.
+# inside(LAYER FOLDERS...): each folder of a layer may include the layers that the layer may include, and the folders listed before the
+# folder. `.` is the folder of the layer itself. all_of_LAYER names the layer and all its folders.
 function(inside layer)
   set(before "")
   foreach(folder ${ARGN})
@@ -63,7 +63,7 @@ set(may_include_polygons math)
 set(may_include_colors "")
 set(may_include_operators points math storage raster polygons colors connect levels)
 inside(operators interface kinds declare lanes expressions nearest statistics surface rows thinning ground change graph .)
-# What is common to formats stands before the formats, which do not know each other.
+# Parts common to formats come before the formats, which do not know each other.
 set(may_include_formats points math ${all_of_storage})
 inside(formats files . records cloud)
 foreach(format e57 kitti las mesh npy pcd ply ptx qsplat text vtk)
@@ -78,10 +78,10 @@ inside(pipeline plan . language rows checkpoint output memory run)
 set(may_include_reference points math ${all_of_storage} order ${all_of_operators} sweep ${all_of_pipeline})
 set(may_include_info points math ${all_of_storage} order ${all_of_formats} pipeline/rows)
 set(may_include_report points math ${all_of_storage} ${all_of_formats} render ${all_of_pipeline})
-# Not search, not sweep: verify checks them.
+# verify may include neither search nor sweep, because it checks them.
 set(may_include_verify points math ${all_of_storage} polygons ${all_of_operators} ${all_of_formats} pipeline pipeline/plan pipeline/language pipeline/rows)
 inside(verify interface rows search values .)
-# verify/formulas evaluates what operators should give: it shares no code with them, nor with math, search or sweep.
+# verify/formulas evaluates the values that operators should give. It shares no code with operators, math, search or sweep.
 set(may_include_verify/formulas nothing_at_all)
 foreach(layer verify/rows verify/search verify/values verify)
   list(APPEND may_include_${layer} verify/formulas)
@@ -95,8 +95,8 @@ if(NOT DEFINED ROOT)
 endif()
 cmake_path(ABSOLUTE_PATH ROOT NORMALIZE)
 
-# layer_of(FILE VARIABLE): the layer of a public header, else the folder of a file, `top` for pointsweep/fail.h and its like, which
-# stand below all layers.
+# layer_of(FILE VARIABLE): the layer of a public header, else the folder of a file; `top` for pointsweep/fail.h and the other headers
+# directly in pointsweep/, which stand below all layers.
 function(layer_of file variable)
   string(REGEX REPLACE "^(include/)?pointsweep/|\\.[a-z]+$" "" name "${file}")
   if(file MATCHES "^(include/)?pointsweep/" AND EXISTS ${ROOT}/include/pointsweep/${name}.h)
@@ -153,7 +153,7 @@ foreach(file ${files})
   endforeach()
 endforeach()
 
-# A folder with more pairs of files than this is a hall in which nobody finds anything.
+# The largest number of pairs of files in a folder.
 if(NOT DEFINED MOST_PAIRS)
   set(MOST_PAIRS 25)
 endif()

@@ -1,5 +1,6 @@
 # The Rust crate in codecs/ as the static library pointsweep_codecs. POINTSWEEP_CODECS: ON needs cargo, OFF does without LAZ and E57,
-# AUTO (the default) takes what is there: cargo 1.87 or newer, and the crates of codecs/Cargo.lock, here or from their registry.
+# AUTO (the default) builds the codecs if cargo 1.87 or newer and the crates of codecs/Cargo.lock, on this machine or from their registry,
+# are available.
 set(POINTSWEEP_CODECS AUTO CACHE STRING "Build the codecs for LAZ and E57, which need cargo: ON, OFF or AUTO")
 set_property(CACHE POINTSWEEP_CODECS PROPERTY STRINGS AUTO ON OFF)
 set(POINTSWEEP_HAS_CODECS OFF)
@@ -7,8 +8,8 @@ if(NOT POINTSWEEP_CODECS)
   return()
 endif()
 
-# POINTSWEEP_REMOTE: with inputs and outputs by URL. The crate codecs/remote, which holds the codecs, takes the place of theirs, since two
-# libraries of Rust cannot be linked into one program.
+# POINTSWEEP_REMOTE: builds inputs and outputs by URL. The crate codecs/remote, which contains the codecs, then replaces the crate codecs,
+# since two Rust libraries cannot be linked into one program.
 option(POINTSWEEP_REMOTE "Build inputs and outputs by URL, which compile some hundred crates" OFF)
 set(codecs ${PROJECT_SOURCE_DIR}/codecs)
 set(manifest ${codecs}/Cargo.toml)
@@ -27,7 +28,7 @@ if(POINTSWEEP_REMOTE AND POINTSWEEP_REMOTE_OPT_LEVEL)
   list(APPEND POINTSWEEP_CARGO_OPTIONS --config "profile.release.package.'*'.opt-level=${POINTSWEEP_REMOTE_OPT_LEVEL}")
 endif()
 
-# Copies the crates into the build folder and patches one of them there (patch_laz.cmake).
+# Copies the crates into the build folder and patches the crate laz there (patch_laz.cmake).
 function(pointsweep_fetch_crates why)
   set(${why} "" PARENT_SCOPE)
   file(SHA256 ${lock_file} lock)

@@ -1,6 +1,6 @@
 # Compiler flags of every target of this project. Warnings are errors in our own presets and scripts alone
-# (CMAKE_COMPILE_WARNING_AS_ERROR), because compilers that we do not know warn of other things. Values are made of plain IEEE
-# operations: contraction into fused multiply-adds is off, so that a result has the same bytes on every instruction set.
+# (CMAKE_COMPILE_WARNING_AS_ERROR), because compilers that the project is not tested with warn of other things. Values are made of plain
+# IEEE operations: contraction into fused multiply-adds is off, so that a result has the same bytes on every instruction set.
 add_library(pointsweep_flags INTERFACE)
 target_compile_options(pointsweep_flags INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion)
 # GCC 12 warns wrongly of overlapping copies inside std::string (its bug 105651).

@@ -1,6 +1,6 @@
 # POINTSWEEP_INSTRUCTION_SETS: the sets that vector code is compiled for. `all` (the default) runs at full speed on every machine;
-# `native` compiles the best set of this machine and the baseline, in two thirds of the time. The results are the same bytes, and the program
-# runs on other machines, too, with the baseline where they lack that set.
+# `native` compiles the best set of this machine and the baseline, in two thirds of the time. The results have equal bytes, and the
+# program also runs on machines that lack this set, with the baseline.
 set(POINTSWEEP_INSTRUCTION_SETS all CACHE STRING "Instruction sets of the vector code: all, or native for that of this machine and the baseline")
 set_property(CACHE POINTSWEEP_INSTRUCTION_SETS PROPERTY STRINGS all native)
 if(NOT POINTSWEEP_INSTRUCTION_SETS MATCHES "^(all|native)$")

@@ -1,16 +1,16 @@
 # cmake -D VENDOR=folder -P patch_laz.cmake: patches the crate laz 0.13.0 in a folder that cargo vendor has made.
 #
-# The times of points may come in several sequences. A point that switches to another one is decoded by the same function again,
+# The times of points may come in several sequences. A point that switches to another sequence is decoded by a recursive call,
 # and damaged data can switch without end, which overflows the stack: with an arithmetic decoder thousands of switches fit into
 # a byte. Encoders switch once at most. The patched functions refuse the fifth switch in a row as invalid data.
-# Found by script/fuzz las; there is no release of the crate with a remedy.
+# script/fuzz las has found this; no release of the crate corrects it.
 file(GLOB crates ${VENDOR}/laz*)
 list(LENGTH crates number)
 if(NOT number EQUAL 1)
   message(FATAL_ERROR "${VENDOR} holds ${number} crates called laz")
 endif()
 
-# Replaces `call`, which follows `before`, wherever it stands in the file: as many times as `times` says.
+# Replaces `call` after `before` everywhere in the file, and fails unless there are `times` such places.
 function(limit_switches file before call next owner times)
   file(READ ${crates}/src/las/${file} text)
   string(REPLACE "${before}${call}?;" "" without "${text}")

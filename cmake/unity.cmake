@@ -6,8 +6,8 @@ endif()
 set(POINTSWEEP_COMPILED_ALONE "" CACHE STRING "Sources of the library and of cli/ that are compiled alone, as paths from the top")
 mark_as_advanced(POINTSWEEP_COMPILED_ALONE)
 
-# pointsweep_group_by_layer(TARGET [GROUPS]): one group for each layer, or GROUPS of them: the folders inside a layer are compiled
-# together, but for those of formats/, which know nothing of each other. Sources that Highway compiles
+# pointsweep_group_by_layer(TARGET [GROUPS]): makes one group for each layer, or GROUPS groups. The folders inside a layer are compiled
+# together, except for those of formats/, which do not know each other. Sources that Highway compiles
 # once per instruction set include themselves and stay alone, as do those in POINTSWEEP_COMPILED_ALONE: script/mutants
 # changes one at a time, and compiles it at -O1, which takes half the time and gives the same bytes in every result.
 # threads.cpp stays alone, so that a program can bring other threads (bench/span).

@@ -20,7 +20,7 @@ foreach(file bash-completion/completions/pointsweep zsh/site-functions/_pointswe
   endif()
 endforeach()
 
-# The public headers are installed, all of them and nothing else.
+# Exactly the public headers are installed.
 file(GLOB_RECURSE public RELATIVE ${SOURCE}/include ${SOURCE}/include/*)
 file(GLOB_RECURSE installed RELATIVE ${scratch}/prefix/include ${scratch}/prefix/include/*)
 if(NOT public STREQUAL installed)
@@ -36,7 +36,7 @@ foreach(shared OFF ON)
 endforeach()
 run(${scratch}/shared_OFF/beside ${scratch})
 
-# The shared library shows names of pointsweep alone, and only a few hundred of them.
+# The shared library exports only names of pointsweep, at most a few hundred.
 file(GLOB libraries ${scratch}/prefix/*/libpointsweep.so ${scratch}/prefix/*/*/libpointsweep.so)
 list(GET libraries 0 library)
 run(nm --dynamic --defined-only --demangle ${library})
