@@ -2,9 +2,12 @@
 #include "pointsweep/part/tile_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/storage/sealed_value.h"
 
 namespace pointsweep {
 namespace {
@@ -109,6 +112,23 @@ TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string
     rows += tile.rows;
   }
   return catalogue;
+}
+
+std::shared_ptr<const TileCatalogue> shared_catalogue(const Storage& scratch, const std::string& key) {
+  struct Kept {
+    std::vector<std::byte> identity;
+    std::shared_ptr<const TileCatalogue> catalogue;
+  };
+  static std::mutex mutex;
+  static std::array<Kept, 2> kept;  // the first was read last
+  std::vector<std::byte> identity = sealed_identity(scratch, key);
+  const std::scoped_lock lock(mutex);
+  if (!identity.empty() && kept[1].identity == identity) std::swap(kept[0], kept[1]);
+  if (identity.empty() || kept[0].identity != identity) {
+    auto read = std::make_shared<const TileCatalogue>(sealed_value<TileCatalogue>(scratch, key));
+    kept[1] = std::exchange(kept[0], {std::move(identity), std::move(read)});
+  }
+  return kept[0].catalogue;
 }
 
 void TileReader::read(std::size_t tile_number, std::span<const BlockRange> ranges, std::span<std::byte> out) {

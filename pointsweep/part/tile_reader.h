@@ -48,6 +48,11 @@ struct TileCatalogue {
 TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string>& names,
                            const std::vector<std::string>& paths);
 
+/// Returns the catalogue that seal_bytes() has stored under `key`. All tasks of a round read the same catalogue, so the
+/// process keeps the two that were read last and decodes an object with the same size and checksum only once.
+/// Thread-safe. Throws Error like sealed_value().
+std::shared_ptr<const TileCatalogue> shared_catalogue(const Storage& scratch, const std::string& key);
+
 /// Successive blocks of a tile.
 struct BlockRange {
   std::uint32_t first, end;

@@ -51,6 +51,14 @@ void seal_bytes(Storage& storage, const std::string& key, std::span<const std::b
   object->seal();
 }
 
+std::vector<std::byte> sealed_identity(const Storage& storage, const std::string& key) {
+  const std::unique_ptr<Source> object = storage.open(key);
+  if (object->size() < kHeadBytes) return {};
+  std::vector<std::byte> head(kHeadBytes);
+  object->read_at(0, head);
+  return head;
+}
+
 std::optional<std::vector<std::byte>> sealed_bytes(const Storage& storage, const std::string& key) {
   const std::unique_ptr<Source> object = storage.open(key);
   if (object->size() < kHeadBytes) return {};

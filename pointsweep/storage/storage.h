@@ -54,6 +54,9 @@ class Storage {
 std::uint64_t checksum_of(std::span<const std::byte> bytes);
 /// Stores and seals an object that holds the number of `bytes`, a checksum, and the bytes.
 void seal_bytes(Storage& storage, const std::string& key, std::span<const std::byte> bytes);
+/// Returns the size and the checksum in the head of an object that seal_bytes() has stored, without reading its bytes.
+/// Objects with equal heads hold equal values. Returns nothing if the object has no complete head.
+std::vector<std::byte> sealed_identity(const Storage& storage, const std::string& key);
 /// Returns the bytes of an object that seal_bytes() has stored; nothing if the object is damaged.
 std::optional<std::vector<std::byte>> sealed_bytes(const Storage& storage, const std::string& key);
 

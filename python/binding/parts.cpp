@@ -17,6 +17,7 @@
 #include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/run/part_run.h"
 #include "pointsweep/storage/local/shared_folder.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 #include "python/binding/python_threads.h"
 #include "python/binding/requests.h"
 #include "python/binding/watched_run.h"
@@ -174,6 +175,11 @@ void join_the_pieces(const std::filesystem::path& scratch, const nb::list& sourc
   join_cuts(request.cloud.inputs(), request.chain, request.outputs, request.options, *place, left, key);
 }
 
+/// Removes what killed workers have left of any of the outputs. Lists each folder once.
+void remove_abandoned(const std::vector<std::filesystem::path>& outputs) {
+  const ManyOutputs listed(outputs.size(), [&](std::size_t i) { return outputs[i]; });
+}
+
 void forget_task(const std::filesystem::path& scratch, const std::string& left) {
   const std::unique_ptr<Storage> place = shared_storage(scratch);
   Storage& folder = *place;
@@ -197,6 +203,7 @@ void bind_parts(nb::module_& module) {
   nb::list left;
   for (const char* const end : kLeftByTasks) left.append(end);
   module.attr("left_by_tasks") = nb::tuple(left);
+  module.def("remove_abandoned", &remove_abandoned, "outputs"_a);
   module.def("forget_part", &forget_task, "scratch"_a, "left"_a);
 }
 

@@ -105,7 +105,10 @@ def run_on_cluster(
             )
             _seal_request(place, request)
             run = _Run(connected, place, request, rounds, rows, {number: counts for number, (_, counts) in others.items()}, progress)
+            own = [] if run.divides() else outputs
+            _core.remove_abandoned(own)  # workers would list the folders for each of their tasks
             run.perform()
+            _core.remove_abandoned(own)
             finished = True
             return run.statistics(time.perf_counter() - start)
     except OSError as error:
@@ -361,7 +364,7 @@ class _Run:
                 _core.forget_part(self._place.objects, done.left)
         self._forgotten = number
 
-    def _divides(self) -> bool:
+    def divides(self) -> bool:
         return self._rounds[-1].kind in DIVIDING
 
     def _tell(self, kind: str, points: int, of: int) -> None:
@@ -379,7 +382,7 @@ class _Run:
             worker["tasks"] += 1
             worker["seconds"] += done.seconds
             worker["peak_rss_bytes"] = max(worker["peak_rss_bytes"], done.peak_bytes)
-        warnings = list(dict.fromkeys(sentence for done in (tasks if self._divides() else last) for sentence in done.warnings))
+        warnings = list(dict.fromkeys(sentence for done in (tasks if self.divides() else last) for sentence in done.warnings))
         for sentence in warnings:
             warn(sentence)
         return json.dumps(
@@ -389,7 +392,7 @@ class _Run:
                 "warnings": warnings,
                 "seconds": {"total": seconds, "tasks": sum(done.seconds for done in tasks)},
                 "bytes": {"read": sum(d.bytes_read for d in tasks), "written": sum(d.bytes_written for d in tasks), "scratch": sum(d.bytes_in_scratch for d in tasks)},
-                "files": sum(done.files for done in last) if self._divides() else self._tiles,
+                "files": sum(done.files for done in last) if self.divides() else self._tiles,
                 "points_swept_over_own": sum(d.swept for d in sweeps) / max(1, sum(d.own for d in sweeps)),
                 "tasks": len(tasks),
                 "workers": workers,

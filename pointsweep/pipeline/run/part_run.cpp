@@ -33,6 +33,7 @@
 #include "pointsweep/pipeline/run/tile_state.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/row_error.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 #include "pointsweep/storage/sealed_value.h"
 #include "pointsweep/threads.h"
 
@@ -157,8 +158,8 @@ class TaskOfTile {
 
   void grow_forest(std::size_t p, const TileState& state, const WorkPlan& work) {
     if (!is_empty()) {
-      const auto tiles = sealed_value<TileCatalogue>(scratch_, task_.catalogue);
-      const RowsOfTile rows{tiles.tiles.at(task_.tile).first_row, rows_.cloud->count()};
+      const auto tiles = shared_catalogue(scratch_, task_.catalogue);
+      const RowsOfTile rows{tiles->tiles.at(task_.tile).first_row, rows_.cloud->count()};
       const TileGraphSetup setup{whole_.plan.passes[p].connecting_stage()->connects()->votes(), whole_.places.scratch(),
                                  &whole_.places.folder(), work.memory.passes[p].recall_bytes / 2,
                                  context().progress_of("connecting")};
@@ -263,7 +264,8 @@ class TaskOfTile {
 
   std::unique_ptr<RowStore> sweep(std::size_t p, const Survey& of_input, WorkPlan& work) {
     const PlannedPass& pass = whole_.plan.passes[p];
-    const auto tiles = sealed_value<TileCatalogue>(scratch_, task_.catalogue);
+    const std::shared_ptr<const TileCatalogue> catalogue = shared_catalogue(scratch_, task_.catalogue);
+    const TileCatalogue& tiles = *catalogue;
     const Schema working =
         WorkingRecord(source_of_pass(context(), p, rows_).schema, false, pass.payload(), rows_.cloud->count()).schema();
     if (pass.kind == PassKind::order) return take_in_order(p, of_input, work, tiles, working);
@@ -293,9 +295,9 @@ class TaskOfTile {
 
   void give_other(const InOrderOperator& op, const TileCatalogue& tiles, int axis,
                   const std::function<void(const OtherPoints&)>& take) {
-    const auto others = sealed_value<TileCatalogue>(scratch_, task_.other_catalogue);
+    const std::shared_ptr<const TileCatalogue> others = shared_catalogue(scratch_, task_.other_catalogue);
     const Schema working = working_of_other(InputCloud({task_.other_file}), op.other_reads());
-    const NeededPoints needed = needed_of_other(scratch_, tiles, task_.tile, others, working, op);
+    const NeededPoints needed = needed_of_other(scratch_, tiles, task_.tile, *others, working, op);
     const Stream stream = OtherCloud::in_order(needed.source, axis, &whole_.places.folder());
     OtherCloud::give(stream, task_.other_file, op.other_reads(), context().progress_of("ordering"), take);
   }
@@ -344,6 +346,7 @@ PartDone run_part(InputCloud& given_tile, const Chain& chain, const Outputs& out
     done.statistics.dropped = dropped.count;
     return done;
   }
+  const ManyOutputs listed = ManyOutputs::listed_by_caller(outputs.tiles);
   const Request request{tile, outputs, options, plan};
   Statistics statistics = first_counts(request, dropped);
   statistics.warnings.clear();  // plan_parts() has returned these warnings

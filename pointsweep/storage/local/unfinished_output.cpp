@@ -59,8 +59,7 @@ void remove_abandoned(const fs::path& folder, const IsOutput& is_output) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const auto part = parse_part(entry->path().filename().string());
     std::error_code ignored;
-    if (part && is_output(part->output) && is_abandoned(entry->path(), part->owner))
-      fs::remove(entry->path(), ignored);
+    if (part && is_output(part->output) && is_abandoned(entry->path(), part->owner)) fs::remove(entry->path(), ignored);
   }
 }
 
@@ -120,6 +119,22 @@ ManyOutputs::ManyOutputs(std::size_t count, const std::function<fs::path(std::si
     remove_abandoned(folder, [&](const std::string& name) { return has(folder, name); });
   const std::lock_guard lock(cleared().mutex);
   cleared().outputs.insert(this);
+}
+
+ManyOutputs::ManyOutputs(std::vector<std::size_t> targets) : targets_(std::move(targets)) {
+  const std::lock_guard lock(cleared().mutex);
+  cleared().outputs.insert(this);
+}
+
+ManyOutputs ManyOutputs::listed_by_caller(const std::vector<fs::path>& destinations) {
+  std::vector<std::size_t> targets;
+  for (const fs::path& destination : destinations) {
+    if (is_url(destination)) continue;
+    const fs::path target = target_of(destination);
+    targets.push_back(hash_of(folder_of(target), target.filename().string()));
+  }
+  std::ranges::sort(targets);
+  return ManyOutputs(std::move(targets));
 }
 
 ManyOutputs::~ManyOutputs() {

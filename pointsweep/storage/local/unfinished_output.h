@@ -28,6 +28,8 @@ class ManyOutputs {
  public:
   /// Lists the folders of the outputs. destination(i) returns the path of output i < `count`.
   ManyOutputs(std::size_t count, const std::function<std::filesystem::path(std::size_t i)>& destination);
+  /// Returns the outputs without listing their folders, for a process whose caller lists them for many processes.
+  static ManyOutputs listed_by_caller(const std::vector<std::filesystem::path>& destinations);
   ~ManyOutputs();
   ManyOutputs(const ManyOutputs&) = delete;
   ManyOutputs& operator=(const ManyOutputs&) = delete;
@@ -37,6 +39,9 @@ class ManyOutputs {
   bool has(const std::filesystem::path& folder, const std::string& name) const;
 
  private:
+  /// Takes the outputs into the list of all ManyOutputs.
+  explicit ManyOutputs(std::vector<std::size_t> targets);
+
   std::vector<std::size_t> targets_;  ///< hashes of the paths of all outputs, ascending
 };
 
