@@ -25,6 +25,13 @@ class WktParser {
     WktNode root;
     if (!parse_node(root, 0)) return std::nullopt;
     skip_space();
+    if (!at_end() && text_[at_] == ',') {  // Esri writes a vertical system after the horizontal one
+      ++at_;
+      WktNode compound{"COMPD_CS", {}, {std::move(root), {}}};
+      root = std::move(compound);
+      if (!parse_node(root.children.back(), 1)) return std::nullopt;
+      skip_space();
+    }
     return at_ == text_.size() ? std::optional(std::move(root)) : std::nullopt;
   }
 

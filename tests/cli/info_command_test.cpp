@@ -248,6 +248,7 @@ TEST(LengthUnit, IsThatOfTheHorizontalSystem) {
           R"(COMPD_CS["c",PROJCS["a",GEOGCS["b"],UNIT["f",0.3048006096012192]],VERTCS["v",UNIT["US survey foot",1.0]]])"),
       "US survey ft");
   EXPECT_EQ(unit(R"(GEOGCS["b",UNIT["degree",0.0174532925199433]])"), "");
+  EXPECT_EQ(unit(R"(PROJCS["a",GEOGCS["b"],UNIT["f",0.3048]],VERTCS["v",UNIT["Meter",1.0]])"), "ft");
   EXPECT_EQ(unit(R"(Projcs ("a", Geogcs("b", Unit("degree", 0.0174532925199433)), Unit ("foot", 0.3048)))"), "ft");
   EXPECT_EQ(unit(R"(COMPOUNDCRS["c",PROJCRS["a",BASEGEOGCRS["b"],CS[Cartesian,2],LENGTHUNIT["foot",0.3048]],)"
                  R"(VERTICALCRS["v",CS[vertical,1],LENGTHUNIT["metre",1]]])"),
