@@ -15,7 +15,6 @@ namespace pointsweep {
 namespace {
 
 constexpr double kUsableSteps = 2147483646;  // one below the largest integer, since rounding may add one
-constexpr double kRoundSteps = 1000;         // offsets are multiples of this many steps
 constexpr int kLeast = -300, kMost = 300;
 
 /// Returns 10^exponent, correctly rounded, which std::pow does not guarantee.

@@ -16,6 +16,10 @@ namespace pointsweep {
 /// The largest coordinate, in steps of the scale from the offset.
 inline constexpr double kMostLasSteps = 2147483647;
 
+/// The distance of a chosen offset from 0, or from the offset of the first input, is a multiple of this many steps, so
+/// that the offset has few digits.
+inline constexpr double kRoundSteps = 1000;
+
 struct LasQuantization {
   Vec3 scale{1, 1, 1}, offset;
 };

@@ -122,12 +122,11 @@ std::vector<std::string> stated_columns(std::string_view name) {
   return columns;
 }
 
-/// Returns whether a file has the extension of another format than `asked`. Formats that are read only if --format
-/// names them do not count.
-bool names_another(const std::filesystem::path& path, const Format& asked) {
+/// Returns whether a file has the extension of a format that is read without --format.
+bool names_format(const std::filesystem::path& path) {
   const std::string extension = extension_of(path);
   return std::ranges::any_of(kFormats, [&](const Format* format) {
-    return format != &asked && format->asked_for_as.empty() && has_extension(*format, extension);
+    return format->asked_for_as.empty() && has_extension(*format, extension);
   });
 }
 
@@ -284,7 +283,7 @@ std::unique_ptr<Reader> open_reader(const std::filesystem::path& named, std::str
   if (chooses_levels(format_name)) return with_chosen_levels(open_reader(path), format_name);
   const InputFile file(path);  // stays open until the reader has opened the path
   const std::string head = head_of(path, file);
-  if (const Format* const asked = format_asked_for(format_name); asked != nullptr && !names_another(path, *asked))
+  if (const Format* const asked = format_asked_for(format_name); asked != nullptr && !names_format(path))
     return asked->open(path);
   for (const Format* format : kFormats)
     if (is_read_as_points(*format) && format->is != nullptr && format->is(head)) return format->open(path);

@@ -121,8 +121,8 @@ class PlacesOfPoints {
     const Vec3 p = {value_of(position_.x, record), value_of(position_.y, record), value_of(position_.z, record)};
     const bool is_own = !buffer_ || value_of(*buffer_, record) == 0;
     own_.push_back(is_own);
-    const std::optional<Part> part = part_of(record, p);
     if (!is_own) return see_buffer(p);
+    const std::optional<Part> part = part_of(record, p);
     if (!std::exchange(name_is_known_, true)) take_file(part);
     if (part != part_) differ("{}: row {} of all files belongs into another file", path_.string(), row);
     if (buffer_ && part) want_in_buffers(*part, p);

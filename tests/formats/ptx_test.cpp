@@ -106,11 +106,13 @@ TEST_F(Ptx, WrongFilesAreOneSentence) {
   EXPECT_EQ(opened("0\n0\n" + kIdentity)->info().count, 0u);
 }
 
-/// A file that is truncated in the first of its two cells, also inside a number, is refused.
+/// A file that is truncated before its last number is refused. A shorter last number is another number.
 TEST_F(Ptx, TruncatedFilesAreRefusedOrHaveAllCells) {
   const std::string whole = "1\n2\n" + kIdentity + "1 2 3 0.25\n4 5 6 0.5\n";
-  for (std::size_t bytes = whole.find("1 2 3 0"); bytes + 12 < whole.size(); ++bytes)
+  for (std::size_t bytes = whole.find("1 2 3 0"); bytes <= whole.rfind(' '); ++bytes)
     EXPECT_THROW(values_of(*opened(whole.substr(0, bytes)), "x"), Error) << bytes;
+  for (std::size_t bytes = whole.rfind(' ') + 2; bytes <= whole.size(); ++bytes)
+    EXPECT_EQ(values_of(*opened(whole.substr(0, bytes)), "x"), (Numbers{1, 4})) << bytes;
 }
 
 TEST(PtxData, HasTheValuesOfTheFiles) {

@@ -11,10 +11,6 @@
 namespace pointsweep {
 namespace {
 
-/// The distance of a middle offset from the offset of the first input is a multiple of this many steps, so that the
-/// offset has few digits.
-constexpr double kRoundSteps = 1000;
-
 bool is_grid(const Field& field) {
   return field.type == Type::i32 && field.count == 1 && field.bit_width == 0 && field.scale > 0;
 }

@@ -110,8 +110,6 @@ std::vector<ListedFile> files_of_virtual_cloud(const fs::path& path) {
   return files;
 }
 
-namespace fs = std::filesystem;
-
 enum class ArgumentKind { file, folder, pattern, virtual_cloud };
 
 ArgumentKind kind_of(const fs::path& path) {

@@ -96,7 +96,7 @@ void Checkpoints::updated(bool selects, const CloudValues& values, const Statist
 }
 
 void Checkpoints::writing_tiles() {
-  if (folder_.saved().empty()) save(Clock::now());
+  if (folder_.saved().empty() && !has_saved_) save(Clock::now());
 }
 
 void Checkpoints::save(Clock::time_point begun) {
@@ -104,6 +104,7 @@ void Checkpoints::save(Clock::time_point begun) {
   out.put_text(identity_);
   last_.encode(out);
   folder_.save(out.take(), files());
+  has_saved_ = true;
   saved_at_ = Clock::now();
   const std::chrono::duration<double> took = saved_at_ - begun;
   if (least_interval_.count() > 0) interval_ = std::max(least_interval_, took / kShare);

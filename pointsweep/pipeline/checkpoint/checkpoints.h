@@ -40,8 +40,8 @@ class Checkpoints {
   /// Saves a checkpoint. Must be called when the rows for the next pass are complete. `selects`: the pass has left out
   /// rows, and its mask is complete too.
   void updated(bool selects, const CloudValues& values, const Statistics& counts);
-  /// Must be called before the first tile is renamed to its destination. Saves a checkpoint if no earlier process has
-  /// left one: a list of complete tiles is of use only beside a checkpoint.
+  /// Must be called before the first tile is renamed to its destination. Saves a checkpoint if neither this process nor
+  /// an earlier one has saved one: a list of complete tiles is of use only beside a checkpoint.
   void writing_tiles();
   /// Removes the folder. Must be called when the run is complete.
   void finish() { folder_.remove(); }
@@ -57,6 +57,7 @@ class Checkpoints {
   std::string identity_;  ///< run_identity() of the run
   Checkpoint last_;
   bool found_ = false;
+  bool has_saved_ = false;
   std::chrono::duration<double> least_interval_, interval_;
   std::chrono::steady_clock::time_point saved_at_ = std::chrono::steady_clock::now();
 };

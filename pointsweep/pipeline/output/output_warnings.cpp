@@ -18,7 +18,8 @@ std::vector<std::string> OutputWarnings::sentences() const {
   std::vector<std::string> all;
   for (const auto& [what, warning] : warnings_)
     all.push_back(warning.others == 0 ? warning.first
-                                      : fmt::format("{} (And so of {} more outputs.)", warning.first, warning.others));
+                                      : fmt::format("{} (The same holds for {} more {}.)", warning.first,
+                                                    warning.others, warning.others == 1 ? "output" : "outputs"));
   return all;
 }
 

@@ -253,7 +253,6 @@ SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output,
 }
 
 std::string to_text(const SortPreview& p) {
-  const auto megabytes = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
   const std::uint64_t slab_points = std::max<std::uint64_t>(p.memory.slab_points, 1);
   std::string text = fmt::format("points        {}\n", p.points) + decoded_input_text(p.decoded_bytes);
   text += fmt::format("order         ascending along {}, ties by x, y, z, then input row\n", "xyz"[p.axis]);
