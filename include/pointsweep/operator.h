@@ -190,7 +190,7 @@ class POINTSWEEP_EXPORT LocalOperator : public Operator {
     return nullptr;
   }
   /// Returns for each of x, y and z whether the operator may turn it into a coordinate of another reference system.
-  /// Only called for operators that make position_attribute().
+  /// The library calls this function only for operators that make position_attribute().
   virtual std::array<bool, 3> changes_system() const { return {true, true, true}; }
 };
 

@@ -61,7 +61,7 @@ struct Format {
 
   Content content = Content::points;
   bool holds_crs = false;         ///< its files can hold a coordinate reference system
-  bool holds_provenance = false;  ///< its files can hold lines that say how they were made
+  bool holds_provenance = false;  ///< files of the format can hold the record of their run
   bool is_sequential = false;     ///< its writer can write to standard output, since it writes all bytes in order
   bool reorders = false;          ///< its writer changes the order of points
   /// True if coordinates may be any float64, NaN and infinity included; false if they are integers on a grid of finite

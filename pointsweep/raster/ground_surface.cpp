@@ -63,8 +63,8 @@ class MarkedRows final : public RowStream {
   std::vector<std::uint8_t> held_;
 };
 
-/// Returns the bytes per column that ground_surface() needs besides the openings: for both FilledRows, marks that wait,
-/// and the rows that the caller holds.
+/// Returns the bytes per column that ground_surface() needs in addition to the openings: for both FilledRows, marks
+/// that wait, and the rows that the caller holds.
 std::size_t other_column_bytes(const GroundRule& rule) {
   const std::size_t block = kRowsAtOnce * (sizeof(double) + 1);
   return 2 * FilledRows::column_bytes(rule.reach()) + 6 * block + 2 * rule.radius + 4 * sizeof(double);

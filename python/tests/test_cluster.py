@@ -203,6 +203,23 @@ def test_a_worker_is_killed(tiles: Path, tmp_path: Path, client: Any) -> None:
     assert_same(tmp_path / "one", tmp_path / "many")
 
 
+def test_removes_what_killed_workers_left_of_the_outputs(tiles: Path, tmp_path: Path, client: Any) -> None:
+    with subprocess.Popen(["true"]) as ended:
+        pass
+    one_process(tiles, CHAINS[0], tmp_path / "one")
+    (tmp_path / "many").mkdir()
+    names = sorted(path.name for path in (tmp_path / "one").iterdir())
+    left = [tmp_path / "many" / f".{name}.{ended.pid}.part" for name in names[:2]]
+    other = tmp_path / "many" / f".of_another_run.ply.{ended.pid}.part"
+    other.touch()
+    left[0].touch()
+    many(tiles, CHAINS[0], tmp_path / "many", client, progress=lambda *_: left[1].touch())
+    assert not any(path.exists() for path in left)
+    assert other.exists()
+    other.unlink()
+    assert_same(tmp_path / "one", tmp_path / "many")
+
+
 def test_goes_on_where_a_client_was_stopped(tiles: Path, tmp_path: Path, immediate: None) -> None:
     one_process(tiles, CHAINS[1], tmp_path / "one")
     performed: list[tuple[int, int]] = []

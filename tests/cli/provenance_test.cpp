@@ -24,7 +24,7 @@ class Provenance : public Tool {
     EXPECT_EQ(tool("generate statue more.las -n 1000 --seed 2").status, 0);
   }
 
-  /// Returns the lines of a file that say how it was made, without their prefixes.
+  /// Returns the lines of the record in a file, without their prefixes.
   std::vector<std::string> said(const std::string& name) {
     const std::string all = contents(folder_ / name);
     std::vector<std::string> lines;

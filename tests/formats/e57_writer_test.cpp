@@ -38,7 +38,8 @@ class E57Writing : public testing::Test {
     write_all(plan, records);
     return open_reader(plan.path);
   }
-  /// Writes `values` as the only attribute besides the coordinates, and returns the values that are read again.
+  /// Writes a file with the coordinates and one attribute, `values`, and returns the values of that attribute as a
+  /// reader gets them.
   std::vector<double> written_values(const Field& field, const std::vector<double>& values) const {
     OutputPlan one = plan(values.size());
     const std::size_t at = one.schema.append(field.name, field.type);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Compares the values of random expressions, which the test computes while it makes their text, with the values of the
-/// tool and of verify. verify has a parser of its own.
+/// tool and of verify. verify parses expressions by separate code.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

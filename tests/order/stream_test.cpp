@@ -286,7 +286,7 @@ TEST(Stream, CarriesWholeRecordsIfAsked) {
 }
 
 TEST(Stream, JoinsThinSlabs) {
-  // Half of the points share a coordinate, which gets pieces of its own between pieces with few points.
+  // Half of the points share a coordinate. Pieces with only these points lie between pieces with few points.
   std::vector<Vec3> points = random_points(20000, 9);
   for (std::size_t i = 0; i < points.size(); i += 2) points[i].x = 0.5;
   const CloudSource<double> cloud(points);

@@ -14,7 +14,8 @@ PassPlanner::PassPlanner(const ChainGraph& graph, const std::vector<Attribute>& 
   plan_.steps = {0};
 }
 
-/// A rule reads attributes as they are before the first stage of the pass.
+/// Plans the neighbourhood of the pass. A rule of the neighbourhood reads the values that attributes have before the
+/// first stage of the pass.
 void PassPlanner::add_neighborhood(std::size_t node) {
   plan_.neighborhood = *graph_.nodes[node].neighborhood();
   if (!plan_.neighborhood.rule) return;
