@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/update_operators.h"
 
-#include "pointsweep/program/declaration.h"
+#include "pointsweep/operators/declare/declarations.h"
 
 namespace pointsweep {
 namespace {

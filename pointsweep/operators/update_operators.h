@@ -6,11 +6,4 @@
 
 #include "pointsweep/chain.h"
 
-namespace pointsweep {
-
-struct OperatorDeclaration;
-
-OperatorDeclaration reneighbor_declaration();
-OperatorDeclaration resort_declaration();
-
-}  // namespace pointsweep
+namespace pointsweep {}  // namespace pointsweep

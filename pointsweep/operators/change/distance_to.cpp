@@ -1,16 +1,40 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/change/distance_to.h"
-
+/// Distances from one cloud to another.
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <memory>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "pointsweep/in_order_operator.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/nearest/point_cells.h"
 
 namespace pointsweep {
 namespace {
+
+/// Makes cloud_distance: the distance to the nearest point of another cloud, sqrt((dx² + dy²) + dz²) in float64.
+class DistanceTo final : public InOrderOperator {
+ public:
+  /// Throws UsageError for options outside of their ranges.
+  explicit DistanceTo(DistanceToOptions options);
+
+  std::string name() const override { return "distance_to"; }
+  InOrderContract in_order_contract() const override;
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
+  std::optional<Reach> reach() const override { return Reach{}; }
+  std::optional<Reach> other_reach() const override;
+  std::string other_cloud() const override { return options_.cloud; }
+  std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
+
+ private:
+  DistanceToOptions options_;
+};
 
 /// Stores the other cloud in cells before the first point comes.
 class DistanceToWork final : public InOrderWork {

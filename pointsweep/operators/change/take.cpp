@@ -8,6 +8,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/change/take_work.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/rows/transform.h"

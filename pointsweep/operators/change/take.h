@@ -15,10 +15,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration take_declaration();
-
 /// An attribute that `take` makes; some or all of its components are taken from the other cloud.
 struct TakeTarget {
   Attribute made;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "pointsweep/operators/declare/complete_lists.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {

@@ -13,10 +13,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration components_declaration();
-
 /// Returns whether component numbers and sizes have 32 bits in a cloud of `points` points; false for 0, which means
 /// that the number of points is unknown.
 bool has_short_numbers(std::uint64_t points);

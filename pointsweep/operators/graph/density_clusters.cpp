@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "pointsweep/operators/declare/complete_lists.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/graph/connected_components.h"
 

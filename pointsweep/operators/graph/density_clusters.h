@@ -15,10 +15,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration dbscan_declaration();
-
 /// Returns core, N u8: 1 for core points.
 Attribute core_attribute();
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {

@@ -16,10 +16,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration orient_declaration();
-
 /// Returns normal_turned, N u8: 1 if orient() has negated the normal.
 Attribute normal_turned_attribute();
 

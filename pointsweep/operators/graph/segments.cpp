@@ -8,6 +8,7 @@
 #include <memory>
 #include <numbers>
 
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/graph/connected_components.h"
 

@@ -17,10 +17,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration segments_declaration();
-
 /// Makes segment, segment_size and segment_residual: components of the points that are joined if one is a neighbour of
 /// the other, their normals differ by less than an angle, whatever their signs, and their distance is within a limit. A
 /// point without a normal is a segment of one point. PlaneResidual measures how flat segments are.

@@ -16,10 +16,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration ground_declaration();
-
 /// Returns classification, N u8, classes of LAS: 2 ground, 1 unclassified.
 Attribute classification_attribute();
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/single_value.h"
 #include "pointsweep/operators/ground/ground.h"

@@ -13,10 +13,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration height_declaration();
-
 /// Returns height, N f64, in length units: z above the ground; NaN if the cloud has no ground.
 Attribute height_attribute();
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/points/lower_case.h"
 #include "pointsweep/points/text_file.h"

@@ -15,10 +15,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration crop_declaration();
-
 /// Keeps a point if it lies in the box and in a polygon; with CropOptions::outside, keeps all other points instead.
 /// Edges and faces count as inside in both cases. A point is in no box or polygon if a coordinate needed for the test
 /// is not finite.

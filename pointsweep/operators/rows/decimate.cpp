@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "pointsweep/math/mix.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {

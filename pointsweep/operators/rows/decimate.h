@@ -11,10 +11,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration decimate_declaration();
-
 /// Keeps a point if the hash of its coordinates, as a fraction of all hashes, is below `share`. The choice does not
 /// depend on other points: tiles give the same points as the merged cloud, in any order. Of points with equal
 /// coordinates, all or none are kept. Points without a finite place are all kept.

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/rows/drop.h"
-
+/// Attributes that the output does not hold and later stages do not see.
 #include <algorithm>
-#include <utility>
+#include <string>
+#include <vector>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/operators.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
@@ -30,12 +32,10 @@ OperatorDeclaration drop_declaration() {
           .example = "knn(k=12) | normals | set(facing = nz * nz) | drop(normal)"};
 }
 
-ChainStage operators::drop(const std::vector<std::string>& attributes) { return drop_of(attributes); }
-
-Drop drop_of(std::vector<std::string> attributes) {
+ChainStage operators::drop(const std::vector<std::string>& attributes) {
   if (attributes.empty() || std::ranges::any_of(attributes, &std::string::empty))
     fail_usage("drop: names no attribute; write the names of those to leave out, as in drop(intensity, gps_time).");
-  return {std::move(attributes)};
+  return Drop{attributes};
 }
 
 }  // namespace pointsweep

@@ -1,13 +1,33 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/rows/head.h"
-
+/// Keeping the first points of the inputs.
+#include <cstdint>
 #include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/points/input_row.h"
 
 namespace pointsweep {
 namespace {
+
+/// Keeps the points of the first rows of all inputs in order. Rows are numbered like `row` in conditions, independently
+/// of rows that earlier stages have dropped.
+class Head final : public SelectOperator {
+ public:
+  /// Throws UsageError for a number of 0.
+  explicit Head(const HeadOptions& options);
+  std::string name() const override { return "head"; }
+  std::vector<Attribute> reads() const override;
+  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
+
+ private:
+  HeadOptions options_;
+};
 
 const OptionTable<HeadOptions>& head_options() {
   static const OptionTable<HeadOptions> table = {

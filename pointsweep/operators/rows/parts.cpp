@@ -1,16 +1,33 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/rows/parts.h"
-
+/// Dividing the points at random into parts, for training, validation and test.
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "pointsweep/math/mix.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/expression.h"
 
 namespace pointsweep {
 namespace {
+
+/// Makes part, N u16: ⌊h n / 2^64⌋ with the hash h of the coordinates and n parts. Points of equal coordinates are in
+/// the same part; points without a finite place are in part 0.
+class Parts final : public LocalOperator {
+ public:
+  /// Throws UsageError for options out of their ranges.
+  explicit Parts(const PartsOptions& options);
+  std::string name() const override { return "parts"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods& in, Columns& out) const override;
+
+ private:
+  PartsOptions options_;
+};
 
 /// A number that is added to the seed. Without it, a sample or decimate with the same seed would take all its points
 /// from few parts.

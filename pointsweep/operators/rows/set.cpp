@@ -10,6 +10,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/kinds/chain_stage.h"
@@ -223,13 +224,13 @@ void SetAttribute::find_target(const Schema& input, std::span<const Attribute> m
 
 RowSentence SetAttribute::refusal(const std::string& value) const {
   const bool moves = target_.name == position_attribute().name;
-  const std::string remedy = is_retyped_ ? fmt::format("state a type that holds it with 'as', or limit it, as in {} = "
-                                                       "min(max({}, LEAST), MOST)",
-                                                       assignment_.name, assignment_.value.canonical())
+  const std::string remedy = is_retyped_ ? fmt::format(
+                                               "state a type that holds it with 'as', or limit it, as in {} = "
+                                               "min(max({}, LEAST), MOST)",
+                                               assignment_.name, assignment_.value.canonical())
                                          : "exclude such points by a condition, or assign to a new attribute";
-  return {fmt::format("{}: row ", place_),
-          fmt::format(": {} would be {}, which is not {}; {}.", assignment_.name, value,
-                      moves ? "a finite coordinate" : range_.text(), remedy)};
+  return {fmt::format("{}: row ", place_), fmt::format(": {} would be {}, which is not {}; {}.", assignment_.name,
+                                                       value, moves ? "a finite coordinate" : range_.text(), remedy)};
 }
 
 /// `is_placed`: the point has a finite place, which the assignment must not make infinite.

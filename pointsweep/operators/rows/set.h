@@ -18,10 +18,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration set_declaration();
-
 /// NAME = NUMBER [where CONDITION], e.g. intensity = intensity * 2 where classification == 2.
 struct Assignment {
   std::string name;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/kinds/chain_stage.h"
 #include "pointsweep/points/schema.h"

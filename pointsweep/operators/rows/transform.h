@@ -15,10 +15,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration transform_declaration();
-
 /// Returns the unit of the attribute `name` that an operator makes as a single value; "1" if no operator makes it.
 std::string unit_of_made(const std::string& name);
 

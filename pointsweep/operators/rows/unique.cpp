@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "pointsweep/operators.h"
-#include "pointsweep/program/declaration.h"
+#include "pointsweep/operators/declare/declarations.h"
 
 namespace pointsweep {
 namespace {

@@ -9,10 +9,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration unique_declaration();
-
 /// Keeps one of the points with equal current coordinates: the one with the lowest row. Coordinates are equal if all
 /// three are equal numbers (-0 and 0 are); points without a finite place are all kept. Needs no neighbourhoods: the
 /// points are put in order once.

@@ -14,10 +14,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration where_declaration();
-
 /// Keeps the rows for which `condition` holds, e.g. classification == 2 && z < 100. Points without a finite place are
 /// tested like all others: x, y or z is then NaN or infinite, and made attributes have the documented value for
 /// undefined results.

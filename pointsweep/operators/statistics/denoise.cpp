@@ -1,12 +1,31 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/statistics/denoise.h"
-
+/// `denoise`: drops statistical outliers.
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "pointsweep/chain.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/statistics/outliers.h"
 
 namespace pointsweep {
+namespace {
+
+/// A composite of sor, a condition that drops outliers, and a drop of the attributes that sor makes.
+class Denoise final : public CompositeOperator {
+ public:
+  explicit Denoise(const SorOptions& options);
+  std::string name() const override { return "denoise"; }
+  Contract contract() const override { return {.makes = {selection_attribute()}}; }
+  std::vector<ChainStage> parts() const override;
+
+ private:
+  SorOptions options_;
+};
+
+}  // namespace
 
 OperatorDeclaration denoise_declaration() {
   return {.name = "denoise",

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "pointsweep/operators/declare/complete_lists.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {

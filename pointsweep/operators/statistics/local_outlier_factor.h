@@ -12,10 +12,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration lof_declaration();
-
 /// The attributes of the operators below, N f64 each. They are NaN for points without neighbours, and if a neighbour
 /// has no finite place.
 Attribute k_distance_attribute();

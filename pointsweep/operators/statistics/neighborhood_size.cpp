@@ -6,7 +6,7 @@
 #include <span>
 
 #include "pointsweep/operators.h"
-#include "pointsweep/program/declaration.h"
+#include "pointsweep/operators/declare/declarations.h"
 
 namespace pointsweep {
 

@@ -8,8 +8,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
 /// Makes "neighbor_count", N u32: |N_i|, the point itself not counted; and "neighbor_radius", N f64: the distance to
 /// the farthest neighbour, in length units, at the current positions; 0 without neighbours, NaN if a neighbour has no
 /// finite place. The values show the choice of a rule of neighbourhoods, and both can be the limits of a later run
@@ -20,7 +18,5 @@ class NeighborhoodSize final : public LocalOperator {
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
 };
-
-OperatorDeclaration neighborhood_size_declaration();
 
 }  // namespace pointsweep

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "pointsweep/math/exact_sum.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/storage/encoding.h"
 

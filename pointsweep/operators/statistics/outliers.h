@@ -24,14 +24,11 @@ struct OutlierRule {
 };
 OutlierRule rule_of(OutlierDefinition definition);
 
-struct OperatorDeclaration;
 template <class T>
 class OptionTable;
 
 /// Returns the options of sor and denoise.
 const OptionTable<SorOptions>& sor_options();
-
-OperatorDeclaration sor_declaration();
 
 /// Returns mean_distance, N f64, in length units: the mean distance to the neighbours; NaN without neighbours, or if
 /// one has no finite place.

@@ -6,10 +6,10 @@
 #include <span>
 
 #include "pointsweep/operators.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/surface/curvature_kernel.h"
 #include "pointsweep/operators/surface/tangent_plane.h"
 #include "pointsweep/points/degenerate_points.h"
-#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 Attribute k1_attribute() { return scalar("k1", Type::f32, "1/length", "larger principal curvature, without sign"); }

@@ -8,8 +8,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
 /// Computes curvatures from the covariance of the normals,
 ///   C_i = 1/|N_i| Σ_j n_j n_j^T θ(|p_j - p_i|),  θ as in Equation 1.
 /// n n^T does not see signs: normals need no orientation, and curvatures come without sign.
@@ -47,8 +45,6 @@ class Curvature : public LocalOperator {
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
 };
-
-OperatorDeclaration curvature_declaration();
 
 Attribute k1_attribute();
 Attribute k2_attribute();

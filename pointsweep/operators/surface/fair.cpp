@@ -14,6 +14,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/math/batch.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/kinds/input_diagonal.h"
 #include "pointsweep/operators/surface/splats.h"

@@ -15,8 +15,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
 /// p_i' = 1/w_i Σ_j Π_j(p_i) a_j f(|p_j - p_i|) g(|Π_j(p_i) - p_i|),  j over N_i and i itself, w_i the sum of the
 /// weights.
 ///
@@ -43,8 +41,6 @@ class Fair : public LocalOperator {
   static std::optional<Vec3> shift(double own, const std::vector<Pull>& pulls, const std::vector<double>& falloffs);
   double inverse_f_, inverse_g_;
 };
-
-OperatorDeclaration fair_declaration();
 
 /// Fair with both widths in % of the diagonal of the box around the finite points of the INPUT that earlier stages have
 /// kept. Moved positions do not count, even for a second `fair` or after `reneighbor`.

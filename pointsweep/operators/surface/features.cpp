@@ -8,6 +8,7 @@
 #include <span>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {

@@ -12,8 +12,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
 /// The set P of a point contains its neighbours and, by default, p_i itself; n = |P|, p̄ its mean.
 ///   Σ = 1/n Σ_{p in P} (p - p̄)(p - p̄)^T, eigenvalues l1 >= l2 >= l3 >= 0, unit eigenvectors e1, e2, e3.
 /// λ are l (raw, length²), √l (root, length) or l / (l1 + l2 + l3) (normalized).
@@ -57,7 +55,5 @@ class Features final : public LocalOperator {
   FeaturesOptions options_;
   std::vector<Feature> made_;
 };
-
-OperatorDeclaration features_declaration();
 
 }  // namespace pointsweep

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/surface/normals_kernel.h"
 #include "pointsweep/points/degenerate_points.h"

@@ -9,8 +9,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
 /// n_i = eigenvector of the smallest eigenvalue of
 ///   M_i = 1/|N_i| Σ_j (p_j - p_i)(p_j - p_i)^T θ(|p_j - p_i|),  θ(r) = exp(-r²/2σ²),  σ² = π max_j |p_j - p_i|² /
 ///   |N_i|,
@@ -33,7 +31,5 @@ class Normals : public LocalOperator {
  private:
   NormalsOptions options_;
 };
-
-OperatorDeclaration normals_declaration();
 
 }  // namespace pointsweep

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/surface/curvature.h"
 #include "pointsweep/operators/surface/splats_kernel.h"

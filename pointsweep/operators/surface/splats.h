@@ -9,8 +9,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
 /// The ellipse around p_i in the tangent plane of n_i.
 ///   positions: major axis = eigenvector of the largest eigenvalue of M_i, brought into the plane as Curvature does
 ///   with e1, with the eigenvector of λ1 in the place of e0; ratio √(λ1/λ2).
@@ -41,8 +39,6 @@ class Splats : public LocalOperator {
  private:
   SplatsOptions options_;
 };
-
-OperatorDeclaration splats_declaration();
 
 Attribute splat_axis_attribute();
 Attribute splat_length_attribute();

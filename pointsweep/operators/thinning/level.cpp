@@ -1,21 +1,35 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/thinning/level.h"
-
+/// Levels of detail as an attribute.
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "pointsweep/in_order_operator.h"
 #include "pointsweep/levels/levelled_records.h"
 #include "pointsweep/operators.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/points/sorted_records.h"
-#include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
 namespace {
+
+/// Makes "level", the depth at which a point is first drawn (levels/level_choice.h). Positions are rounded to steps of
+/// 2^-30 of the widest extent, so that the levels equal those of a cloud stored on such a grid.
+class Level final : public InOrderOperator {
+ public:
+  Level();
+  std::string name() const override { return "level"; }
+  InOrderContract in_order_contract() const override;
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
+  std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
+};
 
 constexpr double kSteps = 1 << 30;
 constexpr std::uint64_t kDepthBits = 5;

@@ -13,10 +13,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration poisson_declaration();
-
 /// Takes the points in ascending order of the hash of their coordinates, equal hashes by x, y, z, then row. A point is
 /// kept unless a kept point lies within its own radius. So every dropped point has a kept point within its radius, and
 /// of two kept points the later has the other beyond its radius. Points without a finite place are all kept.

@@ -1,17 +1,54 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/thinning/simplify.h"
-
+/// Keeping few points where the surface is flat.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/surface/curvature.h"
 #include "pointsweep/operators/thinning/poisson.h"
 
 namespace pointsweep {
 namespace {
+
+/// Returns simplify_radius, N f64, in length units: the distance up to which a kept point may represent the point.
+Attribute simplify_radius_attribute() {
+  return scalar("simplify_radius", Type::f64, "length", "distance within which a kept point represents this one");
+}
+
+/// Makes simplify_radius = √(2 error / k1), limited to `least` and `most`: within it, a surface of curvature k1
+/// deviates from its tangent plane by at most the error, to second order. A point without curvature gets `most`.
+class SimplifyRadius final : public LocalOperator {
+ public:
+  explicit SimplifyRadius(const SimplifyOptions& options) : options_(options) {}
+  std::string name() const override { return "simplify_radius"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods& in, Columns& out) const override;
+
+ private:
+  SimplifyOptions options_;
+};
+
+/// `simplify`: SimplifyRadius, then Poisson with simplify_radius as the radius of each point.
+class Simplify final : public CompositeOperator {
+ public:
+  /// Messages begin with `place`. Throws UsageError for options out of their ranges, and if least is more than most.
+  explicit Simplify(const SimplifyOptions& options, const std::string& place = "simplify");
+  std::string name() const override { return "simplify"; }
+  Contract contract() const override;
+  std::vector<ChainStage> parts() const override;
+
+ private:
+  SimplifyOptions options_;
+};
 
 /// The default of the largest radius, as a multiple of the error: the radius for a surface with a radius of curvature
 /// of 512 errors.
@@ -51,10 +88,6 @@ OperatorDeclaration simplify_declaration() {
 }
 
 ChainStage operators::simplify(const SimplifyOptions& options) { return std::make_shared<Simplify>(options); }
-
-Attribute simplify_radius_attribute() {
-  return scalar("simplify_radius", Type::f64, "length", "distance within which a kept point represents this one");
-}
 
 Contract SimplifyRadius::contract() const {
   return {.reads = {k1_attribute()}, .makes = {simplify_radius_attribute()}, .default_k = 0};

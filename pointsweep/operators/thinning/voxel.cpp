@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pointsweep/math/mix.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/thinning/voxel_candidate.h"
 

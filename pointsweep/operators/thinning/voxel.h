@@ -14,10 +14,6 @@
 
 namespace pointsweep {
 
-struct OperatorDeclaration;
-
-OperatorDeclaration voxel_declaration();
-
 /// Keeps one of the points of each voxel. Along each axis, voxel v holds the coordinates whose quotient by the size,
 /// rounded to float64, lies in [v, v + 1): the grid depends on coordinates only, not on the cloud, and a point on a
 /// face belongs to the voxel above it. Points without a finite place are all kept. The points are put in order by

@@ -3,44 +3,8 @@
 #include <optional>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/change/distance_to.h"
-#include "pointsweep/operators/change/m3c2.h"
-#include "pointsweep/operators/change/take.h"
-#include "pointsweep/operators/graph/connected_components.h"
-#include "pointsweep/operators/graph/density_clusters.h"
-#include "pointsweep/operators/graph/orient.h"
-#include "pointsweep/operators/graph/segments.h"
-#include "pointsweep/operators/ground/ground.h"
-#include "pointsweep/operators/ground/height.h"
-#include "pointsweep/operators/rows/color.h"
-#include "pointsweep/operators/rows/crop.h"
-#include "pointsweep/operators/rows/decimate.h"
-#include "pointsweep/operators/rows/drop.h"
-#include "pointsweep/operators/rows/head.h"
-#include "pointsweep/operators/rows/parts.h"
-#include "pointsweep/operators/rows/set.h"
-#include "pointsweep/operators/rows/transform.h"
-#include "pointsweep/operators/rows/unique.h"
-#include "pointsweep/operators/rows/where.h"
-#include "pointsweep/operators/statistics/denoise.h"
-#include "pointsweep/operators/statistics/density.h"
-#include "pointsweep/operators/statistics/local_outlier_factor.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
-#include "pointsweep/operators/statistics/neighborhood_size.h"
-#include "pointsweep/operators/statistics/neighborhood_statistics.h"
-#include "pointsweep/operators/statistics/outliers.h"
-#include "pointsweep/operators/statistics/radius_outliers.h"
-#include "pointsweep/operators/surface/curvature.h"
-#include "pointsweep/operators/surface/fair.h"
-#include "pointsweep/operators/surface/features.h"
-#include "pointsweep/operators/surface/normals.h"
-#include "pointsweep/operators/surface/splats.h"
-#include "pointsweep/operators/thinning/level.h"
-#include "pointsweep/operators/thinning/poisson.h"
-#include "pointsweep/operators/thinning/sample.h"
-#include "pointsweep/operators/thinning/simplify.h"
-#include "pointsweep/operators/thinning/voxel.h"
-#include "pointsweep/operators/update_operators.h"
 #include "pointsweep/program/nearest_names.h"
 #include "pointsweep/program/pipeline.h"
 
@@ -85,21 +49,9 @@ constexpr OtherWord kOtherWords[] = {
 }  // namespace
 
 const std::vector<OperatorDeclaration>& all_operators() {
-  static const std::vector<OperatorDeclaration> operators = {
-      normals_declaration(),    curvature_declaration(),  splats_declaration(),
-      fair_declaration(),       features_declaration(),   neighborhood_size_declaration(),
-      where_declaration(),      crop_declaration(),       set_declaration(),
-      drop_declaration(),       transform_declaration(),  sor_declaration(),
-      denoise_declaration(),    ror_declaration(),        lof_declaration(),
-      density_declaration(),    statistics_declaration(), unique_declaration(),
-      head_declaration(),       decimate_declaration(),   sample_declaration(),
-      parts_declaration(),      voxel_declaration(),      poisson_declaration(),
-      simplify_declaration(),   level_declaration(),      ground_declaration(),
-      height_declaration(),     color_declaration(),      distance_to_declaration(),
-      m3c2_declaration(),       take_declaration(),       components_declaration(),
-      dbscan_declaration(),     segments_declaration(),   orient_declaration(),
-      reneighbor_declaration(), resort_declaration(),
-  };
+#define POINTSWEEP_CALL(name) name##_declaration(),
+  static const std::vector<OperatorDeclaration> operators = {POINTSWEEP_OPERATORS(POINTSWEEP_CALL)};
+#undef POINTSWEEP_CALL
   return operators;
 }
 

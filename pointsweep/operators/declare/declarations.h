@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+/// The list of all operators of the library. The source of the operator `name` defines name_declaration().
+#pragma once
+
+#include "pointsweep/program/declaration.h"
+
+// clang-format off
+/// Calls X(name) for each operator, in the order of help and documentation.
+#define POINTSWEEP_OPERATORS(X) \
+  X(normals) X(curvature) X(splats) X(fair) X(features) X(neighborhood_size) X(where) X(crop) \
+  X(set) X(drop) X(transform) X(sor) X(denoise) X(ror) X(lof) X(density) \
+  X(statistics) X(unique) X(head) X(decimate) X(sample) X(parts) X(voxel) X(poisson) \
+  X(simplify) X(level) X(ground) X(height) X(color) X(distance_to) X(m3c2) X(take) \
+  X(components) X(dbscan) X(segments) X(orient) X(reneighbor) X(resort)
+// clang-format on
+
+namespace pointsweep {
+
+#define POINTSWEEP_DECLARE(name) OperatorDeclaration name##_declaration();
+POINTSWEEP_OPERATORS(POINTSWEEP_DECLARE)
+#undef POINTSWEEP_DECLARE
+
+}  // namespace pointsweep
