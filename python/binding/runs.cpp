@@ -235,7 +235,7 @@ void bind_runs(nb::module_& module) {
   module.attr("default_neighbors") = std::get<std::uint64_t>(neighbor_rows_declaration().options.front().preset);
   nb::dict options;
   for (const RunOption& option : run_options())
-    options[option.name.c_str()] = nb::make_tuple(option.value, nb::cast(option.words));
+    options[option.name.c_str()] = nb::make_tuple(option.value, nb::cast(option.words), option.flag);
   module.attr("run_options") = options;
   module.def("run", &run_pipeline, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a, "to"_a.none(), "into"_a,
              "progress"_a.none(), "warn"_a.none());

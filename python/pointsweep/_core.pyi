@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 version: str
-run_options: dict[str, tuple[str, list[str]]]  # of runs: the placeholder of the value, and the values that are words
+run_options: dict[str, tuple[str, list[str], str]]  # of runs: the placeholder of the value, the values that are words, and the flag of the tool
 default_neighbors: int  # number of neighbours that `neighbors` finds where none is given
 
 Known = dict[str, tuple[np.ndarray, list[str]]]  # arrays, with the names of their components; None: one that was given

@@ -4,8 +4,11 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import warnings
+
+from . import _core
 
 
 class Error(Exception):
@@ -23,8 +26,11 @@ class PointsweepWarning(UserWarning):
     """Something about the input, the request or the output that is worth knowing but does no harm."""
 
 
-_OTHER_NAMES = {"temp-dir": "temp_folder", "force": "overwrite=True", "ignore-crs": "ignore_crs=True", "recursive": "recursive=True"}
-_SAME_NAMES = ("axis", "bins", "by", "columns", "depth", "format", "histogram", "keep", "memory", "nonfinite", "order", "positions", "prefix", "replace", "resolution", "resume", "split", "threads", "tile", "tile_origin", "tile_buffer")
+#: Options of the tool that no run has, by the text that stands for them in Python.
+_OF_VERBS = {
+    "force": "overwrite=True", "ignore-crs": "ignore_crs=True", "recursive": "recursive=True", "no-provenance": "provenance=False",
+    **{name: name for name in ("bins", "by", "columns", "depth", "format", "histogram", "keep", "resolution")},
+}  # fmt: skip
 
 
 _of_tool = False
@@ -40,19 +46,23 @@ def with_names_of_python(sentence: str) -> str:
     """Converts a sentence of the library, which names options like the command-line tool, to the names of this package."""
     if "--" not in sentence or _of_tool:
         return sentence
-    import re
-
+    of_runs = {flag.removeprefix("--"): (name, words) for name, (_, words, flag) in _core.run_options.items()}
     sentence = sentence.replace("--stats FILE", "report.statistics")
 
     def named(option: re.Match[str]) -> str:
-        text, name, value = option[0], option[1], option[2]
-        if name in _OTHER_NAMES:
-            return _OTHER_NAMES[name] + (f" {value}" if value else "")
-        if name.replace("-", "_") not in _SAME_NAMES:
+        text, flag, value = option[0], option[1], option[2]
+        if flag in _OF_VERBS:
+            return _OF_VERBS[flag] + (f" {value}" if value else "")
+        if flag not in of_runs:
             return text
-        return f"{name.replace('-', '_')}={value!r}" if value else name.replace("-", "_")
+        name, words = of_runs[flag]
+        if value and (value in words or re.fullmatch(r"[0-9][0-9.]*[KMGT]B?", value)):
+            return f"{name}={value!r}"
+        if value and re.fullmatch(r"[0-9.]+", value):
+            return f"{name}={value}"
+        return f"{name} {value}" if value else name
 
-    return re.sub(r"--([a-z][a-z-]*)(?: (keep|drop|refuse|input|sweep|[0-9][0-9.]*[KMGT]?B?)\b)?", named, sentence)
+    return re.sub(r"--([a-z][a-z-]*)(?: ([\w]+(?:\.[0-9]+\w*)?))?", named, sentence)
 
 
 _PACKAGE = os.path.dirname(os.path.abspath(__file__)) + os.sep

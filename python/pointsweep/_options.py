@@ -145,7 +145,7 @@ _PRESETS = {"order": "input", "overwrite": False, "prefix": "", "provenance": Tr
 
 def _text(name: str, value: Any) -> str:
     """The value of a run option as the extension module takes it; empty: the default."""
-    placeholder, words = _core.run_options[name]
+    placeholder, words, _ = _core.run_options[name]
     if words and isinstance(value, (int, np.integer)):
         value = str(value)  # number of a point format
     return word(name, value) if words else "" if value is None else _TEXTS[placeholder](name, value)
@@ -165,6 +165,12 @@ def run_options(**given: Any) -> dict[str, Any]:
     return {**{name: _text(name, value) for name, value in values.items()}, "ignore_crs": ignore_crs}
 
 
+#: The run options that only outputs in files have.
+OPTIONS_OF_FILES = (
+    "prefix", "resume", "provenance", "scale", "offset", "point_format", "las_version", "decimals", "tile", "tile_origin", "tile_buffer", "split"
+)  # fmt: skip
+
+
 def refuse_options(given: dict[str, Any], names: Iterable[str], remark: str) -> None:
     """Raises UsageError for a checked option of these names that is not the default."""
     presets = run_options()
@@ -176,8 +182,7 @@ def refuse_options(given: dict[str, Any], names: Iterable[str], remark: str) -> 
 
 def refuse_options_of_files(given: dict[str, Any], remedy: str) -> None:
     """Raises UsageError for a checked option that only outputs in files have."""
-    layout = ("scale", "offset", "point_format", "las_version", "decimals", "tile", "tile_origin", "tile_buffer", "split")
-    refuse_options(given, ("prefix", "resume", "provenance", *layout), f"is for outputs in files; {remedy}")
+    refuse_options(given, OPTIONS_OF_FILES, f"is for outputs in files; {remedy}")
 
 
 def with_run_options(function: _Function) -> _Function:

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _core, _stages
 from ._errors import UsageError, warn
-from ._options import choice, number, refuse_options, run_options, whole, with_run_options
+from ._options import OPTIONS_OF_FILES, choice, number, refuse_options, run_options, whole, with_run_options
 from ._progress import called
 from ._results import Neighbors, RadiusNeighbors
 from ._runs import run
@@ -179,7 +179,7 @@ def neighbors(
     checked = run_options(**options)
     source = source_of(points, attributes, crs, checked)
     given = {**checked, **source.options}
-    refuse_options(given, ("order", "prefix", "resume", "provenance", "positions", "scale", "offset", "point_format", "las_version", "decimals", "tile", "tile_origin", "tile_buffer", "split"), "is not an option of neighbors")
+    refuse_options(given, ("order", "positions", *OPTIONS_OF_FILES), "is not an option of neighbors")
     asked = None if queries is None else positions_of("queries", queries, source, given["ignore_crs"])
     if k is None and radius is not None:
         limit = number("radius", radius)

@@ -11,7 +11,7 @@ from conftest import made_by
 import pointsweep as ps
 from pointsweep import _core
 from pointsweep._adapters import are_points
-from pointsweep._options import run_options
+from pointsweep._options import OPTIONS_OF_FILES, run_options
 from pointsweep._types import RunOptions
 
 #: required options that the samples of the declarations do not fit to these clouds
@@ -142,6 +142,8 @@ def test_every_option_of_runs_is_declared_typed_and_documented():
     assert set(_core.run_options) - of_the_tool == set(RunOptions.__annotations__) - {"ignore_crs"}
     for name in RunOptions.__annotations__:
         assert f"    {name} : " in ps.run.__doc__, name
+    of_arrays = {"axis", "order", "positions", "replace", "threads", "memory", "temp_folder", "nonfinite", "overwrite", "ignore_crs"}
+    assert set(RunOptions.__annotations__) == of_arrays | set(OPTIONS_OF_FILES)
 
 
 def test_points_are_told_from_options():
@@ -171,7 +173,7 @@ def test_positions_and_provenance(cloud, tmp_path):
 
 def test_the_words_of_options_are_those_of_the_declarations():
     hints = typing.get_type_hints(RunOptions)
-    for name, (_, words) in _core.run_options.items():
+    for name, (_, words, _) in _core.run_options.items():
         if not words or name in ("engine", "point_format"):  # of the tool alone; a number
             continue
         literals = [value for part in (hints[name], *typing.get_args(hints[name])) for value in typing.get_args(part)]

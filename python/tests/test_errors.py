@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import pointsweep as ps
-from pointsweep import _errors, _options
+from pointsweep import _core, _errors, _options
 
 XYZ = np.random.default_rng(3).random((1000, 3))
 
@@ -142,6 +142,11 @@ def test_sentences_of_the_tool_name_the_options_of_the_package():
     assert named("--nonfinite drop leaves out; --prefix NAME keeps") == "nonfinite='drop' leaves out; prefix NAME keeps"
     assert named("a folder with --temp-dir.") == "a folder with temp_folder." and named("a--b") == "a--b"
     assert named("or allow it (--force), --size: 3") == "or allow it (overwrite=True), --size: 3"
+    assert named("--scale 0.01 or --positions float64.") == "scale=0.01 or positions='float64'."
+    for name, (_, _, flag) in _core.run_options.items():
+        if name not in ("engine", "overwrite", "no_provenance"):
+            assert named(f"{flag}: wrong") == f"{name}: wrong"
+    assert named("--no-provenance: wrong") == "provenance=False: wrong"
 
 
 def test_nan_can_be_refused():
