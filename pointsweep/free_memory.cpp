@@ -23,10 +23,18 @@ void keep_little_free_memory() noexcept {
   ::mallopt(M_TRIM_THRESHOLD, 4 << 20);
 }
 
+/// Dask starts its workers with MALLOC_TRIM_THRESHOLD_=65536, which also fixes M_MMAP_THRESHOLD at 128 kB: each larger
+/// block is mapped for itself, and all its pages are cleared again.
+void reuse_free_memory() noexcept {
+  ::mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  ::mallopt(M_TRIM_THRESHOLD, 16 << 20);
+}
+
 #else
 
 void return_free_memory() noexcept {}
 void keep_little_free_memory() noexcept {}
+void reuse_free_memory() noexcept {}
 
 #endif
 

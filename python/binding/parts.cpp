@@ -16,6 +16,7 @@
 #include "pointsweep/pipeline/language/absolute_files.h"
 #include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/run/part_run.h"
+#include "pointsweep/program/process.h"
 #include "pointsweep/storage/local/shared_folder.h"
 #include "pointsweep/storage/local/unfinished_output.h"
 #include "python/binding/python_threads.h"
@@ -123,6 +124,7 @@ nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, 
   const std::unique_ptr<Storage> place = shared_storage(scratch);
   Storage& folder = *place;
   PartDone done;
+  reuse_free_memory();
   try {
     watch({progress, nb::none()}, [&](Observer& observer) {
       PythonThreads threads;
