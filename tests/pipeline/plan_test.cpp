@@ -5,7 +5,8 @@
 
 #include <random>
 
-#include "pointsweep/operators/rows/unique.h"
+#include "pointsweep/error.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/statistics/outliers.h"
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/language/build_chain.h"
@@ -144,9 +145,30 @@ TEST(ChainPlan, IsMadeOnceForARunHoweverManyPassesItHas) {
   options.order = Order::sweep;
   const Chain chain{{.k = 3},
                     {std::make_shared<CountsBindings>(count), std::make_shared<StatisticalOutliers>(), Reneighbor(),
-                     std::make_shared<Normals>(), std::make_shared<Unique>()}};
+                     std::make_shared<Normals>(), operators::unique()}};
   run_in_memory(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}}, chain, options);
   EXPECT_EQ(count, 1);
+}
+
+/// Normals, then normals of neighbourhoods whose size it leaves to its parts.
+class UnnamedNeighbors final : public CompositeOperator {
+ public:
+  std::string name() const override { return "unnamed"; }
+  Contract contract() const override { return Normals().contract(); }
+  std::vector<ChainStage> parts() const override {
+    return {std::make_shared<Normals>(), Reneighbor(Neighborhood{.k = Neighborhood::kOfOperators}),
+            std::make_shared<Normals>()};
+  }
+};
+
+TEST(ChainPlan, RefusesACompositeThatNamesNoNeighborsForItsReneighbor) {
+  const Chain chain{{.k = 3}, {std::make_shared<UnnamedNeighbors>()}};
+  try {
+    plan_chain(with_named_neighborhoods(chain), positions_and_level(), {});
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(), "unnamed: states no k for the Reneighbor inside it; set Neighborhood::k there.");
+  }
 }
 
 std::string phases_text(const ChainPlan& plan) {

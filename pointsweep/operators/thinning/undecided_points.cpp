@@ -164,7 +164,8 @@ UndecidedPoints::Slot UndecidedPoints::lesser_within(const DiskPoint& point) {
   return found;
 }
 
-/// Marks a point as decided, and calls `use` for each undecided greater point that has it within its own radius.
+/// Marks a point as decided, and calls `use` for each undecided greater point that has it within its own radius. `use`
+/// returns whether it has decided that point.
 template <class Use>
 void UndecidedPoints::decide_for_greater(Slot slot, Use use) {
   const DiskPoint& decided = slots_[slot].point;
@@ -175,8 +176,7 @@ void UndecidedPoints::decide_for_greater(Slot slot, Use use) {
       if (m.slot == slot) ++cell.decided;
       if (other.is_decided || !(decided < other.point)) continue;
       if (distance2(other.point.position, decided.position) > other.point.radius2) continue;
-      use(m.slot);
-      cell.decided += other.is_decided;
+      if (use(m.slot)) ++cell.decided;
     }
     forget_decided(cell);
     return false;
@@ -184,7 +184,10 @@ void UndecidedPoints::decide_for_greater(Slot slot, Use use) {
 }
 
 void UndecidedPoints::keep(Slot slot, Findings& findings) {
-  decide_for_greater(slot, [&](Slot greater) { leave_out(greater, findings); });
+  decide_for_greater(slot, [&](Slot greater) {
+    leave_out(greater, findings);
+    return true;
+  });
   // Points that wait for the kept point have it within their radius, so they have just been dropped.
   for (Slot waiter = slots_[slot].first_waiter; waiter != kNone;) {
     const Slot next = slots_[waiter].next_waiter;
@@ -202,7 +205,10 @@ void UndecidedPoints::leave_out(Slot slot, Findings& findings) {
 
 void UndecidedPoints::leave_open(Slot slot, Findings& findings) {
   findings.undecided.push_back(slots_[slot].point.row);
-  decide_for_greater(slot, [&](Slot greater) { slots_[greater].lacks_some = true; });
+  decide_for_greater(slot, [&](Slot greater) {
+    slots_[greater].lacks_some = true;
+    return false;
+  });
   let_waiters_decide(slot);
 }
 

@@ -58,6 +58,14 @@ class UndecidedPoints {
  private:
   using Slot = std::uint32_t;
   static constexpr Slot kNone = std::numeric_limits<Slot>::max();
+  /// A point that is held. Two lists hold its slot: its cell, until that forgets decided points, and the list of its
+  /// state:
+  /// - incomplete (incomplete_) until the front is far enough ahead;
+  /// - to be decided (to_decide_): the point waits if an undecided lesser point lies within its radius, else it is kept
+  ///   or left undecided;
+  /// - waiting (the waiters of that lesser point), until the lesser point is decided: if it is kept, it has dropped the
+  ///   waiting point; otherwise the waiting point is to be decided again.
+  /// A kept point drops others in each of these states; they stay in their lists until their turn.
   struct Held {
     DiskPoint point;
     Slot first_waiter = kNone;  ///< first of the points that wait for this point

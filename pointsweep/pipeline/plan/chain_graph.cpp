@@ -8,7 +8,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/operators/kinds/moved_bounds.h"
+#include "pointsweep/operators/kinds/box_reductions.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
 #include "pointsweep/points/input_row.h"
 
@@ -43,7 +43,11 @@ class GraphBuilder {
     neighborhood_ = neighborhood;
     graph_.nodes.push_back(std::move(node));
   }
+  /// Throws UsageError for a composite with a Reneighbor that leaves its neighbours to the operators, since the
+  /// contract of the composite cannot tell them.
   void operator()(const Reneighbor& update) {
+    if (update.neighborhood && update.neighborhood->k == Neighborhood::kOfOperators)
+      fail_usage("{}: states no k for the Reneighbor inside it; set Neighborhood::k there.", is_part_of_);
     add(Neighborhood(update.neighborhood ? *update.neighborhood : neighborhood_));
   }
   void operator()(const Resort&) {

@@ -69,7 +69,7 @@ void PassSchedule::add(std::size_t node, const StageOperator& op) {
 
 void PassSchedule::add_stage(std::size_t node, const StageOperator& op) {
   const Contract contract = contract_of(op);
-  const std::size_t readable = earliest(contract), known = known_after_values(graph_.nodes[node].values);
+  const std::size_t readable = first_pass_for(contract), known = known_after_values(graph_.nodes[node].values);
   const std::size_t pass = pass_for(op, contract, std::max(readable, known));
   passes_[pass].stages.push_back(node);
   passes_[pass].connects |= connects(op);
@@ -102,13 +102,13 @@ void PassSchedule::begin_segment() {
 }
 
 /// Returns the first pass in which all attributes that the stage reads exist, and none that it changes is read later.
-std::size_t PassSchedule::earliest(const Contract& contract) const {
+std::size_t PassSchedule::first_pass_for(const Contract& contract) const {
   std::size_t pass = segment_;
   for (const std::string& name : read_by(contract))
-    if (const auto used = used_.find(name); used != used_.end()) pass = std::max(pass, used->second.made);
+    if (const auto used = used_.find(name); used != used_.end()) pass = std::max(pass, used->second.known_from);
   for (const Attribute& a : contract.makes)
     if (const auto used = used_.find(a.name); used != used_.end())
-      pass = std::max({pass, used->second.made, used->second.read});
+      pass = std::max({pass, used->second.known_from, used->second.last_read});
   return pass;
 }
 
@@ -116,7 +116,7 @@ std::size_t PassSchedule::earliest(const Contract& contract) const {
 std::size_t PassSchedule::known_after(const Reduction& reduction) const {
   std::size_t pass = segment_;
   for (const Attribute& a : reduction.reads())
-    if (const auto used = used_.find(a.name); used != used_.end()) pass = std::max(pass, used->second.made);
+    if (const auto used = used_.find(a.name); used != used_.end()) pass = std::max(pass, used->second.known_from);
   return pass;
 }
 
@@ -130,12 +130,12 @@ std::size_t PassSchedule::find_value(const Reduction& reduction) {
   // The reduction reads the attribute at the end of the pass, so a stage that changes it must come later.
   for (const Attribute& a : reduction.reads()) {
     Use& use = used_.try_emplace(a.name, Use{segment_, segment_}).first->second;
-    use.read = std::max(use.read, after + 1);
+    use.last_read = std::max(use.last_read, after + 1);
   }
   return after;
 }
 
-/// Finds a place for the values that a stage needs, and returns the first pass in which all are known.
+/// Assigns each value that a stage needs to a pass that computes it, and returns the first pass in which all are known.
 std::size_t PassSchedule::known_after_values(const std::vector<std::size_t>& reduces) {
   std::size_t known = 0;
   for (const std::size_t reduce : reduces) {
@@ -150,9 +150,9 @@ std::size_t PassSchedule::known_after_values(const std::vector<std::size_t>& red
   return known;
 }
 
-std::size_t PassSchedule::pass_for(const StageOperator& op, const Contract& contract, std::size_t earliest) {
+std::size_t PassSchedule::pass_for(const StageOperator& op, const Contract& contract, std::size_t from) {
   const bool alone = is_pointwise(op);
-  for (std::size_t p = earliest; p < passes_.size(); ++p)
+  for (std::size_t p = from; p < passes_.size(); ++p)
     if (takes(passes_[p], op)) {
       if (!alone) require_search_positions(op, p);
       return p;
@@ -171,7 +171,7 @@ bool PassSchedule::takes(const ScheduledPass& pass, const StageOperator& op) con
 /// A sweep searches at the positions with which it begins.
 void PassSchedule::require_search_positions(const StageOperator& op, std::size_t pass) const {
   const auto moved = used_.find(position_attribute().name);
-  if (moved == used_.end() || !moved->second.is_made || moved->second.made >= pass) return;
+  if (moved == used_.end() || !moved->second.is_made || moved->second.known_from >= pass) return;
   fail_usage(
       "{}: needs a value of the whole cloud and the neighbours that points had before they moved; add reneighbor "
       "before "
@@ -179,12 +179,13 @@ void PassSchedule::require_search_positions(const StageOperator& op, std::size_t
       name_of(op), name_of(op));
 }
 
-void PassSchedule::note_use(const Contract& contract, std::size_t pass, std::size_t made) {
+void PassSchedule::note_use(const Contract& contract, std::size_t pass, std::size_t known_from) {
   for (const std::string& name : read_by(contract)) {
     Use& use = used_.try_emplace(name, Use{segment_, segment_}).first->second;
-    use.read = std::max(use.read, pass);
+    use.last_read = std::max(use.last_read, pass);
   }
-  for (const Attribute& a : contract.makes) used_[a.name] = {.made = made, .read = pass, .is_made = true};
+  for (const Attribute& a : contract.makes)
+    used_[a.name] = {.known_from = known_from, .last_read = pass, .is_made = true};
 }
 
 ScheduledPass& PassSchedule::new_pass(PassKind kind) {

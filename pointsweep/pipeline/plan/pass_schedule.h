@@ -29,7 +29,12 @@ struct ScheduledPass {
 
 /// Assigns the nodes of a graph to passes, one after another. Each node goes to the first pass in which every attribute
 /// and value that it reads is known, and no later stage has changed it. So one pass computes several independent
-/// values. A node after a select or a new neighbourhood runs in a later pass than the nodes before.
+/// values. A node after a select or a new neighbourhood begins a new segment: it runs in a later pass than the nodes
+/// before. The passes of `normals | sor | curvature | where(outlier == 0) | reneighbor | normals`:
+///
+///   0, a sweep: normals, mean_distance (a part of sor), curvature; at its end, statistics of mean_distance are known
+///   1, rows:    outlier (the other part of sor), where
+///   2, a sweep: normals, with the neighbourhoods of the second segment
 class PassSchedule {
  public:
   explicit PassSchedule(const ChainGraph& graph);
@@ -37,10 +42,13 @@ class PassSchedule {
   std::vector<ScheduledPass> passes();
 
  private:
-  /// Numbers of the first pass that can read an attribute and of the last pass that reads it.
+  /// The passes that can read an attribute, by number.
   struct Use {
-    std::size_t made = 0, read = 0;
-    bool is_made = false;  ///< made by a stage of this segment
+    /// The first: the pass of the stage that makes the attribute, or the pass after it if the stage connects
+    /// neighbours.
+    std::size_t known_from = 0;
+    std::size_t last_read = 0;  ///< the last for which a stage that reads it is planned
+    bool is_made = false;       ///< made by a stage of this segment
   };
   void add(std::size_t node);
   void add(std::size_t node, const StageOperator& op);
@@ -48,15 +56,15 @@ class PassSchedule {
   void add_in_order(std::size_t node, const InOrderOperator& op);
   void add_select(std::size_t node);
   void end_rows_with(ScheduledPass& pass, std::size_t node);
-  std::size_t earliest(const Contract& contract) const;
-  std::size_t pass_for(const StageOperator& op, const Contract& contract, std::size_t earliest);
+  std::size_t first_pass_for(const Contract& contract) const;
+  std::size_t pass_for(const StageOperator& op, const Contract& contract, std::size_t from);
   bool takes(const ScheduledPass& pass, const StageOperator& op) const;
   std::size_t find_input_value();
   std::size_t find_value(const Reduction& reduction);
   std::size_t known_after_values(const std::vector<std::size_t>& reduces);
   void require_search_positions(const StageOperator& op, std::size_t pass) const;
   std::size_t known_after(const Reduction& reduction) const;
-  void note_use(const Contract& contract, std::size_t pass, std::size_t made);
+  void note_use(const Contract& contract, std::size_t pass, std::size_t known_from);
   ScheduledPass& new_pass(PassKind kind);
   void begin_segment();
 

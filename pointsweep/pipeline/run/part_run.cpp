@@ -98,21 +98,25 @@ class TaskOfTile {
   Context context() const { return whole_.over(*rows_.cloud); }
   bool is_empty() const { return rows_.cloud->count() == 0; }
 
+  /// Performs the steps of the round. A step that stores points in order, a graph, a forest or the output ends the
+  /// round and seals the state of the tile; without such a step, the state is sealed at the end.
   void perform(TileState& state, Surveyed& surveyed, WorkPlan& work) {
-    for (const PartStep& step : task_.round.steps) {
+    const std::vector<PartStep>& steps = task_.round.steps;
+    const bool leaves_graph = task_.round.join == PartJoin::components || task_.round.join == PartJoin::borders;
+    for (std::size_t s = 0; s < steps.size(); ++s) {
       stop_if_cancelled();
-      const bool is_last = &step == &task_.round.steps.back();
-      if (step.kind == PartRoundKind::order) return order(step.pass, state, surveyed, work);
-      std::unique_ptr<RowStore> results;
-      if (step.kind == PartRoundKind::sweep && !is_empty()) results = sweep(step.pass, surveyed.survey, work);
-      if (step.kind == PartRoundKind::forest) return grow_forest(step.pass, state, work);
-      if (task_.round.join == PartJoin::components || task_.round.join == PartJoin::borders)
-        return keep_swept(step.pass, state, results.get());
-      if (step.kind == PartRoundKind::label && !is_empty()) results = label(step.pass, state, work);
-      if (step.kind == PartRoundKind::write || !whole_.plan.leaves_rows(step.pass))
-        return write(step.pass, surveyed.survey, work, results.get());
-      end_pass(step.pass, state, work, std::move(results));
-      if (is_last || (&step)[1].kind == PartRoundKind::order) keep_rows(state);
+      const auto [kind, p] = steps[s];
+      if (kind == PartRoundKind::order) return order(p, state, surveyed, work);
+      if (kind == PartRoundKind::forest) return grow_forest(p, state, work);
+      std::unique_ptr<RowStore> results;  // null for passes over rows, and for tiles without rows
+      if (kind == PartRoundKind::sweep && !is_empty()) results = sweep(p, surveyed.survey, work);
+      if (leaves_graph) return keep_swept(p, state, results.get());
+      if (kind == PartRoundKind::label && !is_empty()) results = label(p, state, work);
+      if (kind == PartRoundKind::write || !whole_.plan.leaves_rows(p))
+        return write(p, surveyed.survey, work, results.get());
+      end_pass(p, state, work, std::move(results));
+      const bool is_last = s + 1 == steps.size();
+      if (is_last || steps[s + 1].kind == PartRoundKind::order) keep_rows(state);
     }
     state.seal(scratch_, task_.after);
   }
