@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/first_failure.h"
 
 #if !defined(__SANITIZE_THREAD__)  // threads_sanitized.cpp replaces this file under the thread sanitizer
 

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
-/// The threads of a run: parallel loops and background tasks. This header is the library's only interface to threads,
-/// and only threads.cpp uses oneTBB.
+/// The threads of a run: parallel loops, the exception that such a loop throws, and background tasks. This header is
+/// the library's only interface to threads, and only threads.cpp uses oneTBB.
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
+#include <exception>
 #include <functional>
+#include <limits>
 #include <memory>
+#include <mutex>
 
 namespace pointsweep {
 
@@ -31,6 +35,41 @@ void parallel_for_blocks(std::size_t count, std::size_t block, const Body& body)
   parallel_for((count + block - 1) / block,
                [&](std::size_t b, unsigned worker) { body(b * block, std::min(block, count - b * block), worker); });
 }
+
+/// The exception of a parallel loop: the exception at the lowest index or row, independent of the order of threads.
+class FirstFailure {
+ public:
+  /// Returns whether body `i` need not run, since a body with a lower index has failed.
+  bool makes_needless(std::size_t i) const { return i > lowest_.load(std::memory_order_relaxed); }
+
+  /// Calls work(), which is body `i`, and notes its exception, if any.
+  template <class Work>
+  void note_from(std::size_t i, const Work& work) {
+    try {
+      work();
+    } catch (...) {
+      note(i);
+    }
+  }
+
+  /// Keeps the current exception, thrown by body `i`, unless a body with a lower index has failed.
+  void note(std::size_t i) {
+    const std::lock_guard lock(mutex_);
+    if (error_ && i >= lowest_) return;
+    lowest_ = i;
+    error_ = std::current_exception();
+  }
+
+  /// Throws the stored exception, if any. Must be called after the loop.
+  void rethrow() const {
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  std::atomic<std::size_t> lowest_ = std::numeric_limits<std::size_t>::max();
+  std::mutex mutex_;
+  std::exception_ptr error_;
+};
 
 /// A task in the background, on one of the threads of the run.
 class BackgroundTask {

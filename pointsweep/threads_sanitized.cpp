@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/first_failure.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/points/degenerate_rows.h"
+#include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/row_error.h"
 #include "reference/fields.h"
 #include "reference/stream_operator.h"

@@ -17,7 +17,7 @@
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/order/stream.h"
-#include "pointsweep/points/degenerate_rows.h"
+#include "pointsweep/points/degenerate_points.h"
 #include "reference/stream_point.h"
 
 namespace pointsweep::reference {

@@ -2,7 +2,6 @@
 #include "bench/span/untraced_threads.h"
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/first_failure.h"
 
 namespace untraced {
 using namespace pointsweep;

@@ -5,7 +5,7 @@
 /// - `pointsweep run IN... OUT --pipeline ...`: any chain of operators;
 /// - `pointsweep convert IN... OUT`: a chain without operators;
 /// - `pointsweep transform IN... OUT --matrix FILE`: moves the points by a matrix;
-/// - `pointsweep ground IN... OUT`: classifies ground points, and computes the heights of the others above the ground;
+/// - `pointsweep ground IN... OUT`: classifies ground points; with --height, also computes heights above the ground;
 /// - `pointsweep thin IN... OUT`: keeps fewer points, by one of the operators voxel, poisson, decimate and sample.
 #include <fmt/core.h>
 

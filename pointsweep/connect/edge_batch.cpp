@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "pointsweep/connect/disjoint_sets.h"
 #include "pointsweep/math/sort.h"
 
 namespace pointsweep {

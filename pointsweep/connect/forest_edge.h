@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Edges between points, and the order in which a spanning forest compares edges.
+/// Edges between points, the order in which a spanning forest compares edges, and the sets that edges join.
 #pragma once
 
 #include <cstdint>
 #include <tuple>
+#include <vector>
 
 #include "pointsweep/geometry.h"
 
@@ -42,6 +43,12 @@ inline bool operator<(const ForestEdge& a, const ForestEdge& b) {
   if (a.weight != b.weight) return a.weight < b.weight;
   if (a.a < b.a || b.a < a.a) return a.a < b.a;
   return a.b < b.b;
+}
+
+/// Returns the representative of the set of i in a forest of parents. Shortens the paths that it follows.
+inline std::uint32_t set_of(std::vector<std::uint32_t>& parents, std::uint32_t i) {
+  while (parents[i] != i) i = parents[i] = parents[parents[i]];
+  return i;
 }
 
 }  // namespace pointsweep

@@ -5,8 +5,6 @@
 #include <cassert>
 #include <utility>
 
-#include "pointsweep/connect/disjoint_sets.h"
-
 namespace pointsweep {
 
 SpanningForest::SpanningForest(bool weighted, const VoteRule* votes, ForestLog& log)

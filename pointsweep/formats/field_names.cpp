@@ -2,13 +2,14 @@
 #include "pointsweep/formats/field_names.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <initializer_list>
-#include <string_view>
 #include <unordered_set>
+
+#include "pointsweep/fail.h"
 
 namespace pointsweep {
 namespace {
@@ -73,6 +74,22 @@ std::vector<std::string> default_column_names(const std::vector<std::vector<doub
   }
   while (names.size() < columns) names.push_back(fmt::format("column_{}", names.size() + 1));
   return names;
+}
+
+const Field& named_field(const Schema& schema, const std::string& word, std::string_view option) {
+  const auto at = field_meant(schema, word);
+  if (!at)
+    fail_usage("{}: the points have no attribute '{}'; they have {}.", option, word,
+               fmt::join(column_names(schema), ", "));
+  return schema.fields[*at];
+}
+
+std::vector<std::size_t> named_fields(const Schema& schema, const std::vector<std::string>& words,
+                                      std::string_view option) {
+  std::vector<std::size_t> fields;
+  for (const std::string& word : words)
+    fields.push_back(static_cast<std::size_t>(&named_field(schema, word, option) - schema.fields.data()));
+  return fields;
 }
 
 }  // namespace pointsweep

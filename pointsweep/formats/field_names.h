@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Names of fields in text headers, and names for columns without names.
+/// Names of fields in text headers, names for columns without names, and the fields that an option names.
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pointsweep/points/schema.h"
@@ -18,5 +20,13 @@ std::vector<std::string> column_names(const Schema& schema);
 /// 9: x y z, a colour and a normal;  else x y z column_4 column_5 ...
 /// A normal has length 1 or 0, a colour integers in 0..255.
 std::vector<std::string> default_column_names(const std::vector<std::vector<double>>& rows);
+
+/// Returns the field that a user means by `word` (field_meant). If there is none, throws UsageError, which begins with
+/// the option and lists the fields.
+const Field& named_field(const Schema& schema, const std::string& word, std::string_view option);
+
+/// Returns the indices of the fields that a user means by `words`. Throws as named_field().
+std::vector<std::size_t> named_fields(const Schema& schema, const std::vector<std::string>& words,
+                                      std::string_view option);
 
 }  // namespace pointsweep

@@ -8,7 +8,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/chosen_chunks.h"
-#include "pointsweep/formats/files/folder_entries.h"
+#include "pointsweep/formats/files/folders.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/storage/local/input_file.h"
 #include "pointsweep/storage/local/place.h"

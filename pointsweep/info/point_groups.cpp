@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/named_field.h"
-#include "pointsweep/info/changed_points.h"
+#include "pointsweep/formats/field_names.h"
+#include "pointsweep/info/rank_search.h"
 
 namespace pointsweep {
 

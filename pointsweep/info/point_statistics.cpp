@@ -5,7 +5,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/formats/named_field.h"
+#include "pointsweep/formats/field_names.h"
 #include "pointsweep/info.h"
 #include "pointsweep/info/histogram_bins.h"
 #include "pointsweep/info/point_groups.h"

@@ -4,17 +4,20 @@
 #include <algorithm>
 #include <utility>
 
-#include "pointsweep/info/changed_points.h"
+#include "pointsweep/fail.h"
 #include "pointsweep/math/quantile_rank.h"
 
 namespace pointsweep {
+
+void fail_of_changed_points() {
+  fail("The points have changed while they were read; make the statistics again when nothing writes to the files.");
+}
 
 RankSearch::RankSearch(std::uint64_t count, std::uint64_t least, std::uint64_t most) {
   if (count == 0) return;
   found_.fill(least);
   if (least == most) return;
-  for (std::size_t r = 0; r < kRanks; ++r)
-    ranks_[r] = quantile_rank(count, PointStatistics::kPercent[r]);
+  for (std::size_t r = 0; r < kRanks; ++r) ranks_[r] = quantile_rank(count, PointStatistics::kPercent[r]);
   intervals_.push_back({least, most, count, 0, kRanks});
 }
 

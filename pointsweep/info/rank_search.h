@@ -12,6 +12,9 @@
 
 namespace pointsweep {
 
+/// Throws Error for points that differ from one reading to the next.
+[[noreturn]] void fail_of_changed_points();
+
 /// Finds the keys at the quantile_rank() of each percentage of PointStatistics::kPercent. It has intervals of keys,
 /// each with some of the ranks. A reading counts the keys in equal parts of each interval, which then shrinks to the
 /// parts that contain its ranks. For an interval with few keys, the keys themselves are collected instead.

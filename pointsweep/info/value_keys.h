@@ -12,7 +12,6 @@
 #include "pointsweep/math/exact_sum.h"
 #include "pointsweep/points/decimals.h"
 #include "pointsweep/points/schema.h"
-#include "pointsweep/points/whole_numbers.h"
 
 namespace pointsweep {
 

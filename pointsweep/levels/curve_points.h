@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The points of a cloud in Morton order, for repeated reads.
+/// Points of a cloud in a scratch, for repeated reads: all of them in Morton order, and lists of some of them.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +14,7 @@
 
 namespace pointsweep {
 
+/// The points of a cloud in Morton order.
 class CurvePoints {
  public:
   /// Number of points that share one bounding box.
@@ -38,6 +39,33 @@ class CurvePoints {
   std::uint64_t count_ = 0;
   std::vector<GridBounds> bounds_;  ///< bounds of each block
   std::vector<GridPoint> added_;
+};
+
+/// Lists of points, each written once.
+class PointLists {
+ public:
+  struct List {
+    std::uint64_t first = 0, count = 0;
+    friend bool operator==(const List&, const List&) = default;
+  };
+  explicit PointLists(std::unique_ptr<Scratch> scratch) : scratch_(std::move(scratch)) {}
+
+  List add(std::span<const GridPoint> points) {
+    const List list{count_, points.size()};
+    scratch_->append(std::as_bytes(points));
+    count_ += points.size();
+    return list;
+  }
+  /// Reads a list. Several threads may read at once.
+  std::vector<GridPoint> read(const List& list) const {
+    std::vector<GridPoint> points(static_cast<std::size_t>(list.count));
+    if (list.count > 0) scratch_->read(list.first * sizeof(GridPoint), std::as_writable_bytes(std::span(points)));
+    return points;
+  }
+
+ private:
+  std::unique_ptr<Scratch> scratch_;
+  std::uint64_t count_ = 0;
 };
 
 }  // namespace pointsweep

@@ -2,12 +2,15 @@
 #include "pointsweep/levels/disc_choice.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <span>
 #include <tuple>
 #include <utility>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/levels/uncovered_places.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/math/box.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -18,6 +21,8 @@ constexpr std::uint64_t kAllRanks = std::numeric_limits<std::uint64_t>::max();
 constexpr std::uint64_t kFirstCandidates = 64 << 10, kNextLimit = 16;
 /// Largest number of candidates in memory.
 constexpr std::size_t kMostCandidates = 256 << 10;
+/// Parts of at most this many places are not halved; each place is tested.
+constexpr std::size_t kFewPlaces = 32;
 
 struct Candidate {
   std::uint64_t rank, row;
@@ -26,6 +31,66 @@ struct Candidate {
     return std::tie(a.rank, a.point, a.row) < std::tie(b.rank, b.point, b.row);
   }
 };
+
+/// Returns the squared distance from a point to the farthest corner of a box, rounded. No place in the box has a
+/// greater distance2() from the point.
+double farthest2(const Box& box, Vec3 p) {
+  const Vec3 far{std::max(p.x - box.lo.x, box.hi.x - p.x), std::max(p.y - box.lo.y, box.hi.y - p.y),
+                 std::max(p.z - box.lo.z, box.hi.z - p.z)};
+  return (far.x * far.x + far.y * far.y) + far.z * far.z;
+}
+
+/// Finds the places of a block that no kept point covers. Halves the block recursively. A kept point near enough to all
+/// places of a half covers these places at once. The places of a half are compared only with the kept points near that
+/// half.
+class UncoveredPlaces {
+ public:
+  /// Returns the numbers of the uncovered places, ascending, valid until the next call. `box`: a box around all places.
+  std::span<const std::uint32_t> find(std::span<const Vec3> places, const Box& box, const KeptGrid& kept);
+
+ private:
+  void find_in(std::size_t first, std::size_t count, std::size_t first_near);
+
+  std::span<const Vec3> places_;
+  double spacing2_ = 0;
+  std::vector<Vec3> near_;  ///< a stack: the points near a half follow the points near the half that contains it
+  std::vector<std::uint32_t> uncovered_;
+};
+
+std::span<const std::uint32_t> UncoveredPlaces::find(std::span<const Vec3> places, const Box& box,
+                                                     const KeptGrid& kept) {
+  places_ = places;
+  spacing2_ = kept.spacing2();
+  uncovered_.clear();
+  kept.find_near(box, near_);
+  find_in(0, places.size(), 0);
+  return uncovered_;
+}
+
+void UncoveredPlaces::find_in(std::size_t first, std::size_t count, std::size_t first_near) {
+  Box box;
+  for (std::size_t i = first; i < first + count; ++i) box.include(places_[i]);
+  const std::size_t end_near = near_.size();
+  for (std::size_t i = first_near; i < end_near; ++i) {
+    const Vec3 p = near_[i];
+    if (distance2(box, p) >= spacing2_) continue;
+    if (farthest2(box, p) < spacing2_) return near_.resize(end_near);
+    near_.push_back(p);
+  }
+  if (near_.size() == end_near) {
+    for (std::size_t i = first; i < first + count; ++i) uncovered_.push_back(static_cast<std::uint32_t>(i));
+  } else if (count > kFewPlaces) {
+    find_in(first, count / 2, end_near);
+    find_in(first + count / 2, count - count / 2, end_near);
+  } else {
+    std::array<bool, kFewPlaces> covered{};
+    for (std::size_t n = end_near; n < near_.size(); ++n)
+      for (std::size_t i = 0; i < count; ++i) covered[i] |= distance2(near_[n], places_[first + i]) < spacing2_;
+    for (std::size_t i = 0; i < count; ++i)
+      if (!covered[i]) uncovered_.push_back(static_cast<std::uint32_t>(first + i));
+  }
+  near_.resize(end_near);
+}
 
 class Choice {
  public:

@@ -27,7 +27,7 @@ struct KeptPoint {
 ///
 /// The choice among the points of the lowest ranks is the beginning of the choice among all points. So the points are
 /// read several times, each time with a higher limit for the rank. From the second time on most points are covered, and
-/// UncoveredPlaces skips many points at once.
+/// one comparison with a kept point skips many of them.
 std::optional<std::vector<KeptPoint>> choose_discs(const CurvePoints& points, NodeRows rows, KeptGrid& kept,
                                                    std::size_t most);
 

@@ -12,7 +12,6 @@
 #include "pointsweep/levels/curve_points.h"
 #include "pointsweep/levels/disc_choice.h"
 #include "pointsweep/levels/leaf_finder.h"
-#include "pointsweep/levels/point_lists.h"
 #include "pointsweep/levels/scratch_room.h"
 #include "pointsweep/points/sorted_records.h"
 

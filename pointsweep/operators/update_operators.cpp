@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/update_operators.h"
-
+/// The declarations of Reneighbor and Resort (chain.h), the update operators that the paper asks for after points have
+/// moved (Section 8). They compute nothing for a point: they tell the planner where a new sweep begins and how the
+/// output is ordered.
+#include "pointsweep/chain.h"
 #include "pointsweep/operators/declare/declarations.h"
 
 namespace pointsweep {

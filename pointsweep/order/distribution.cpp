@@ -9,8 +9,6 @@
 #include <numeric>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/first_failure.h"
-#include "pointsweep/order/piece_finder.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// Large pieces of zeroed memory directly from the system.
+/// Large pieces of zeroed memory directly from the system, and blocks that are cut from such pieces.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace pointsweep {
 
@@ -31,6 +33,30 @@ class PageMemory {
  private:
   std::byte* address_ = nullptr;
   std::size_t bytes_ = 0;
+};
+
+/// A thread-safe pool of blocks of one size, cut from pieces of memory that grow with demand. Memory returns to the
+/// system when the pool is emptied or destroyed, never block by block.
+class BlockPool {
+ public:
+  explicit BlockPool(std::size_t block_bytes);
+
+  /// Returns a block whose content is undefined. The pool owns it.
+  std::byte* take();
+  void give_back(std::byte* block);
+  /// Returns all memory to the system. All blocks must have been returned to the pool.
+  void clear();
+  /// Returns the bytes of the blocks that are taken now.
+  std::size_t taken_bytes() const;
+
+ private:
+  std::size_t block_bytes_;
+  mutable std::mutex mutex_;
+  std::vector<PageMemory> pieces_;
+  std::size_t piece_used_ = 0;  ///< used bytes of pieces_.back()
+  std::size_t held_ = 0;        ///< bytes of all pieces
+  std::vector<std::byte*> free_;
+  std::size_t taken_ = 0;
 };
 
 }  // namespace pointsweep

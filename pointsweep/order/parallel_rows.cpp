@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/order/parallel_rows.h"
 
-#include "pointsweep/first_failure.h"
-
 namespace pointsweep {
 namespace {
 

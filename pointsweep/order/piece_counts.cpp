@@ -5,8 +5,6 @@
 #include <mutex>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/first_failure.h"
-#include "pointsweep/order/block_reader.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "pointsweep/math/box.h"
-#include "pointsweep/order/piece_finder.h"
 #include "pointsweep/order/source.h"
+#include "pointsweep/order/splitters.h"
 #include "pointsweep/points/row_box.h"
 
 namespace pointsweep {

@@ -10,7 +10,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/order/block_pool.h"
+#include "pointsweep/order/page_memory.h"
 
 namespace pointsweep {
 namespace {

@@ -13,7 +13,6 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/order/block_reader.h"
 #include "pointsweep/order/slab_store.h"
 #include "pointsweep/threads.h"
 

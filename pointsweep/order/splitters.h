@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Limits between slabs of the stream: coordinates along the axis, from the quantiles of a sample.
+/// Limits between slabs of the stream, which are coordinates along the axis, from the quantiles of a sample; the piece
+/// of the stream that a point belongs to.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +8,8 @@
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "pointsweep/order/local_spacing.h"
 
 namespace pointsweep {
 
@@ -42,6 +45,28 @@ class Splitters {
   std::vector<double> limits_;        ///< the limits, then infinity, which exceeds all values
   std::vector<std::uint16_t> first_;  ///< for each cell: number of limits in lower cells; one more entry at the end
   double lo_ = 0, scale_ = 0, last_cell_ = 0;
+};
+
+/// Finds the piece of a point. A second Splitters may exist for points in sparse places; its pieces are numbered after
+/// those of the first.
+class PieceFinder {
+ public:
+  /// Borrows `splitters` and `spacing`. `spacing` knows the sparse places; it may be null if there is one Splitters.
+  PieceFinder(std::span<const Splitters> splitters, const LocalSpacing* spacing)
+      : splitters_(splitters), spacing_(spacing) {}
+
+  std::size_t pieces() const { return first_sparse_piece() + (splitters_.size() > 1 ? splitters_[1].pieces() : 0); }
+  std::size_t first_sparse_piece() const { return splitters_[0].pieces(); }
+
+  /// Returns the piece of a point. `p` must be finite; `key` is the value that the splitters divide.
+  std::size_t piece_of(Vec3 p, double key) const {
+    if (splitters_.size() > 1 && spacing_->is_sparse(p)) return first_sparse_piece() + splitters_[1].piece_of(key);
+    return splitters_[0].piece_of(key);
+  }
+
+ private:
+  std::span<const Splitters> splitters_;
+  const LocalSpacing* spacing_;
 };
 
 /// Returns at most `pieces` - 1 quantiles of a sample. A value that fills more than one piece gets its own piece, which

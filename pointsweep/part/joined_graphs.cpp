@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/connect/disjoint_sets.h"
+#include "pointsweep/connect/forest_edge.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/part/component_records.h"
 #include "pointsweep/part/record_list.h"

@@ -12,7 +12,7 @@
 #include "pointsweep/connect/row_table.h"
 #include "pointsweep/connect/spanning_forest.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/order/batched_rows.h"
+#include "pointsweep/order/row_store.h"
 #include "pointsweep/part/component_records.h"
 #include "pointsweep/part/open_forest.h"
 #include "pointsweep/part/record_list.h"

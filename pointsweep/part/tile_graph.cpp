@@ -9,7 +9,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/connect/components.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/order/batched_rows.h"
+#include "pointsweep/order/row_store.h"
 #include "pointsweep/part/component_records.h"
 #include "pointsweep/part/record_list.h"
 

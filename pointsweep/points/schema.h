@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Spellings of field names, decoding of coordinates, and conversion of records between schemas. Records keep the bytes
-/// of a binary file in this machine's byte order, so that attributes that no stage uses pass through unchanged (the
-/// paper's InputFields, Section 5.1).
+/// Spellings of field names, decoding of coordinates, values that a field can hold, and conversion of records between
+/// schemas. Records keep the bytes of a binary file in this machine's byte order, so that attributes that no stage uses
+/// pass through unchanged (the paper's InputFields, Section 5.1).
 #pragma once
 
 #include <array>
@@ -57,13 +57,20 @@ void decode_positions(const PositionFields& fields, const std::byte* records, st
 /// `bit_width` bits, the smallest unsigned type that is wide enough.
 Type unpacked_type(const Field& field);
 
-/// Returns whether a reader of `field` gets `value` back to within half a step. False for NaN, infinite values and
-/// values out of range if the type has a range.
+/// Returns whether `field` can store `value`. Integers and bits: whether it is in their range after rounding, never for
+/// NaN or infinity. Floats: always, unless a finite value would become infinite.
 bool holds(const Field& field, double value);
 
 /// Returns whether `field` holds every value that the type, scale and bits of the field `values` allow, and holds whole
 /// numbers exactly.
 bool holds_all_of(const Field& field, const Field& values);
+
+/// Returns whether the values of the field are whole numbers: it stores integers, without scale and offset.
+bool has_whole_numbers(const Field& field);
+
+/// Returns a value of a field for which has_whole_numbers() is true, bit for bit: an unsigned value of 2^63 or more
+/// becomes negative.
+std::int64_t whole_number_of(const Field& field, const std::byte* record, std::uint32_t component = 0);
 
 /// Copies records of one schema into records of another, field by field. A field with the same storage in both is
 /// copied bit by bit; otherwise its value is converted. Fields absent in `from` become 0.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Filters of the rows of a raster: holes are filled, and the surface is opened by a disk.
+/// Filters of the rows of a raster. One fills holes from the nearest cells on both sides in a row and in a column; the
+/// other opens the surface by a disk.
 #pragma once
 
 #include <cstddef>
@@ -55,7 +56,7 @@ class Disk {
   std::vector<std::size_t> half_widths_;  ///< half widths by |dy|, none greater than the one before
 };
 
-/// Minima over disks, for rows that come one after another.
+/// Minima over disks, for rows that come one after another. They come from minima over pieces of rows.
 class DiskMinima {
  public:
   DiskMinima(std::size_t radius, std::size_t columns) : disk_(radius), columns_(columns) {
@@ -90,8 +91,9 @@ enum class Opens : std::uint8_t {
   pit_marks  ///< marks cells below the opening of the negated surface, and passes on the surface unchanged
 };
 
-/// Opens a surface by a disk, and marks a cell if it differs from the opened surface by more than `threshold`; earlier
-/// marks stay. Cells without a value (kNoCell) are ignored and stay empty.
+/// Opens a surface by a disk: an erosion (the least value within the radius), then a dilation of the eroded surface.
+/// Marks a cell if it differs from the opened surface by more than `threshold`; earlier marks stay. Cells without a
+/// value (kNoCell) are ignored and stay empty.
 class OpenedRows final : public RowStream {
  public:
   OpenedRows(std::unique_ptr<RowStream> from, std::size_t radius, double threshold, Opens opens);

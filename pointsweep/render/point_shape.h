@@ -59,9 +59,10 @@ class PointShape {
 
   bool has_normals() const { return !normal_.empty(); }
 
-  /// Returns the splat (normal, splat_x splat_y splat_z, splat_length, splat_ratio) if the file has one; else a disc
-  /// perpendicular to the normal, or without a normal one that faces the viewer. Its radius is the file's `radius`, or
-  /// else the local spacing: 1.5 times as large on surfaces, which closes gaps.
+  /// If DiscRadii::fixed is above 0, returns a disc of this radius that faces the viewer. Else returns the splat of the
+  /// point if it has a valid one; else a disc, perpendicular to the normal, or facing the viewer if the point has no
+  /// normal. Its radius is the field `radius`, or else the local spacing (1.5 times as large with a normal, which
+  /// closes gaps), at most DiscRadii::largest_guess.
   SurfaceElement operator()(const std::byte* record, Vec3 position) const;
 
  private:

@@ -8,9 +8,10 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/colors/color_map.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/chosen_chunks.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/las_classes.h"
 #include "pointsweep/render/cloud_sample.h"
-#include "pointsweep/render/drawn_levels.h"
 #include "pointsweep/render/legend.h"
 #include "pointsweep/render/point_color.h"
 #include "pointsweep/render/point_shape.h"
@@ -32,6 +33,23 @@ void check(const RenderOptions& options) {
     return;
   fail_usage("--size: {}x{} is no size of a picture; each side is 16 to 16384 pixels, both together at most {}.",
              options.width, options.height, kMostPixels);
+}
+
+/// Returns the cloud with only as many levels of detail as are needed until the spacing of points is at most a pixel of
+/// a picture of this size; all points unless all inputs have levels.
+InputCloud drawn_levels(const InputCloud& cloud, unsigned pixels) {
+  Box bounds;
+  double coarsest = 0;
+  for (const auto& reader : cloud.readers()) {
+    const FileInfo& info = reader->info();
+    if (!info.root_spacing || !info.bounds) return cloud;
+    bounds.include(*info.bounds);
+    coarsest = std::max(coarsest, *info.root_spacing);
+  }
+  const Vec3 extent = bounds.extent();
+  const double pixel = std::max({extent.x, extent.y, extent.z}) / pixels;
+  const int depth = depth_of_spacing(coarsest, pixel);
+  return cloud.with_chunks([&](const Chunk& chunk) { return chunk.depth <= depth; });
 }
 
 /// Returns the span from lo to hi, where all points lie. If it is more than kFarOutliers times the span of the middle

@@ -54,8 +54,8 @@ float pivot_near(const CutPoint* points, std::size_t n, std::size_t rank, std::s
   return sample[at];
 }
 
-/// Quickselect: rearranges the points so that no coordinate of the first `rank` points exceeds a coordinate of the
-/// others.
+/// Quickselect by the coordinate on `axis`: rearranges the points so that no point of the first `rank` exceeds a point
+/// after them.
 void select(CutPoint* points, std::size_t n, std::size_t rank, std::size_t axis) {
   while (rank > 0 && rank < n) {
     if (n <= 8) {

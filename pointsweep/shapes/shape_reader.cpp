@@ -5,7 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <future>
+#include <span>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/shapes/rng.h"
 #include "pointsweep/threads.h"
@@ -13,8 +16,9 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kGrain = 4096;   // points made by one task
-constexpr double kFarthestNoise = 13;  // in standard deviations; gaussian_pair() draws nothing above 12.2
+constexpr std::size_t kGrain = 4096;     // points made by one task
+constexpr std::size_t kBlock = 1 << 18;  // points of a block that is written
+constexpr double kFarthestNoise = 13;    // in standard deviations; gaussian_pair() draws nothing above 12.2
 
 void check(const Sampling& s) {
   if (!(s.noise >= 0) || !std::isfinite(s.noise)) fail_usage("noise must be a length of 0 or more, not {}.", s.noise);
@@ -29,6 +33,24 @@ template <class T>
 void store_triple(Vec3 v, std::byte* to) {
   const std::array<T, 3> values{static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z)};
   std::memcpy(to, values.data(), sizeof values);
+}
+
+/// Writes points in two alternating blocks: one is filled on all threads while the other is written to disk.
+void write_all(Reader& points, Writer& writer, const std::function<void(std::uint64_t done)>& progress) {
+  const std::size_t stride = points.info().schema.stride;
+  std::vector<std::byte> blocks[2] = {std::vector<std::byte>(kBlock * stride), std::vector<std::byte>(kBlock * stride)};
+  std::future<void> writing;
+  for (std::uint64_t row = 0, turn = 0; row < points.info().count; ++turn) {
+    stop_if_cancelled();
+    std::vector<std::byte>& block = blocks[turn % 2];
+    const std::size_t made = points.read(row, block);
+    if (writing.valid()) writing.get();
+    writing = std::async(std::launch::async,
+                         [&writer, records = std::span(block).first(made * stride)] { writer.write(records); });
+    row += made;
+    progress(row);
+  }
+  if (writing.valid()) writing.get();
 }
 
 }  // namespace
@@ -89,6 +111,22 @@ std::size_t ShapeReader::read(std::uint64_t row, std::span<std::byte> records) {
     for (std::size_t i = grain * kGrain; i < end; ++i) store(row + i, records.data() + i * stride);
   });
   return count;
+}
+
+std::vector<NamedShape> shapes() {
+  std::vector<NamedShape> named;
+  for (const auto& shape : all_shapes()) named.push_back({shape->name(), shape->meaning()});
+  return named;
+}
+
+std::unique_ptr<Reader> generated_points(std::string_view shape, const Sampling& sampling) {
+  return std::make_unique<ShapeReader>(create_shape(shape), sampling);
+}
+
+void write_generated(Reader& points, Writer& writer, unsigned threads,
+                     const std::function<void(std::uint64_t done)>& progress) {
+  with_threads(threads != 0 ? threads : thread_count(), [&] { write_all(points, writer, progress); });
+  writer.finish();
 }
 
 }  // namespace pointsweep

@@ -7,7 +7,6 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/order/working_record.h"
 #include "pointsweep/prefetch.h"
-#include "pointsweep/search/ball_raster.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

@@ -11,7 +11,6 @@
 #include "pointsweep/connect/edge_batch.h"
 #include "pointsweep/operators/kinds/connect_operator.h"
 #include "pointsweep/points/degenerate_points.h"
-#include "pointsweep/points/degenerate_rows.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/sweep/distance_histogram.h"
 #include "pointsweep/sweep/plan.h"

@@ -11,7 +11,7 @@
 
 #include "pointsweep/connect/edge_buckets.h"
 #include "pointsweep/order/stream.h"
-#include "pointsweep/points/degenerate_rows.h"
+#include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/storage/encoding.h"
 #include "pointsweep/sweep/distance_histogram.h"
 #include "pointsweep/sweep/frontier.h"

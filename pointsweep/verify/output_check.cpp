@@ -14,7 +14,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/files.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/formats/files/folder_entries.h"
+#include "pointsweep/formats/files/folders.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/pipeline/language/build_chain.h"

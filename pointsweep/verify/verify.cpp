@@ -8,7 +8,6 @@
 #include "pointsweep/verify/outlier_threshold.h"
 #include "pointsweep/verify/rows/file_pairs.h"
 #include "pointsweep/verify/rows/input_values.h"
-#include "pointsweep/verify/rows/made_values.h"
 #include "pointsweep/verify/rows/row_alignment.h"
 
 namespace pointsweep {

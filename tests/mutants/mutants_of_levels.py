@@ -19,7 +19,7 @@ MUTANTS = [
            "choose_node(root, nullptr, root.nodes[0], kMostRootPoints)", "choose_node(root, nullptr, root.nodes[0], kAnyNumber)", CHOICE),
     Mutant("points of leaves beyond half the spacing keep out none", "levels", LEVELS + "level_choice.cpp",
            "octant_of(leaf.key, leaf.depth)), -spacing);", "octant_of(leaf.key, leaf.depth)), -0.5 * spacing);", CHOICE),
-    Mutant("a disc that touches a half of a block covers it", "levels", LEVELS + "uncovered_places.cpp",
+    Mutant("a disc that touches a half of a block covers it", "levels", LEVELS + "disc_choice.cpp",
            "if (farthest2(box, p) < spacing2_) return", "if (distance2(box, p) < spacing2_) return", CHOICE),
     Mutant("kept points in the cells above are overlooked", "levels", LEVELS + "kept_grid.cpp",
            "kNear[] = {0, -1, 1};", "kNear[] = {0, -1};", CHOICE),

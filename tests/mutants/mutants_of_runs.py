@@ -72,7 +72,7 @@ MUTANTS = [
            "{} {} {} {} {}\\n\", tile, file.device", "{} {} {} {} {}\\n\", tile + 1000, file.device", ("pipeline:ResumedTiles.*",)),
     Mutant("tiles are written from inputs that have changed", "tiles", PIPELINE + "output/tile_set.cpp",
            "request_.cloud.require_unchanged(tile_->number);", "void();", ("pipeline:StoppedTiles.*",)),
-    Mutant("folders that a run has made for tiles stay", "tiles", "pointsweep/formats/files/made_folders.cpp",
+    Mutant("folders that a run has made for tiles stay", "tiles", "pointsweep/formats/files/folders.cpp",
            "::rmdir(folder->c_str());", "(void)folder;", ("pipeline:*Tiles.*",)),
 
     # Names and types of outputs
@@ -224,7 +224,7 @@ MUTANTS = [
     # Pictures and reports
     Mutant("points that stand out are outside of the picture", "pictures", "pointsweep/render/render.cpp",
            "if (hi - lo <= kFarOutliers * middle", "if (hi - lo <= middle", ("render:Render.*",)),
-    Mutant("the discs of rows of points fill the gaps between the rows", "pictures", "pointsweep/render/spacing_tree.cpp",
+    Mutant("the discs of rows of points fill the gaps between the rows", "pictures", "pointsweep/render/point_shape.cpp",
            "std::min(side, twice_nearest({sample_.data() + begin, count}))", "side", ("render:SpacingTree.*",)),
     Mutant("undefined values are in no count of the report", "pictures", "pointsweep/report/run_report.cpp",
            "void(++summary.undefined)", "void()", ("report:ValueSummaries.*",)),
@@ -236,7 +236,7 @@ MUTANTS = [
     Mutant("operators that take points in order along x or y for z", "order", PIPELINE + "run/order_phase.cpp",
            "pass.in_order()->in_order_contract().places == Places::in_plane;", "true;",
            ("laws:Axis*",)),
-    Mutant("tiles are closed at their upper edges", "tiles", PIPELINE + "output/tile_grid.cpp",
+    Mutant("tiles are closed at their upper edges", "tiles", PIPELINE + "output/divider.cpp",
            "while (coordinate >= edge(axis, tile + 1)) ++tile;", "while (coordinate > edge(axis, tile + 1)) ++tile;",
            ("pipeline:Division.*:TileGrid.*",)),
     Mutant("tiles are decided before coordinates are rounded", "tiles", PIPELINE + "output/divider.cpp",

@@ -7,9 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/statistics/density.h"
-#include "pointsweep/operators/statistics/local_outlier_factor.h"
-#include "pointsweep/operators/statistics/radius_outliers.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/pipeline/refusal.h"

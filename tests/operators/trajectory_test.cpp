@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/surface/trajectory.h"
-
 #include <gtest/gtest.h>
 
 #include "pointsweep/error.h"
+#include "pointsweep/operators/surface/facing_normals.h"
 
 namespace pointsweep {
 namespace {

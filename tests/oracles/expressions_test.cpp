@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/math/elementary.h"
+#include "pointsweep/math/exp.h"
 #include "pointsweep/operators/expressions/expression.h"
-#include "pointsweep/operators/expressions/expression_function.h"
+#include "pointsweep/operators/expressions/expression_node.h"
 #include "pointsweep/verify/formulas/assignment.h"
 
 namespace pointsweep {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// The operator height against a search through all ground points.
-#include "pointsweep/operators/ground/height.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -13,6 +11,7 @@
 #include <tuple>
 
 #include "pointsweep/error.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"
@@ -115,7 +114,7 @@ TEST(Height, TellsWhatIsWrong) {
     EXPECT_NE(refusal([&] { run_height(input, wrong, tiny(100)); }), "") << wrong;
   const std::vector<Vec3> bare = {{0, 0, 0}, {1, 1, 1}};
   EXPECT_NE(refusal([&] {
-              run_in_memory(bare, {{}, {std::make_shared<Height>()}}, tiny(100));
+              run_in_memory(bare, {{}, {operators::height()}}, tiny(100));
             }).find("needs 'classification'"),
             std::string::npos);
 }

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/operators/surface/normals.h"
-#include "pointsweep/operators/update_operators.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"

@@ -8,9 +8,8 @@
 #include <tuple>
 
 #include "pointsweep/error.h"
-#include "pointsweep/operators/kinds/input_diagonal.h"
-#include "pointsweep/operators/rows/unique.h"
-#include "pointsweep/operators/rows/where.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/kinds/box_reductions.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/run/preview.h"
@@ -171,7 +170,7 @@ TEST(Where, SeesMovedPositionsAndEndsTheOldNeighborhoods) {
   const Throw mover(0.5);
   std::vector<Vec3> moved;
   for (std::size_t i = 0; i < points.size(); ++i) moved.push_back(mover.moved(points[i], i));
-  const Chain chain{{.k = 6}, {thrown(0.5), std::make_shared<Where>("z > 0"), normals()}};
+  const Chain chain{{.k = 6}, {thrown(0.5), operators::where("z > 0"), normals()}};
   std::vector<Vec3> kept;
   for (const Vec3& p : moved)
     if (p.z > 0) kept.push_back(p);
@@ -188,7 +187,7 @@ TEST(Where, ResortOrdersThoseThatAreLeft) {
   EngineOptions options = tiny(100);
   options.order = Order::sweep;
   options.axis = 2;
-  const Chain chain{{.k = 6}, {thrown(0.3), std::make_shared<Where>("x > 0.2"), reneighbor(4), normals(), resort()}};
+  const Chain chain{{.k = 6}, {thrown(0.3), operators::where("x > 0.2"), reneighbor(4), normals(), resort()}};
   const RunResult got = run_in_memory(points, chain, options);
   const std::vector<double> z = got.field("z");
   ASSERT_GT(z.size(), 100u);
@@ -204,7 +203,7 @@ TEST(Where, NumbersOfRowsCountThoseThatAreLeft) {
   const auto lists = brute_force_neighbors(kept.positions(), 4);
   for (const EngineOptions& options : ways_to_run(Order::input)) {
     InputCloud cloud = input.cloud();
-    const Chain chain{{.k = 4}, {std::make_shared<Where>("classification < 3"), graph(4, 500)}};
+    const Chain chain{{.k = 4}, {operators::where("classification < 3"), graph(4, 500)}};
     const RunResult got = run_in_memory(cloud, chain, options);
     for (std::size_t j = 0; j < 4; ++j) {
       std::vector<double> expected;
@@ -284,7 +283,7 @@ TEST(Unique, ComparesMovedPositions) {
   ASSERT_LT(kept.size(), points.size());
   const RunResult expected = run_in_memory(kept, {{.k = 5}, {normals()}}, tiny(100));
   for (const EngineOptions& options : ways_to_run(Order::input)) {
-    const Chain chain{{.k = 5}, {std::make_shared<Snap>(), std::make_shared<Unique>(), normals()}};
+    const Chain chain{{.k = 5}, {std::make_shared<Snap>(), operators::unique(), normals()}};
     const RunResult got = run_in_memory(points, chain, options);
     for (const char* field : {"x", "z", "nx", "nz"}) EXPECT_EQ(got.field(field), expected.field(field));
   }

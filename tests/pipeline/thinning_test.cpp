@@ -10,7 +10,7 @@
 #include <set>
 #include <tuple>
 
-#include "pointsweep/operators/rows/decimate.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/thinning/voxel.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/run/preview.h"
@@ -66,7 +66,8 @@ TEST(Decimate, KeepsNothingOfTheShare0AndAllOfTheShare1) {
   EXPECT_TRUE(run_text(input, "decimate(1)", tiny(100)).records == input.bytes);
   for (const char* wrong : {"decimate(-0.1)", "decimate(1.5)", "decimate", "decimate(0.5, seed=-1)"})
     EXPECT_NE(refusal([&] { run_text(input, wrong, tiny(100)); }), "") << wrong;
-  EXPECT_NE(refusal([] { Decimate({std::nan("")}); }).find("share is a number, 0 to 1, not "), std::string::npos);
+  EXPECT_NE(refusal([] { operators::decimate({std::nan("")}); }).find("share is a number, 0 to 1, not "),
+            std::string::npos);
 }
 
 std::set<std::tuple<double, double, double>> places_of(const RunResult& result) {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "pointsweep/chain.h"
-#include "pointsweep/operators/update_operators.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/in_core.h"
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/points/degenerate_rows.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>

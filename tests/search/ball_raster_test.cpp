@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/search/ball_raster.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 #include <vector>
+
+#include "pointsweep/search/ball_lookup.h"
 
 namespace pointsweep {
 namespace {

@@ -11,8 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/kinds/input_diagonal.h"
-#include "pointsweep/operators/kinds/moved_bounds.h"
+#include "pointsweep/operators/kinds/box_reductions.h"
 #include "pointsweep/operators/statistics/outliers.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"

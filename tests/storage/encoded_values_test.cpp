@@ -8,7 +8,7 @@
 
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
-#include "pointsweep/pipeline/checkpoint/checkpoint.h"
+#include "pointsweep/pipeline/checkpoint/checkpoints.h"
 #include "pointsweep/storage/local/temp_folder.h"
 #include "pointsweep/sweep/sweep.h"
 #include "tests/order/cloud_source.h"

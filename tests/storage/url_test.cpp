@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "pointsweep/formats/files/remote_pattern.h"
+#include "pointsweep/formats/files/file_pattern.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/storage/local/place.h"
 

@@ -8,8 +8,8 @@
 #include "pointsweep/formats/cloud/numbered_rows.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/input_row.h"
+#include "pointsweep/storage/remote/remote_object.h"
 #include "pointsweep/storage/remote/url.h"
-#include "pointsweep/storage/remote/waiting_threads.h"
 
 namespace pointsweep {
 namespace {

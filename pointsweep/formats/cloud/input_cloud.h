@@ -21,7 +21,7 @@
 #include "pointsweep/points/row_box.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/reader.h"
-#include "pointsweep/storage/local/file_state.h"
+#include "pointsweep/storage/local/place.h"
 
 namespace pointsweep {
 

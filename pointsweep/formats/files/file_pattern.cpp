@@ -3,19 +3,25 @@
 
 #include <fnmatch.h>
 
+#include <algorithm>
 #include <set>
+#include <span>
 #include <string>
 #include <system_error>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/files/folder_entries.h"
+#include "pointsweep/formats/files/folders.h"
+#include "pointsweep/storage/remote/remote_service.h"
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 namespace {
 
 namespace fs = std::filesystem;
 
-bool has_wildcard(const std::string& name) { return name.find_first_of("*?[") != name.npos; }
+constexpr const char* kWildcards = "*?[";
+
+bool has_wildcard(const std::string& name) { return name.find_first_of(kWildcards) != name.npos; }
 
 /// Returns whether the last name of the path has a wildcard and no file or folder has exactly this name.
 bool ends_with_pattern(const fs::path& path) {
@@ -70,6 +76,23 @@ class Matcher {
   std::set<fs::path> found_;
 };
 
+std::vector<std::string> names_of(const std::string& key) {
+  std::vector<std::string> names(1);
+  for (const char c : key) c == '/' ? void(names.emplace_back()) : names.back().push_back(c);
+  return names;
+}
+
+bool matches(std::span<const std::string> pattern, std::span<const std::string> names) {
+  if (pattern.empty()) return names.empty();
+  if (pattern[0] == "**") {
+    if (matches(pattern.subspan(1), names)) return true;
+    if (names.empty() || names[0].starts_with('.')) return false;
+    return matches(pattern, names.subspan(1)) || (pattern.size() == 1 && names.size() == 1);
+  }
+  return !names.empty() && ::fnmatch(pattern[0].c_str(), names[0].c_str(), FNM_PERIOD) == 0 &&
+         matches(pattern.subspan(1), names.subspan(1));
+}
+
 }  // namespace
 
 bool is_file_pattern(const fs::path& path) {
@@ -84,6 +107,26 @@ fs::path fixed_part(const fs::path& pattern) {
   for (auto name = pattern.begin(); std::next(name) != pattern.end() && !ends_with_pattern(fixed / *name); ++name)
     fixed /= *name;
   return fixed;
+}
+
+bool is_remote_pattern(const fs::path& url) {
+  if (is_bucket(url.native())) return has_wildcard(url.native());
+  return url.native().find('*') != std::string::npos;
+}
+
+fs::path fixed_remote_part(const fs::path& pattern) {
+  const std::string& url = pattern.native();
+  return url.substr(0, url.rfind('/', url.find_first_of(kWildcards)) + 1);
+}
+
+std::vector<fs::path> remote_matches_of(const fs::path& pattern) {
+  const std::string folder = fixed_remote_part(pattern).string();
+  const std::vector<std::string> wanted = names_of(pattern.string().substr(folder.size()));
+  const bool is_flat = wanted.size() == 1 && wanted[0] != "**";
+  std::vector<fs::path> found;
+  for (const RemoteEntry& entry : list_remote(folder, !is_flat))
+    if (matches(wanted, names_of(entry.url.substr(folder.size())))) found.emplace_back(entry.url);
+  return found;
 }
 
 }  // namespace pointsweep

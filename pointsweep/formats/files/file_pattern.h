@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Patterns of file names with the wildcards of a shell: `tiles/*.laz`, `**/ground_[0-9]?.las`.
+/// Patterns with the wildcards of a shell: of file names, `tiles/*.laz`, `**/ground_[0-9]?.las`, and of the keys of a
+/// bucket, `s3://bucket/tiles/*.laz`.
 #pragma once
 
 #include <filesystem>
@@ -19,5 +20,16 @@ std::vector<std::filesystem::path> matches_of(const std::filesystem::path& patte
 
 /// Returns the folders before the first name with a wildcard: "tiles" for "tiles/*/a.laz", "" if there are none.
 std::filesystem::path fixed_part(const std::filesystem::path& pattern);
+
+/// Returns whether the key in a bucket has one of the characters * ? [, all of which are wildcards: no pattern names a
+/// key that contains them. In an address of http only * counts, since ? begins the query.
+bool is_remote_pattern(const std::filesystem::path& url);
+
+/// Returns the folders before the first name with a wildcard, with a '/' at the end: "s3://bucket/tiles/".
+std::filesystem::path fixed_remote_part(const std::filesystem::path& pattern);
+
+/// Returns the objects whose keys the pattern matches, in the order of the listing. * and ? stand for any characters
+/// but '/', and a name ** for any number of nested folders.
+std::vector<std::filesystem::path> remote_matches_of(const std::filesystem::path& pattern);
 
 }  // namespace pointsweep

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The parts that a COPC file has beyond LAZ: the info VLR, the hierarchy of nodes and the choice of point formats
-/// (https://copc.io).
+/// (COPC 1.0, https://copc.io).
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,12 @@
 #include <vector>
 
 #include "pointsweep/formats/las/las_reader.h"
+#include "pointsweep/formats/las/laz_points.h"
 #include "pointsweep/geometry.h"
 #include "pointsweep/levels/curve_key.h"
+#include "pointsweep/math/box.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/storage/local/input_file.h"
 #include "pointsweep/writer.h"
 
 namespace pointsweep {
@@ -42,6 +45,19 @@ struct CopcNode {
 /// Returns the content of the hierarchy record: one page, nodes ordered by depth, then along the Morton curve. Missing
 /// ancestors of the nodes are added as empty nodes.
 std::vector<std::byte> copc_hierarchy_bytes(std::vector<CopcNode> nodes);
+
+/// The octree nodes of the chunks of a COPC file.
+struct CopcChunks {
+  /// For each chunk the box of its node, which the points need not respect, and its depth. Empty if there are no nodes.
+  std::vector<Box> boxes = {};
+  std::vector<int> depths = {};
+  double spacing = 0;  ///< spacing of the root, as the file states it
+};
+
+/// Returns the nodes of the chunks of `points` by the hierarchy; none if the hierarchy contradicts itself, the chunk
+/// table or the file. In this case `why_not` states the reason as the end of a sentence. `info`: the byte where the
+/// content of the info VLR begins. Reads at most as many bytes as the file has.
+CopcChunks read_copc_nodes(const InputFile& file, std::uint64_t info, const LazPoints& points, std::string& why_not);
 
 /// Returns the layout with a point format that COPC allows: the stated point format, else 8 if there is near infrared,
 /// 7 if there are colours, else 6. Throws UsageError for a stated format or version that COPC does not allow.

@@ -72,7 +72,7 @@ std::vector<std::byte> las_vlr(std::string_view user, std::uint16_t record, std:
 std::vector<std::byte> las_evlr(std::string_view user, std::uint16_t record, std::string_view description,
                                 std::span<const std::byte> content);
 
-/// Largest number of bytes in a VLR.
+/// Largest number of bytes in the content of a VLR.
 inline constexpr std::size_t kLongestVlr = 65535;
 
 /// VLRs that state a system by its WKT, its GeoTIFF keys, or both: their bytes, one after another, and their number.

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// The compressed points of a LAZ file, chunk by chunk, and the boxes of the chunks of a COPC file.
+/// The compressed points of a LAZ file, chunk by chunk.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "pointsweep/formats/las/laz_layout.h"
-#include "pointsweep/math/box.h"
 #include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
@@ -61,18 +59,5 @@ class LazPoints {
   std::uint32_t record_bytes_;
   std::vector<std::uint64_t> first_row_, first_byte_;  ///< for each chunk, and for the end of the last chunk
 };
-
-/// The octree nodes of the chunks of a COPC file.
-struct CopcChunks {
-  /// For each chunk the box of its node, which the points need not respect, and its depth. Empty if there are no nodes.
-  std::vector<Box> boxes = {};
-  std::vector<int> depths = {};
-  double spacing = 0;  ///< spacing of the root, as the file states it
-};
-
-/// Returns the nodes of the chunks of `points` by the hierarchy; none if the hierarchy contradicts itself, the chunk
-/// table or the file. In this case `why_not` states the reason as the end of a sentence. `info`: the byte where the
-/// content of the info VLR begins. Reads at most as many bytes as the file has.
-CopcChunks read_copc_nodes(const InputFile& file, std::uint64_t info, const LazPoints& points, std::string& why_not);
 
 }  // namespace pointsweep

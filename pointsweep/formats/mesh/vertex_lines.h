@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/formats/files/row_lines.h"
+#include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/storage/local/input_file.h"
 

@@ -5,7 +5,6 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
-#include "pointsweep/formats/files/words.h"
 #include "pointsweep/formats/pcd/lzf_stream.h"
 #include "pointsweep/formats/pcd/pcd_format.h"
 #include "pointsweep/formats/pcd/pcd_header.h"

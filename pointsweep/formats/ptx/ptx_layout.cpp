@@ -8,7 +8,6 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
-#include "pointsweep/formats/files/words.h"
 
 namespace pointsweep {
 namespace {

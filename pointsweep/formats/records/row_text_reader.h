@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "pointsweep/formats/files/row_lines.h"
+#include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/storage/local/input_file.h"
 

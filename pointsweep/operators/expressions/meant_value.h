@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Meaning of a name that a user writes for a single value: in conditions, assignments and options that name an
-/// attribute.
+/// The values that names mean: a name that a user writes for a single value, in conditions, assignments and options
+/// that name an attribute, and the exact name of an attribute that an operator reads.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -30,5 +31,9 @@ MeantValue value_in_expression(const std::string& word, const Schema& input, std
 /// Returns the type of a field of the input; for packed bits the smallest type that holds them, for scaled numbers
 /// float64.
 Type type_of_values(const Field& field);
+
+/// Returns the attribute `name` if an earlier stage makes it and it has one value, else the field `name` of the input
+/// as float64; nullopt if there is none.
+std::optional<Attribute> single_value(const char* name, const Schema& input, std::span<const Attribute> made);
 
 }  // namespace pointsweep

@@ -13,7 +13,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/expressions/single_value.h"
+#include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/ground/ground_work.h"
 
 namespace pointsweep {

@@ -22,8 +22,9 @@ std::string unit_of_made(const std::string& name);
 /// attributes of the input with the names of attributes that operators of this library make.
 class Transform final : public LocalOperator {
  public:
-  /// Reads the file with the matrix, if there is one. Throws Error if it cannot be read or has no matrix, and
-  /// UsageError for options that move no point or have no inverse. Messages begin with `place`.
+  /// Reads the file with the matrix, if there is one. Throws Error, beginning with the file's name, if the file cannot
+  /// be read or holds no matrix. Throws UsageError, beginning with `place`, if no option gives a motion, a matrix given
+  /// as text is invalid, or the matrix is singular.
   explicit Transform(TransformOptions options, std::string place = "transform");
   std::string name() const override { return "transform"; }
   Contract contract() const override;

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/statistics/local_outlier_factor.h"
-
+/// The local outlier factor: how much sparser the surroundings of a point are than those of its neighbours (M. M.
+/// Breunig, H.-P. Kriegel, R. T. Ng, J. Sander, "LOF: identifying density-based local outliers", 2000).
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
+#include "pointsweep/chain.h"
+#include "pointsweep/operator.h"
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 
@@ -37,6 +42,54 @@ double larger(double a, double b) { return std::isnan(a) || std::isnan(b) ? kNon
 
 double quotient(double r, double by) { return std::isinf(r) && std::isinf(by) ? 1 : r / by; }
 
+/// The attributes of the operators below, N f64 each. They are NaN for points without neighbours, and if a neighbour
+/// has no finite place.
+Attribute k_distance_attribute() { return with_nan("k_distance", "length", "distance to the farthest neighbour"); }
+
+Attribute reachability_density_attribute() {
+  return with_nan("reachability_density", "1/length", "inverse of the mean reachability distance");
+}
+
+Attribute lof_attribute() { return with_nan("lof", "1", "local outlier factor"); }
+
+/// Makes k_distance: the distance to the farthest neighbour.
+class KDistance final : public LocalOperator {
+ public:
+  std::string name() const override { return "k_distance"; }
+  Contract contract() const override { return {{}, {}, {k_distance_attribute()}}; }
+  void apply(const Neighborhoods& in, Columns& out) const override;
+};
+
+/// Makes reachability_density: |N_i| / Σ_j max(k_distance_j, |p_j - p_i|), in the order of the neighbours; infinite if
+/// all terms of the sum are 0.
+class ReachabilityDensity final : public LocalOperator {
+ public:
+  std::string name() const override { return "reachability_density"; }
+  Contract contract() const override { return {{}, {k_distance_attribute()}, {reachability_density_attribute()}}; }
+  void apply(const Neighborhoods& in, Columns& out) const override;
+};
+
+/// Makes lof: 1/|N_i| Σ_j r_j / r_i with reachability densities r, in the order of the neighbours. The quotient of two
+/// infinite densities is 1.
+class DensityRatio final : public LocalOperator {
+ public:
+  std::string name() const override { return "density_ratio"; }
+  Contract contract() const override {
+    return {{reachability_density_attribute()}, {reachability_density_attribute()}, {lof_attribute()}};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override;
+};
+
+/// `lof`: KDistance, ReachabilityDensity and DensityRatio, in order.
+class LocalOutlierFactor final : public CompositeOperator {
+ public:
+  std::string name() const override { return "lof"; }
+  Contract contract() const override {
+    return {.makes = {k_distance_attribute(), reachability_density_attribute(), lof_attribute()}, .default_k = 32};
+  }
+  std::vector<ChainStage> parts() const override;
+};
+
 }  // namespace
 
 OperatorDeclaration lof_declaration() {
@@ -68,12 +121,6 @@ OperatorDeclaration lof_declaration() {
 }
 
 ChainStage operators::lof() { return std::make_shared<LocalOutlierFactor>(); }
-
-Attribute k_distance_attribute() { return with_nan("k_distance", "length", "distance to the farthest neighbour"); }
-Attribute reachability_density_attribute() {
-  return with_nan("reachability_density", "1/length", "inverse of the mean reachability distance");
-}
-Attribute lof_attribute() { return with_nan("lof", "1", "local outlier factor"); }
 
 void KDistance::apply(const Neighborhoods& in, Columns& out) const {
   fill_column(in, out, [&](std::size_t i) { return finite_or_none(std::sqrt(in.farthest_distance2(i))); });

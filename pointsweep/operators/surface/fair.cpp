@@ -16,7 +16,7 @@
 #include "pointsweep/math/batch.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/kinds/input_diagonal.h"
+#include "pointsweep/operators/kinds/box_reductions.h"
 #include "pointsweep/operators/surface/splats.h"
 #include "pointsweep/operators/surface/tangent_plane.h"
 

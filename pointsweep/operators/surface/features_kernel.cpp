@@ -123,7 +123,7 @@ struct Logarithms {
     const auto some2 = hn::Ge(v.v2, least), some3 = hn::Ge(v.v3, least);
     const V ln1 = NaturalLogarithm(d, hn::Max(v.v1, least)), ln2 = NaturalLogarithm(d, hn::Max(v.v2, least));
     const V ln3 = NaturalLogarithm(d, hn::Max(v.v3, least));
-    // ∛(λ1 λ2 λ3) is λ1 times the cube root of two numbers of at most 1.
+    // ∛(λ1 λ2 λ3) = λ1 ∛((λ2/λ1) (λ3/λ1)), with both quotients at most 1.
     const V fall = hn::Mul(hn::Add(hn::Sub(ln1, ln2), hn::Sub(ln1, ln3)), hn::Set(d, 1.0 / 3));
     const V mean = hn::Mul(v.v1, ExpNegative(d, hn::Max(fall, hn::Zero(d))));
     omnivariance = v.InUnits(hn::IfThenElseZero(hn::And(some2, some3), mean), v.power);

@@ -9,7 +9,6 @@
 #include "pointsweep/math/mix.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/thinning/voxel_candidate.h"
 
 namespace pointsweep {
 namespace {

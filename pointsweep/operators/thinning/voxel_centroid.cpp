@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "pointsweep/math/exact_sum.h"
-#include "pointsweep/operators/thinning/voxel_candidate.h"
+#include "pointsweep/operators/thinning/voxel.h"
 #include "pointsweep/points/with_type.h"
 
 namespace pointsweep {

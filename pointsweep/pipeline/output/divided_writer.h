@@ -1,19 +1,53 @@
 // SPDX-License-Identifier: MIT
-/// An output that is divided among many files (Divider), as a writer.
+/// The records of an output that is divided among many files (Divider), collected file by file, and their writer.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <unordered_map>
+#include <vector>
 
-#include "pointsweep/pipeline/output/divided_records.h"
 #include "pointsweep/pipeline/output/divider.h"
+#include "pointsweep/pipeline/output/grouped_records.h"
 #include "pointsweep/points/scratch.h"
 #include "pointsweep/run.h"
 #include "pointsweep/writer.h"
 
 namespace pointsweep {
+
+/// The records of a divided output, collected file by file.
+class DividedRecords {
+ public:
+  /// Borrows the divider. `expected`: number of records. `memory_bytes` and `make_scratch`: for the records
+  /// (GroupedRecords).
+  DividedRecords(const Divider& divider, std::uint64_t expected, std::uint64_t memory_bytes, MakeScratch make_scratch);
+
+  /// Adds records to their files, and to the files of tiles that have the points in their buffers. Throws the error of
+  /// Divider::require_few().
+  void write(std::span<const std::byte> records);
+  /// Calls `use` with whole records of Divider::plan(), file by file, the records of a file in the order of write().
+  /// `file` is an index of files(). Must be called once, after the last record.
+  void for_each(const std::function<void(std::uint32_t file, std::span<const std::byte> records)>& use) {
+    records_.for_each(use);
+  }
+
+  /// Returns the files in the order of their first records. A file may have points in its buffer alone.
+  const std::vector<DividedFile>& files() const { return files_; }
+  std::uint64_t came() const { return came_; }  ///< number of records passed to write()
+
+ private:
+  void put(FileKey key, const std::byte* record, bool is_own);
+
+  const Divider& divider_;
+  GroupedRecords records_;
+  std::vector<FileKey> keys_;  ///< files of the records of the last write()
+  std::vector<DividedFile> files_;
+  std::unordered_map<FileKey, std::uint32_t, FileKeyHash> file_of_;
+  std::uint64_t came_ = 0;
+  std::size_t with_points_ = 0;  ///< files with points outside of their buffer
+};
 
 /// Memory and scratch for the records that wait for their files.
 struct DivisionRoom {

@@ -10,7 +10,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
-#include "pointsweep/formats/files/folder_entries.h"
+#include "pointsweep/formats/files/folders.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/points/input_row.h"
 #include "pointsweep/points/lower_case.h"

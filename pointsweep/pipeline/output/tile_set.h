@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/formats/files/made_folders.h"
+#include "pointsweep/formats/files/folders.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/order/row_file.h"
 #include "pointsweep/pipeline/engine_run.h"

@@ -157,7 +157,8 @@ Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, 
   if (p == context.plan.passes.size()) return order_output(context, work, rows, std::move(points), files);
   const PlannedPass& pass = context.plan.passes[p];
   const PointSource source = source_of_pass(context, p, rows);
-  // In a part of a cloud, order_numbered() orders the points.
+  // In a part of a cloud, points are put in the order of a sweep here. order_numbered() later puts those of an in-order
+  // pass in the order of its operator.
   const bool is_in_order = pass.kind == PassKind::order && !context.part;
   if (pass.has_places() && is_in_order)
     return order_places(context, work, p, source, pass.payload(), false, std::move(points.survey));

@@ -11,7 +11,7 @@
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/registry.h"
-#include "pointsweep/operators/kinds/moved_bounds.h"
+#include "pointsweep/operators/kinds/box_reductions.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/output/output_formats.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/formats/files/made_folders.h"
+#include "pointsweep/formats/files/folders.h"
 #include "pointsweep/pipeline/output/output_set.h"
 #include "pointsweep/pipeline/output/tile_set.h"
 #include "pointsweep/pipeline/run/phases.h"
@@ -38,8 +38,8 @@ class OutputFiles {
   void require_writable(const Context& context, const Box& bounds);
   /// Opens the outputs before the first pass. If ChainPlan::opens_late(), only checks that they can be written.
   void open(const Context& context, const WorkPlan& work, const Survey& survey, const Rows& rows);
-  /// Opens the outputs after the passes, if open() has not opened them. `survey`: survey of the output's order, if it
-  /// has one.
+  /// Opens the outputs after the passes. Must not be called if are_open(). `survey`: survey of the points that were put
+  /// in order last.
   void open_late(const Context& context, const WorkPlan& work, Survey survey, const Rows& rows);
   bool are_open() const { return files_ || tiles_; }
   bool are_tiles() const { return tiles_.has_value(); }

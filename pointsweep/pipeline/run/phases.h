@@ -91,8 +91,9 @@ Survey survey_points(const Context& context, const PointSource& source, bool exa
 Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, Surveyed points,
                    OutputFiles& files);
 
-/// Puts the points of an in-order pass in order, in a part of a cloud. `numbered`: their working records, at their
-/// positions (StreamOptions::numbered). `survey`: survey of the part. `first_row`: first row of the part.
+/// Puts the points of an in-order pass in order, in a part of a cloud. `numbered`: working records with the positions
+/// of the points, not yet their places, and with their rows (StreamOptions::numbered). `survey`: survey of the part.
+/// `first_row`: first row of the part.
 Ordered order_numbered(const Context& context, const WorkPlan& work, std::size_t p, const PointSource& numbered,
                        Survey survey, std::uint64_t first_row);
 

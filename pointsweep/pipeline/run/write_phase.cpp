@@ -19,7 +19,8 @@ void write_whole(const Context& context, RowStore& results, std::size_t stride, 
   });
 }
 
-/// Writes the results of the last pass by row, while they are made or afterwards.
+/// Writes the rows in order with all made attributes: those of pass `p`, and those carried from earlier passes. A pass
+/// over rows is performed here; a sweep has left its results in `results`.
 void write_made(const Context& context, std::size_t p, const Rows& rows, RowStore* results, OutputFiles& files) {
   const auto use = [&](std::uint64_t first, std::size_t n, const std::byte* records, std::size_t bytes) {
     files.write_results(context.cloud, first, {records, n * bytes});

@@ -14,6 +14,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/program/process.h"
+#include "pointsweep/program/whole_file.h"
 #include "pointsweep/storage/local/standard_streams.h"
 #include "pointsweep/storage/local/temp_folder.h"
 #include "pointsweep/storage/local/unfinished_output.h"
@@ -220,5 +221,17 @@ void OutputFile::seal() {
 }
 
 OutputsSoFar outputs_so_far() { return {any_complete, any_streamed, reader_ended}; }
+
+WholeFile::WholeFile(const std::filesystem::path& destination, bool overwrite)
+    : file_(std::make_unique<OutputFile>(destination, overwrite)) {}
+
+WholeFile::~WholeFile() = default;
+
+void WholeFile::complete(std::span<const std::byte> content) {
+  file_->append(content);
+  file_->seal();
+}
+
+void WholeFile::complete(std::string_view content) { complete(std::as_bytes(std::span(content))); }
 
 }  // namespace pointsweep

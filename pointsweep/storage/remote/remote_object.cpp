@@ -2,15 +2,18 @@
 #include "pointsweep/storage/remote/remote_object.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstring>
 #include <list>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -219,6 +222,25 @@ std::size_t RemoteObject::read_some(std::uint64_t offset, std::span<std::byte> b
     done += n;
   }
   return bytes.size();
+}
+
+void for_each_waiting(std::size_t count, const std::function<void(std::size_t i)>& body) {
+  constexpr std::size_t kMostThreads = 16;
+  std::atomic<std::size_t> next = 0;
+  FirstFailure failure;
+  const auto work = [&, token = CancellationScope::current()] {
+    const CancellationScope scope(token);
+    for (std::size_t i = next++; i < count && !failure.makes_needless(i); i = next++)
+      failure.note_from(i, [&] {
+        stop_if_cancelled();
+        body(i);
+      });
+  };
+  std::vector<std::thread> others;
+  for (std::size_t t = 1; t < std::min(count, kMostThreads); ++t) others.emplace_back(work);
+  work();
+  for (std::thread& other : others) other.join();
+  failure.rethrow();
 }
 
 }  // namespace pointsweep

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Objects on servers, read at any offset.
+/// Objects on servers, read at any offset, and threads that wait for servers.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -63,5 +64,9 @@ class RemoteObject {
   std::vector<Run> runs_;
   std::map<std::uint64_t, std::uint64_t> said_;  ///< ranges of will_read(): the end of each range by its begin
 };
+
+/// Calls body(i), which sends requests to servers, for each i < count, on up to 16 threads. There may be more threads
+/// than cores, since each thread waits most of the time. If bodies throw, rethrows the exception of the lowest i.
+void for_each_waiting(std::size_t count, const std::function<void(std::size_t i)>& body);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Distances to neighbours, densities, and rules that shorten neighbourhoods.
+/// Distances to neighbours, measures of how crowded points are, and rules that shorten neighbourhoods.
 #pragma once
 
 #include <cstdint>

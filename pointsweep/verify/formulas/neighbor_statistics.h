@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Formulas of the statistics of the neighbours' values.
+/// Formulas of the statistics of the neighbours' values, and of the value that points of another cloud give to a point.
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
+#include "pointsweep/verify/formulas/assignment.h"
 #include "pointsweep/verify/formulas/estimate.h"
 
 namespace pointsweep::formulas {
@@ -13,5 +15,13 @@ namespace pointsweep::formulas {
 /// (the first in the list if several are equally frequent) or count. mean, median, range and deviation are evaluated in
 /// float64 from differences to the first value. NaN without a finite value.
 Estimate statistic_of(std::string_view name, const std::vector<Estimate>& values);
+
+/// Returns the majority (the first value if several are equally frequent), the mean, or the first of the values of the
+/// nearest points, which come nearest first. With several values, and for means, only finite values count. Returns
+/// nothing if no value counts. `are_whole`: true to compute the mean from the exact sum.
+std::optional<Estimate> voted(std::string_view vote, const std::vector<Real>& values, bool are_whole);
+
+/// Returns the value as an attribute stores it: the nearest whole number, halves to even; float32; or float64.
+Estimate stored(const Estimate& value, Storage storage);
 
 }  // namespace pointsweep::formulas

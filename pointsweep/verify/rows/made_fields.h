@@ -12,13 +12,13 @@
 
 namespace pointsweep {
 
-/// Returns the schema of rows of made values in the chain's order, with the names of the output.
+/// Returns the schema of records of the values of `made`, in this order, with `prefix` before all names but x, y and z.
 Schema schema_of_made(const std::vector<Attribute>& made, const std::string& prefix);
 
 /// Returns whether a field of an output comes from a field of `schema`.
 bool is_field_of(const Schema& schema, const std::string& name);
 
-/// Format::own_field of a format; null if it has no such fields.
+/// The function Format::own_field of a format; null for a format without fields of its own.
 using OwnField = std::optional<double> (*)(std::string_view name);
 
 /// Returns the fields among `names` that belong to the format of `out` and hold its default value in all rows.

@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: MIT
+/// Formulas of the operators that look into another cloud: distance_to, m3c2 and take.
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <optional>
 
+#include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/verify/formulas/cylinder.h"
+#include "pointsweep/verify/formulas/neighbor_statistics.h"
 #include "pointsweep/verify/search/ball_index.h"
 #include "pointsweep/verify/search/nearest_in_stream.h"
 #include "pointsweep/verify/values/cloud_formula.h"
+#include "pointsweep/verify/values/stored_values.h"
 
 namespace pointsweep {
 namespace {
 
 using formulas::Estimate;
+using formulas::Real;
 using Estimates = std::vector<Estimate>;
 
 /// Opens another cloud without a transformation of coordinates: the run has refused different reference systems.
@@ -34,9 +42,9 @@ class NearestDistance final : public CloudFormula {
         nearest_of_cloud(places, points_of(source, in.rows.progress()), source.count(), {.reach2 = most_ * most_});
     std::vector<Estimates> made;
     for (const auto& found : nearest)
-      made.push_back({{.value = {found.empty() ? std::numeric_limits<formulas::Real>::quiet_NaN()
-                                               : std::sqrt(found.front().distance2),
-                                 0, 0}}});
+      made.push_back(
+          {{.value = {found.empty() ? std::numeric_limits<Real>::quiet_NaN() : std::sqrt(found.front().distance2), 0,
+                      0}}});
     return made;
   }
 
@@ -91,10 +99,143 @@ class ChangeAlongNormals final : public CloudFormula {
   double cylinder_, depth_, registration_;
 };
 
+bool is_real(Type type) { return type == Type::f32 || type == Type::f64; }
+
+formulas::Storage storage_of_type(Type type) {
+  if (type == Type::f32) return formulas::Storage::single;
+  return type == Type::f64 ? formulas::Storage::real : formulas::Storage::whole;
+}
+
+std::vector<std::string> names_in(const std::string& list) {
+  std::vector<std::string> names = {""};
+  for (const char c : list) c == ',' ? void(names.emplace_back()) : names.back().push_back(c);
+  return names;
+}
+
+class TakenValues final : public CloudFormula {
+ public:
+  explicit TakenValues(const FormulaSetup& stage)
+      : other_(opened(stage.options.word("cloud"))),
+        contract_(stage.contract),
+        vote_(stage.options.word("vote")),
+        missing_(stage.options.number_if_given("missing")),
+        query_{.most = static_cast<std::size_t>(stage.options.whole("k"))} {
+    if (const auto most = stage.options.number_if_given("most")) query_.reach2 = *most * *most;
+    for (const std::string& name : names_in(stage.options.word("attributes"))) {
+      const std::size_t field = field_meant(other_->schema(), name).value();
+      taken_.push_back({field, type_of_values(other_->schema().fields[field]), read_of(name, contract_.makes)});
+    }
+  }
+  void prepare(const CloudInput&) override {}
+
+  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
+    std::vector<Vec3> places;
+    for (const CloudPoint& p : points) places.push_back(p.at.position);
+    RowSource source(*other_);
+    const auto nearest = nearest_of_cloud(places, points_of(source, in.rows.progress()), source.count(), query_);
+    const std::map<std::uint64_t, std::vector<Real>> values = values_of(nearest, source);
+    std::vector<Estimates> made;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      std::vector<const std::vector<Real>*> found;
+      for (const NearPoint& near : nearest[i]) found.push_back(&values.at(near.row));
+      made.push_back(given_to(points[i], found));
+    }
+    return made;
+  }
+
+ private:
+  struct Taken {
+    std::size_t field;  ///< field of the other cloud
+    Type type;
+    ReadValue target;  ///< component of a made attribute that gets the value
+  };
+
+  /// Returns the taken values of the rows that were found, by row.
+  std::map<std::uint64_t, std::vector<Real>> values_of(const std::vector<std::vector<NearPoint>>& nearest,
+                                                       RowSource& source) const {
+    std::map<std::uint64_t, std::vector<Real>> values;
+    for (const auto& found : nearest)
+      for (const NearPoint& near : found) values[near.row];
+    std::vector<std::uint64_t> rows;
+    for (const auto& [row, none] : values) rows.push_back(row);
+    for_each_record(source, rows, [&](std::size_t i, const std::byte* record) {
+      for (const Taken& taken : taken_) {
+        std::byte bytes[8];
+        put_value(source.schema().fields[taken.field], record, taken.type, bytes);
+        values[rows[i]].push_back(number_in(taken.type, bytes));
+      }
+    });
+    return values;
+  }
+
+  Estimates given_to(const CloudPoint& point, const std::vector<const std::vector<Real>*>& found) const {
+    Estimates made = values_before(point);
+    for (std::size_t t = 0; t < taken_.size(); ++t) {
+      std::vector<Real> values;
+      for (const auto* of_point : found) values.push_back((*of_point)[t]);
+      const Taken& taken = taken_[t];
+      std::optional<Estimate> value = formulas::voted(vote_, values, !is_real(taken.type));
+      const auto target = static_cast<std::size_t>(taken.target.attribute);
+      const Type type = contract_.makes[target].type;
+      if (value && brightness(taken, type) != 1) {
+        value->value.x *= brightness(taken, type), value->error *= brightness(taken, type);
+        if (!is_real(type)) value = formulas::stored(*value, formulas::Storage::whole);
+      }
+      if (!value && missing_) value = Estimate{.value = {*missing_, 0, 0}};
+      if (!value) continue;
+      const Estimate stored = formulas::stored(*value, storage_of_type(type));
+      Estimate& own = made[target];
+      if (taken.target.component > 2) continue;
+      (taken.target.component == 0   ? own.value.x
+       : taken.target.component == 1 ? own.value.y
+                                     : own.value.z) = stored.value.x;
+      own.error += stored.error;
+    }
+    return made;
+  }
+
+  /// Returns the values of the point before the stage; for new attributes NaN or, for whole numbers, 0.
+  Estimates values_before(const CloudPoint& point) const {
+    Estimates made;
+    for (const Attribute& a : contract_.makes) {
+      const auto read = std::ranges::find(contract_.reads, a.name, &Attribute::name);
+      if (read != contract_.reads.end())
+        made.push_back(point.reads[static_cast<std::size_t>(read - contract_.reads.begin())]);
+      else
+        made.push_back({.value = {is_real(a.type) ? std::numeric_limits<Real>::quiet_NaN() : 0, 0, 0}});
+      if (a.fields.size() > 3) throw NotTold("it changes a part of a long list");
+    }
+    return made;
+  }
+
+  /// Returns the factor that converts a colour channel of the other cloud to the target type.
+  Real brightness(const Taken& taken, Type type) const {
+    const Schema& schema = other_->schema();
+    const std::string own = library_name_of(schema.fields[taken.field].name);
+    const std::string channels[] = {"red", "green", "blue"};
+    if (std::ranges::find(channels, own) == std::end(channels)) return 1;
+    for (const std::string& channel : channels) {
+      const auto at = schema.find(channel);
+      if (!at || type_of_values(schema.fields[*at]) != taken.type) return 1;
+    }
+    if (taken.type == Type::u8 && type == Type::u16) return 257;
+    return taken.type == Type::u16 && type == Type::u8 ? Real{1} / 257 : 1;
+  }
+
+  std::unique_ptr<InputCloud> other_;
+  Contract contract_;
+  std::string vote_;
+  std::optional<double> missing_;
+  NearestQuery query_;
+  std::vector<Taken> taken_;
+};
+
 }  // namespace
 
 std::vector<NamedCloudFormula> change_formulas() {
-  return {{"distance_to", cloud_formula_made<NearestDistance>}, {"m3c2", cloud_formula_made<ChangeAlongNormals>}};
+  return {{"distance_to", cloud_formula_made<NearestDistance>},
+          {"m3c2", cloud_formula_made<ChangeAlongNormals>},
+          {"take", cloud_formula_made<TakenValues>}};
 }
 
 }  // namespace pointsweep

@@ -8,9 +8,9 @@ namespace {
 
 const std::vector<NamedCloudFormula>& all_cloud_formulas() {
   static const std::vector<NamedCloudFormula> all = [] {
-    std::vector<NamedCloudFormula> list = {ground_formula(), height_formula(), level_formula(), voxel_formula(),
-                                           take_formula()};
-    for (const auto& more : {change_formulas(), graph_formulas()}) list.insert(list.end(), more.begin(), more.end());
+    std::vector<NamedCloudFormula> list;
+    for (const auto& more : {ground_formulas(), thinning_formulas(), change_formulas(), graph_formulas()})
+      list.insert(list.end(), more.begin(), more.end());
     return list;
   }();
   return all;

@@ -74,24 +74,14 @@ bool has_cloud_formula(const Operator& op);
 /// attributes of the input.
 std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers);
 
-/// The formula of the classes that the ground filter gives.
-NamedCloudFormula ground_formula();
+/// Formulas of the classes that the ground filter gives, and of heights above the ground.
+std::vector<NamedCloudFormula> ground_formulas();
 
-/// The formula of levels of detail.
-NamedCloudFormula level_formula();
+/// Formulas of the means of voxel(keep=centroid), and of levels of detail.
+std::vector<NamedCloudFormula> thinning_formulas();
 
-/// The formula of heights above the ground.
-NamedCloudFormula height_formula();
-
-/// The formula of the means of voxel(keep=centroid). NamedCloudFormula::make returns null for a voxel that only keeps
-/// rows.
-NamedCloudFormula voxel_formula();
-
-/// Formulas of the operators that compare the cloud with another cloud.
+/// Formulas of the operators that look into another cloud.
 std::vector<NamedCloudFormula> change_formulas();
-
-/// The formula of attributes that are taken from another cloud.
-NamedCloudFormula take_formula();
 
 /// Formulas of the operators that connect points: whole graphs in memory.
 std::vector<NamedCloudFormula> graph_formulas();

@@ -234,7 +234,7 @@ const std::vector<NamedFormula>& all_formulas() {
                                       {"parts", formula_made<PartFormula>},
                                       {"head", formula_made<HeadFormula>},
                                       {"neighbors", formula_made<GraphFormula>}};
-    for (const auto& more : {shape_formulas(), assignment_formulas(), transform_formulas(), statistics_formulas()})
+    for (const auto& more : {shape_formulas(), expression_formulas(), transform_formulas()})
       list.insert(list.end(), more.begin(), more.end());
     return list;
   }();

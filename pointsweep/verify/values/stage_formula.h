@@ -87,14 +87,11 @@ RuleFormula formula_of(const NeighborhoodRule& rule);
 /// Formulas of the operators on surfaces, their shape and their normals.
 std::vector<NamedFormula> shape_formulas();
 
-/// The formulas of set() and of `where`, which makes selection_attribute().
-std::vector<NamedFormula> assignment_formulas();
+/// The formulas of set(), of `where`, which makes selection_attribute(), and of statistics().
+std::vector<NamedFormula> expression_formulas();
 
 /// The formula of transform().
 std::vector<NamedFormula> transform_formulas();
-
-/// The formula of statistics().
-std::vector<NamedFormula> statistics_formulas();
 
 /// The value that a name in an expression means: a component of an attribute that a stage reads, or of the position.
 struct ReadValue {

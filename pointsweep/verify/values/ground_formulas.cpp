@@ -145,8 +145,8 @@ class HeightFormula final : public CloudFormula {
 
 }  // namespace
 
-NamedCloudFormula ground_formula() { return {"ground", cloud_formula_made<GroundFormula>}; }
-
-NamedCloudFormula height_formula() { return {"height", cloud_formula_made<HeightFormula>}; }
+std::vector<NamedCloudFormula> ground_formulas() {
+  return {{"ground", cloud_formula_made<GroundFormula>}, {"height", cloud_formula_made<HeightFormula>}};
+}
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/points/degenerate_rows.h"
+#include "pointsweep/points/degenerate_points.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
+/// Formulas of the attributes that operators of operators/thinning/ make: means of voxels, and levels of detail.
+#include <cstdint>
+#include <optional>
 #include <unordered_map>
+#include <vector>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/verify/formulas/levels.h"
 #include "pointsweep/verify/formulas/thinning.h"
 #include "pointsweep/verify/values/cloud_formula.h"
 
@@ -122,13 +127,45 @@ class MeanFormula final : public CloudFormula {
   std::vector<Field> fields_;  ///< fields of the input, grouped by attribute
 };
 
+/// Makes the formula of the means of voxel(keep=centroid). Returns null for a voxel that only keeps rows.
+std::unique_ptr<CloudFormula> voxel_formula(const FormulaSetup& stage) {
+  if (stage.options.word("keep") != "centroid") return nullptr;
+  return std::make_unique<MeanFormula>(stage.contract, stage.options.number("size"));
+}
+
+Estimate level_is(std::uint8_t level) { return {.value = {static_cast<formulas::Real>(level), 0, 0}}; }
+
+class LevelFormula final : public CloudFormula {
+ public:
+  explicit LevelFormula(const FormulaSetup&) {}
+
+  void prepare(const CloudInput& in) override {
+    require_memory(in.rows.count() * formulas::kLevelBytes, in.rows);
+    std::vector<formulas::Coordinates> points;
+    in.rows.for_each({}, [&](std::uint64_t row, Vec3 p, std::span<const double>) {
+      number_.resize(row + 1);
+      number_[row] = points.size();
+      if (is_finite(p)) points.push_back({p.x, p.y, p.z});
+    });
+    levels_ = formulas::levels_of(points);
+  }
+
+  std::vector<std::vector<Estimate>> evaluate(std::span<const CloudPoint> points, const CloudInput&) override {
+    std::vector<std::vector<Estimate>> made;
+    for (const CloudPoint& p : points) made.push_back({level_is(levels_[number_[p.at.row]])});
+    return made;
+  }
+  std::optional<std::vector<Estimate>> unplaced(const CloudPoint&) const override { return {{level_is(255)}}; }
+
+ private:
+  std::vector<std::size_t> number_;  ///< for each row, its number among the points with finite coordinates
+  std::vector<std::uint8_t> levels_;
+};
+
 }  // namespace
 
-NamedCloudFormula voxel_formula() {
-  return {"voxel", [](const FormulaSetup& stage) -> std::unique_ptr<CloudFormula> {
-            if (stage.options.word("keep") != "centroid") return nullptr;
-            return std::make_unique<MeanFormula>(stage.contract, stage.options.number("size"));
-          }};
+std::vector<NamedCloudFormula> thinning_formulas() {
+  return {{"voxel", voxel_formula}, {"level", cloud_formula_made<LevelFormula>}};
 }
 
 }  // namespace pointsweep
