@@ -25,7 +25,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr Encoding kTileEncoding{"tile", 3};
+constexpr Encoding kTileEncoding{"tile", 4};
 constexpr std::uint32_t kBlockPoints = 512;  ///< most points of a block
 
 /// Converts records of a stream into the records that the scratch stores.
