@@ -113,7 +113,9 @@ CrsKind kind_of(const WktNode& node) {
   return CrsKind::unknown;
 }
 
-bool is_vertical(const WktNode& node) { return is_one_of(node.keyword, {"VERT_CS", "VERTCS", "VERTCRS", "VERTICALCRS"}); }
+bool is_vertical(const WktNode& node) {
+  return is_one_of(node.keyword, {"VERT_CS", "VERTCS", "VERTCRS", "VERTICALCRS"});
+}
 
 /// Returns the code of AUTHORITY["EPSG","26910"] or ID["EPSG",26910] directly inside `node`; 0 if there is none.
 int epsg_of(const WktNode& node) {
