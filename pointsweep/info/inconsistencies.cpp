@@ -187,8 +187,8 @@ std::string kind_of(const FileInfo& info) {
   for (const Field& field : info.schema.fields) text += '\n' + field.name + '\n' + storage_of(field);
   if (!info.crs) return text;
   const Crs& crs = *info.crs;
-  text += fmt::format("\n{}\n{}\n{}\n{}\n{}", crs.name, static_cast<int>(crs.kind), crs.epsg, crs.vertical_epsg,
-                      crs.wkt);
+  text +=
+      fmt::format("\n{}\n{}\n{}\n{}\n{}", crs.name, static_cast<int>(crs.kind), crs.epsg, crs.vertical_epsg, crs.wkt);
   return text + fmt::format("\n{}\n{}\n{}", fmt::join(crs.geotiff.directory, " "), fmt::join(crs.geotiff.doubles, " "),
                             crs.geotiff.ascii);
 }
@@ -221,7 +221,8 @@ void note_points(std::vector<std::string>& sentences, const SomeFiles& empty, co
 void note_copies(std::vector<std::string>& sentences, const std::vector<Extent>& extents) {
   std::vector<const Extent*> ordered;
   for (const Extent& extent : extents) ordered.push_back(&extent);
-  std::ranges::stable_sort(ordered, {}, [](const Extent* extent) -> const auto& { return extent->key; });
+  std::ranges::stable_sort(
+      ordered, {}, [](const Extent* extent) -> const auto& { return extent->key; });
   for (std::size_t i = 0, end = 0; i < ordered.size(); i = end) {
     while (end < ordered.size() && ordered[end]->key == ordered[i]->key) ++end;
     if (end - i > 1)

@@ -144,8 +144,7 @@ class GatheredSearch {
   void find_leaves(const Box& around, double reach2, std::size_t most) {
     // Without a limit k, no later reach exceeds the radius. With a limit k, a look-up within twice the reach saves
     // later look-ups.
-    if (!(reach2 <= scratch_.near.reach2))
-      scratch_.near.find(query_, unlimited() ? reach2 : 4 * reach2);
+    if (!(reach2 <= scratch_.near.reach2)) scratch_.near.find(query_, unlimited() ? reach2 : 4 * reach2);
     const auto all = [](std::uint32_t, std::uint32_t) { return true; };
     collect_near_leaves(query_.directory, scratch_.near.cells, around, reach2, most, all, scratch_.leaves);
   }

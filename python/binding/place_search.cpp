@@ -22,8 +22,8 @@ Vec3 place_at(const ArrayColumn& places, std::size_t i) {
   const Field number{.name = "", .type = places.type};
   Vec3 place;
   for (int a = 0; a < 3; ++a)
-    place[a] = value_of(number, places.first + static_cast<std::ptrdiff_t>(i) * places.row_stride +
-                                    a * places.value_stride);
+    place[a] =
+        value_of(number, places.first + static_cast<std::ptrdiff_t>(i) * places.row_stride + a * places.value_stride);
   return place;
 }
 

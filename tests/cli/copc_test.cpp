@@ -193,8 +193,8 @@ TEST_F(Copc, IsReadWhereACropAsks) {
 TEST_F(Copc, IsVerifiedAfterEveryKindOfStage) {
   made("generate terrain in.las -n 3000");
   for (const std::string pipeline :
-       {"where(z > 0) | normals", "voxel(20)", "poisson(9)", "unique", "sample(1000)", "level", "ground(cell=20) | height",
-        "normals | orient", "color(z)", "statistics(z_range, count)"}) {
+       {"where(z > 0) | normals", "voxel(20)", "poisson(9)", "unique", "sample(1000)", "level",
+        "ground(cell=20) | height", "normals | orient", "color(z)", "statistics(z_range, count)"}) {
     made("run in.las out.copc.laz --force --pipeline '" + pipeline + "'");
     EXPECT_EQ(tool("verify in.las out.copc.laz").status, 0) << pipeline;
   }

@@ -129,16 +129,14 @@ TEST_F(Layout, TheFirstRowIsNamedForAnyNumberOfThreads) {
 
 TEST_F(Layout, ALineSaysByHowMuchFloat32RoundsLargeCoordinates) {
   std::string text = "x y z\n";
-  for (int i = 0; i < 400; ++i)
-    text += fmt::format("{} {} {}\n", 684766.42 + i, 5403215.17 + i % 20, 243.1 + i % 7);
+  for (int i = 0; i < 400; ++i) text += fmt::format("{} {} {}\n", 684766.42 + i, 5403215.17 + i % 20, 243.1 + i % 7);
   write("map.txt", text);
   made("convert map.txt map.las -q");
   const std::string by = "rounds them by at most 0.25; transform(translate=[-685000, -5403000, 0]) before would";
   const std::string moved = "transform(translate=[-685000, -5403000, 0])";
   for (const char* in : {"map.txt", "map.las"})
-    for (const char* how :
-         {"out.ply", "out.pcd", "out.ply --order sweep", "out.ply --threads 3 --memory 40M",
-          "-o tiles/ --output-format ply", "-o parts/ --output-format ply --tile 100"}) {
+    for (const char* how : {"out.ply", "out.pcd", "out.ply --order sweep", "out.ply --threads 3 --memory 40M",
+                            "-o tiles/ --output-format ply", "-o parts/ --output-format ply --tile 100"}) {
       const std::string run = fmt::format("run {} {} -f --positions float32", in, how);
       const Result plain = tool(run);
       ASSERT_EQ(plain.status, 0) << plain.err;

@@ -18,9 +18,9 @@ TEST_F(Render, WritesAPngOfTheSizeAskedFor) {
 
 TEST_F(Render, EveryOptionChangesThePicture) {
   const std::string plain = made("render a.xyz a.png --size 64x64", "a.png");
-  for (const char* option : {"--size 64x64 --view top", "--size 64x64 --up -z", "--size 64x64 --up y",
-                             "--size 64x64 --color x", "--size 64x64 --background black", "--size 65x64",
-                             "--size 64x64 --point-size 9"}) {
+  for (const char* option :
+       {"--size 64x64 --view top", "--size 64x64 --up -z", "--size 64x64 --up y", "--size 64x64 --color x",
+        "--size 64x64 --background black", "--size 65x64", "--size 64x64 --point-size 9"}) {
     EXPECT_NE(made("render a.xyz b.png -f " + std::string(option), "b.png"), plain) << option;
   }
   EXPECT_EQ(made("render a.xyz b.png -f --size 64x64 --view 30,25 --up z --color height --background ffffff", "b.png"),

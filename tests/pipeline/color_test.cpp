@@ -117,11 +117,10 @@ TEST(Color, ColorsOfTheInputAreReplacedOnlyOnRequest) {
     options.replace = std::move(replace), options.prefix = std::move(prefix), options.overwrite = true;
     run(cloud, build_chain(parse_pipeline("color(x)"), cloud), {.points = folder / "out.ply"}, options);
   };
-  EXPECT_NE(
-      refusal([&] {
-        run_to({}, "");
-      }).find("the computed 'red' would overwrite its attribute 'red'; allow it with --replace color"),
-      std::string::npos)
+  EXPECT_NE(refusal([&] {
+              run_to({}, "");
+            }).find("the computed 'red' would overwrite its attribute 'red'; allow it with --replace color"),
+            std::string::npos)
       << refusal([&] { run_to({}, ""); });
   EXPECT_NO_THROW(run_to({"color"}, ""));
   EXPECT_NO_THROW(run_to({"red", "green", "blue"}, ""));

@@ -184,8 +184,8 @@ TEST(Set, WholeAttributesOfTheInputGetTheTypeAskedFor) {
     const std::tuple<const char*, Records, const char*> cases[] = {
         {"set(intensity = intensity / 257, as=uint8)", retyped(input, "intensity", Type::u8, halved), "intensity"},
         {"set(intensity = intensity / 65536, as=float32)", retyped(input, "intensity", Type::f32, exact), "intensity"},
-        {"set(classification = classification * 1000 - 7, as=int32)",
-         retyped(input, "classification", Type::i32, wide), "classification"},
+        {"set(classification = classification * 1000 - 7, as=int32)", retyped(input, "classification", Type::i32, wide),
+         "classification"},
         {"set(classification = classification, as=uint8)", input, "classification"}};
     for (const auto& [pipeline, expected, field] : cases) {
       const RunResult plain = run_text(input, pipeline, tiny(300));
@@ -368,7 +368,8 @@ TEST(Drop, LaterStagesDoNotSeeWhatIsDropped) {
     EXPECT_NE(refused(text).find(words), std::string::npos) << text << "\n" << refused(text);
   };
   expect("drop(intensity) | where(intensity > 3)",
-         "there is no attribute 'intensity'; there are x, y, z, classification, gain, id, row. Dropped before: intensity.");
+         "there is no attribute 'intensity'; there are x, y, z, classification, gain, id, row. Dropped before: "
+         "intensity.");
   expect("drop(gain) | set(a = gain)", "Dropped before: gain.");
   expect("normals | drop(normal) | curvature",
          "curvature: needs 'normal', which was dropped before; put drop after 'curvature'");

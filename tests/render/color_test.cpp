@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "pointsweep/error.h"
 #include "pointsweep/colors/color_map.h"
+#include "pointsweep/error.h"
 #include "pointsweep/render/point_color.h"
 
 namespace pointsweep {

@@ -41,9 +41,7 @@ TEST(OutputFile, AppearsOnlyWhenCommitted) {
 
 TEST(OutputFile, LeavesNothingWithoutCommit) {
   const TemporaryFolder folder;
-  {
-    OutputFile(folder / "out", false).append(text_bytes("half"));
-  }
+  { OutputFile(folder / "out", false).append(text_bytes("half")); }
   EXPECT_EQ(files_in(folder.path()), 0);
 }
 
@@ -139,9 +137,7 @@ TEST(OutputFile, RemovesWhatAKilledRunLeft) {
   folder.write(fmt::format(".out.{}.part", ::getpid()), "left by an earlier process with our number");
   folder.write(".out.1.part", "of a running process");
   folder.write(fmt::format(".other.{}.part", child), "of another output");
-  {
-    OutputFile file(folder / "out", false);
-  }
+  { OutputFile file(folder / "out", false); }
   EXPECT_FALSE(std::filesystem::exists(folder / fmt::format(".out.{}.part", child)));
   EXPECT_TRUE(std::filesystem::exists(folder / ".out.1.part"));
   EXPECT_EQ(files_in(folder.path()), 2);
@@ -166,14 +162,10 @@ TEST(ManyOutputs, RemoveOnceWhatAKilledRunLeftAndTheirFilesDoNotLookForMore) {
     EXPECT_FALSE(is_left("b/two"));
     EXPECT_TRUE(is_left("b/other"));
     std::ofstream(left("b/three.las")) << "half";
-    {
-      OutputFile file(folder / "b/three.las", false);
-    }
+    { OutputFile file(folder / "b/three.las", false); }
     EXPECT_TRUE(is_left("b/three.las"));
   }
-  {
-    OutputFile file(folder / "b/three.las", false);
-  }
+  { OutputFile file(folder / "b/three.las", false); }
   EXPECT_FALSE(is_left("b/three.las"));
 }
 

@@ -43,8 +43,7 @@ bool copc_values_need_points(const InputCloud& cloud, const FileLayout& layout);
 /// Returns the least OutputPlan::encoder_bytes of the writer of COPC.
 std::uint64_t copc_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
 /// Computes Format::aside_bytes of COPC.
-std::uint64_t copc_aside_bytes(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
-                               unsigned threads);
+std::uint64_t copc_aside_bytes(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory, unsigned threads);
 
 /// Returns the memory of the writer of LAZ for records of `record_bytes`: the chunks that are compressed at once,
 /// before and after compression, and the models of the coder.

@@ -91,7 +91,7 @@ std::shared_ptr<LasParts> read_parts(const std::shared_ptr<const InputFile>& fil
   parts->schema = las_point_schema(header.point_format, header.scale, header.offset);
   parts->points_end = end_of_points(header, parts->file->size());
   parts->vlrs = walk_las_vlrs(*parts->file, LasVlrKind::vlr, header.header_size, header.offset_to_points,
-                               header.vlr_count, warnings);
+                              header.vlr_count, warnings);
   parts->evlrs = walk_evlrs(*parts, warnings);
   const LasVlrChain& evlrs = parts->evlrs;
   parts->crs = read_las_crs(*parts->file, header, parts->vlrs, evlrs);

@@ -124,8 +124,7 @@ void InputFile::reopen() const {
   const bool known = ::fstat(file.number(), &status) == 0;
   if (!known || static_cast<std::uint64_t>(status.st_dev) != device_ ||
       static_cast<std::uint64_t>(status.st_ino) != inode_)
-    fail("{}: was replaced by another file while it was read; run again when no other program writes there.",
-         path_);
+    fail("{}: was replaced by another file while it was read; run again when no other program writes there.", path_);
   ::posix_fadvise(file.number(), 0, 0, POSIX_FADV_SEQUENTIAL);
   file_ = std::move(file);
   place_ = open_files().files.insert(open_files().files.begin(), this);
@@ -140,8 +139,8 @@ InputFile::~InputFile() {
 
 void InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
   if (read_some(offset, bytes) < bytes.size()) {
-    fail("{}: ends before byte {}; it has become shorter since it was opened, so run again once it is complete.",
-         path_, offset + bytes.size());
+    fail("{}: ends before byte {}; it has become shorter since it was opened, so run again once it is complete.", path_,
+         offset + bytes.size());
   }
 }
 
