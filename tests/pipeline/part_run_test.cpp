@@ -2,6 +2,7 @@
 /// Runs in which each tile is a task of its own give the bytes of one run, or are refused before the work.
 #include "pointsweep/pipeline/run/part_run.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +10,6 @@
 #include <fstream>
 #include <limits>
 #include <numeric>
-#include <set>
 
 #include "pointsweep/cloud.h"
 #include "pointsweep/error.h"
@@ -202,6 +202,20 @@ bool looks_at_all(const std::string& pipeline, const std::filesystem::path& inpu
     const auto* in_order = std::get_if<std::shared_ptr<const InOrderOperator>>(&stage);
     return in_order != nullptr && !(*in_order)->reach();
   });
+}
+
+TEST_F(PartRun, DividesEveryOperatorButThoseThatTheDocumentNames) {
+  const std::string other = (folder_ / "other.ply").string();
+  write_labelled_points(other, cloud_for_examples(500, 2));
+  write_tiles(squares_of(cloud_for_examples(4000, 1)));
+  std::string refused;
+  for (const std::string& name : names_of_all_operators())
+    if (looks_at_all(example_of(name, other).pipeline, inputs_.front()))
+      refused += fmt::format("{}`{}`", refused.empty() ? "" : " and ", name);
+  std::ifstream file(POINTSWEEP_SOURCE_DIR "/docs/cluster.md");
+  const std::string document((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_NE(document.find("\nEvery operator but " + refused + ", operators of your own"), std::string::npos) << refused;
+  EXPECT_NE(document.find("\n" + refused + " are refused before the work"), std::string::npos) << refused;
 }
 
 TEST_P(PartRunOf, HasTheBytesOfOneRunOrIsRefused) {

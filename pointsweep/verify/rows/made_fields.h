@@ -18,7 +18,7 @@ Schema schema_of_made(const std::vector<Attribute>& made, const std::string& pre
 /// Returns whether a field of an output comes from a field of `schema`.
 bool is_field_of(const Schema& schema, const std::string& name);
 
-/// The function Format::own_field of a format; null for a format without fields of its own.
+/// The function Format::own_field of a format; null for a format that adds no fields.
 using OwnField = std::optional<double> (*)(std::string_view name);
 
 /// Returns the fields among `names` that belong to the format of `out` and hold its default value in all rows.

@@ -15,7 +15,7 @@ namespace {
 using formulas::Estimate;
 using formulas::Real;
 
-/// What a name in an expression stands for.
+/// The value that a name in an expression means.
 struct NamedRead {
   ReadValue value;
   bool is_whole = false;  ///< true if the value is a 64-bit integer
