@@ -13,8 +13,8 @@ namespace pointsweep {
 /// calls this function before its first thread; a library must not.
 POINTSWEEP_EXPORT void keep_little_free_memory() noexcept;
 
-/// Sets up the allocator of the whole process so that tasks reuse the memory that earlier tasks have freed, about 16 MB
-/// of it. For processes that a scheduler has told to return all free memory at once, as Dask does.
+/// Sets up the allocator of the whole process so that it keeps up to about 16 MB of freed memory, which later tasks
+/// reuse. For worker processes whose allocator returns freed memory to the system immediately, as Dask sets it.
 POINTSWEEP_EXPORT void reuse_free_memory() noexcept;
 
 /// Removes the unfinished files of this process. A signal handler may call it, and must then end the process.
