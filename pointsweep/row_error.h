@@ -44,7 +44,7 @@ class RowError : public Error {
 /// Keeps the least of several errors. Not thread-safe.
 class FirstRowError {
  public:
-  /// Calls `sentence()` and keeps the RowSentence that it returns if no lower row has been noted.
+  /// Notes an error of `row`. Calls `sentence()`, which returns the RowSentence, only if no lower row has been noted.
   template <class Sentence>
   void note(std::uint64_t row, Sentence sentence) {
     if (!first_ || row <= first_->row()) note(RowError(row, sentence()));

@@ -30,6 +30,7 @@ class NearestRanks {
   std::vector<Rank> ranks_;
 };
 
+/// A neighbourhood that may not be exact, and the part of the exact neighbourhood that is known.
 struct Suspect {
   RuledPoint point;
   std::vector<Rank> kept;  ///< N_i as the stages see it

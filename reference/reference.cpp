@@ -167,7 +167,7 @@ class Pipeline {
 
   Statistics statistics_;
   Clock::time_point now_, reported_;
-  std::uint64_t measured_at_ = 0;  ///< points read
+  std::uint64_t measured_at_ = 0;  ///< number of points read at the last measurement of memory
   std::vector<std::byte> results_;
   double active_sum_ = 0, lifespan_sum_ = 0;
 };

@@ -25,7 +25,7 @@ class StreamOperator {
   /// Returns an index below which all points have been released to the next operator, or to a later one; kNoIndex if
   /// all points have been released.
   virtual std::uint64_t smallest_element() = 0;
-  /// Returns a lower bound of the indices to which those points refer that this operator or an earlier one still holds.
+  /// Returns a lower bound of the indices to which the points in this operator and in earlier operators refer.
   virtual std::uint64_t smallest_reference() = 0;
   /// Returns the number of points in the buffer.
   virtual std::size_t size() const = 0;

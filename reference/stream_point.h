@@ -52,8 +52,8 @@ class NearestSet {
  public:
   explicit NearestSet(Reach reach) : k_(reach.k), reach2_(reach.radius2) {}
 
-  /// Returns the squared distance within which a point may enter: that of the farthest neighbour if there are k, else
-  /// of the radius.
+  /// Returns the squared distance within which a point may enter: the distance of the farthest neighbour if the set has
+  /// k neighbours, else the radius.
   double reach2() const { return reach2_; }
   bool full() const { return found_.size() == k_; }
   /// Offers a point to the set; returns whether the set changed. O(log k).

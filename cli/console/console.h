@@ -19,7 +19,8 @@ void open_console();
 /// Writes a text to standard output. If that is closed, or its reader has ended, the text is dropped.
 void print(std::string_view text);
 
-/// Returns the width of lines on standard output in characters: that of the terminal, within [60, 100]; 80 without one.
+/// Returns the width of lines on standard output in characters: the width of the terminal, limited to [60, 100]; 80
+/// without a terminal.
 std::size_t text_columns();
 
 /// Returns the errno of the first failure of print() other than a closed standard output; 0 without a failure.

@@ -8,7 +8,7 @@
 namespace pointsweep {
 
 /// Returns the text of `pointsweep --version`, lines without a final line end: version, commit (if the build knows it),
-/// compiler and build type, instruction set, formats.
+/// compiler and build type, instruction set, formats, codecs, schemes of URLs.
 std::string version_text();
 
 /// Returns the version of the tool, e.g. "0.1.0".

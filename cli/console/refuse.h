@@ -10,6 +10,7 @@
 
 namespace pointsweep {
 
+/// Throws UsageError with the formatted sentence.
 template <class... Args>
 [[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
   throw UsageError(fmt::format(sentence, std::forward<Args>(args)...));

@@ -33,7 +33,7 @@ std::string command_of_operator(const std::string& name);
 
 /// Returns the listing as text for the terminal.
 std::string to_text(const std::vector<ListedOperator>& operators);
-/// Returns the listing as a JSON array of objects, whose names and values are those of pipelines in JSON.
+/// Returns the listing as a JSON array of objects, with the names and values that pipelines in JSON use.
 std::string to_json(const std::vector<ListedOperator>& operators);
 /// Returns the text of docs/operators.md.
 std::string to_markdown(const std::vector<ListedOperator>& operators);

@@ -52,7 +52,8 @@ bool is_divided(const ResolvedFiles& files) {
 /// Limits of the time that the page about a run takes: a share of the time of the run, but at least kPageSeconds.
 constexpr double kPageShare = 0.1, kPageSeconds = 0.5;
 
-/// Reads the result and adds it to the summary; does nothing if the output is no point file or has no point to show.
+/// Reads the result and adds it to the summary. Does nothing if the output is divided among files, is no point file, or
+/// has no point to show.
 void add_result(const ResolvedFiles& files, const Cloud& input, ProgressDisplay& display, RunSummary& summary) {
   const Statistics& statistics = summary.statistics;
   if (is_divided(files) || is_array_name(files.output) || is_standard_output(files.output) ||

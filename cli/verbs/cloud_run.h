@@ -17,11 +17,12 @@ namespace pointsweep {
 /// Makes standard input readable if it is one of the inputs ("-"); a pipe is copied to the temporary folder.
 void take_standard_input(const std::vector<std::filesystem::path>& inputs, const CommonOptions& options);
 
-/// Adds --dry-run and all groups of common options except --order, --engine and --keep.
+/// Adds --dry-run, --nonfinite, --threads, --ignore-crs, --format, --overwrite, and the options of add_stream_options()
+/// and add_progress_options().
 void add_run_options(CLI::App& verb, CommonOptions& options);
 
-/// Opens the inputs as one cloud, lets `work` run over it, shows progress and warnings, writes --stats and prints a
-/// summary.
+/// Opens the inputs as one cloud, lets `work` run over it, shows progress and warnings, writes --stats and --report,
+/// and prints a summary.
 void run_over_cloud(
     const InputsAndOutput& paths, const CommonOptions& options,
     const std::function<Statistics(Cloud& cloud, const ResolvedFiles& files, const RunOptions& options)>& work);
@@ -49,19 +50,21 @@ struct PipelineRun {
   std::vector<OptionText> orientation;  ///< options for all stages `normals`; empty if the user states none
 };
 
-/// Adds the options of the operator `normals`, --keep, --dry-run, --order, --engine and all common options. `run`
-/// outlives the parsing.
+/// Adds the options of the operator `normals` and of add_output_options(). `run` must outlive the parsing.
 void add_pipeline_options(CLI::App& verb, PipelineRun& run);
 
-/// Adds the options of add_pipeline_options() without the options of normals.
+/// Adds the options that divide the output among files, and the options of add_file_options().
 void add_output_options(CLI::App& verb, PipelineRun& run);
-/// Adds the options of add_output_options() without those that divide the output.
+/// Adds the options on the contents and layout of output files, --order, --engine, --crs, --replace-crs, and the
+/// options of add_run_options() and add_cluster_options().
 void add_file_options(CLI::App& verb, PipelineRun& run);
 
-/// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or one that has its own.
+/// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or if a stage states an
+/// orientation itself. Does nothing if `orientation` is empty.
 void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation);
 
-/// Builds the chain for the cloud and runs it, or prints the plan.
+/// Builds the chain for the cloud and runs it. With --dry-run, prints the plan instead; with --dask, replaces this
+/// process by run_on_cluster().
 void run_stages(std::vector<StageText> stages, const PipelineRun& run);
 
 }  // namespace pointsweep

@@ -12,8 +12,8 @@ namespace pointsweep {
 
 void add_cluster_options(CLI::App& verb, ClusterOptions& options);
 
-/// Replaces this process by one of the Python package, which performs the run. `stages`: canonical texts. Throws
-/// UsageError for options that such a run does not have, and Error where the package is missing.
+/// Replaces this process by a process of the Python package, which performs the run. `stages`: canonical texts. Throws
+/// UsageError for options that such a run does not have, and Error if Python cannot be started.
 [[noreturn]] void run_on_cluster(const std::vector<std::string>& stages, const PipelineRun& run);
 
 }  // namespace pointsweep

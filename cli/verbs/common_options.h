@@ -32,7 +32,7 @@ struct CommonOptions : RunOptions {
   std::vector<std::string> keep;  ///< names of attributes to write; empty for all
   bool dry_run = false;           ///< true to print the plan and write nothing
   bool quiet = false;
-  std::string format;            ///< value of --format or --columns (CloudOptions::format); empty without either
+  std::string format;            ///< CloudOptions::format by --format, --columns, --depth or --resolution; may be empty
   std::optional<StatedCrs> crs;  ///< system stated by --crs; absent to use the systems of the inputs
   bool replace_crs = false;      ///< true if `crs` replaces systems that the inputs state
   bool ignore_crs = false;       ///< true if coordinate reference systems neither forbid nor convert anything
@@ -59,7 +59,8 @@ void add_crs_option(CLI::App& verb, CommonOptions& options);
 void add_stated_crs_option(CLI::App& verb, CommonOptions& options);
 /// Adds --crs EPSG:CODE|FILE|none and --replace-crs.
 void add_stated_crs_options(CLI::App& verb, CommonOptions& options);
-/// Adds --format, and --columns, which states a format "text:A,B,...".
+/// Adds --format, and the options --columns, --depth and --resolution, which store "text:A,B,...", "depth:N" and
+/// "spacing:DISTANCE" in `format`.
 void add_format_option(CLI::App& verb, std::string& format);
 /// Adds --memory SIZE, --temp-dir DIR, --resume DIR, --axis, --stats FILE, --report FILE and, hidden in the help,
 /// --half-way-states FILE and --checkpoint-seconds S.
@@ -109,7 +110,7 @@ void add_output_format_option(CLI::App& verb, std::string& format);
 void add_output_option(CLI::App& verb, std::filesystem::path& output);
 
 /// Lists the files that a command reads and writes (pointsweep/files.h). `format`: value of --format, or "". If OUT is
-/// a folder or ends in '/', each input gets an output in it, unless the run names its files. Throws UsageError if no
+/// a folder or ends in '/', each input gets an output in this folder, unless `named.divides`. Throws UsageError if no
 /// input or no output is named, if the last of several names is an existing file or folder of point files (the user has
 /// probably forgotten OUT after a pattern), if an output is an input or another output, and if inputs have no format
 /// that can be written; Error for a folder without point files.

@@ -114,7 +114,7 @@ void require_move(const TransformCommand& command) {
 struct ThinningFlag {
   const char* flag;
   const char* stage;
-  const char* option;  ///< the main option of a stage, which selects the stage
+  const char* option;  ///< option of the stage; the first flag of a stage has the main option, which selects the stage
 };
 
 constexpr ThinningFlag kThinningFlags[] = {

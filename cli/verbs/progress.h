@@ -16,8 +16,8 @@ namespace pointsweep {
 
 /// Display of the progress of a run. A terminal gets a bar with rate and remaining time, ten times a second, without
 /// escape sequences. Other streams, and a terminal with TERM=dumb, get a line every five seconds. Programs get
-/// `{"phase":"normals","done":123,"total":456,"seconds":0.5}` five times a second, and always the first and the last of
-/// a phase.
+/// `{"phase":"normals","done":123,"total":456,"seconds":0.5}` five times a second, and always the first and the last
+/// report of a phase.
 class ProgressDisplay {
  public:
   using Clock = std::function<std::chrono::steady_clock::time_point()>;

@@ -98,12 +98,12 @@ class POINTSWEEP_EXPORT ArrayResults {
   Statistics statistics_;
 };
 
-/// Runs `chain` over points in an array. The results have the same bytes as those of run() to files. Throws the errors
-/// of run() for a Cloud.
+/// Runs `chain` over points in an array. The results have the same bytes as the results that run() writes to files.
+/// Throws the errors of run() for a Cloud.
 POINTSWEEP_EXPORT ArrayResults run(PointsView points, const Chain& chain, const RunOptions& options = {});
 
-/// Returns the unit normal of each point, by row; (0, 0, 0) if it is undefined. The default neighbourhood is that of
-/// `pointsweep normals`. Throws the errors of run().
+/// Returns the unit normal of each point, by row; (0, 0, 0) if it is undefined. The default neighbourhood is the
+/// default of `pointsweep normals`. Throws the errors of run().
 POINTSWEEP_EXPORT std::vector<std::array<float, 3>> normals(PointsView xyz, const NormalsOptions& options = {},
                                                             const Neighborhood& neighborhood = {
                                                                 .k = Neighborhood::kOfOperators});

@@ -54,7 +54,7 @@ inline Attribute normal_attribute() {
 }
 
 /// The position, N×3 f64. An operator that makes it moves the points: stages after it see the new positions of a point
-/// and of its neighbours, but neighbourhoods and order remain those of the input until Reneighbor and Resort.
+/// and of its neighbours, but neighbourhoods and order stay as in the input until Reneighbor and Resort.
 inline Attribute position_attribute() {
   return {"position", Type::f64, Kind::position, {"x", "y", "z"}, "length", "moved position"};
 }

@@ -19,14 +19,13 @@ namespace pointsweep {
 class Cloud;
 
 /// Searches the neighbourhoods again, at the current positions, for all later stages. The new neighbourhoods are exact
-/// and certified like the first ones. Later stages give the same results as for a file that holds the current positions
-/// in float64 and all attributes made so far. Points that were moved to non-finite coordinates have no neighbours in
-/// later stages.
+/// and certified like the first neighbourhoods. Later stages give the same results as for a file that holds the current
+/// positions in float64 and all attributes made so far. Points that were moved to non-finite coordinates have no
+/// neighbours in later stages.
 ///
-/// Without Reneighbor, neighbourhoods remain those of the earlier positions when points move. Cost: one more sweep, and
-/// before it one temporary record for each point with its position and the attributes still needed. Reneighbor and
-/// Resort are the extension that Section 8 of the paper asks for: "new sort-update and k-nearest-update stream
-/// operators".
+/// Without Reneighbor, points keep their neighbours when they move. Cost: one more sweep, and before it one temporary
+/// record for each point with its position and the attributes still needed. Reneighbor and Resort are the extension
+/// that Section 8 of the paper asks for: "new sort-update and k-nearest-update stream operators".
 struct Reneighbor {
   /// Keeps the previous definition of a neighbourhood.
   Reneighbor() = default;
@@ -36,9 +35,9 @@ struct Reneighbor {
 
 /// Orders the rows of the output by the current positions. With Order::sweep, the rows are in canonical order along the
 /// axis of the largest extent of these positions, or along a chosen axis, exactly as after sort() of a file that holds
-/// the positions in float64. Without Resort, the order is that of the input's positions, also after Reneighbor. Resort
-/// changes no value and no neighbourhood; with Order::input it is a no-op. The last Resort of a chain counts. Cost:
-/// none in the sweep, one more ordering of the output.
+/// the positions in float64. Without Resort, rows are ordered by the positions in the input, also after Reneighbor.
+/// Resort changes no value and no neighbourhood; with Order::input it is a no-op. The last Resort of a chain counts.
+/// Cost: none in the sweep, one more ordering of the output.
 struct Resort {};
 
 /// Hides attributes from later stages and from the output: attributes that earlier stages make, or fields of the input
@@ -65,8 +64,8 @@ class POINTSWEEP_EXPORT CompositeOperator : public Operator {
   virtual std::vector<ChainStage> parts() const = 0;
 };
 
-/// A definition of neighbourhoods, and the stages in order. Functions of operators.h make the built-in operators; the
-/// functions below make them by name:
+/// A definition of neighbourhoods, and the stages in order. Functions of operators.h make the built-in operators, and
+/// the functions below make them by name. Example:
 ///
 ///   Chain chain{.neighborhood = {.k = 16}, .stages = {operators::normals(), std::make_shared<Roughness>()}};
 struct Chain {
@@ -91,7 +90,8 @@ POINTSWEEP_EXPORT Chain with_named_neighborhoods(Chain chain);
 /// the place in the text, for an unknown name and a value out of range.
 POINTSWEEP_EXPORT Chain parse_chain(std::string_view pipeline, const Cloud& cloud);
 
-/// Appends the stages of `pipeline`, which must not contain `knn`, to `chain`. Both are for `cloud`.
+/// Appends the stages of `pipeline`, which must not contain `knn`, to `chain`. `cloud`: the cloud over which the chain
+/// will run. Throws the errors of parse_chain().
 POINTSWEEP_EXPORT void append_stages(Chain& chain, std::string_view pipeline, const Cloud& cloud);
 
 /// Appends the built-in operator `name` with these options, e.g. "normals", {{"orient", "up"}}; a value that is a text

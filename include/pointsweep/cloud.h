@@ -26,15 +26,15 @@ struct CloudOptions {
   /// a warning; degrees are treated as lengths; default lengths are not converted from metres. If false, different
   /// systems and degrees throw a UsageError.
   bool ignore_crs = false;
-  /// Coordinate reference system of all inputs; absent to use the systems that the inputs state. A UsageError if an
-  /// input states another system, or one that cannot be compared, unless StatedCrs::replaces.
+  /// Coordinate reference system of all inputs; absent to use the systems that the inputs state. Opening the cloud
+  /// throws UsageError if an input states another system, or one that cannot be compared, unless StatedCrs::replaces.
   std::optional<StatedCrs> crs = {};
   /// The parameter `format` of open_reader(): the format of files without a signature, "kitti" or "float32-xyz"; the
   /// columns of text files, "text:x,y,z,-,intensity"; or levels of detail, "depth:3" or "spacing:0.5". Empty for none.
   std::string format = "";
 };
 
-/// A cloud of points from one or several inputs. Its rows are those of the inputs, one input after another. Opening
+/// A cloud of points from one or several inputs. Its rows are the rows of the inputs, one input after another. Opening
 /// reads headers; run() reads the points.
 ///
 /// All inputs have one schema: their common schema if all are equal bit by bit; otherwise the union of their fields by
@@ -45,8 +45,8 @@ struct CloudOptions {
 /// Not thread-safe: one thread uses a cloud at a time.
 class POINTSWEEP_EXPORT Cloud {
  public:
-  /// Opens files. Their contents tell the formats. Throws Error, with the file, for a file that cannot be read, and
-  /// UsageError for different coordinate reference systems.
+  /// Opens files. The content of each file decides its format. Throws Error, with the file, for a file that cannot be
+  /// read, and UsageError for different coordinate reference systems.
   explicit Cloud(const std::vector<std::filesystem::path>& files, CloudOptions options = {});
   explicit Cloud(std::initializer_list<std::filesystem::path> files, CloudOptions options = {});
   /// Takes points from elsewhere: ArrayReader, or a reader of your own.
@@ -63,9 +63,10 @@ class POINTSWEEP_EXPORT Cloud {
   std::size_t input_count() const;
   /// Returns the facts known about input `i` < input_count().
   const FileInfo& input(std::size_t i) const;
-  /// Returns the coordinate reference system in CloudOptions, or else that of the first input that states one.
+  /// Returns the coordinate reference system in CloudOptions, or else the system of the first input that states one.
   const std::optional<Crs>& crs() const;
-  /// Returns sentences about harmless faults in the combination of inputs. FileInfo::warnings has those of one input.
+  /// Returns sentences about harmless faults in the combination of inputs. FileInfo::warnings has sentences about a
+  /// single input.
   const std::vector<std::string>& warnings() const;
 
   /// Reads the records `row`, `row+1`, ... into `records`: as many whole records of schema().stride bytes as fit, fewer

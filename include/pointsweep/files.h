@@ -33,8 +33,8 @@ POINTSWEEP_EXPORT InputList list_inputs(const std::vector<std::filesystem::path>
                                         const std::string& format = "");
 
 /// Returns the path, below a folder of outputs, of the output for an input with the path `relative`
-/// (ListedFile::relative). `format`: an extension, or "" for that of the input. A COPC file becomes LAZ, with another
-/// extension, since programs recognise COPC by its name.
+/// (ListedFile::relative). `format`: an extension, or "" for the extension of the input. A COPC file becomes LAZ, with
+/// another extension, since programs recognise COPC by its name.
 POINTSWEEP_EXPORT std::filesystem::path tile_name(const std::filesystem::path& relative, const std::string& format);
 
 /// Throws UsageError if a file of `written` is one of `read` or is written twice: the same device and inode (symbolic

@@ -28,7 +28,7 @@ struct OrderedPoints {
   std::span<const Vec3> positions;      ///< positions, which are finite
   std::span<const std::uint64_t> rows;  ///< rows in the input, ascending for equal places
   std::span<const double> values;       ///< components of InOrderContract::reads, point after point
-  /// The values in the types of their fields, each in the first of its 8 bytes. Whole numbers of 64 bits are exact
+  /// The values in the types of their fields, each at the beginning of its 8 bytes. Whole numbers of 64 bits are exact
   /// here.
   std::span<const std::array<std::byte, 8>> words;
 };

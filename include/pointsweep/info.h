@@ -172,8 +172,9 @@ struct PointStatisticsOptions {
 /// Reads all points of a cloud once, and again for histograms and for quantiles: two or three times for clouds of up to
 /// a million points, about three to five times for others, more for many groups. Every number is exact or rounded as
 /// stated, and the same for any number of threads and order of the points. Memory: at most 256 MB, and less than 100 MB
-/// without `by`. Throws UsageError for a missing attribute, and for `by` if the attribute has a value that is no whole
-/// number, more than kMostGroups values, or too many values for this memory; Error for a file that cannot be read.
+/// without `by`. Throws UsageError for a missing attribute, for `bins` out of range, and for `by` if the attribute has
+/// a value that is no whole number, more than kMostGroups values, or too many values for this memory; Error for a file
+/// that cannot be read.
 POINTSWEEP_EXPORT PointStatistics point_statistics(Cloud& cloud, const PointStatisticsOptions& options);
 
 /// Returns the JSON value that the key `statistics` has in the output of `pointsweep info`; docs/info.md lists its

@@ -79,20 +79,20 @@ struct PointColumns {
 /// Throws the UsageError for an operator that has asked for `asked` bytes of a value that has `bytes`.
 [[noreturn]] POINTSWEEP_EXPORT void refuse_value_size(std::size_t bytes, std::size_t asked);
 
-/// A batch of at most kCellCapacity points, each with its neighbours, the point itself excluded. Valid only during
-/// LocalOperator::apply.
+/// A batch of at most kCellCapacity points, each with its neighbours, the point itself excluded. Valid only during the
+/// call of the operator or rule that gets it.
 ///
 /// The list of a point is in the ORDER OF THE SEARCH: nearest first, equal distances by x, y, z and input row. This
 /// order refers to the positions at which the search found the neighbours: the positions in the input, or at the last
-/// `reneighbor`. Positions in this class are the current ones. After an operator that moves points, without
+/// `reneighbor`. Positions in this class are the current positions. After an operator that moves points, without
 /// `reneighbor`, N_i is the same set, but distances along a list are not sorted: the last neighbour need not be the
 /// farthest, the first not the nearest, and any neighbour may coincide with p_i or have coordinates that are not
 /// finite. For a least or greatest distance, read all of N_i unless sorted_by_distance(), or call farthest_distance2().
 class Neighborhoods {
  public:
-  /// Makes a batch for the engine. `position_column`: number of the column of moved positions, which replace those of
-  /// the search; negative without one. `moved`: true if the positions in `own` and `slots` have been moved.
-  /// `column_bytes`: bytes of a value of each column; null if types are not checked.
+  /// Makes a batch for the engine. `position_column`: number of the column of moved positions, which replace the
+  /// positions of the search; negative without one. `moved`: true if the positions in `own` and `slots` have been
+  /// moved. `column_bytes`: bytes of a value of each column; null if types are not checked.
   Neighborhoods(const PointColumns& own, std::size_t size, const PointColumns* slots, const std::uint32_t* begin,
                 const NeighborRef* refs, std::span<const std::uint16_t> reads,
                 std::span<const std::uint16_t> reads_neighbors, int position_column = -1, bool moved = false,
@@ -114,7 +114,7 @@ class Neighborhoods {
   /// Returns |N_i|, the number of neighbours of point i.
   std::size_t count(std::size_t i) const { return begin_[i + 1] - begin_[i]; }
 
-  /// Returns whether positions are those of the search, so that distance2(i, j) never decreases as j grows.
+  /// Returns whether positions are the positions of the search, so that distance2(i, j) never decreases as j grows.
   bool sorted_by_distance() const { return sorted_by_distance_; }
   /// Returns max_j |p_j - p_i|² over N_i at the current positions; 0 without neighbours, NaN if a neighbour has
   /// non-finite coordinates.
@@ -225,7 +225,7 @@ class Neighborhoods {
 /// neighbours are exact because the list is exact: the first m of the k nearest neighbours are the m nearest.
 ///
 /// Like an operator, a rule is a pure function of a point, its attributes and its list. It runs once per point, before
-/// all stages. The cost of the search is that of the largest neighbourhood.
+/// all stages. The search costs as much as for the largest neighbourhood.
 class POINTSWEEP_EXPORT NeighborhoodRule {
  public:
   virtual ~NeighborhoodRule() = default;

@@ -63,7 +63,7 @@ class POINTSWEEP_EXPORT Accumulator {
 };
 
 /// A value of the whole cloud that operators need before their first point: a mean, a deviation, a diagonal. It covers
-/// the points that are left at the end of the pass that makes the attributes it reads: all points, or those that a
+/// the points that are left at the end of the pass that makes the attributes it reads: all points, or the points that a
 /// select keeps.
 class POINTSWEEP_EXPORT Reduction {
  public:

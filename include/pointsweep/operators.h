@@ -20,7 +20,7 @@ namespace pointsweep {
 
 /// The choice between the two directions of a normal. If a rule cannot decide (a dot product of 0), `none` is used.
 enum class Orient {
-  none,       ///< the component of largest magnitude (the first of equal ones) is positive
+  none,       ///< the component of largest magnitude (the first of equally large components) is positive
   up,         ///< the normal points up: nz >= 0
   viewpoint,  ///< the normal points towards NormalsOptions::viewpoint, which is required
   input,      ///< the normal agrees with the normal in the file
@@ -161,7 +161,7 @@ struct SimplifyOptions {
 /// Options of crop(). `bounds` or `polygon` is required; if both are given, a point inside lies in both.
 struct CropOptions {
   std::vector<double> bounds = {};  ///< corners of a box: xmin, ymin, zmin, xmax, ymax, zmax, or without z
-  std::string polygon = {};         ///< name of a file with polygons as WKT or GeoJSON, or such a text itself
+  std::string polygon = {};         ///< name of a file with polygons as WKT or GeoJSON, or the WKT or GeoJSON itself
   bool outside = false;             ///< true to keep the points outside instead of the points inside
   std::string checksum = {};        ///< checksum that the polygon file must have; empty for any
 };
@@ -250,7 +250,7 @@ struct DbscanOptions {
 };
 
 struct SegmentsOptions {
-  double angle = 5;  ///< largest angle between the normals of joined points, degrees; > 0, at most 90
+  double angle = 5;  ///< the angle between the normals of joined points is below this, in degrees; > 0, at most 90
   std::optional<double> distance = {};  ///< largest distance of joined points, >= 0; absent for no limit
 };
 
@@ -339,12 +339,12 @@ POINTSWEEP_EXPORT ChainStage components(const ComponentsOptions& options = {});
 /// Neighbourhoods must contain all points within eps.
 POINTSWEEP_EXPORT ChainStage dbscan(const DbscanOptions& options);
 /// Makes "segment" and "segment_size": connected components of neighbours with an angle between normals below a limit
-/// and a distance within a limit; and "segment_residual", the root mean square distance of their points to their plane.
-/// Needs "normal".
+/// and a distance within a limit; and "segment_residual", the root mean square distance of the points of a segment to
+/// its plane. Needs "normal".
 POINTSWEEP_EXPORT ChainStage segments(const SegmentsOptions& options = {});
 /// Makes "normal_turned" and "normal": normals with signs that are consistent over each component of the graph of
 /// neighbours, by its minimum spanning forest (Hoppe et al. 1992). With a viewpoint, most normals face it; without one,
-/// normals point out of closed surfaces, and up on open ones. With OrientMethod::trajectory makes only "normal":
+/// normals point out of closed surfaces, and up on open surfaces. With OrientMethod::trajectory makes only "normal":
 /// normals that face the sensor. Needs "normal", and "gps_time" for a trajectory. Throws Error for a file that cannot
 /// be read.
 POINTSWEEP_EXPORT ChainStage orient(const OrientOptions& options = {});

@@ -6,7 +6,7 @@
 ///   url.h           URLs in place of paths of files
 ///   cloud.h         several inputs as one cloud
 ///   neighborhood.h  which points are neighbours, and a batch of points as operators see it
-///   operator.h      operators of your own; in_order_operator.h: those that take all points in order
+///   operator.h      operators of your own; in_order_operator.h has operators that take all points in order
 ///   chain.h         operators in order, from C++, text or JSON
 ///   operators.h     the built-in operators
 ///   writer.h        outputs: files, arrays, writers of your own

@@ -26,7 +26,8 @@ namespace pointsweep {
 enum class Order : std::uint8_t {
   input,  ///< row i of the output is row i of the input
   /// Canonical order along the axis of the sweep: by the coordinate on the axis, ties by x, y, z, then row; non-finite
-  /// points last, by row. Coordinates are those of the input, or those at the last Resort of the chain.
+  /// points last, by row. The order uses the coordinates of the input, or the coordinates at the last Resort of the
+  /// chain.
   sweep,
 };
 

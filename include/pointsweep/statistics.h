@@ -59,8 +59,8 @@ struct Statistics {
   double search_seconds = 0;                          ///< time for searching neighbours, summed over threads
   double write_seconds = 0;  ///< wall time for writing the results to the output, or passing them to the next sweep
   std::vector<std::pair<std::string, double>> operator_seconds;  ///< time in each operator, summed over threads
-  /// Bytes read, spilled to temporary files and written. Bytes read are those of the input's records in each pass, and
-  /// of spilled points that recalls have read again.
+  /// Bytes read, spilled to temporary files and written. Bytes read count the records of the input in each pass, and
+  /// the spilled points that recalls have read again.
   std::uint64_t bytes_read = 0, bytes_spilled = 0, bytes_written = 0;
   /// Parts of bytes_spilled: bytes of points that are put in order, and bytes of inputs that are decoded once.
   std::uint64_t bytes_spilled_ordering = 0, bytes_spilled_decoding = 0;
@@ -74,7 +74,7 @@ struct Statistics {
   /// For each operator or step of the engine, its name and pairs of the number of points read and of points in its
   /// buffer.
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
-  double lifespan_mean_seconds = 0, lifespan_max_seconds = 0;
+  double lifespan_mean_seconds = 0, lifespan_max_seconds = 0;  ///< seconds that a point stays in the window
   std::optional<ReferenceCounts> reference;  ///< counts of a run by the paper's algorithm; absent for other runs
   /// Neighbour distances of the first sweep, eight bins for each octave; empty unless RunOptions::count_distances.
   std::vector<DistanceBin> neighbor_distances;

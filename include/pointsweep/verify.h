@@ -29,7 +29,7 @@ struct VerifyOptions {
   std::string prefix = {};             ///< RunOptions::prefix of the run
   std::optional<int> decimals = {};    ///< FileLayout::decimals of the run
   std::optional<Type> positions = {};  ///< RunOptions::positions of the run
-  /// Memory for neighbourhoods in bytes. A sample that needs more is checked in turns.
+  /// Memory for neighbourhoods in bytes. A sample that needs more is checked in several passes.
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;
   /// Called between pieces of work with the work done and the total; may throw to end the check.
   std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)> progress = {};
@@ -55,7 +55,7 @@ struct AttributeArrival {
   double expected = 0, found = 0;         ///< values of input and output in row `first_different`
 };
 
-/// The comparison of all points and attributes of the input with those of the output.
+/// The comparison of all points and attributes of the input with the points and attributes of the output.
 struct Arrivals {
   std::vector<AttributeArrival> attributes;
   std::vector<std::string> missing;  ///< attributes of the input that the output lacks
@@ -70,6 +70,7 @@ struct Arrivals {
   Box bounds;                   ///< bounds of the finite points of the input
   std::uint64_t nonfinite = 0;  ///< number of points of the input with NaN or infinite coordinates
 
+  /// Returns whether input and output have the same points with the same attributes in each row.
   bool row_by_row() const { return missing.empty() && !first_different; }
   /// Returns whether input and output have the same points with the same attributes, in any order.
   bool in_some_order() const { return missing.empty() && points_in == points_out && sum_in == sum_out; }
@@ -98,7 +99,7 @@ struct Verdict {
   std::vector<std::string> unknown;
   std::vector<std::string> untold;  ///< sentences about values that are not checked, with the reasons
 
-  /// Number of rows that differ from those of the input; 0 if rows are not compared one by one.
+  /// Number of rows that differ from the rows of the input; 0 if rows are not compared one by one.
   std::uint64_t different_rows = 0;
   std::uint64_t difference_count = 0;    ///< number of all differences
   std::vector<std::string> differences;  ///< sentences about the first few differences

@@ -25,6 +25,7 @@ struct ComponentsSetup {
 
 class Components {
  public:
+  /// Finds the components. Borrows `setup`.
   Components(const EdgeBuckets& buckets, const ComponentsSetup& setup);
 
   /// Calls use(row, label) once for each point. Components are numbered from 0 by their first point.
@@ -33,6 +34,7 @@ class Components {
   /// points.
   void for_each_component(
       const std::function<void(const FinishedComponent& component, const std::byte* result)>& use) const;
+  /// Returns the number of all components, with or without a number.
   std::uint64_t count() const { return count_; }
   /// Returns the bytes of the log of the forest in the temporary folder.
   std::uint64_t log_bytes() const { return log_.bytes(); }

@@ -30,8 +30,8 @@ struct AlongAxis {
   }
 };
 
-/// An edge of a forest. Each point of a forest has a sign, + or -: whether a normal is turned, for example. `weight`
-/// and `flips` depend on the two points alone, so that an edge that is added twice counts once.
+/// An edge of a forest. Each point of a forest has a sign, + or -, which tells, for example, whether its normal is
+/// turned. `weight` and `flips` depend on the two points alone, so that an edge that is added twice counts once.
 struct ForestEdge {
   double weight = 0;   ///< weight of the edge, which is not NaN
   PointKey a, b;       ///< ends of the edge, with a < b

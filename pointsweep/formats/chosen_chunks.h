@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A reader of only some chunks of a file.
+/// A reader of only some chunks of a file, and the choice of chunks by levels of detail.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ class ChosenChunks final : public Reader {
  public:
   using Choice = std::function<bool(const Chunk&)>;
   /// `all` must have decoders. Bytes of chunks that are not chosen are not read. A `word` that is not empty becomes
-  /// FileInfo::asked_for_as.
+  /// FileInfo::asked_for_as; then FileInfo has no bounds and no claims, since these count all points of the file.
   ChosenChunks(std::shared_ptr<Reader> all, const Choice& is_chosen, std::string_view word = "");
 
   Chunk chunk_of(std::uint64_t row) const override;
@@ -31,7 +31,7 @@ class ChosenChunks final : public Reader {
  private:
   class Decoder;
   struct Chosen {
-    std::uint64_t first_row;  ///< its first row, counted among the chosen rows
+    std::uint64_t first_row;  ///< first row of the chunk, counted among the chosen rows
     Chunk chunk;              ///< the chunk of the file
   };
   const Chosen& chosen_at(std::uint64_t row) const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Kinds of the coordinate reference systems in the EPSG registry (version of PROJ 9), which GeoTIFF keys must state
-/// with a code.
+/// The kind of each coordinate reference system in the EPSG registry (version of PROJ 9). GeoTIFF keys must state the
+/// kind of a system together with its code.
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// The first and the last code of a range. Codes in a range that the registry lacks have no kind.
+/// The first and the last code of a range. A range may contain codes that the registry lacks.
 using Range = std::pair<int, int>;
 
 // clang-format off

@@ -60,30 +60,30 @@ struct Format {
   std::unique_ptr<Writer> (*create)(const OutputPlan& plan) = nullptr;  ///< null if the format is not written
 
   Content content = Content::points;
-  bool holds_crs = false;         ///< its files can hold a coordinate reference system
+  bool holds_crs = false;         ///< files of the format can hold a coordinate reference system
   bool holds_provenance = false;  ///< files of the format can hold the record of their run
-  bool is_sequential = false;     ///< its writer can write to standard output, since it writes all bytes in order
-  bool reorders = false;          ///< its writer changes the order of points
+  bool is_sequential = false;     ///< the writer can write to standard output, since it writes all bytes in order
+  bool reorders = false;          ///< the writer changes the order of points
   /// True if coordinates may be any float64, NaN and infinity included; false if they are integers on a grid of finite
   /// steps.
   bool real_coordinates = true;
   /// True if the header states the box of all points (FileInfo::bounds), so that it is known without reading the
   /// points.
   bool states_bounds = false;
-  /// Returns the bytes that its writer needs to encode records of `record_bytes` on `threads` threads; null:
-  /// negligible.
+  /// Returns the least memory in bytes with which the writer encodes records of `record_bytes` on `threads` threads;
+  /// null: negligible.
   std::uint64_t (*encoder_bytes)(std::uint64_t record_bytes, unsigned threads) = nullptr;
-  /// Returns the bytes that its writer stores in OutputPlan::scratch, for `count` records of `record_bytes`, with
+  /// Returns the bytes that the writer stores in OutputPlan::scratch, for `count` records of `record_bytes`, with
   /// `memory` as OutputPlan::encoder_bytes on `threads` threads; null: none.
   std::uint64_t (*aside_bytes)(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                                unsigned threads) = nullptr;
   std::size_t name_bytes = 0;  ///< most bytes in the name of an attribute; 0: any number
-  /// Returns the name of an attribute in its outputs; null: unchanged.
+  /// Returns the name of an attribute in outputs of the format; null: unchanged.
   std::string (*stored_name)(const std::string& name) = nullptr;
-  /// Returns the value of a field in its outputs if neither an input nor a stage gives one; none for names that are not
-  /// the format's own. Null: the format has no such fields.
+  /// Returns the value of a field in outputs of the format if neither an input nor a stage gives a value; none for
+  /// names that are not the format's own. Null: the format has no such fields.
   std::optional<double> (*own_field)(std::string_view name) = nullptr;
-  /// The options of FileLayout that its writer supports, by their names among the options of runs.
+  /// The options of FileLayout that the writer supports, by their names among the options of runs.
   std::span<const std::string_view> layout = {};
   /// Returns whether OutputPlan::bounds must be known before records of `schema` are written; null: never.
   bool (*needs_bounds)(const Schema& schema, const FileLayout& layout) = nullptr;

@@ -55,7 +55,7 @@ void quantize_axis(double lo, double hi, double useful, double& scale, double& o
   scale = power_of_ten(exponent);
 }
 
-/// Returns `steps` times `scale`. For scales like 0.001 the result is rounded exactly, so that the header has a short
+/// Returns `steps` times `scale`. For scales like 0.001 the result is correctly rounded, so that the header has a short
 /// number.
 double length_of(double steps, double scale) {
   const double inverse = std::nearbyint(1 / scale);

@@ -16,10 +16,11 @@ namespace pointsweep {
 /// The largest coordinate, in steps of the scale from the offset.
 inline constexpr double kMostLasSteps = 2147483647;
 
-/// The distance of a chosen offset from 0, or from the offset of the first input, is a multiple of this many steps, so
-/// that the offset has few digits.
+/// The distance of a chosen offset from 0, or from a given offset, is a multiple of this many steps, so that the offset
+/// has few digits.
 inline constexpr double kRoundSteps = 1000;
 
+/// The grid of integer coordinates: a coordinate is integer * scale + offset.
 struct LasQuantization {
   Vec3 scale{1, 1, 1}, offset;
 };
@@ -32,9 +33,9 @@ bool las_grid_reaches(double value, double scale, double offset);
 bool is_on_las_grid(double value, double scale, double offset);
 
 /// Returns scale and offset of each axis for coordinates inside `bounds`. The scale is the smallest power of ten whose
-/// steps reach both ends from the offset in 31 bits, but no finer than the spacing of doubles of that size; the offset
-/// is a round number near the middle. An axis of extent E loses at most 1.3e-9 E (1.3 mm on 1,000 km), which is less
-/// than the steps of float32 coordinates of magnitude E.
+/// steps reach both ends from the offset in 31 bits, but no finer than the spacing of doubles at the largest coordinate
+/// and than 1e-12 of half the longest extent; the offset is a round number near the middle. An axis of extent E loses
+/// at most 1.3e-9 E (1.3 mm on 1,000 km), which is less than the steps of float32 coordinates of magnitude E.
 LasQuantization las_quantization(const Box& bounds);
 
 /// Returns `grid` with its offsets moved by whole steps if `bounds` are out of the reach of 32 bits. An axis that is
@@ -64,9 +65,9 @@ struct LasOrigin {
   bool overlap_is_class_12 = false;
 };
 
-/// Returns the common origin of the inputs that are or were LAS: the finest scale of each axis with the offset of the
-/// first input that has it, and the kind of time of the first input with a time. A warning names an input with the
-/// other kind of time.
+/// Returns the common origin of the inputs that are LAS or were made from LAS: the finest scale of each axis with the
+/// offset of the first input that has it, and the kind of time of the first input with a time. A warning names an input
+/// with the other kind of time. Returns none if there is no such input.
 std::optional<LasOrigin> common_las_origin(const std::vector<std::shared_ptr<Reader>>& readers,
                                            std::vector<std::string>& warnings);
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kLongestProvenanceLine = 999;  ///< rply, the reader of Open3D and CloudCompare, allows 1,023
 constexpr std::size_t kMostProvenanceBytes = 256 << 10;
-constexpr std::size_t kMostInputBytes = 32 << 10;  ///< largest size of the names in one record
+constexpr std::size_t kMostInputBytes = 32 << 10;  ///< largest size of the input lines in one record
 
 bool is_printable(char c) { return c >= 0x20 && c < 0x7f; }
 

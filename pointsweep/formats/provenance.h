@@ -42,9 +42,10 @@ struct ProvenanceRecord {
   std::optional<std::string> setting(std::string_view name) const;
 };
 
-/// Returns lines of printable ASCII, each under 1,000 bytes. Other bytes of a name are written as %XX.
+/// Returns lines of printable ASCII, each under 1,000 bytes. Other bytes are written as %XX.
 std::vector<std::string> lines_of(const ProvenanceRecord& record);
-/// Parses lines into records, oldest first. Ignores unknown lines.
+/// Parses lines, each with kProvenanceMark at its begin, into records, oldest first. A line "NAME VALUE" of an unknown
+/// kind becomes a setting.
 std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines);
 /// Returns a line such as "pointsweep 0.1.0: knn(k=12) | normals; order sweep; from scan.ply", in printable ASCII.
 std::string to_text(const ProvenanceRecord& record);

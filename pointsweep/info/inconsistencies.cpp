@@ -73,7 +73,7 @@ FilesOfValues formats_of(const SomeKinds& files) {
   return formats;
 }
 
-/// Returns the distinct systems. Systems that may be equal count as one, that of the first file.
+/// Returns the distinct coordinate reference systems. Of systems that may be equal, only the first one is listed.
 FilesOfValues systems_of(const SomeKinds& files) {
   std::vector<const Crs*> systems;
   FilesOfValues all;

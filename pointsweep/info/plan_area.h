@@ -9,8 +9,8 @@ namespace pointsweep {
 
 /// Counts the occupied cells of a square grid in x and y. The side of a cell is the smallest power of two for which the
 /// bounds of the points cover at most `limit` cells, occupied or not. The side does not depend on the order of the
-/// points or their places within the bounds; with fewer points the cells are as large or larger. Memory: 32 bytes ×
-/// limit.
+/// points or their places within the bounds; with fewer points the cells are as large or larger. Memory: 48 to 96 bytes
+/// × limit, and twice that while the side is doubled.
 class PlanArea {
  public:
   /// Limits the number of cells to a sixteenth of `points`, at least 16 and at most 65,536. A cell of a cloud that

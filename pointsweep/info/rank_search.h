@@ -27,12 +27,12 @@ class RankSearch {
 
   /// Returns the number of intervals that the next reading divides.
   std::size_t open() const { return intervals_.size(); }
-  /// Begins a reading. Each interval may use up to `share` >= 2 numbers of the room, from number `next` on; advances
-  /// `next`. At most 2^63 numbers.
+  /// Begins a reading. Assigns each interval at most `share` numbers of the room, from number `next` on, and advances
+  /// `next` by the assigned numbers. `share`: 2 to 2^63.
   void begin(std::uint64_t share, std::uint64_t& next);
   /// Takes one of the keys. `room`: the numbers of all intervals, 0 when the reading begins.
   void add(std::uint64_t key, std::span<std::uint64_t> room);
-  /// Ends a reading. Throws Error if its keys differ from those of earlier readings.
+  /// Ends a reading. Throws Error if its keys differ from the keys of earlier readings.
   void end(std::span<std::uint64_t> room);
 
   /// Returns the keys found. No interval may be open.

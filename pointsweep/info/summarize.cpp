@@ -157,7 +157,7 @@ void add_counts(std::array<std::uint64_t, N>& counts, const Field& field, const 
   }
 }
 
-/// Returns the number of points whose value of `number` is above that of `most`.
+/// Returns the number of points whose value of `number` exceeds their value of `most`.
 std::uint64_t points_above(const Field& number, const Field& most, const Schema& schema, const Piece& piece) {
   std::uint64_t points = 0;
   for (std::size_t i = 0; i < piece.count; ++i) {

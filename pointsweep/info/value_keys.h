@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Values of a field as unsigned numbers of 64 bits in the same order.
+/// Values of a field as unsigned numbers of 64 bits, whose order is the order of the values.
 #pragma once
 
 #include <bit>

@@ -15,9 +15,10 @@ namespace {
 
 constexpr std::uint64_t kMostPieceBytes = 16 << 20, kMostStretchBytes = 16 << 20, kFewBytes = 1 << 20,
                         kLeastBytes = 64 << 10;
-/// Largest number of stretches. Each piece stores one number per stretch.
+/// Number of stretches, unless a stretch would be too small, or too large for the memory. Each piece stores one number
+/// per stretch.
 constexpr std::uint64_t kManyStretches = 4096;
-/// Number of records in the sample; up to twice as many are in memory while the sample is drawn.
+/// Number of records to which the sample is reduced whenever it has twice as many.
 constexpr std::uint64_t kSampleRecords = 64 << 10;
 constexpr std::size_t kRowsAtOnce = 8192;
 

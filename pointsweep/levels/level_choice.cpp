@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kDepthBits = 5;
 static_assert(kMostDepth < 1 << kDepthBits);
-/// The largest number of points that nodes other than the root may keep: no limit.
+/// Stands for no limit of the points that a node other than the root keeps, or of the memory without temporary files.
 constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
 
 bool is_in(const Box& box, Vec3 p) {

@@ -33,10 +33,10 @@ class LevelledRecords {
   void add(std::span<const std::byte> records) { records_.add(records); }
 
   /// Chooses the levels. Must be called once, after the last add() and before the functions below. `scale`: the length
-  /// of a step on each axis.
+  /// of a step on each axis, in units of the cloud.
   void choose(Vec3 scale);
   const LevelGrid& grid() const { return *grid_; }
-  /// Returns the spacing of the points of depth 0, in units of `scale`.
+  /// Returns the spacing of the points of depth 0, in units of the cloud, like `scale`.
   double spacing() const { return spacing_ * grid_->unit(); }
 
   using Use = std::function<void(const CurveKey& key, int depth, const std::byte* record)>;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// symmetric3.h in vector lanes, one matrix per lane: the same operations in the same order as in symmetric3.h, hence
-/// the same bits for any number of lanes. Only Add, Sub, Mul, Div, Sqrt and bit operations; never a fused multiply-add.
-/// Included once per instruction set.
+/// the same bits for any number of lanes. The code uses only Add, Sub, Mul, Div, Sqrt, comparisons and bit operations,
+/// never a fused multiply-add. Included once per instruction set.
 #if defined(POINTSWEEP_MATH_EIGEN3_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_MATH_EIGEN3_LANES_INL_H_
 #undef POINTSWEEP_MATH_EIGEN3_LANES_INL_H_

@@ -71,7 +71,7 @@ Real exp_negative(Real x) {
   return x > C::kLargest ? 0 : mantissa * power;
 }
 
-/// Returns ln(x) for normal x > 0, with a relative error below 1e-13: x = m 2^e with m in [1/sqrt(2), sqrt(2)), and
+/// Returns ln(x) for normal x > 0, with a relative error below 1e-13: x = m 2^e with m in (1/sqrt(2), sqrt(2)], and
 /// ln(m) = 2 artanh((m-1)/(m+1)).
 inline double natural_logarithm(double x) {
   auto bits = std::bit_cast<std::uint64_t>(x);

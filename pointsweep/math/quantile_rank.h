@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The definition of a quantile, shared by all reports and pictures.
+/// The definition of a quantile, shared by statistics, reports and pictures.
 #pragma once
 
 #include <cstdint>

@@ -127,7 +127,7 @@ class BinSort {
   /// Number of places for keys beyond the end of `keys` that Sort() may read and write.
   static constexpr std::size_t kPadding = Few::kMost;
 
-  /// `spare` has room for twice as many keys as are sorted at once.
+  /// `spare` has room for twice as many keys as are sorted at once, and for kPadding more.
   BinSort(std::uint32_t low_bits, std::uint32_t* spare) : low_bits_(low_bits), spare_(spare) {}
 
   /// Sorts `keys`, of the bins [first, end), until at least the first `wanted` keys are in order. Returns the number of

@@ -118,7 +118,7 @@ inline Eigen3 eigen_symmetric3(const Symmetric3& m) {
   return {{value_less < value ? value_less : value, value_less, value_greater}, {v, less, greater}};
 }
 
-/// m += weight v v^T
+/// Adds weight v v^T to `m`.
 inline void add_outer_product(Symmetric3& m, double weight, Vec3 v) {
   const Vec3 t = weight * v;
   m.xx += t.x * v.x, m.xy += t.x * v.y, m.xz += t.x * v.z;

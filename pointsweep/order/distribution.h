@@ -34,7 +34,7 @@ struct PartitionInput {
   std::span<const Splitters> splitters;  ///< one for all places, or one for dense and one for sparse places; the pieces
                                          ///< of the second are numbered after those of the first
   std::size_t first_list;                ///< piece p goes to list first_list + p of the store
-  std::optional<std::size_t> nonfinite_list;  ///< list of nonfinite points; absent: none, or the key is the row
+  std::optional<std::size_t> nonfinite_list;  ///< list of nonfinite points; absent: points are not tested
   std::size_t memory_bytes;                   ///< bytes that all buffers of the pass should take together
   const LocalSpacing* spacing = nullptr;      ///< knows the sparse places; null if there is one Splitters
   /// Returns a function that replaces `read` for one thread, or an empty function. Threads call their own functions at
@@ -45,7 +45,8 @@ struct PartitionInput {
                                                           ///< a time
 };
 
-/// Returns the tight boxes of the pieces. The points of a piece and its box do not depend on threads.
+/// Appends each record to the list of its piece, and returns the tight boxes of the pieces. The points of a piece and
+/// its box do not depend on threads.
 std::vector<Box> distribute(const PartitionInput& input, SlabStore& store);
 
 }  // namespace pointsweep

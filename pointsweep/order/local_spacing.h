@@ -29,11 +29,11 @@ class LocalSpacing {
   void encode(Encoder& out) const;
   static LocalSpacing decode(Decoder& in);
 
-  /// Estimates of the distance between neighbouring points at each sample point, in length units, within a factor of
-  /// about two; empty if nothing is known.
+  /// Returns for each sample point an estimate of the distance between neighbouring points, in units of the
+  /// coordinates, right within a factor of about two; empty if nothing is known.
   const std::vector<double>& at_sample() const { return at_sample_; }
-  /// Returns whether there are sparse places: whether the spacing at some sample points is more than 16 times that of
-  /// most sample points.
+  /// Returns whether there are sparse places: whether the spacing at some sample points is at least 16 times the median
+  /// spacing.
   bool has_sparse_places() const { return !begin_.empty(); }
   /// Returns whether a place is sparse. `p` must be finite. The answer depends only on the place. Takes about 10 ns.
   bool is_sparse(Vec3 p) const;

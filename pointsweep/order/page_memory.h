@@ -11,8 +11,8 @@
 
 namespace pointsweep {
 
-/// Memory in pages, which cost nothing until they are touched, and which return to the system at once. Uses large
-/// pages, which halve the cost of touching pages in sequence and save most of it for random access.
+/// Memory in pages, which cost nothing until they are touched, and which the destructor returns to the system. Uses
+/// large pages, which halve the cost of touching pages in sequence and save most of it for random access.
 class PageMemory {
  public:
   PageMemory() = default;
@@ -36,7 +36,7 @@ class PageMemory {
 };
 
 /// A thread-safe pool of blocks of one size, cut from pieces of memory that grow with demand. Memory returns to the
-/// system when the pool is emptied or destroyed, never block by block.
+/// system when the pool is cleared or destroyed, never block by block.
 class BlockPool {
  public:
   explicit BlockPool(std::size_t block_bytes);

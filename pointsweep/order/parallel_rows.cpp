@@ -4,7 +4,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kLeastPieceRows = 1024;  ///< for a source that may be split at any row
+constexpr std::uint64_t kLeastPieceRows = 1024;  ///< least rows of a piece if the source may be split at any row
 
 }  // namespace
 

@@ -18,8 +18,8 @@ namespace pointsweep {
 /// go to the spill file in large sequential writes. Within a slab the stored order never changes after finish().
 class SlabStore {
  public:
-  /// If it spills, memory is slabs * block_bytes while it is filled, and none after finish(). `block_bytes` is rounded
-  /// down to whole records, at least one.
+  /// A store that spills takes up to slabs * block_bytes of memory for records until finish(), and none afterwards.
+  /// `block_bytes` is rounded down to whole records, at least one.
   SlabStore(std::size_t slabs, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& spill);
   /// Decodes a store whose records are in the file `kept`.
   SlabStore(Decoder& in, std::size_t record_bytes, std::size_t block_bytes, const SpillPlace& kept);
@@ -31,7 +31,7 @@ class SlabStore {
   void append(std::size_t slab, std::span<const std::byte> records);
   /// Flushes the buffers. Later calls of append() may only name slabs that add_slabs() adds later.
   void finish();
-  /// Writes all records to which encode() refers to the kept file. No thread may call append() at the same time.
+  /// Writes to the kept file all records to which encode() refers. No thread may call append() at the same time.
   void flush();
   /// Encodes the places of the records in the kept file.
   void encode(Encoder& out) const;

@@ -44,7 +44,7 @@ struct BlockRun {
   std::size_t begin, end;  ///< range of bytes in the records
 };
 
-/// `blocks` ascend by row.
+/// Returns the runs of `records`, ascending by row. `blocks` ascend by row.
 std::vector<BlockRun> runs_by_row(const Schema& schema, std::span<const std::byte> records,
                                   const std::vector<SlabBlock>& blocks) {
   std::vector<BlockRun> runs;
@@ -80,8 +80,7 @@ std::size_t waiting_block_bytes(std::uint64_t slab_points, std::size_t record_by
 }
 
 std::uint64_t most_waiting(const CountedSlabs& slabs, std::size_t ahead) {
-  std::vector<std::uint64_t> decoded(slabs.points.size() + 1);  // for each slab: points of the blocks whose first slab
-                                                                // it is
+  std::vector<std::uint64_t> decoded(slabs.points.size() + 1);  // points of the blocks that begin with each slab
   for (const SlabBlock& block : slabs.blocks) decoded[block.first_slab] += block.rows;
   std::uint64_t most = 0, read = 0, handed_over = 0;
   std::size_t next = 0;
@@ -290,7 +289,7 @@ class SlabsOnDemand::State {
   const std::uint64_t most_points_;
   const std::size_t block_bytes_;
 
-  mutable std::mutex mutex_;             ///< guards all members below, except the lists of waiting_
+  mutable std::mutex mutex_;             ///< guards the members up to free_, except the lists of waiting_
   std::condition_variable decoded_;      ///< notified when a block was decoded, or its decoding failed
   std::vector<std::uint32_t> by_slab_;   ///< blocks, ascending by first slab
   std::size_t next_block_ = 0;           ///< index in by_slab_ of the first block that is not yet taken

@@ -45,8 +45,8 @@ std::size_t waiting_block_bytes(std::uint64_t slab_points, std::size_t record_by
 /// together with neighbouring slabs as far as `most_points` allows, since a recall reads neighbouring slabs.
 class SlabsOnDemand {
  public:
-  /// Copies `source`, which must have for_thread(). `wanted`: the source fields that working records contain. At most
-  /// `ahead` slabs are read concurrently.
+  /// Copies `source`, which must have for_thread(), and borrows `record`. `wanted`: the source fields that working
+  /// records contain; empty: all. At most `ahead` slabs are read concurrently.
   SlabsOnDemand(const PointSource& source, const WorkingRecord& record, std::vector<std::size_t> wanted, int axis,
                 CountedSlabs slabs, std::size_t ahead, std::uint64_t most_points);
   ~SlabsOnDemand();

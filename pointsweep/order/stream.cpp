@@ -241,7 +241,7 @@ struct Stream::State {
     nonfinite_list = sort_list_by_row(nonfinite_list, record.schema(), by_row, *store);
   }
 
-  /// Returns the slabs made of the counted pieces, or the reason why they are not possible.
+  /// Returns the slabs made of the counted pieces; or nothing, and the reason in `why_not`.
   std::optional<CountedSlabs> join_counted(const PieceCounts& counts, const std::vector<Splitters>& splitters,
                                            const StreamOptions& options, std::string& why_not) {
     if (counts.nonfinite > 0) {

@@ -45,7 +45,7 @@ struct StreamOptions {
   bool numbered = false;
   std::vector<std::size_t> payload = {};  ///< indices of source fields to carry when not whole_records
   SpillPlace spill = nullptr;
-  std::size_t buffer_bytes = 64 << 20;  ///< bytes of the buffers of the distribution when spilling
+  std::size_t buffer_bytes = 64 << 20;  ///< bytes of the buffers of the distribution
   std::function<void(std::uint64_t rows_read)> progress = {};
 };
 
@@ -70,12 +70,12 @@ struct StoredSlabs {
 
 /// The ordered stream: slabs ascending in canonical order (coordinate along the axis; ties by x, then y, then z, then
 /// input row). Every point of slab s precedes every point of slab s+1 in that order; inside a slab points lie in no
-/// order. If StreamOptions::canonical is false, points in sparse places have slabs of their own instead, merged with
-/// the other slabs by where they begin along the axis. Points with a NaN or infinite coordinate are in no slab;
-/// read_nonfinite() reads them.
+/// order. If StreamOptions::canonical is false, slabs keep this order only roughly: large slabs are split along any
+/// axis, and points in sparse places have slabs of their own, merged with the other slabs by where they begin along the
+/// axis. Points with a NaN or infinite coordinate are in no slab; read_nonfinite() reads them.
 class Stream {
  public:
-  /// Performs the distribution pass: reads the source once, and the records of too large slabs once more to split them.
+  /// Performs the distribution pass: reads the source once, and the records of too large slabs again to split them.
   /// Works on all threads; throws Error from the source or the temporary folder.
   Stream(const PointSource& source, const Survey& survey, const StreamOptions& options);
   /// Decodes a stream whose records are in a kept file, without reading the source. The schema and number of points of

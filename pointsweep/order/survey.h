@@ -30,11 +30,11 @@ struct Survey {
 Survey survey(const PointSource& source, std::optional<int> axis, bool exact);
 
 /// Returns the box-counting dimension of a sample, in [1, 3]; outliers beyond the middle 98 % of each coordinate do not
-/// count. Returns 2 if the sample is too small.
+/// count. Returns 2 if the sample cannot tell, for example because it is too small.
 double box_counting_dimension(std::span<const Vec3> sample);
 
-/// Returns a number of points per slab with which slabs are several point spacings thick: about 16 * n^((D-1)/D) for D
-/// = 2, 6 * ... for D = 3 (linear between), at least 16,384.
+/// Returns a number of points per slab with which slabs are several point spacings thick: f * n^((D-1)/D), at least
+/// 16,384. The factor f is 16 for D = 2 and 6 for D = 3, linear between.
 std::uint64_t recommended_slab_points(std::uint64_t points, double dimension);
 
 /// Throws Error if squared distances in the cloud would all be zero or infinite in double precision, so that all points

@@ -37,7 +37,8 @@ struct TileIndex {
   std::uint32_t record_bytes = 0;
   std::uint64_t rows = 0;       ///< number of all points of the tile
   std::uint64_t nonfinite = 0;  ///< number of points with non-finite coordinates, which are in no block
-  /// Checksums of the records of each kNonfiniteAtOnce of these points; the last may be of fewer.
+  /// Checksums of the records of points with non-finite coordinates, one for each kNonfiniteAtOnce points; the last may
+  /// be of fewer points.
   std::vector<std::uint64_t> nonfinite_checksums;
   Survey survey;
   std::vector<TileBlock> blocks;

@@ -99,7 +99,7 @@ TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string
   TileCatalogue catalogue;
   std::uint64_t rows = 0;
   std::string layout;
-  std::size_t of_layout = 0;  // the first tile that has one
+  std::size_t of_layout = 0;  // the first tile with a layout
   for (std::size_t t = 0; t < names.size(); ++t) {
     const TileIndex tile = tile_index(scratch, names[t]);
     if (layout.empty()) layout = tile.layout, of_layout = t;
@@ -120,7 +120,7 @@ std::shared_ptr<const TileCatalogue> shared_catalogue(const Storage& scratch, co
     std::shared_ptr<const TileCatalogue> catalogue;
   };
   static std::mutex mutex;
-  static std::array<Kept, 2> kept;  // the first was read last
+  static std::array<Kept, 2> kept;  // kept[0] was read last
   std::vector<std::byte> identity = sealed_identity(scratch, key);
   const std::scoped_lock lock(mutex);
   if (!identity.empty() && kept[1].identity == identity) std::swap(kept[0], kept[1]);

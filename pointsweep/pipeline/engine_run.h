@@ -46,8 +46,8 @@ Statistics sort(InputCloud& cloud, const std::filesystem::path& output, const En
                 const std::vector<std::string>& keep = {});
 
 /// Returns the type of x, y and z in the records for `output`, for a chain that makes `made`; absent: the type of the
-/// input. Moved positions are passed to every format as float64; a format that stores integers rounds them once. Throws
-/// UsageError if options.positions is set for such a format.
+/// input. Without options.positions, moved positions are passed to every format as float64; a format that stores
+/// integers rounds them once. Throws UsageError if options.positions is set for such a format.
 std::optional<Type> type_of_positions(const std::vector<Attribute>& made, const std::filesystem::path& output,
                                       const EngineOptions& options);
 

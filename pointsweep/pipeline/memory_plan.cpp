@@ -36,7 +36,7 @@ constexpr std::uint64_t kSeriesBytes = 2 * 16;
 constexpr std::uint64_t kDroppedCellBytes = 63;
 /// Bytes of a Block of a SlabStore.
 constexpr std::uint64_t kBlockBytes = 2 * 24;
-/// Bytes of each neighbour of the point being searched: a key of 8 bytes and a name of 4, and an eighth more for
+/// Bytes of each neighbour of the point being searched: a key of 8 bytes and a NeighborRef of 4, and an eighth more for
 /// candidates.
 constexpr std::uint64_t kNeighborInHandBytes = 14;
 /// Bytes for each of the k nearest neighbours during their search, which may hold 2 k candidates and a copy of them.

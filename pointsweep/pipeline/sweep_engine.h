@@ -34,7 +34,8 @@ class SweepEngine {
   virtual std::string name() const = 0;
   /// Throws UsageError for a request that the engine does not support.
   virtual void require_can(const ChainPlan& plan, const EngineOptions& options) const = 0;
-  /// Returns the statistics of a sweep. Adds statistics that only this engine has to `statistics`.
+  /// Performs the pass and returns the statistics of its sweep. Adds statistics that only this engine has to
+  /// `statistics`.
   virtual SweepStatistics sweep(const EnginePass& pass, Statistics& statistics) const = 0;
 };
 

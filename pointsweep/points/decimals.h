@@ -24,7 +24,7 @@ class CommonStep {
   /// Adds a finite value. Returns false if `value` is not a decimal fraction of up to kMostDecimals digits.
   bool take(double value);
   bool empty() const { return values_ == 0; }
-  /// Returns a step of at most 1. With fewer than 100 values, a power of ten that follows from their digits; otherwise,
+  /// Returns a step of at most 1: with fewer than 100 values, a power of ten that follows from their digits; otherwise,
   /// the largest divisor of 1 of which all values are multiples.
   double size() const;
 

@@ -57,15 +57,15 @@ void decode_positions(const PositionFields& fields, const std::byte* records, st
 /// `bit_width` bits, the smallest unsigned type that is wide enough.
 Type unpacked_type(const Field& field);
 
-/// Returns whether `field` can store `value`. Integers and bits: whether it is in their range after rounding, never for
-/// NaN or infinity. Floats: always, unless a finite value would become infinite.
+/// Returns whether `field` can store `value`. A field of integers or bits stores a value that is in its range after
+/// rounding, but no NaN or infinity. A field of floats stores every value, unless a finite value would become infinite.
 bool holds(const Field& field, double value);
 
 /// Returns whether `field` holds every value that the type, scale and bits of the field `values` allow, and holds whole
 /// numbers exactly.
 bool holds_all_of(const Field& field, const Field& values);
 
-/// Returns whether the values of the field are whole numbers: it stores integers, without scale and offset.
+/// Returns whether the values of the field are whole numbers: it stores integers, without scale and bias.
 bool has_whole_numbers(const Field& field);
 
 /// Returns a value of a field for which has_whole_numbers() is true, bit for bit: an unsigned value of 2^63 or more

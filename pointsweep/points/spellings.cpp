@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The names under which programs store an attribute.
+/// The names under which programs store an attribute, and the words by which users name it.
 #include <algorithm>
 #include <array>
 

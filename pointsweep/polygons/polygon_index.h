@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// An index of polygons that tells whether points lie in them.
+/// An index of polygons that decides whether points lie in them.
 #pragma once
 
 #include <cstddef>

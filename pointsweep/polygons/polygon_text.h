@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// Parses one or more geometries POLYGON and MULTIPOLYGON with two to four numbers per point, of which x and y are
+/// Parses any number of geometries POLYGON and MULTIPOLYGON with two to four numbers per point, of which x and y are
 /// used; each geometry may have a leading "SRID=...;". Throws Error that begins with `name` and states the error and
 /// the byte at which it is.
 std::vector<Polygon> polygons_of_wkt(std::string_view text, std::string_view name);

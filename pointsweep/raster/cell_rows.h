@@ -45,7 +45,7 @@ class SurfaceWindow {
   SurfaceWindow(std::unique_ptr<RowStream> from, std::size_t around) : from_(std::move(from)), around_(around) {}
   /// Moves the window to a row, which must not be earlier than the row of the last call.
   void move_to(std::uint64_t row);
-  /// Returns the value of a cell; kNoCell outside of the raster.
+  /// Returns the value of a cell; kNoCell outside of the raster or of the rows in memory.
   double at(std::uint64_t row, std::size_t column) const {
     const std::size_t columns = from_->columns();
     if (row < first_ || row - first_ >= rows_ || column >= columns) return kNoCell;

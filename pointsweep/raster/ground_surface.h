@@ -34,11 +34,11 @@ struct GroundRule {
   AxisRule axis_rule() const { return {reach(), 2 * reach() + radius + 2}; }
 };
 
-/// Returns the surface of the ground. 1. The raster of minima is filled. 2. Cells that lie below the opening of the
-/// raster upside down by more than 5 * cell, with a disk of one cell, are marked as pits. 3. With disks of 1, 2, ...
-/// `radius` cells each surface is opened; cells that lie above the opened surface by more than slope * (cell * disk)
-/// are objects, and the opened surface is opened next. 4. Minima of cells that are neither pits nor objects are filled
-/// again.
+/// Returns the surface of the ground. 1. The raster of minima is filled. 2. The raster is turned upside down and opened
+/// with a disk of one cell. Cells that lie below this opening by more than 5 * cell are marked as pits. 3. The surface
+/// is opened with disks of 1, 2, ... `radius` cells in turn, each time from the surface opened last. Cells that an
+/// opening lowers by more than slope * (cell * disk) are marked as objects. 4. The raster of minima is filled again,
+/// without the marked cells.
 ///
 /// Filters whose rows do not fit in `memory_bytes` together run one after another, with their surfaces in scratch. The
 /// surface does not depend on `memory_bytes`. `lowest` must outlive the returned stream. Throws the Error of

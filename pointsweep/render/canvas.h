@@ -26,8 +26,8 @@ class Canvas {
   Canvas(unsigned width, unsigned height, unsigned fineness, Rgb background);
 
   /// Fills the samples whose middle is inside of the ellipse, each with its own depth; at least the sample under the
-  /// center, unless that is outside of the picture. Semi-axes are limited to an eighth of the picture's sides, because
-  /// a huge splat of an outlier would hide other points and take as much time as all other points together.
+  /// center, unless that is outside of the picture. Semi-axes are limited to an eighth of the picture's longer side,
+  /// because a huge splat of an outlier would hide other points and take as much time as all other points together.
   void draw(const ProjectedEllipse& ellipse, Rgb color);
 
   /// Darkens samples that are farther from the viewer than the samples around them: light and shade for points without

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A sample of a cloud, its bounds and its number of points, found in one pass before the cloud is drawn.
+/// The choice of the rows that are drawn; a sample of these rows, their bounds and their number of points, found in one
+/// pass before they are drawn.
 #pragma once
 
 #include <cstdint>

@@ -53,8 +53,8 @@ class LegendColumn {
  public:
   LegendColumn(Legend legend, unsigned width, unsigned height, Rgb background);
 
-  /// Returns the number of pixel columns of the legend, at the right edge of the picture; 0 if the legend is empty or
-  /// would take more than a third of the picture.
+  /// Returns the number of pixel columns of the legend, at the right edge of the picture; 0 if the legend is empty,
+  /// would take more than a third of the picture's width, or if the picture is less than 10 lines of text high.
   unsigned width() const { return width_; }
   /// Fills the column and draws the legend into it.
   void draw(Picture& picture) const;

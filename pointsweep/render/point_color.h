@@ -24,7 +24,7 @@ class PointColor {
   /// curvature (RMS curvature, or another curvature that the file has), classification (the standard colours of LAS),
   /// plain (grey), or the name of an attribute. If `what` is empty, the first of these is chosen: rgb if colours differ
   /// between points; plain if the file has normals and the cloud is not flat; height. `option`: name of the caller's
-  /// option, for messages. Throws UsageError that lists the possible words.
+  /// option, for messages. Throws UsageError that lists the fields of the schema if `what` is none of these.
   PointColor(const Schema& schema, std::string_view what, std::string_view option = "--color");
 
   /// Notes the range of the record's colours and its class.
@@ -52,7 +52,7 @@ class PointColor {
   double hi() const { return hi_; }
   /// Returns the classes that occur, ascending.
   std::vector<std::uint8_t> classes() const;
-  /// Returns a sentence that tells why the colours of the file are not used; empty if it has none or they are used.
+  /// Returns a note if the colours of the file were to be drawn but are all equal; else an empty text.
   const std::string& remark() const { return remark_; }
   /// Returns whether light and shade are added to the colours.
   bool is_shaded() const { return kind_ != Kind::normal; }

@@ -12,9 +12,9 @@
 
 namespace pointsweep {
 
-/// Estimates the local spacing of points. Halves the sample along its longest side until a part has 16 points. The two
-/// longer sides of the box of a part give the area per point, and the distances between its points show whether they
-/// lie in rows or clumps with gaps. So dense and sparse parts of a scan have their own spacing. Memory and time to
+/// Estimates the local spacing of points. Halves the sample along its longest side until a part has at most 16 points.
+/// The two longer sides of the box of a part give the area per point, and the distances between its points show whether
+/// they lie in rows or clumps with gaps. So dense and sparse parts of a scan have their own spacing. Memory and time to
 /// build are proportional to the sample; a look-up takes one comparison per halving.
 class SpacingTree {
  public:
@@ -52,9 +52,10 @@ struct DiscRadii {
   double fixed = 0;  ///< radius of all points, as discs that face the viewer; 0 if each point has its own
 };
 
+/// Chooses the disc or ellipse that is drawn for a point.
 class PointShape {
  public:
-  /// `right` and `up` span the plane of discs that face the viewer.
+  /// `right` and `up` span the plane of discs that face the viewer. `spacing` must outlive the PointShape.
   PointShape(const Schema& schema, const SpacingTree& spacing, Vec3 right, Vec3 up, DiscRadii radii);
 
   bool has_normals() const { return !normal_.empty(); }

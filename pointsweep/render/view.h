@@ -46,9 +46,10 @@ bool is_flat(std::span<const Vec3> sample, Up up);
 
 /// Returns the direction that points up in a cloud of unknown origin. In a flat cloud it is the positive axis
 /// perpendicular to the cloud. Another cloud is taken to stand on the side that the points in the outermost 2 % of its
-/// extent cover best (share: area of their convex hull over that of the bounding rectangle): objects stand on a base or
-/// on feet, rooms and streets on a floor. The share of z is multiplied by 1.25, so that z wins if sides are similar; it
-/// also wins if no share reaches a quarter. Cost: a sort of the sample along each axis.
+/// extent cover best: objects stand on a base or on feet, rooms and streets on a floor. The covered share of a side is
+/// the area of the convex hull of its points, divided by the area of the bounding rectangle. The share of z is
+/// multiplied by 1.25, so that z wins if sides are similar; z also wins if no share reaches a quarter. Cost: a sort of
+/// the sample along each axis.
 Up find_up(std::span<const Vec3> sample);
 
 }  // namespace pointsweep

@@ -35,7 +35,7 @@ class Scale {
 std::string short_number(double value);
 
 struct PlotText {
-  std::string title, x, y;  ///< labels of the axes with their units
+  std::string title, x, y;  ///< title of the plot, labels of the axes with their units
 };
 
 struct Series {

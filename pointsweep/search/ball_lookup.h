@@ -54,8 +54,9 @@ inline BallGrid& grid_with(int exponent, std::vector<BallGrid>& grids) {
   return grids.emplace_back(BallGrid{exponent, std::ldexp(1.0, -exponent), {}});
 }
 
-/// Balls of similar size share a grid whose cells are at least twice as wide, so that each ball lies in eight cells at
-/// most. A query looks up one cell for each size of balls, in about 10 ns. Thread-safe.
+/// A look-up of the balls that contain a point. Balls of similar size share a grid whose cells are at least twice as
+/// wide, so that each ball lies in eight cells at most. A query looks up one cell for each size of balls, in about
+/// 10 ns. Thread-safe.
 class BallLookup {
  public:
   explicit BallLookup(std::span<const Ball> balls);

@@ -52,7 +52,7 @@ class BestList {
   /// Returns a squared distance. A candidate farther away cannot belong to the neighbourhood; a candidate at this
   /// distance may.
   double limit() const { return limit_; }
-  /// Returns whether `c` belongs to the k nearest candidates so far.
+  /// Returns false only if `c` does not belong to the k nearest candidates so far.
   bool wants(const Candidate& c) const { return c.distance2 <= limit_ && !(full_ && nearer(worst_, c)); }
   void offer(const Candidate& c) {
     if (c.distance2 > limit_) return;
@@ -65,7 +65,7 @@ class BestList {
     if (kept_.size() > k_) kept_.resize(k_);
     return kept_;
   }
-  /// Returns whether k candidates are known, so that limit() is the squared distance of the kth nearest so far;
+  /// Returns whether k candidates are known, so that limit() is a bound of the squared distance of the kth nearest;
   /// otherwise limit() is as start() has set it.
   bool full() const { return full_; }
 
@@ -83,7 +83,7 @@ class BestList {
   std::size_t k_ = 0;
   double limit_ = 0;
   bool full_ = false;
-  Candidate worst_{};  ///< the kth nearest so far, if full
+  Candidate worst_{};  ///< the kth nearest at the last cut(), if full
   std::vector<Candidate> kept_;
 };
 

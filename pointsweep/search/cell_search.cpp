@@ -77,8 +77,8 @@ class CellSearch {
   }
 
   static constexpr std::uint32_t kGroup = hn::MaxLanes(Lanes()), kGroups = kLeafCapacity / kGroup;
-  /// Extent, in multiples of the width of the queries' leaf, from which the points of another leaf are tested one by
-  /// one.
+  /// The points of a leaf are tested one by one if its box extends farther than this from the centre of the frame, in
+  /// which the queries' leaf is about 1 wide.
   static constexpr float kWide = 64;
   static constexpr std::size_t kFew = 2 * K + 16;  ///< most candidates that are sorted by insertion
 
@@ -202,7 +202,7 @@ class CellSearch {
     return true;
   }
 
-  /// Packs the points of a leaf. If the leaf is much wider than the leaf of the queries, keeps only the points that a
+  /// Packs the points of a leaf. If the leaf extends far from the leaf of the queries, keeps only the points that a
   /// query may need.
   void take_within_reach(const Cell& cell, std::uint32_t slot, std::uint32_t leaf, float farthest) {
     const float others = packed_.farthest;
@@ -212,8 +212,8 @@ class CellSearch {
   }
 
   /// Writes the lists. If two keys are too close to decide their order, the neighbours found are sorted by exact
-  /// distances. If two keys are too close to decide which points belong to the list, at the kth neighbour or the
-  /// radius, the point is searched in double.
+  /// distances. If the keys cannot decide which points belong to the list, at the kth neighbour or the radius, the
+  /// point is searched in double.
   void settle(const Group<K>& group, std::uint32_t first, std::uint32_t queries) {
     const Vec empty = hn::Set(d_, kEmptyKey), relative = hn::Set(d_, kRelativeMargin), one = hn::Set(d_, 1.0f);
     const Vec absolute = hn::Set(d_, packed_.farthest * packed_.farthest * kAbsoluteMargin);
@@ -319,7 +319,7 @@ class CellSearch {
     append_best(what_, scratch_, out_);
   }
 
-  /// The plain search, for queries whose neighbours are too many or too spread for the vector code.
+  /// Searches plainly for queries whose neighbours are too many or too spread for the vector code.
   void search_in_double(std::uint32_t first, std::uint32_t queries) {
     for (std::uint32_t q = first; q < first + queries; ++q) {
       if (!is_wanted(q)) {
@@ -351,7 +351,7 @@ class CellSearch {
   const Neighborhood what_;
   SearchScratch& scratch_;
   CellNeighbors& out_;
-  std::uint32_t wanted_ = ~0u;  ///< one bit for each wanted point of the current leaf; other lists may be wrong
+  std::uint32_t wanted_ = ~0u;  ///< one bit for each wanted point of the leaf; lists of others may be wrong
   double leaf_extent_ = 1;
   bool limited_ = false;
   float radius2_ = 0;

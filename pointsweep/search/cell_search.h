@@ -36,9 +36,9 @@ struct GatheredPoints {
   std::vector<double> x, y, z;
   std::vector<NeighborRef> ref;
   std::vector<std::uint32_t> end;  ///< for each gathered leaf, the number of gathered points up to its end
-  std::vector<std::uint64_t> key;
+  std::vector<std::uint64_t> key;  ///< for each point found, bits of its squared distance, then its NeighborRef
   std::vector<std::uint32_t> bin_key, spare_key;  ///< keys and scratch of BinSort
-  std::vector<Candidate> run;
+  std::vector<Candidate> run;                     ///< points at about one distance, while they are compared exactly
 
   void reserve(std::size_t size, std::size_t padding) {
     if (size <= ref.size()) return;
@@ -86,7 +86,7 @@ struct NearCells {
 /// Memory reused from cell to cell by one thread.
 struct SearchScratch {
   NearCells near;
-  std::vector<std::uint64_t> leaves;
+  std::vector<std::uint64_t> leaves;  ///< leaves near the current query, as keys of NearLeaf (near_leaves-inl.h)
   GatheredPoints gathered;
   BestList best;
   std::uint64_t settled_in_double = 0;  ///< points that single precision could not decide
@@ -106,7 +106,7 @@ inline constexpr std::uint64_t kAllLists = ~std::uint64_t{0};
 
 /// The function search() for any k > 0 and any radius, for many neighbours: the points around a leaf are gathered once,
 /// then every point of the leaf scans them, a candidate per vector lane, all in double precision. Appends to `out`. If
-/// more than 32,768 points lie around a leaf, they are not gathered: each point of the leaf scans the cells around it,
+/// more than 2,048 leaves lie around a leaf, their points are not gathered: each point of the leaf scans these leaves,
 /// or, with a limit k, is searched by search_point_plainly(). 15 to 30 ns per neighbour on one core with AVX-512, about
 /// half of it for sorting.
 std::uint32_t search_gathered(const CellQuery& query, const CellSubset& points, std::uint64_t most,

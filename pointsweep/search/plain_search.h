@@ -37,8 +37,8 @@ inline Candidate candidate_from(const CellDirectory& directory, NeighborRef ref,
 /// `close_to_next` says that places i and i + 1 belong to one run.
 void order_runs(const CellDirectory& directory, Vec3 p, std::uint64_t close_to_next, NeighborRef* refs);
 
-/// Returns the end of the run of leaves, from `leaf` on, whose points all coincide; returns `leaf` if its own points
-/// differ.
+/// Returns the end of the run of leaves, from `leaf` on, whose points all coincide; returns `leaf` if its points differ
+/// or if it has only one.
 std::uint32_t end_of_copies(const Cell& cell, std::uint32_t leaf);
 
 /// Appends the neighbourhoods of points [first, end), which coincide, to `out`. One search is enough: coincident points

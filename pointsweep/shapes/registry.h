@@ -16,7 +16,7 @@ namespace pointsweep {
 
 struct SurfacePoint {
   Vec3 position;
-  Vec3 normal;  ///< unit normal, outward or upward; (0, 0, 0) for a shape without normals
+  Vec3 normal;  ///< unit normal, outward or upward; (0, 0, 0) for a shape without normals and for an outlier
 };
 
 /// The shape that a generated cloud samples: a surface or a solid of known geometry, in metres.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A terrestrial scan of a square from one station. The angles between rays are equal, so that density falls with the
-/// square of the distance, and further where rays meet a surface at a flat angle.
+/// A terrestrial scan of a square from one station. The directions of rays are uniform on the sphere, so that density
+/// falls with the square of the distance, and further where rays meet a surface at a flat angle.
 #include <array>
 #include <limits>
 

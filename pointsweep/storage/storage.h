@@ -49,8 +49,8 @@ class Storage {
 };
 
 /// Returns a checksum: a variant of FNV-1a over little-endian words of eight bytes, with the last word filled up with
-/// zeros. Four sums take the words in turn. The number of bytes, the four sums and the words after the last four are
-/// then joined into one sum.
+/// zeros. Four sums take the words in turn, as long as four words remain. The number of bytes, the four sums and the
+/// remaining words are then joined into one sum.
 std::uint64_t checksum_of(std::span<const std::byte> bytes);
 /// Stores and seals an object that holds the number of `bytes`, a checksum, and the bytes.
 void seal_bytes(Storage& storage, const std::string& key, std::span<const std::byte> bytes);

@@ -43,13 +43,14 @@ class CellLists {
   /// Fills worker.reach2, the squared radius of each neighbourhood of the cell. Returns whether worker.neighbors holds
   /// the lists of all points of the cell. Without a limit k the reach is the radius, so no search is needed.
   bool find_reaches(std::uint32_t slot, Worker& worker) const;
-  /// Finds the lists of the first of `points`, as many as fit in memory, before the rule shortens them. Stores the
-  /// lists in worker.neighbors and returns their number.
+  /// Finds the lists of the first of `points`, as many as fit in memory but at least one, and does not apply the rule.
+  /// Stores the lists in worker.neighbors and returns their number.
   std::uint32_t find(std::uint32_t slot, const CellSubset& points, Worker& worker) const;
   /// Applies the rule of the plan to worker.neighbors, the lists of `points`.
   void truncate(const WindowCell& cell, const CellSubset& points, Worker& worker) const;
 
-  /// Adds to worker.named the slots of all cells to which the lists of points that are not deferred refer.
+  /// Adds to worker.named the slots of all cells to which `lists` refer. The lists belong to the points from `first`
+  /// on; lists of deferred points do not count.
   static void note_references(const WindowCell& cell, std::uint32_t first, const CellNeighbors& lists, Worker& worker);
   /// Moves worker.named to cell.refers_to, so that the window keeps the named cells until `cell` is finished.
   static void hold_references(WindowCell& cell, Worker& worker);

@@ -25,25 +25,26 @@ struct DroppedCell {
 /// queries are thread-safe.
 ///
 /// Among coincident points, only the k + 1 with the lowest rows belong to any neighbourhood. A location is saturated
-/// when a cell has been read that contains more than k points there, including those with the lowest rows. Slabs and
-/// cells that contain only further copies are superfluous: they need not be read or kept. So a cloud may have more
-/// copies of a point than fit in memory.
+/// once a cell has been read that contains more than k points, all of them there. Points there with higher rows than
+/// k + 1 points of this cell are superfluous. Slabs and cells of superfluous points need not be read or kept, so a
+/// cloud may have more copies of a point than fit in memory.
 class Frontier {
  public:
-  /// `slabs` is borrowed. The slabs may have any order; they ascend along the axis only for the most part. The sweep
-  /// reads the first `swept_slabs` of them.
+  /// `slabs` is borrowed. Answers are right for slabs in any order, and fast if the slabs mostly ascend along the axis.
+  /// The sweep reads the first `swept_slabs` of them.
   Frontier(const std::vector<Slab>& slabs, int axis, std::size_t swept_slabs);
   Frontier(const std::vector<Slab>& slabs, int axis) : Frontier(slabs, axis, slabs.size()) {}
 
   std::size_t slabs_read() const { return read_; }
   void slab_was_read() { ++read_; }
+  /// Sets the number of slabs that have been read, for a sweep that continues an earlier sweep.
   void slabs_were_read(std::size_t first) { read_ = first; }
   /// Returns whether the sweep has slabs to read. Slabs for the recall alone do not count.
   bool more_to_read() const { return read_ < swept_slabs_; }
-  /// Must be called after the last slab of the sweep. The unread slabs are treated as cells that have left the window.
+  /// Treats the unread slabs as cells that have left the window. Must be called after the last slab of the sweep.
   void leave_unread_slabs();
   void cell_was_dropped(std::uint32_t slab, const DroppedCell& cell);
-  /// Points at `place` with a row above `row` are superfluous.
+  /// Records that points at `place` with a row above `row` are superfluous.
   void location_is_saturated(Vec3 place, std::uint64_t row);
 
   /// Returns whether all points in a box are superfluous, if none of them has a row below `least_row`.

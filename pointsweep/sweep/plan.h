@@ -53,10 +53,10 @@ struct SweepPlan {
   std::vector<std::uint16_t> rule_reads = {};  ///< columns of neighborhood.rule->reads(), all of them from the file
   std::vector<Stage> stages;
   /// Stages run in steps: step s is stages [steps[s], steps[s+1]). A step begins with the search (step 0) or with a
-  /// pre-buffered stage, whose neighbours must all have finished the step before; the stages after it in the step are
-  /// through-buffered and run at once, while the cell is in cache (paper Section 5.2).
+  /// pre-buffered stage, which runs on a cell once all neighbours of its points have finished the step before. Further
+  /// stages of the step are through-buffered: they run at once, while the cell is in cache (paper Section 5.2).
   std::vector<std::size_t> steps;
-  std::vector<std::uint32_t> column_bytes;  ///< for each column, bytes of its value of one point
+  std::vector<std::uint32_t> column_bytes;  ///< for each column, bytes of the value of one point
   std::vector<Lifetime> lifetimes;          ///< lifetime of each column; a file column has the lifetime `cell`
   std::vector<FileColumn> file_columns;
   std::vector<ResultColumn> results;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Finds the points of the stream that lie inside balls, by reading each slab that a ball touches once.
+/// Finds the points of the stream that lie inside balls. Reads once each slab that a ball touches.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct NeededPlace {
 
 /// The points to be collected, and the limit of their number.
 struct WantedPoints {
-  /// Balls for which the `nearest` nearest points are needed, with all further points at the same distance.
+  /// Balls for which the `nearest` nearest points are needed, and all points as far away as the last of these points.
   std::vector<Ball> balls = {};
   std::uint64_t nearest = 1;
   /// Balls for which all points are needed. Some points near the balls are collected, too. Costs much less time than

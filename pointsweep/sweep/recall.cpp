@@ -17,8 +17,8 @@ constexpr std::size_t kMostGrowth = 4;
 
 }  // namespace
 
-/// Returns the number of points of the first group. On a surface, about (steps + 1)² neighbourhoods of points surround
-/// a deferred point.
+/// Returns the number of points of the first group. On a surface, the values of a deferred point depend on about
+/// k (steps + 1)² points.
 std::size_t Recall::first_guess() const {
   const double k = static_cast<double>(std::min<std::size_t>(plan_.neighborhood.k, 100'000));
   const double width = static_cast<double>(plan_.step_count()) + 1;
@@ -39,7 +39,7 @@ void Recall::run(Sink& sink, const std::function<void(std::size_t points, std::s
   }
 }
 
-/// Returns the deferred points of all workers in reverse order of the stream: the recall begins at the end.
+/// Returns the deferred points of all workers in reverse order of the stream, since groups are taken from the end.
 std::vector<DeferredPoint> Recall::take_deferred() {
   std::size_t count = 0;
   for (const Worker& worker : workers_) count += worker.deferred.size();
@@ -55,7 +55,8 @@ std::vector<DeferredPoint> Recall::take_deferred() {
   return deferred;
 }
 
-/// Finishes points from the end of `points`, as many as fit in memory, at least one. Returns their number.
+/// Finishes points from the end of `points`, as many as fit in memory, at least one. Removes them from `points` and
+/// returns their number.
 std::size_t Recall::run_group(std::vector<DeferredPoint>& points, Sink& sink) {
   for (;;) {
     const std::size_t size = std::min(group_, points.size());

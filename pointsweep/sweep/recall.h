@@ -5,8 +5,8 @@
 /// The paper has no recall; its neighbourhoods are approximate in such places (Section 8). A recall collects the points
 /// around some deferred points in a region, finds the neighbourhoods of these points, of their neighbours, and so on
 /// for each step of the chain, and takes all of these points through the steps: by the search and the stages of the
-/// sweep, cell by cell, on all threads. It evaluates each point at most once in each step, and reads each slab that the
-/// points touch once for each step.
+/// sweep, cell by cell, on all threads. In each step it evaluates each point at most once. For each step it reads each
+/// slab at most once.
 #pragma once
 
 #include <cstdint>
@@ -33,8 +33,8 @@ class Recall {
          const RecallMemory& memory, std::vector<Worker>& workers)
       : stream_(stream), plan_(plan), loader_(loader), frontier_(frontier), memory_(memory), workers_(workers) {}
 
-  /// Finishes the deferred points of all workers and passes them to `sink`, group by group from the end of the stream.
-  /// Calls done(points of the group, points left) after each group, when the first worker holds the points that are
+  /// Finishes the deferred points of all workers and passes them to `sink`, group by group in the order of the stream.
+  /// Calls done(points of the group, points left) after each group; the first worker then holds the points that are
   /// left.
   void run(Sink& sink, const std::function<void(std::size_t points, std::size_t left)>& done);
   const SlabsRead& slabs_read() const { return slabs_read_; }

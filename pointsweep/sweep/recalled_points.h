@@ -33,9 +33,10 @@ class Region : public CellSet {
   /// Adds the wanted points that the region does not hold yet. Returns false if they are more than `wanted` allows.
   bool collect(WantedPoints wanted);
 
-  /// Returns whether the cells within sqrt(reach2) of `p` hold more than `count` points.
+  /// Returns whether the cells of the stream within sqrt(reach2) of `p` hold more than `count` points.
   bool touches_more_than(std::uint64_t count, Vec3 p, double reach2) const;
-  /// Returns a squared distance from `p` within which at least `count` points lie; infinite if all cells hold fewer.
+  /// Returns a squared distance from `p` within which at least `count` points of the stream lie; infinite if all cells
+  /// hold fewer.
   double reach2_that_holds(Vec3 p, std::uint64_t count) const;
 
   const SlabsRead& slabs_read() const { return slabs_read_; }
@@ -45,7 +46,7 @@ class Region : public CellSet {
   const SlabLoader& loader_;
   const Frontier& frontier_;
   std::size_t slabs_at_once_;
-  std::vector<std::vector<std::uint32_t>> held_;  ///< for each slab: the places of its points in the region, ascending
+  std::vector<std::vector<std::uint32_t>> held_;  ///< for each slab, indices of the points held, ascending
   SlabsRead slabs_read_;
 };
 

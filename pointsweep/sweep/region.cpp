@@ -24,7 +24,7 @@ struct WholeCells {
   Vec3 place;
   std::uint64_t count;
   double reach2;  ///< squared distance that holds `count` points; infinite while too few points have been added
-  /// Squared distance to the farthest corner of a cell, and the number of its points; ascending.
+  /// For each cell, the squared distance to its farthest corner and the number of its points; ascending.
   std::vector<std::pair<double, std::uint64_t>> cells;
 
   void add(const std::vector<DroppedCell>& more) {
@@ -73,7 +73,7 @@ bool Region::touches_more_than(std::uint64_t count, Vec3 p, double reach2) const
   return false;
 }
 
-/// Searches the nearest slab first: its distance excludes most other slabs.
+/// Searches the nearest slab first, since the distance found there excludes most other slabs.
 double Region::reach2_that_holds(Vec3 p, std::uint64_t count) const {
   const std::vector<Slab>& slabs = stream_.slabs();
   WholeCells found{p, count, Box::kInf, {}};

@@ -19,7 +19,7 @@ namespace pointsweep {
 struct LoadScratch;
 
 struct LoadedSlab {
-  std::vector<std::unique_ptr<WindowCell>> cells;  ///< cells of the slab, ascending by number
+  std::vector<std::unique_ptr<WindowCell>> cells;  ///< cells of the slab, ascending by number, with expected reaches
   std::vector<std::byte> records;  ///< records of the slab if the caller has asked for records; else empty
 };
 

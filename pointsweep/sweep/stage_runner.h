@@ -62,8 +62,8 @@ struct StageTally {
 struct Batch {
   PointColumns own;  ///< points of the batch and their columns
   std::size_t size = 0;
-  const PointColumns* slots = nullptr;
-  const std::uint32_t* begin = nullptr;
+  const PointColumns* slots = nullptr;   ///< points of the cell in each slot
+  const std::uint32_t* begin = nullptr;  ///< size + 1 entries; the list of point i is refs[begin[i] .. begin[i+1])
   const NeighborRef* refs = nullptr;
   std::byte* const* made = nullptr;  ///< writable columns by column number
 };
@@ -79,6 +79,7 @@ void for_each_marked(const SweepPlan& plan, std::size_t step, const StageTally& 
 /// Applies stage `s` of the plan to the batch.
 void run_stage(const SweepPlan& plan, std::size_t s, const Batch& batch, StageTally& tally);
 
+/// Applies all stages of the step to the batch. Step 0 also counts distances if tally.distances is not null.
 void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, StageTally& tally);
 
 /// Copies the result columns of the batch into result records.

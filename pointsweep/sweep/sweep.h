@@ -44,6 +44,7 @@ struct DroppedCellOfSlab {
   DroppedCell cell;
 };
 
+/// A location at which points with rows above `row` are superfluous (see Frontier).
 struct SaturatedLocation {
   Vec3 place;
   std::uint64_t row;
@@ -53,7 +54,7 @@ struct SaturatedLocation {
 /// (docs/adr/0008).
 struct SweepProgress {
   std::uint32_t slabs_read = 0;
-  std::vector<WindowedCell> window;        ///< ascending by slab and number; a read cell that is not listed is finished
+  std::vector<WindowedCell> window;        ///< in any order; a read cell that is not listed is finished
   std::vector<DroppedCellOfSlab> dropped;  ///< dropped cells; the recall needs them even if all slabs have been read
   std::vector<SaturatedLocation> saturated_locations;
   std::vector<DeferredPoint> deferred;  ///< points of finished cells that are not yet recalled
@@ -78,7 +79,7 @@ class ProgressKeeper {
 
 struct SweepOptions {
   std::uint32_t cell_points = 1024;      ///< a multiple of 16, at most kCellCapacity
-  std::size_t read_ahead = 1;            ///< slabs that are read and cut while earlier slabs are processed
+  std::size_t read_ahead = 1;            ///< slabs that are read and cut while earlier slabs are processed; at least 1
   std::uint32_t slabs_per_turn = 1;      ///< slabs that are read before the steps are taken; at least 1
   std::size_t recall_bytes = 64u << 20;  ///< bytes of memory for a group of recalled points
   /// Memory for the cells of the window. Cells may exceed it; lists for later steps use only the rest.
@@ -112,18 +113,18 @@ struct SweepStatistics {
   std::vector<DegenerateRows> degenerate;  ///< for each stage, rows whose data define no result
   double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads (recall: wall)
   std::vector<double> stage_seconds;                                ///< for each stage, summed over threads
-  std::uint64_t peak_points = 0;
-  double mean_points = 0;
+  std::uint64_t peak_points = 0;  ///< most points in the window after the steps of a turn, before cells are dropped
+  double mean_points = 0;         ///< mean number of points in the window, over the turns of this process
   /// For each turn, the number of points read so far and the number of points in the window.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> series;
   /// A series for each step, named after its operators: points read, and points in the window whose next step is this
-  /// step. The last series counts the points of finished cells that stay in the window for other cells.
+  /// step. The last series counts the points of finished cells, before cells are dropped.
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
   double lifespan_mean = 0, lifespan_max = 0;  ///< seconds that points have stayed in the window
   NeighborDistances distances;                 ///< one count for each finite point with neighbours, if requested
 };
 
-/// Runs the plan over the whole stream; hands every point of the slabs, except slabs of a halo, to `sink` exactly once.
+/// Runs the plan over the swept slabs; hands each of their points, except points of a halo, to `sink` exactly once.
 /// Uses all threads of the calling arena. The results do not depend on threads, slabs, cells or memory. An exception in
 /// any part ends the run and is thrown.
 SweepStatistics sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options);

@@ -75,8 +75,8 @@ void keep_lists_of(std::span<const std::uint32_t> kept, CellNeighbors& lists);
 
 /// Applies the step to `points` of the cell; `lists` holds one list for each. Operators get a bounded number of
 /// neighbours at a time, so that a run can be cancelled soon: after each part of the points, `done` is called with the
-/// part, and tally.marked says which points of the part are degenerate. Chosen points are copied to worker.chosen,
-/// which then holds the part with all columns.
+/// part, and tally.marked says which points of the part are degenerate. If `points` is not a run, the points of a part
+/// are copied to worker.chosen, which then holds the part with all columns.
 void apply_step(const SweepPlan& plan, std::uint32_t step, const Cell& cell, const CellSubset& points,
                 const CellNeighbors& lists, const PointColumns* slots, Worker& worker, StageTally& tally,
                 const std::function<void(const CellSubset& part)>& done);

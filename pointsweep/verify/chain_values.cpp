@@ -306,7 +306,7 @@ std::vector<bool> ChainValues::truncate_lists(Surroundings& around, const Column
   return in_doubt;
 }
 
-/// Turns a column of exact values into estimates without error.
+/// Converts a column of exact values to estimates without error; open estimates for points in doubt.
 void ChainValues::take_bits(std::uint16_t column, const ColumnBytes& bits, const std::vector<bool>& in_doubt,
                             ColumnEstimates& estimates) const {
   const Attribute& a = columns_[column];

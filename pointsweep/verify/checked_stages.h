@@ -17,20 +17,21 @@
 
 namespace pointsweep {
 
-/// Returns the newest record of a point file; none for files without a record and for arrays.
+/// Returns the newest record of a point file; none if the file is an array, has no record or a record without stages.
 std::optional<ProvenanceRecord> recorded_run(const std::filesystem::path& file);
 
-/// Returns the paths of the inputs of a recorded run, in their order. An input is looked for under its absolute path if
-/// the record states it, else in the folder of `file` and in the current folder. Throws Error if an input is missing or
-/// has another size, UsageError if the record does not name all inputs.
+/// Returns the paths of the inputs of a recorded run, in their order. Looks for an input under its absolute path or URL
+/// if the record states it, then in the folder of `file`, then in the current folder. Throws Error if an input is
+/// missing or has another size, UsageError if the record does not name all inputs.
 std::vector<std::filesystem::path> recorded_inputs(const ProvenanceRecord& record, const std::filesystem::path& file);
 
-/// Returns the attributes that the stages of a plan make, as far as they can be checked: up to the first new
-/// neighbourhood, and without values that depend on all points after points have moved. Selects at the beginning are
-/// not included.
+/// Returns the stages of a plan that can be checked: up to the first new neighbourhood or voxel(keep=centroid), without
+/// stages that depend on all points after points have moved, and, after a select that follows other stages, without
+/// stages that read neighbours. MadeBy::unchecked lists the attributes of the other stages. Selects at the beginning
+/// are not included.
 MadeBy made_by(const ChainPlan& plan);
 
-/// Removes all operators except selects, for a check that compares no made attribute.
+/// Limits a check to the selects after other stages, so that it compares no made attribute.
 void leave_selects(MadeBy& made);
 
 /// Adds to `made` the fields that --keep has excluded from the output.

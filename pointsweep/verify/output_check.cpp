@@ -43,7 +43,7 @@ struct OutputCheck {
   VerifyOptions options;
   std::vector<OptionText> neighborhood;
   std::vector<fs::path> tiles;  ///< files of an output folder: one for each input, or the parts of a divided output
-  bool recorded = false;        ///< true if the pipeline comes from the record; omitted lengths are defaults in metres
+  bool recorded = false;        ///< true if the pipeline comes from the record, where default lengths are not converted
   bool without_stages = false;  ///< true if the run was a sort or a conversion, according to its record
 
   bool is_divided() const { return options.division.divides(); }

@@ -23,14 +23,16 @@ struct MadeBy {
   SharedRule rule = {};  ///< rule that shortens each neighbourhood; null for none
   std::vector<StageOperator> operators = {};
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
-  /// Attributes that are not checked, because they depend on neighbours of moved points, which do not follow from a
-  /// sample of the input.
+  /// Attributes that are not checked, because they do not follow from a sample of the input, e.g. because points have
+  /// moved (made_by() in checked_stages.h).
   std::vector<Attribute> unchecked = {};
-  /// All points of the cloud before voxel(keep=centroid). The input of the check then has one point of each voxel.
+  /// All points of the cloud before voxel(keep=centroid); the input of the check then has one point of each voxel. Null
+  /// without such a stage.
   std::shared_ptr<InputCloud> before_means = {};
-  /// The threshold of outliers, found in the output (outlier_threshold.h).
+  /// The threshold of outliers, found in the output (outlier_threshold.h). If the output lacks mean distances, verify()
+  /// computes the threshold from the input.
   CloudThreshold outlier_threshold = {};
-  /// True if the operators include selects after other stages, so that the output lacks some rows of the input.
+  /// True if a select follows other stages, so that the output lacks some rows of the input.
   bool leaves_out = false;
   /// True if the order of the rows is unknown: neither the input's nor one that the points determine.
   bool in_any_order = false;
@@ -45,18 +47,19 @@ struct MadeBy {
 };
 
 /// Checks whether `out` equals the result of a run over `in`. For all points, it compares the count, and each attribute
-/// by value, row by row, or for the order of a sweep by checksums of values and of whole points. For a sample, it
-/// compares the made attributes with the formulas of the operators, evaluated on neighbourhoods that a brute-force
-/// search finds. `is_array`: `out` holds made values only. Values are compared with the precision of the output's types
-/// (FieldPair).
+/// by value, row by row, or, if the order of the rows differs, by checksums of values and of whole points. For a
+/// sample, it compares the made attributes with the formulas of the operators, evaluated on neighbourhoods that a
+/// brute-force search finds. `is_array`: `out` holds made values only. Values are compared with the precision of the
+/// output's types (FieldPair).
 ///
 /// If a select after other stages drops rows, half of the sample are rows that the output does not have. The earlier
 /// stages are evaluated on these rows of the input, and then the conditions, which decide whether a row stays.
 ///
-/// Reads both files once, the input once more for each ring of neighbours that the chain reads (normals and splats 1,
-/// curvature 2, fairing and splats after it 3), and once for the order of a sweep. A thin subset of the cloud first
-/// gives an upper bound for the distances of the neighbours of each chosen point. Each point of the input is then
-/// compared only with the chosen points within their bounds. About 0.3 µs per point and pass.
+/// Reads both files once. Reads the input again for each ring of neighbours that the chain reads (normals and splats 1,
+/// curvature 2, fairing with splats from curvature 3), for the order of a sweep, and for stages that depend on all
+/// points. A thin subset of the cloud first gives an upper bound for the distances of the neighbours of each chosen
+/// point. Each point of the input is then compared only with the chosen points within their bounds. A pass takes about
+/// 0.3 µs per point.
 Verdict verify(InputCloud& in, RowSource& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options = {});
 
 }  // namespace pointsweep

@@ -27,7 +27,7 @@ std::optional<Type> type_of_format(std::string_view format, std::ptrdiff_t bytes
   return std::nullopt;
 }
 
-/// Returns a shared buffer of the array. The destruction of its last column releases it, and acquires the interpreter.
+/// Returns a shared buffer of the array. Its last owner acquires the interpreter lock and releases the buffer.
 std::shared_ptr<Py_buffer> buffer_of(nb::handle array, int flags) {
   auto view = std::make_unique<Py_buffer>();
   if (PyObject_GetBuffer(array.ptr(), view.get(), flags | PyBUF_FORMAT) != 0) throw nb::python_error();

@@ -14,7 +14,7 @@
 
 namespace pointsweep {
 
-/// An N×m array, borrowed until this object is destroyed, on any thread.
+/// An N×m array, borrowed until this object is destroyed. Any thread may destroy it.
 struct ArrayColumn {
   std::vector<std::string> names;  ///< names of the m values of a row
   Type type = Type::f64;

@@ -6,6 +6,7 @@
 
 namespace pointsweep {
 
+/// Adds the functions summarize, statistics and verify to the module.
 void bind_checks(nanobind::module_& module);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Translation of the library's exceptions to those of the package.
+/// Translation of the library's exceptions to the exceptions of the package.
 #pragma once
 
 namespace pointsweep {

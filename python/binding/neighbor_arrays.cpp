@@ -98,8 +98,8 @@ void NeighborArrays::put(const PlaceLists& lists) {
     put(lists, reinterpret_cast<std::uint32_t*>(rows_.bytes.get()), distances);
 }
 
-/// Writer that marks the arrays of points without neighbours as missing. The operator never gets points without a
-/// finite place.
+/// Writer that marks the arrays of points without neighbours as missing. The operator never gets points with non-finite
+/// coordinates.
 class NeighborArrays::EmptyRows final : public Writer {
  public:
   EmptyRows(NeighborArrays& arrays, const Schema& schema)

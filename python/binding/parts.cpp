@@ -177,7 +177,7 @@ void join_the_pieces(const std::filesystem::path& scratch, const nb::list& sourc
   join_cuts(request.cloud.inputs(), request.chain, request.outputs, request.options, *place, left, key);
 }
 
-/// Removes what killed workers have left of any of the outputs. Lists each folder once.
+/// Removes incomplete files of the outputs that killed workers have left. Lists each folder once.
 void remove_abandoned(const std::vector<std::filesystem::path>& outputs) {
   const ManyOutputs listed(outputs.size(), [&](std::size_t i) { return outputs[i]; });
 }

@@ -35,8 +35,8 @@ RenderOptions render_options(const nb::dict& given) {
   return options;
 }
 
-/// Returns (bytes of the PNG, name of what gave the colours, (lo, hi) of numbers or None, number of points outside of
-/// it).
+/// Returns (bytes of the PNG, source of the colours, (lo, hi) if the colours show numbers or else None, number of
+/// points outside of the picture).
 nb::tuple render_picture(const nb::list& source, const nb::dict& given, const nb::object& progress,
                          const nb::object& warn) {
   Cloud cloud = open_cloud(source, true, given);

@@ -55,7 +55,7 @@ class PlaceSearch::Work final : public InOrderWork {
   }
 
  private:
-  /// The coordinates of the finite places along the axis, ascending, with the numbers of the places.
+  /// Returns the coordinates of the finite places along the axis, ascending, with the numbers of the places.
   std::vector<std::pair<double, double>> along_axis() const {
     std::vector<std::pair<double, double>> order;
     order.reserve(search_.places_.rows);
@@ -85,7 +85,7 @@ class PlaceSearch::Work final : public InOrderWork {
   const PlaceSearch& search_;
   int axis_;
   PointCells cells_;
-  std::vector<std::size_t> numbers_;  ///< places that are searched at the same time
+  std::vector<std::size_t> numbers_;  ///< numbers of the places that are searched at the same time
   std::vector<Vec3> places_;
 };
 

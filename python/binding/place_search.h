@@ -26,7 +26,7 @@ struct PlaceLists {
 
 /// Stores the points of a run in cells, and then searches the neighbours of each place. Makes "neighbor_queries", u8,
 /// whose value has no meaning, since a stage without attributes would not run. A place that is not finite has no
-/// neighbours and is not passed on. Memory: 16 bytes for each place, and the neighbours of some ten thousand places at
+/// neighbours and is not passed on. Memory: 16 bytes for each place, and the neighbours of at most 65,536 places at
 /// once.
 class PlaceSearch final : public InOrderOperator {
  public:

@@ -25,8 +25,9 @@ namespace nb = nanobind;
 
 namespace pointsweep {
 
-/// A Python function, the threads of the run that call it, and the first exception it raised. Without an interpreter
-/// lock the threads call it at the same time. A thread that is not attached to the interpreter destroys this object.
+/// A Python function, the threads of the run that call it, and the first exception it raised. In a Python without an
+/// interpreter lock, the threads call it at the same time. Its last owner may be a thread that is not attached to the
+/// interpreter, so function_of() attaches the thread that destroys the object.
 class PythonFunction {
  public:
   explicit PythonFunction(nb::object op) : op_(std::move(op)) {}

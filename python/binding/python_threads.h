@@ -11,12 +11,12 @@ namespace pointsweep {
 
 /// A thread that the interpreter has not started gets a new thread state, with new `threading.local` values, each time
 /// that it attaches to the interpreter. The workers of a run are such threads, and the run does not own them. So the
-/// run owns these threads: each has one thread state from its first call to the end of the run. There are never more of
-/// them than workers that called at the same time.
+/// run owns these threads: each has one thread state from its first call to the end of the run. There are at most as
+/// many of these threads as workers that call at the same time.
 class PythonThreads {
  public:
   PythonThreads();
-  /// Ends the threads, which destroy their `threading.local` values. The calling thread is not attached.
+  /// Ends the threads, which destroy their `threading.local` values. The calling thread must not be attached.
   ~PythonThreads();
 
   /// Calls work() on a thread attached to the interpreter, and returns or throws like it. Several threads may call at

@@ -18,11 +18,11 @@ struct PythonChain : Chain {
 };
 
 /// Opens a cloud. `source`: a list of paths, or of pairs (names, N×m array). `with_rows`: clouds of arrays get the
-/// field kRowField. Throws as Cloud.
+/// field kRowField. Throws the errors of Cloud.
 Cloud open_cloud(const nanobind::list& source, bool with_rows, const nanobind::dict& options);
 
-/// Builds the chain for the cloud of `facts`. `pipeline`: a list of texts and of operators of Python. Throws as
-/// parse_chain().
+/// Builds the chain for the cloud of `facts`. `pipeline`: a list of texts and of operators of Python. Throws the errors
+/// of parse_chain().
 PythonChain chain_of(const nanobind::list& pipeline, const Facts& facts);
 /// Builds a chain that is run: throws UsageError for a pipeline with only knn. An empty pipeline copies the points.
 PythonChain chain_to_run(const nanobind::list& pipeline, const Facts& facts);

@@ -41,7 +41,7 @@ using FieldGroup = std::pair<std::string, std::vector<std::string>>;
 struct WantedArrays {
   std::vector<FieldGroup> groups;                  ///< groups of fields of the input
   std::set<std::string> names;                     ///< names of arrays or of single fields; empty: all
-  bool made_only = false;                          ///< exclude attributes of the input
+  bool made_only = false;                          ///< true to exclude attributes of the input
   std::map<std::string, WritableArray> into = {};  ///< existing arrays to fill, by name
 };
 
@@ -56,7 +56,7 @@ class ResultArrays {
   /// not exist.
   std::unique_ptr<Writer> writer(const OutputPlan& plan);
   /// Returns name -> (N or N×m array, or None for an existing array that was filled; names of its components) after the
-  /// run, with the interpreter. Empties *this.
+  /// run. The calling thread must be attached to the interpreter. Empties *this.
   nanobind::dict arrays();
   /// Returns the arrays of the rows [first, first + rows), or of fewer rows at the end. Only for arrays in a file.
   nanobind::dict read(std::size_t first, std::size_t rows) const;

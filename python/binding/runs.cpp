@@ -74,8 +74,8 @@ nb::tuple run_to_arrays(Cloud& cloud, const PythonChain& chain, const WantedArra
   return nb::make_tuple(results.arrays(), statistics);
 }
 
-/// Returns the default arrays without `keep`: made attributes, and all attributes if the rows differ from those of the
-/// input.
+/// Returns the arrays that `chain.keep` names; if it is empty, the made attributes, or all attributes if the rows
+/// differ from the rows of the input. Changes `chain.keep` to the fields that the run must write for these arrays.
 WantedArrays wanted_arrays(Chain& chain, const RunOptions& options, std::vector<FieldGroup> groups) {
   WantedArrays wanted{std::move(groups), {chain.keep.begin(), chain.keep.end()}, false};
   if (!wanted.names.empty()) {

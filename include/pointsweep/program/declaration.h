@@ -74,7 +74,7 @@ struct POINTSWEEP_EXPORT OptionDeclaration {
 /// restores the value.
 POINTSWEEP_EXPORT std::string text_of_value(const OptionValue& value);
 
-/// The values of an operator's options: the given ones, else the presets.
+/// The values of an operator's options: the given values, else the presets.
 class POINTSWEEP_EXPORT OptionValues {
  public:
   /// Makes an object that holds only presets. `where` begins every message about the options, e.g. "pipeline, column

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The formats that this build reads and writes, and what names of files say about formats. For programs that take
-/// names of files from people.
+/// The formats that this build reads and writes, and the formats that names of files mean. For programs that take names
+/// of files from people.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +15,8 @@ namespace pointsweep {
 /// Returns ".ply" for "scan.PLY", ".copc.laz" for "scan.copc.laz", "" if there is no extension.
 POINTSWEEP_EXPORT std::string extension_of(const std::filesystem::path& path);
 
-/// Returns whether the extension of an output is that of a format for points or arrays that the library writes, even if
-/// this build lacks the codec. The name "-" is PLY to standard output, "-.csv" is text to standard output.
+/// Returns whether an output has the extension of a format for points or arrays that the library writes, even if this
+/// build lacks the codec. The name "-" is PLY to standard output, "-.csv" is text to standard output.
 POINTSWEEP_EXPORT bool has_output_format(const std::filesystem::path& output);
 /// Returns whether this build writes point files of this name.
 POINTSWEEP_EXPORT bool writes_points_to(const std::filesystem::path& output);
@@ -33,7 +33,7 @@ POINTSWEEP_EXPORT bool is_point_file(const std::filesystem::path& path, std::str
 /// Returns whether a folder has a point file that is not hidden; sub-folders do not count.
 POINTSWEEP_EXPORT bool holds_point_files(const std::filesystem::path& folder);
 
-/// Returns "PLY, LAS, PCD, QSplat, text": the names of the formats whose files are read as points.
+/// Returns a text like "PLY, LAS, PCD, QSplat, text": the names of the formats whose files are read as points.
 POINTSWEEP_EXPORT std::string readable_formats();
 /// Returns the extensions that create_writer() knows, e.g. ".ply".
 POINTSWEEP_EXPORT std::vector<std::string_view> writable_extensions();

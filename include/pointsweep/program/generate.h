@@ -36,9 +36,9 @@ struct NamedShape {
 POINTSWEEP_EXPORT std::vector<NamedShape> shapes();
 
 /// Returns a reader of a cloud that is stored nowhere: points in random order with the fields x y z and, if the shape
-/// has normals, nx ny nz (float32). Row i depends only on shape, seed and i: not on the count, on the size of a call,
-/// on threads or on the processor. `info().bounds` contains every point. Throws UsageError for an unknown shape, with
-/// the known ones, and for a value out of range. 5 to 50 million points a second and core.
+/// has normals, nx ny nz (float32). Row i depends only on the shape, the options except `count`, and i: not on the size
+/// of a call, on threads or on the processor. `info().bounds` contains every point. Throws UsageError, with the known
+/// shapes, for an unknown shape, and for a value out of range. 5 to 50 million points a second and core.
 POINTSWEEP_EXPORT std::unique_ptr<Reader> generated_points(std::string_view shape, const Sampling& sampling);
 
 /// Writes all points of a generated cloud and completes the output. Points are made on `threads` threads, 0 for one per

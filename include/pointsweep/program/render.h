@@ -74,7 +74,7 @@ struct Rendering {
   std::uint64_t points = 0;   ///< number of points of the cloud
   std::uint64_t drawn = 0;    ///< number of points read; fewer than all with levels of detail or a time limit
   std::uint64_t outside = 0;  ///< number of points outside of the picture, since they are too far from all others
-  std::string remark = {};    ///< sentence: why the colours of the file are not used; empty if there is no such reason
+  std::string remark = {};    ///< note if the colours of the file were to be drawn but are all equal; else empty
   std::vector<std::byte> sample = {};  ///< records of at most 65,536 of the points, evenly chosen
 };
 

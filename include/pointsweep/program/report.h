@@ -44,7 +44,7 @@ struct RunSummary {
   std::string crs;             ///< coordinate reference system in words; empty if the cloud states none
   std::string unit;            ///< unit of the cloud's lengths; empty if unknown
   std::string command;         ///< the command line, as a shell takes it
-  std::string version;         ///< version of the program, e.g. "pointsweep 0.1.0"
+  std::string version;         ///< version of the program, e.g. "0.1.0"
   Statistics statistics;
   std::optional<Rendering> picture;  ///< picture of the result
   double drawing_seconds = 0;        ///< time to read the result and draw the picture

@@ -72,7 +72,7 @@ CommonCrs common_crs(const std::vector<std::shared_ptr<Reader>>& readers, bool i
     }
     const CrsAgreement agreement = compare(*first.crs, *info.crs);
     if (agreement == CrsAgreement::different && !ignore) refuse_different(first, info);
-    // Point formats 6 to 10 need WKT, which the first input may lack.
+    // LAS point formats 6 to 10 need WKT, which the first input may lack.
     if (agreement == CrsAgreement::same && common.crs->wkt.empty()) common.crs->wkt = info.crs->wkt;
     if (agreement == CrsAgreement::different) different.push_back(&info);
     if (agreement == CrsAgreement::undecided) undecided.push_back(&info);

@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr int kOverlapClass = 12;  ///< LAS 1.4 R15, Table 9
+constexpr int kOverlapClass = 12;  ///< overlap of flight lines in point formats 0 to 5 (LAS 1.4 R15, Table 9)
 
 using Readers = std::vector<std::shared_ptr<Reader>>;
 

@@ -20,7 +20,7 @@
 
 namespace pointsweep {
 
-/// Moves scaled 32-bit coordinates to another grid: raw = raw * factor + steps, nothing is rounded.
+/// Moves scaled 32-bit coordinates to another grid: raw = raw * factor + steps. Nothing is rounded.
 struct GridShift {
   std::array<std::uint32_t, 3> offsets{};  ///< offsets of x, y and z in the record
   std::array<std::int64_t, 3> factors{1, 1, 1}, steps{};
@@ -38,9 +38,9 @@ struct CommonGrid {
 
 /// Returns the grid of the finest scale on which every coordinate of every input lies, if there is one. Its conditions:
 /// all x, y and z are scaled int32, each scale is a whole multiple of the finest, offsets differ by whole steps of the
-/// finest scale, and the bounds in the headers stay within 32 bits. The offset of each axis is that of the first input
-/// for which the bounds fit. If they fit for no input, the offset lies in the middle of all bounds, whole steps away
-/// from the offset of the first input.
+/// finest scale, and the bounds in the headers stay within 32 bits. The offset of each axis is the first offset of an
+/// input from which 32 bits reach all bounds. If there is no such offset, the offset lies in the middle of all bounds,
+/// whole steps away from the offset of the first input.
 std::optional<CommonGrid> common_grid(const std::vector<std::shared_ptr<Reader>>& readers);
 
 /// The values other than 0 of fields that an input lacks and other inputs have. Points without return numbers are
@@ -61,7 +61,7 @@ class MissingFields {
   std::optional<std::pair<Field, Field>> overlap_;  ///< classification, overlap
 };
 
-/// The steps that turn a record of one input into a record of the cloud: shift, then conversion, then completion.
+/// The steps that turn a record of one input into a record of the cloud: shift, then conversion, then missing fields.
 struct InputMapping {
   GridShift shift;
   std::shared_ptr<const RecordConversion> conversion;  ///< null if the input has the layout of the cloud
@@ -77,14 +77,14 @@ struct CommonSchema {
   std::vector<std::string> warnings;
 };
 
-/// Returns the schema that class InputCloud documents. Names with the same meaning (`nx`, `NormalX`) are one field,
-/// under the name that comes first.
+/// Returns the schema that class Cloud documents. Names with the same meaning (`nx`, `NormalX`) are one field, under
+/// the name that comes first.
 CommonSchema common_schema(const std::vector<std::shared_ptr<Reader>>& readers);
 
 /// One coordinate reference system for several inputs.
 struct CommonCrs {
-  std::optional<Crs> crs;             ///< system of the first input that states one; its WKT may come from another
-                                      ///< input
+  std::optional<Crs> crs;             ///< the user's system, else that of the first input that states one; its WKT may
+                                      ///< come from another input
   std::vector<std::string> warnings;  ///< about inputs without a system, and systems that could not be compared or
                                       ///< differ
   bool replaces = false;              ///< true if an input states another system, which is ignored
@@ -94,8 +94,8 @@ struct CommonCrs {
 /// warning instead, and coordinates stay unchanged.
 CommonCrs common_crs(const std::vector<std::shared_ptr<Reader>>& readers, bool ignore);
 
-/// Returns the system that the user states. Throws UsageError if an input states another system, unless
-/// StatedCrs::replaces is set.
+/// Returns the system that the user states. Throws UsageError if an input states another system, or one that cannot be
+/// compared, unless StatedCrs::replaces is set or StatedCrs::crs is absent.
 CommonCrs stated_crs(const std::vector<std::shared_ptr<Reader>>& readers, const StatedCrs& stated);
 
 /// Returns ", e.g. by 'pdal translate ...'": a command that transforms a file to the system; empty without an EPSG

@@ -30,7 +30,7 @@ struct NonfiniteRows {
 /// A function that reads records as RowDecoder::read does.
 using ReadInputRows = std::function<std::size_t(std::uint64_t row, std::span<std::byte> records)>;
 
-/// Returns whether a coordinate of these fields may be NaN or infinite: true unless all are integers, scaled or not.
+/// Returns whether a coordinate may be NaN or infinite: false if all are integers whose scaled values are finite.
 bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path);
 
 /// The number of finite rows before each block of 4,096 rows of an input.

@@ -51,7 +51,7 @@ class InputCloud {
   bool replaces_crs() const { return replaces_crs_; }
   /// Returns whether inputs may have different coordinate reference systems.
   bool ignores_crs() const { return ignores_crs_; }
-  /// Returns the meaning of coordinates and times of inputs that are or were LAS; null if there are no such inputs.
+  /// Returns the common origin of the inputs that are LAS or were made from LAS; null if there are no such inputs.
   const std::shared_ptr<const LasOrigin>& las() const { return las_; }
   /// Returns the range of each field that the types of the inputs allow.
   const std::vector<ValueRange>& ranges() const { return ranges_; }
@@ -91,8 +91,8 @@ class InputCloud {
   /// Returns the cloud of the chosen chunks, as if the inputs had no others. Inputs without decoders keep all chunks;
   /// the first chunk is kept if no point would be left.
   InputCloud with_chunks(const std::function<bool(const Chunk&)>& is_chosen) const;
-  /// Returns the cloud with the number of the row in the inputs, counting rows that are dropped later, in each record
-  /// as its last field (input_row.h). The first row has the number `first`.
+  /// Returns the cloud whose records have one more field at the end: the number of the row in the inputs (input_row.h),
+  /// which counts rows that are dropped later. The first row has the number `first`.
   InputCloud numbered(std::uint64_t first = 0) const;
   /// Returns the cloud without the rows with NaN or infinite coordinates, and the dropped rows by their old numbers.
   /// NonfiniteRows::bounds is empty if an input with points was not read. Reads every input that can have such rows

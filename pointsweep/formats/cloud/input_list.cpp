@@ -223,7 +223,8 @@ class Lister {
     return true;
   }
 
-  /// Throws UsageError for a file that a folder and another argument both contain, since its points would come twice.
+  /// Throws UsageError for a file that is listed twice, since its points would come twice. A file may be named twice if
+  /// both arguments are the file itself.
   void require_each_once(const fs::path& argument) {
     const bool by_own_name = kind_of(argument) == ArgumentKind::file;
     for (; checked_ < out_.files.size(); ++checked_) {

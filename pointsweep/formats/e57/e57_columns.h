@@ -13,7 +13,7 @@
 
 namespace pointsweep {
 
-/// The names of attributes in E57 and in the library.
+/// The name of an attribute in the library and in E57.
 struct E57Name {
   std::string_view ours, theirs;
   std::string_view extension = "";  ///< extension that defines the name; empty for the standard
@@ -46,6 +46,7 @@ inline constexpr E57Name kE57Names[] = {
     {"nz", "normalZ", "nor"},
 };
 
+/// Number of the Cartesian coordinates at the begin of kE57Names.
 inline constexpr std::size_t kE57Coordinates = 3;
 
 /// One value of a point: an attribute of the file, and its place in a record.

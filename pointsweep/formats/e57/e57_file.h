@@ -22,7 +22,7 @@ struct E57Attribute {
   std::string name;  ///< name in the file, e.g. "cartesianX"
   Kind kind = Kind::real;
   std::int64_t least = 0, most = 0;  ///< range of stored integers, before scale and offset
-  double scale = 1, offset = 0;      ///< of scaled integers; 1 and 0 for other kinds
+  double scale = 1, offset = 0;      ///< value = integer * scale + offset; 1 and 0 unless kind is scaled_integer
 
   bool is_stored_as_integer() const { return kind == Kind::scaled_integer || kind == Kind::integer; }
   /// Returns the value for a `stored` number that E57File::Points::read() returns.
@@ -59,7 +59,7 @@ class E57File {
     std::size_t scan() const { return scan_; }
     std::uint64_t next() const { return next_; }  ///< row in the scan of the next point
     /// Reads one number for each attribute of each point: a stored integer, or the bits of a double. The scan must have
-    /// so many more points. Throws Error for a damaged file.
+    /// at least as many points left. Throws Error for a damaged file.
     void read(std::span<std::uint64_t> values);
 
    private:

@@ -21,7 +21,8 @@ std::unique_ptr<Reader> open_e57(const std::filesystem::path& path);
 /// Creates a writer. Coordinates have the type of the input; integers of a LAS grid become scaled integers. A point
 /// with a coordinate that is not finite is marked as invalid, and reads as NaN. Attributes of the standard have the
 /// names of the standard, normals have the names of the extension for surface normals, and all others have the name
-/// `ps:NAME`. Throws Error if codecs are not built in, and for an unsigned integer above 2^63 - 1.
+/// `ps:NAME`. Throws Error if codecs are not built in. Writer::write() throws Error for an unsigned integer above
+/// 2^63 - 1.
 std::unique_ptr<Writer> create_e57_writer(const OutputPlan& plan);
 
 /// Returns the bytes of memory that encoding takes, which depend neither on the records nor on the threads.

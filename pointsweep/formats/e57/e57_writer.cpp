@@ -30,7 +30,7 @@ constexpr std::uint64_t kInvalid = 2;  ///< value of cartesianInvalidState for c
 /// Returns 128 bits in the form of E57's identifiers. They depend only on the number and the fields of the points and
 /// on the provenance, so that equal runs give equal bytes.
 std::string identifier_of(const OutputPlan& plan) {
-  std::uint64_t state[2] = {0xcbf29ce484222325u, 0x84222325cbf29ce4u};  // FNV-1a, from two beginnings
+  std::uint64_t state[2] = {0xcbf29ce484222325u, 0x84222325cbf29ce4u};  // FNV-1a with two initial values
   const auto add = [&](std::string_view bytes) {
     for (const char c : bytes)
       for (std::uint64_t& s : state) s = (s ^ static_cast<unsigned char>(c)) * 0x100000001b3u;

@@ -21,8 +21,8 @@ std::vector<std::filesystem::path> matches_of(const std::filesystem::path& patte
 /// Returns the folders before the first name with a wildcard: "tiles" for "tiles/*/a.laz", "" if there are none.
 std::filesystem::path fixed_part(const std::filesystem::path& pattern);
 
-/// Returns whether the key in a bucket has one of the characters * ? [, all of which are wildcards: no pattern names a
-/// key that contains them. In an address of http only * counts, since ? begins the query.
+/// Returns whether the key in a bucket has one of the characters * ? [, which are always wildcards, even if an object
+/// has exactly this key. In an address of http only * is a wildcard, since ? begins the query.
 bool is_remote_pattern(const std::filesystem::path& url);
 
 /// Returns the folders before the first name with a wildcard, with a '/' at the end: "s3://bucket/tiles/".

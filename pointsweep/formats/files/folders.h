@@ -28,7 +28,7 @@ class MadeFolders {
   MadeFolders(const MadeFolders&) = delete;
   MadeFolders& operator=(const MadeFolders&) = delete;
 
-  /// Makes the missing folders on the path of `file`. Throws Error if one cannot be made.
+  /// Makes the missing folders on the path of `file`; none for a URL. Throws Error if a folder cannot be made.
   void make_for(const std::filesystem::path& file);
 
  private:

@@ -48,7 +48,8 @@ std::vector<std::byte> copc_hierarchy_bytes(std::vector<CopcNode> nodes);
 
 /// The octree nodes of the chunks of a COPC file.
 struct CopcChunks {
-  /// For each chunk the box of its node, which the points need not respect, and its depth. Empty if there are no nodes.
+  /// Box and depth of the node of each chunk; empty if there are no nodes. Points of a chunk may lie outside of its
+  /// box.
   std::vector<Box> boxes = {};
   std::vector<int> depths = {};
   double spacing = 0;  ///< spacing of the root, as the file states it
@@ -59,8 +60,9 @@ struct CopcChunks {
 /// content of the info VLR begins. Reads at most as many bytes as the file has.
 CopcChunks read_copc_nodes(const InputFile& file, std::uint64_t info, const LazPoints& points, std::string& why_not);
 
-/// Returns the layout with a point format that COPC allows: the stated point format, else 8 if there is near infrared,
-/// 7 if there are colours, else 6. Throws UsageError for a stated format or version that COPC does not allow.
+/// Returns the layout with a point format that COPC allows: the stated point format, else 8 if there are colours and
+/// near infrared, 7 if there are only colours, else 6. Throws UsageError for a stated format or version that COPC does
+/// not allow.
 FileLayout copc_file_layout(const Schema& schema, FileLayout layout, const std::string& path);
 
 }  // namespace pointsweep

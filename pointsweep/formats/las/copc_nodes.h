@@ -36,7 +36,7 @@ class CopcNodes {
   /// Takes the next point: a record of point format 6, 7 or 8. Throws Error if its node has too many points.
   void add(const CurveKey& key, int depth, const std::byte* record);
 
-  /// Returns the range of the GPS times of all points; 0 and 0 if they have no times.
+  /// Returns the range of the GPS times of all points, without NaN; 0 and 0 if there is no such time.
   TimeRange times() const { return times_; }
 
   using Put = std::function<void(std::uint64_t at, std::span<const std::byte> bytes)>;

@@ -30,8 +30,8 @@ constexpr std::uint64_t kUsefulBytes = 96 << 20;
 /// Number of copies of a node that are in memory while the node is sorted and compressed.
 constexpr std::uint64_t kCopiesOfNode = 3, kAnyNumberOfBytes = ~std::uint64_t{0};
 
-/// Returns the memory that a writer of `bytes` bytes of records uses: at most `memory`, if that is not less than the
-/// minimum, and no more than makes the writer faster.
+/// Returns the memory that a writer of `bytes` bytes of records uses: `memory`, but at least the minimum, and at most
+/// the amount beyond which the writer gets no faster.
 std::uint64_t useful_memory(std::uint64_t bytes, std::uint64_t memory, unsigned threads) {
   const std::uint64_t least = copc_encoder_bytes(0, threads);
   return std::clamp(memory, least, least + std::max(kUsefulBytes, bytes / 32));

@@ -37,8 +37,8 @@ std::optional<std::string> append_extra_bytes(std::span<const std::byte> descrip
 /// descriptor.
 std::optional<std::span<const std::byte>> find_extra_bytes(std::span<const std::byte> descriptors, const Field& field);
 
-/// Returns the description of component `component` of a made attribute, in at most 32 bytes: the beginning of its
-/// meaning, then its unit, or the name of the axis.
+/// Returns the description of component `component` of a made attribute, in at most 32 bytes: the beginning of the
+/// meaning, then the axis of the component, or for an attribute of one component the unit, if there is room.
 std::string extra_bytes_description(const Attribute& attribute, std::size_t component);
 
 /// Builds the content of the VLR.
@@ -52,9 +52,9 @@ class ExtraBytesVlr {
   /// field, cut to 32 bytes. An older attribute of this name is renamed to `<name>_input`; both stay in the file. A
   /// field of several values becomes `name[0]`, `name[1]`, ... `description` (at most 32 bytes) states its meaning.
   void append(const Field& field, std::string_view description = {});
-  /// Adds a copy of `descriptor`, which describes one value of another file, without its smallest and largest value.
+  /// Adds a copy of `descriptor`, which an input has for a field of one value. The copy states no range of values.
   void append_again(std::span<const std::byte> descriptor);
-  /// Adds a descriptor of type 0: `count` bytes without a known meaning.
+  /// Adds descriptors of type 0, each for at most 255 bytes: `count` bytes without a known meaning.
   void append_undocumented(std::uint32_t count);
 
   std::size_t size() const { return bytes_.size() / kExtraBytesDescriptor; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Writers of LAS and LAZ. Outputs keep all parts of a LAS input; other inputs become LAS 1.4 (see las_layout.h). Facts
-/// about all values of a cloud are collected before its first point is stored.
+/// Writers of LAS, LAZ and COPC. Outputs keep the parts of a LAS input; other inputs become LAS 1.4 (see las_layout.h).
+/// Facts about all values of a cloud are collected before its first point is stored.
 #pragma once
 
 #include <cstdint>
@@ -26,15 +26,15 @@ bool las_values_need_points(const InputCloud& cloud, const FileLayout& layout);
 StoredCoordinate las_stored_coordinate(const OutputPlan& plan);
 
 /// Creates a writer. Throws Error, before anything is written, if the points cannot be stored as LAS. Without a LAS
-/// input, plan.bounds is required unless the coordinates are integers of at most 32 bits.
+/// input, plan.bounds is required unless the coordinates are integers that 32 signed bits hold.
 std::unique_ptr<Writer> create_las_writer(const OutputPlan& plan);
 
 /// Creates a writer like create_las_writer(), which writes the points in compressed chunks. Records come in order. All
 /// threads compress several chunks of kLazChunkPoints points at once. Throws Error if codecs are not built in.
 std::unique_ptr<Writer> create_laz_writer(const OutputPlan& plan);
 
-/// Creates a writer of COPC, that is, LAZ with levels of detail. It stores all points in OutputPlan::scratch, and
-/// writes the file after the last point (levels/level_choice.h).
+/// Creates a writer of COPC, that is, LAZ with levels of detail. It keeps all points in memory or in files of
+/// OutputPlan::scratch, and writes the file after the last point (levels/level_choice.h).
 std::unique_ptr<Writer> create_copc_writer(const OutputPlan& plan);
 StoredCoordinate copc_stored_coordinate(const OutputPlan& plan);
 KnownValues copc_values(InputCloud& cloud, const FileLayout& layout,
@@ -45,7 +45,7 @@ std::uint64_t copc_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
 /// Computes Format::aside_bytes of COPC.
 std::uint64_t copc_aside_bytes(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory, unsigned threads);
 
-/// Returns the memory of the writer of LAZ for records of `record_bytes`: the chunks that are compressed at once,
+/// Returns the least memory of the writer of LAZ for records of `record_bytes`: the chunks that are compressed at once,
 /// before and after compression, and the models of the coder.
 std::uint64_t laz_encoder_bytes(std::uint64_t record_bytes, unsigned threads);
 

@@ -46,6 +46,7 @@ class LasStatistics {
   std::uint8_t return_mask_;
 };
 
+/// The output file of a writer, and all bytes of it other than the points.
 class LasFrame {
  public:
   /// Writes all bytes before the points. Throws Error, before anything is written, if the points cannot be stored.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The public header block of LAS 1.0 to 1.4. The parser checks every entry.
+/// The public header block of LAS 1.0 to 1.4. The parser checks version, point format, sizes, counts and scales.
 #pragma once
 
 #include <array>
@@ -63,7 +63,7 @@ std::uint64_t point_count(const LasHeader& header);
 /// Returns a header of LAS 1.4 without points, VLRs and dates. Dates would make the bytes of equal runs differ.
 LasHeader new_las_header();
 
-/// Turns an older header into a header of LAS 1.`minor`, with 64-bit counts for LAS 1.4. A newer header stays
+/// Turns an older header into a header of LAS 1.`minor`, in LAS 1.4 with room for 64-bit counts. A newer header stays
 /// unchanged. User bytes after the header stay after it.
 void upgrade_las_header(LasHeader& header, int minor);
 

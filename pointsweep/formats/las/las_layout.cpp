@@ -148,8 +148,8 @@ class Builder {
     return "";
   }
 
-  /// Returns whether the run makes an attribute for which some point format has a field. Such an attribute is not
-  /// stored in extra bytes.
+  /// Returns whether the run makes an attribute that the input lacks and for which another point format has a field.
+  /// Such an attribute is not stored in extra bytes.
   bool makes_fields_of_formats() const {
     return std::ranges::any_of(las_names_in(plan_.schema),
                                [&](const std::string& name) { return !input_->schema.find(name); });
@@ -282,7 +282,8 @@ class Builder {
     return ranges;
   }
 
-  /// Chooses the oldest version that has the point format and is not older than any LAS input.
+  /// Chooses the oldest version that has the point format and is not older than any LAS input. Sets the time bit to the
+  /// kind of GPS time of the inputs.
   void choose_version() {
     LasHeader& header = layout_.header;
     int minor = las_minor_of(header.point_format);

@@ -29,8 +29,8 @@ struct LasPiece {
 /// The way in which a file stores its points. `nodes`: compressed, one chunk for each node of an octree (COPC).
 enum class LasPoints { plain, compressed, nodes };
 
-/// A LAS file in this order: header, `first_vlrs`, piece `before` of the input, `added_vlrs`, piece `between`,
-/// `provenance_vlrs`, piece `after`, points, piece `tail`. VLRs that describe the compression or the octree of the
+/// A LAS file in this order: header, `first_vlrs`, pieces `before` of the input, `added_vlrs`, pieces `between`,
+/// `provenance_vlrs`, piece `after`, points, pieces `tail`. VLRs that describe the compression or the octree of the
 /// input are left out.
 struct LasLayout {
   LasHeader header;                        ///< the header without counts and bounds
@@ -49,7 +49,7 @@ struct LasLayout {
   Field x, y, z;                      ///< the coordinates, as fields of `from`
   bool positions_change = false;      ///< coordinates are quantised, which may fail
   bool points_moved = false;          ///< the coordinates were changed by stages
-  bool keeps_scale = false;           ///< coordinates are rounded to the grid of the input
+  bool keeps_scale = false;           ///< real coordinates are stored on KnownValues::grid
   bool grid_is_stated = false;        ///< coordinates are rounded to a grid that the user states
   std::optional<Vec3> fitting_scale;  ///< scales at which 32 bits hold all coordinates; none if the bounds are unknown
   bool returns_missing = false;       ///< records have no return numbers: every point becomes return 1 of 1
@@ -63,25 +63,25 @@ struct LasLayout {
 /// 1. The records begin with the records of a LAS input, except that coordinates may be real numbers. All parts of the
 /// input are kept. Made fields become extra bytes, or are stored in the field of the point format that has their name
 /// (classification, ...).
-/// 2. The records begin otherwise, or a made field exists only in another point format (colours). The shortest point
-/// format that holds the fields is chosen (choose_las_point_format(); one of 6 to 10, unless an input is LAS or was
-/// LAS). The VLRs and EVLRs of a LAS input are kept. A value that does not fit its LAS field is stored there rounded,
-/// and exactly in extra bytes.
+/// 2. The records begin otherwise, the user states another point format, or a made field exists only in another point
+/// format (colours). choose_las_point_format() chooses the shortest point format that holds the fields; formats 0 to 5
+/// are allowed only if an input is LAS or was made from LAS, or if the user states them or a version before 1.4. The
+/// VLRs and EVLRs of a LAS input are kept. A value that does not fit its LAS field is stored there rounded, and exactly
+/// in extra bytes.
 LasLayout lay_out_las(const OutputPlan& plan, LasPoints points = LasPoints::plain);
 
 /// Returns whether `schema` begins with the records of `input`. The coordinates may have another scale and offset, or
 /// be real numbers at the begin of the record.
 bool las_begins_with_records_of(const LasParts& input, const Schema& schema);
 
-/// Returns whether records of `schema` keep the form of the input's records: true unless the user asks for another
-/// point format.
+/// Returns whether records of `schema` begin with the records of `input` and the user states no other point format.
 bool las_keeps_records(const LasParts& input, const Schema& schema, const FileLayout& layout);
 
-/// Returns the point formats to choose from. `from_las`: an input is or was LAS.
+/// Returns the point formats to choose from. `from_las`: an input is LAS or was made from LAS.
 LasChoice las_choice(const FileLayout& layout, bool from_las);
 
-/// Returns whether signed integers of 32 bits, as LAS stores them, hold all coordinates. The coordinates stay
-/// unchanged, and no bounds are needed to choose a scale.
+/// Returns whether signed integers of 32 bits, as LAS stores them, hold all coordinates. If so, the coordinates stay
+/// unchanged unless a grid is stated, and no bounds are needed to choose a scale.
 bool las_keeps_scale(const PositionFields& p);
 
 /// The VLRs that describe the records of the output.

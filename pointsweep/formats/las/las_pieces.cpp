@@ -131,7 +131,7 @@ class PiecePlacer {
   void add_extra_bytes_vlr() {
     std::vector<std::byte> vlr =
         las_vlr(kLasSpecUser, kExtraBytesRecord, "Extra bytes", descriptions_.extra_bytes.bytes());
-    if (input_ != nullptr && input_->vlrs.extra_bytes) {  // the input's VLR keeps its header
+    if (input_ != nullptr && input_->vlrs.extra_bytes) {  // the new VLR keeps the header of the input's VLR
       input_->file->read_at(input_->vlrs.extra_bytes->start, std::span(vlr).first(kLasVlrHeader));
       const auto length = static_cast<std::uint16_t>(descriptions_.extra_bytes.bytes().size());
       std::memcpy(vlr.data() + 20, &length, sizeof length);

@@ -177,7 +177,7 @@ LazPoints open_compressed(const LasParts& parts) {
   return {parts.file, vlr, header.offset_to_points, point_count(header), header.record_length};
 }
 
-/// Returns the nodes of a COPC file; empty for other files.
+/// Returns the nodes of a COPC file; empty for other files. Warns of a hierarchy that cannot be used.
 CopcChunks copc_nodes(const LasParts& parts, const LazPoints& points, std::vector<std::string>& warnings) {
   const std::optional<LasVlr>& info = parts.vlrs.copc;
   if (!info || info->length != kCopcInfoBytes) return {};

@@ -16,8 +16,8 @@
 
 namespace pointsweep {
 
-/// All parts of a LAS file except its points. Only the header is in memory; VLRs, EVLRs and bytes of unknown meaning
-/// are copied from the file.
+/// All parts of a LAS file except its points. VLRs, EVLRs and bytes of unknown meaning are not in memory; writers copy
+/// them from the file.
 struct LasParts {
   std::shared_ptr<const InputFile> file;
   LasHeader header;
@@ -31,8 +31,8 @@ struct LasParts {
   std::vector<std::string> provenance;  ///< lines about how the file was made, from its VLRs
 };
 
-/// The parts of a LAS input that its writer uses. There may be very many inputs, so most parts are read only by
-/// parts().
+/// The parts of a LAS input that the writers of LAS, LAZ and COPC use. There may be very many inputs, so most parts are
+/// read only by parts().
 struct LasExtras final : FormatExtras {
   static constexpr std::string_view kFormat = "las";
   std::string_view format() const override { return kFormat; }

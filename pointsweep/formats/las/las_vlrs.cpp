@@ -75,7 +75,7 @@ std::uint64_t content_length(const std::byte* header, LasVlrKind kind) {
 
 constexpr std::uint64_t kLongestText = 1 << 20;
 
-/// Returns the content of a record as whole elements of T, empty if there is no record.
+/// Returns the content of a record as a container of whole elements; empty if there is no record or it is too long.
 template <class Content>
 Content content_of(const InputFile& file, const std::optional<LasVlr>& vlr) {
   Content content;

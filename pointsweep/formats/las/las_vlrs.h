@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The chain of (extended) variable length records of a LAS file: its end, the places of the records that readers use,
-/// and the coordinate reference system that VLRs of the user LASF_Projection state.
+/// the coordinate reference system that VLRs of the user LASF_Projection state, and the bytes of new records.
 #pragma once
 
 #include <cstddef>
@@ -60,8 +60,8 @@ LasVlrChain walk_las_vlrs(const InputFile& file, LasVlrKind kind, std::uint64_t 
                           std::uint32_t promised, std::vector<std::string>& warnings);
 
 /// Returns the system that the VLRs, or else the extended VLRs, state; none if they state no system. WKT is the valid
-/// statement if the header says so or there are no GeoTIFF keys; the other statement is kept too. Texts over 1 MiB are
-/// not read.
+/// statement if the header sets the WKT bit, the point format is 6 or higher, or there are no GeoTIFF keys; the other
+/// statement is kept too. Records over 1 MiB are not read.
 std::optional<Crs> read_las_crs(const InputFile& file, const LasHeader& header, const LasVlrChain& vlrs,
                                 const LasVlrChain& evlrs);
 
@@ -80,6 +80,7 @@ struct LasCrsVlrs {
   std::vector<std::byte> bytes;
   std::uint32_t count = 0;
 };
+/// Returns the VLRs for `crs`, without those whose content is longer than kLongestVlr.
 LasCrsVlrs las_crs_vlrs(const Crs& crs);
 
 }  // namespace pointsweep

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The C++ side of the LASzip codec (codecs/): the content of the LASzip VLR, with errors as exceptions.
+/// The C++ side of the LASzip codec (codecs/), with errors as exceptions: the content of the LASzip VLR, the chunk
+/// table and the compression of chunks.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +19,7 @@ namespace pointsweep {
 inline constexpr std::string_view kLaszipUser = "laszip encoded";
 inline constexpr std::uint16_t kLaszipRecord = 22204;
 
-/// Points in each chunk of written files; most writers use this number.
+/// Points in each chunk of written files other than COPC; most writers use this number.
 inline constexpr std::uint32_t kLazChunkPoints = 50'000;
 
 /// Bytes before the first chunk, which store the offset of the chunk table.
@@ -52,6 +53,7 @@ class LazLayout {
   std::vector<std::byte> compress(std::span<const std::byte> records) const;
 
   const psc_laz* codec() const { return codec_.get(); }
+  /// Throws Error that says that the file cannot be decompressed, and why.
   [[noreturn]] void fail_with(const char* reason) const;
 
  private:

@@ -29,8 +29,8 @@ struct OffHeader {
   std::uint64_t vertices = 0, faces = 0;
 };
 
-/// Removes the keyword, letters that end with OFF, from the begin of `line` and returns its meaning. Returns nothing if
-/// there is no keyword.
+/// Removes the keyword, letters that end with OFF, from the beginning of `line` and returns its meaning. Returns
+/// nothing if there is no keyword.
 std::optional<OffHeader> take_keyword(std::string_view& line) {
   OffHeader header;
   const auto take = [&](std::string_view word) {

@@ -12,8 +12,8 @@
 
 namespace pointsweep {
 
-/// Opens a little-endian, C-ordered array of one or two dimensions (format versions 1 to 3). Its schema has one field
-/// for each column: neighbor_0, ... for integers, distance_0, ... for floating numbers. Throws Error for other arrays.
+/// Opens a little-endian, C-ordered array of one or two dimensions (format versions 1 to 3). The schema has one field
+/// for each column: neighbor_0, ... for uint32 and uint64, distance_0, ... for float64. Throws Error for other arrays.
 std::unique_ptr<Reader> open_npy(const std::filesystem::path& path);
 
 /// Writes an array. The schema of the plan must have one plain field. The array has shape (n, count), or (n,) if the
@@ -31,8 +31,8 @@ bool starts_as_npy_points(std::string_view head);
 /// Fortran order, or of a structured type with fields x, y, z (or xyz, ... of three values), in either byte order;
 /// values keep their type. Arrays with more axes, such as organised clouds, are flattened, with a warning. In an
 /// archive the positions are the member xyz, points, position(s), vertices or coordinates, or members x, y and z, or
-/// the only member that can hold positions. Members of as many rows become attributes under their names; others are
-/// left out with a warning. Throws Error for other files.
+/// the only member that can hold positions. Members with as many rows as the positions become attributes under their
+/// names; others are left out with a warning. Throws Error for other files.
 std::unique_ptr<Reader> open_npy_points(const std::filesystem::path& path);
 
 }  // namespace pointsweep

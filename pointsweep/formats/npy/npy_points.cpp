@@ -25,7 +25,7 @@ struct NpyArray {
   std::string name;  ///< name in an archive (.npz); empty for a .npy file
   NpyHeader header;
 
-  /// Returns the number of values per row of an array of numbers, whose axes are rows, then values.
+  /// Returns the number of values per row: the size of the last axis of a table, else 1.
   std::uint64_t columns() const { return is_table() ? header.shape.back() : 1; }
   std::uint64_t rows() const { return header.elements(is_table() ? 1 : 0); }
   bool is_table() const { return !header.is_structured && header.shape.size() >= 2; }

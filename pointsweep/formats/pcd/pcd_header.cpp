@@ -141,7 +141,7 @@ Schema PcdHeader::schema() const {
   for (const PcdField& field : fields) {
     if (field.name == "_" || field.count == 0) continue;
     if ((field.name == "rgb" || field.name == "rgba") && field.bytes() == 4) {
-      // One byte each, from the highest on: unused or alpha, red, green, blue.
+      // The bytes of the word, from the highest on, are alpha (unused in rgb), red, green and blue.
       const auto part = [&](const char* name, std::uint8_t shift) {
         schema.fields.push_back(
             {.name = name, .type = Type::u32, .offset = field.offset, .bit_shift = shift, .bit_width = 8});

@@ -30,10 +30,11 @@ struct PcdHeader {
   std::string viewpoint;                ///< the unchanged line; "" if there is none
   std::vector<std::string> provenance;  ///< comments that say how the file was made
   PcdData data = PcdData::ascii;
-  std::uint64_t body_offset = 0;
-  std::uint64_t body_line = 1;
+  std::uint64_t body_offset = 0;  ///< byte after the header
+  std::uint64_t body_line = 1;    ///< number of the line after the header, from 1
 
-  /// Returns the fields as operators see them: without padding, and with packed colours as red, green and blue.
+  /// Returns the fields as operators see them: without padding, and with packed colours as red, green, blue (and
+  /// alpha).
   Schema schema() const;
 };
 
@@ -48,7 +49,7 @@ struct PcdExtras final : FormatExtras {
   std::string viewpoint;  ///< PcdHeader::viewpoint if it is complete
 };
 
-/// Throws Error with the line of the header that is wrong.
+/// Reads the header of a file. Throws Error for a header that is wrong or has no end.
 PcdHeader read_pcd_header(const InputFile& file);
 
 }  // namespace pointsweep

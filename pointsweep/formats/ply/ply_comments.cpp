@@ -6,7 +6,7 @@
 ///     comment crs_geotiff_doubles 6378137 298.25       GeoDoubleParamsTag
 ///     comment crs_geotiff_ascii NAD83|                 GeoAsciiParamsTag; all but visible characters as %XX
 ///     comment las scale 0.01 0.01 0.01 offset 500000 0 0 gps_time standard
-///                                                      of a LAS input; gps_time standard or week, if there are times
+///                                                      grid of a LAS input; gps_time standard or week, if it has times
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -57,7 +57,7 @@ std::vector<std::string> number_lines(std::string_view prefix, const Numbers& nu
   return lines;
 }
 
-/// Returns `text` with all bytes but visible ASCII as %XX, including spaces, since readers trim lines.
+/// Returns `text` with '%', spaces and all bytes that are not visible ASCII as %XX. Readers would trim spaces.
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {

@@ -15,10 +15,11 @@ namespace pointsweep {
 /// little-endian order. Throws Error for lists on vertices, missing x, y or z, and fewer vertices than the header says.
 std::unique_ptr<Reader> open_ply(const std::filesystem::path& path);
 
-/// Creates a writer of one element `vertex` with a property for each component of each field, in the order of the plan,
-/// under its own name and type. Scaled fields become `double`, bit fields the smallest unsigned type that holds them.
-/// PLY has no 64-bit integers. They are kept as `int64` if they come from a PLY file that has this nonstandard type;
-/// otherwise they become `double`, and an integer that a double cannot represent exactly is an Error.
+/// Creates a writer of one element `vertex` with a property for each component of each field, in the order of the plan.
+/// Names are those of column_names(); types are those of the fields. Scaled fields become `double`, bit fields the
+/// smallest unsigned type that holds them. PLY has no 64-bit integers. If the first input is a PLY file, they are
+/// written as the nonstandard types `int64` and `uint64`; otherwise they become `double`, and an integer that a double
+/// cannot represent exactly is an Error.
 /// The coordinate reference system becomes comments: see ply_comments.cpp.
 std::unique_ptr<Writer> create_ply_writer(const OutputPlan& plan);
 

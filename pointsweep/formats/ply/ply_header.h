@@ -69,6 +69,7 @@ std::optional<Crs> take_crs_comments(std::vector<std::string>& lines);
 
 /// Returns a line that begins with `comment` and states the meaning of the coordinates and times of a LAS file.
 std::string las_comment(const LasOrigin& origin);
+/// Returns the meaning that a line of las_comment() states, and removes the line. An invalid line is not removed.
 std::optional<LasOrigin> take_las_comment(std::vector<std::string>& lines);
 
 }  // namespace pointsweep

@@ -72,8 +72,8 @@ std::uint64_t take_count(ForwardBytes& walker, const PlyProperty& list, bool big
   return count < 1e15 ? static_cast<std::uint64_t>(count) : std::uint64_t{1} << 50;
 }
 
-/// Returns the offset of the first byte after a binary element that starts at `offset`: computed, or found list by
-/// list. Throws Error if the file ends within the element.
+/// Returns the offset of the first byte after a binary element that starts at `offset`. Reads the lengths of all lists
+/// if the element has lists. Throws Error if the file ends within the element.
 std::uint64_t end_of_binary_element(const InputFile& file, const PlyElement& element, PlyEncoding encoding,
                                     std::uint64_t offset) {
   if (!element.has_list()) {
@@ -116,7 +116,7 @@ static_assert(std::endian::native == std::endian::little, "records are the bytes
       file.path().string(), expected, found);
 }
 
-/// Returns the facts in the header of a file of either encoding.
+/// Returns the facts that the header of a file of any encoding states, except the number of points.
 FileInfo info_of(const InputFile& file, const PlyHeader& header, const PlyElement& vertex) {
   FileInfo info;
   info.path = file.path();

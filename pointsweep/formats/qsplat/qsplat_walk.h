@@ -36,6 +36,7 @@ std::array<float, 3> qsplat_normal(unsigned code);
 /// Returns red, green and blue, 0 to 255, from 5, 6 and 5 bits.
 std::array<std::uint8_t, 3> qsplat_color(unsigned code);
 
+/// The header of one part of a file. A part is a tree or a comment.
 struct QsplatFragment {
   std::uint64_t begin = 0, end = 0;  ///< bytes in the file
   bool is_comment = false;
@@ -44,7 +45,7 @@ struct QsplatFragment {
   QsplatSphere root;
   std::uint64_t root_children = 0;
 };
-constexpr std::uint64_t kQsplatHeader = 40;
+constexpr std::uint64_t kQsplatHeader = 40;  ///< bytes of the header of a tree
 
 /// Reads the header at byte `begin`. Throws Error if it is no QSplat 11 header, is truncated, or states more than the
 /// file has.
@@ -60,7 +61,7 @@ struct QsplatLeaf {
 
 /// Walks through the leaves depth first. The file stores the tree breadth first, siblings together. Each group of
 /// siblings states the place of the first group below it; the groups below are consecutive. So a walk moves forward on
-/// every level of the tree, and needs one block of the file a level (64 KiB × depth, about 1 MB for 10^8 leaves).
+/// every level of the tree, and needs one block of the file per level (64 KiB × depth, about 1 MB for 10^8 leaves).
 class QsplatWalk {
  public:
   /// One level of a walk's position. A position is small (40 bytes × depth), so that many can be stored, from which

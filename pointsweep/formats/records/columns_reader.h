@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Reads files whose attributes are arrays, stored one after another, or whose records are one such array.
+/// A reader of files that store one array per attribute or one array of records, and names for the fields of an array.
 #pragma once
 
 #include <cstddef>

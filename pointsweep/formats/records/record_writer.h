@@ -15,8 +15,8 @@
 
 namespace pointsweep {
 
-/// A writer of files with `header` and then one record of `stored` for each record of the plan: unchanged if the
-/// schemas are equal, else converted block by block. All threads write, each its own blocks.
+/// Writes a file of a header and records. Each record of the plan is converted to the schema `stored`, block by block,
+/// or copied if the schemas are equal. If the output is seekable, all threads write blocks at the same time.
 class RecordWriter : public Writer {
  public:
   void write(std::span<const std::byte> records) override;
@@ -32,7 +32,7 @@ class RecordWriter : public Writer {
   const OutputPlan& plan() const { return plan_; }
 
  private:
-  void write_header();  ///< waits for the first record, so that an earlier error leaves standard output empty
+  void write_header();  ///< called with the first records, so that an earlier error leaves standard output empty
 
   OutputPlan plan_;
   OutputFile file_;

@@ -26,10 +26,10 @@ std::unique_ptr<Reader> open_text_columns(const std::filesystem::path& path, std
 /// or empty.
 bool fits_text(const std::filesystem::path& path, std::span<const std::string> columns);
 
-/// Creates a writer that writes each value with the fewest digits that represent it in its type. The first line has the
-/// names of the columns: plain in a .csv, otherwise after `# `, which programs without support for headers take as a
-/// comment. A .pts starts with the number of points instead, and states column names only if they are not the usual
-/// ones.
+/// Creates a writer that writes each value with the fewest digits that represent it in its type, and coordinates with
+/// FileLayout::decimals digits if the plan states them. The first line has the names of the columns: plain in a .csv,
+/// otherwise after `# `, which programs without support for headers take as a comment. A .pts starts with the number of
+/// points instead, and states column names only if they are not the usual ones.
 std::unique_ptr<Writer> create_text_writer(const OutputPlan& plan);
 
 /// Returns how coordinates are rounded to the digits that are written; none if they are written exactly.

@@ -213,7 +213,7 @@ class VtkParser {
     skip("LOOKUP_TABLE", "UNSIGNED_CHAR", colors, 4);
   }
 
-  /// Adds an array of points to the layout, and skips an array of cells.
+  /// Adds an array of points to the layout. Skips an array of cells, and an array whose type points cannot have.
   void add_array(VtkArray array, std::string_view type_name, std::uint64_t rows) {
     const std::string type = upper_case(type_name);
     const std::optional<Type> known = vtk_type(type);

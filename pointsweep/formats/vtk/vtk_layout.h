@@ -31,7 +31,7 @@ struct VtkLayout {
   std::string dataset;                ///< "POLYDATA"
   std::uint64_t count = 0;            ///< number of points
   std::vector<VtkArray> arrays;       ///< the positions, then attributes of points
-  std::uint64_t cells = 0;            ///< number of cells other than single vertices
+  std::uint64_t cells = 0;            ///< number of cells, except the cells of a VERTICES section
   std::vector<std::string> left_out;  ///< names of arrays of points that cannot be kept
 };
 

@@ -51,7 +51,8 @@ struct Section {
   std::size_t count = 0;
 };
 
-/// Sums go from the least to the greatest value, so that they do not depend on the order of the points.
+/// Returns the statistics of the coordinates `along`, which it sorts: sums from the least to the greatest value do not
+/// depend on the order of the points.
 Section section_of(std::vector<double>& along) {
   std::ranges::sort(along);
   Section section{.count = along.size()};
@@ -168,7 +169,7 @@ const OptionTable<M3c2Options>& m3c2_options() {
       option("cloud", &M3c2Options::cloud,
              "the other cloud, measured later: a point file, a folder of them or a pattern",
              {.kind = OptionKind::file, .required = true, .positional = true, .sample = "after.las"}),
-      // `is_radius`, although the length is a diameter: points within half of it count.
+      // `is_radius` is true although the option is a diameter, because points within half of it count.
       option("cylinder", &M3c2Options::cylinder, "diameter of the cylinder along the normal (projection scale)",
              {.least = kAboveZero, .unit = "length", .required = true, .sample = 0.5, .is_radius = true}),
       option("depth", &M3c2Options::depth, "how far the cylinder reaches to each side of the point",
@@ -241,7 +242,7 @@ std::unique_ptr<InOrderWork> M3c2::start(const InOrderSetup& setup) const {
   return std::make_unique<M3c2Work>(options_, setup);
 }
 
-/// The rim of a cylinder has the points farthest from its centre.
+/// Returns the distance of the rim of a cylinder, which is farthest from its centre, with a margin for rounding.
 std::optional<Reach> M3c2::reach() const {
   return Reach{.distance = std::hypot(options_.cylinder / 2, options_.depth) * (1 + 1e-6)};
 }

@@ -47,7 +47,7 @@ bool is_channel(const std::string& name) {
   return word == "red" || word == "green" || word == "blue";
 }
 
-/// Returns whether red, green and blue all have 8 or all have 16 bits, in words of their own or together in one.
+/// Returns whether red, green and blue all have 8 or all have 16 bits, as whole fields or as bits of a packed field.
 bool has_colors(const Schema& schema) {
   std::vector<Type> types;
   for (const char* name : {"red", "green", "blue"}) {

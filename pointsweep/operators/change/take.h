@@ -24,7 +24,8 @@ struct TakeTarget {
 /// Gives points the attributes of the nearest points of another cloud.
 class Take final : public InOrderOperator {
  public:
-  /// Throws UsageError, beginning with `place`, for options that contradict each other.
+  /// Messages about options in conflict begin with `place`. Throws UsageError for options out of range or in conflict,
+  /// and for an attribute that is a coordinate or named twice.
   explicit Take(TakeOptions options, std::string place = "take");
 
   std::string name() const override { return "take"; }
@@ -33,9 +34,11 @@ class Take final : public InOrderOperator {
   std::vector<Attribute> other_reads() const override;
   std::optional<Reach> reach() const override { return Reach{}; }
   std::optional<Reach> other_reach() const override;
-  /// Throws UsageError for an attribute that the other cloud lacks; the message names the most similar attributes.
+  /// Throws UsageError for an attribute that the other cloud lacks, with the most similar names, and for a field that
+  /// is an array or named twice.
   std::shared_ptr<const InOrderOperator> bound_to_other(const Schema& other) const override;
-  /// Throws UsageError if the type of a new attribute has no value for points without a result.
+  /// Throws UsageError if the type of an attribute cannot hold `missing`, or if the type of a new attribute has no
+  /// value for points without a result.
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;

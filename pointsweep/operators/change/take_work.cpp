@@ -16,21 +16,21 @@
 namespace pointsweep {
 namespace {
 
-/// Numbers for one step, which searches nearest points and then reads their values: about how many nearest points it
-/// finds, and the least number of places that it takes.
+/// TakeWork finds the nearest points of a block of points, and then reads their values. kFoundAtOnce: about the number
+/// of nearest points of a block. kLeastPlaces: number of points of a block for large k.
 constexpr std::uint64_t kFoundAtOnce = 1 << 18, kLeastPlaces = 4096;
 /// Number of points to which a thread gives values at a time.
 constexpr std::size_t kTakenAtOnce = 1024;
 
 std::uint64_t places_at_once(std::uint64_t k) { return std::max(kFoundAtOnce / k, kLeastPlaces); }
 
-/// Returns the bytes of the nearest points of all places of a step, and of their values.
+/// Returns the bytes of the numbers of the nearest points of a block of points, and of their values.
 std::uint64_t found_bytes(std::uint64_t k, std::uint64_t value_bytes) {
   return places_at_once(k) * k * (sizeof(std::uint64_t) + value_bytes);
 }
 
-/// Takes values from the nearest points. Points of the other cloud are numbered in their order; coincident points are
-/// in the order of their rows. So ties by number give the same points as ties by row, and the number of a point is also
+/// Takes values from the nearest points. Points of the other cloud are numbered as they come; coincident points come in
+/// the order of their rows. So ties by number give the same points as ties by row, and the number of a point is also
 /// the number of its record of values.
 class TakeWork final : public InOrderWork {
  public:
@@ -137,7 +137,7 @@ class TakeWork final : public InOrderWork {
   double most2_ = std::numeric_limits<double>::infinity();
   PointCells other_;
   PointRecords values_;
-  std::vector<std::uint64_t> numbers_;  ///< numbers of the k nearest points of each place
+  std::vector<std::uint64_t> numbers_;  ///< numbers of the k nearest points of each point
   std::vector<std::byte> found_;        ///< values of the points in numbers_
   FirstRowError refused_;
 };

@@ -11,6 +11,7 @@
 
 namespace pointsweep {
 
+/// The options and the bound attributes of a Take.
 struct TakeRules {
   TakeOptions options;
   std::string place;  ///< beginning of messages

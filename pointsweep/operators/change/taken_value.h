@@ -34,9 +34,9 @@ struct VotedValue {
 };
 
 /// Returns the result of the vote over the values of `taken` in `records`, which are `record_bytes` apart, nearest
-/// point first. Returns nullopt if there is no record or no finite value: NaN and infinite values have no vote, but the
-/// value of the only or nearest point is taken unchanged. A colour gets the range of its target; 16 bits are rounded to
-/// 8 bits, halves to even.
+/// point first. Returns nullopt if there is no record or no value votes: NaN and infinite values have no vote, except
+/// that `nearest`, and `majority` over one record, take any value unchanged. A colour gets the range of its target; 16
+/// bits are rounded to 8 bits, halves to even.
 std::optional<VotedValue> voted_value(const TakenAttribute& taken, TakeVote vote, std::span<const std::byte> records,
                                       std::size_t record_bytes);
 

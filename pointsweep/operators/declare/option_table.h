@@ -60,7 +60,7 @@ void set_member(std::optional<Member>& member, const OptionValue& value, const C
   set_member(member.emplace(), value, words);
 }
 
-/// The kind of the options whose members have a type; none for texts, which have many kinds: their rows state the kind.
+/// The kind of an option whose member is a Member; nullopt for texts and lists of words, whose rows state the kind.
 template <class Member>
 inline constexpr std::optional<OptionKind> kKindOf = IsChoice<Member> ? std::optional(OptionKind::choice)
                                                                       : std::nullopt;

@@ -239,7 +239,7 @@ class ExpressionParser : private ExpressionText {
     Depth& operator=(const Depth&) = delete;
     ExpressionParser& parser;
   };
-  static constexpr int kMostDepth = 200;  // a parenthesis takes two
+  static constexpr int kMostDepth = 200;  // a parenthesis takes two levels
   std::vector<Expression::Name>& names_;
   int depth_ = 0;
 };

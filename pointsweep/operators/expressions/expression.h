@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Conditions on attributes as people write them: classification == 2 && z < 100 (docs/adr/0009).
+/// Conditions on attributes and numbers from attributes, as people write them: classification == 2 && z < 100
+/// (docs/adr/0009), intensity * 2.
 #pragma once
 
 #include <cstddef>
@@ -58,8 +59,8 @@ class Expression {
 
   /// Evaluates an expression that gives a number: sets values_of_points[i] to its value for point i.
   void evaluate_number(std::span<const ExpressionValues> values, std::span<double> values_of_points) const;
-  /// Returns whether the expression is a single name of 64-bit integers, or a single whole number: then
-  /// evaluate_whole() loses nothing.
+  /// Returns whether the expression is a single name of 64-bit integers, or a single whole number. Only then may
+  /// evaluate_whole() be called, which is exact.
   bool is_whole(std::span<const ExpressionValues> values) const;
   void evaluate_whole(std::span<const ExpressionValues> values, std::span<WholeNumber> values_of_points) const;
 

@@ -21,7 +21,7 @@ struct MeantValue {
 
 /// Returns the value that `word` names, in any spelling that files use. A made attribute precedes a field of the input
 /// unless `word` is also the name of another attribute ("curvature") and the exact name of a field of the input.
-/// Positions are never returned.
+/// Moved positions are never returned: x, y and z mean the fields of the input.
 MeantValue meant_value(const std::string& word, const Schema& input, std::span<const Attribute> made);
 
 /// Returns the value that `word` names in an expression: meant_value(), or, if nothing is named "row", the number of

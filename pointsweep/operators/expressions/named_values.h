@@ -29,11 +29,11 @@ class NamedValues {
   /// The values of one batch, in the order of the names.
   class Batch {
    public:
-    /// Reads the values of the points of the batch. The operator reads the attributes of reads() as its attributes from
-    /// number `first` on.
+    /// Reads the values of the points of the batch. `first`: index of the first attribute of reads() in the
+    /// contract().reads of the operator.
     Batch(const NamedValues& names, const Neighborhoods& in, std::size_t first = 0);
-    /// Reads the values of some neighbours of the batch. The operator reads the attributes of reads() of neighbours, as
-    /// its attributes from number `first` on.
+    /// Reads the values of some neighbours of the batch. `first`: index of the first attribute of reads() in the
+    /// contract().reads_neighbors of the operator.
     Batch(const NamedValues& names, const Neighborhoods& in, std::size_t first, std::span<const NeighborRef> neighbors);
     std::span<const ExpressionValues> values() const { return values_; }
 

@@ -13,8 +13,8 @@
 namespace pointsweep {
 namespace {
 
-/// Counts the components that have a core point; the points of other components are noise. The result is one byte, 1 if
-/// there is a core point, else 0.
+/// Gives a number to each component that has a core point; the points of other components are noise. The result is one
+/// byte, 1 if there is a core point, else 0.
 class AnyCore final : public VoteRule {
  public:
   std::size_t ballot_bytes() const override { return 1; }
@@ -118,8 +118,8 @@ const VoteRule* ClustersOfCores::votes() const {
   return &rule;
 }
 
-/// The core point with the lower row emits the edge between two core points. Any other point emits at most one edge, so
-/// that it joins no clusters.
+/// The core point with the lower row emits the edge between two core points. Other points emit at most one edge each,
+/// so that they join no clusters.
 void ClustersOfCores::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const {
   const double eps2 = eps_ * eps_;
   for (std::uint32_t i = 0; i < in.size(); ++i) {

@@ -11,13 +11,13 @@
 namespace pointsweep {
 
 /// Decides the signs of a component by votes of all its points, so that the noise of a single normal does not decide.
-/// With signs s, normals n (to 2^-20), positions p (to 2^-32, absolute, at most 2^40) and the centroid c of the
-/// component, sums are exact integers:
+/// Normals n count in steps of 2^-20 and positions p in steps of 2^-32, up to 2^40 in magnitude, so that sums over the
+/// points are exact integers. With signs s and the centroid c of the component:
 ///   up  = Σ s n_z
 ///   out = Σ s n · (p - c) / e, e the mean extent of the component: positive if normals point out of a closed surface
 /// The sum with the larger absolute value must be positive. With a viewpoint v, the sum is Σ sign(s n · (v - p))
 /// instead. If the sum is 0, the normal of the highest point must point up (Hoppe et al. 1992); if that normal is
-/// horizontal, the first point decides.
+/// horizontal, the first point keeps its normal.
 class OrientationVotes final : public VoteRule {
  public:
   explicit OrientationVotes(std::optional<Vec3> viewpoint) : viewpoint_(viewpoint) {}

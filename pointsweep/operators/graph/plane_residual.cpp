@@ -31,7 +31,7 @@ Moments moments_at(const std::byte* bytes) {
 }
 
 /// Returns Σ (q_a - c_a)(q_b - c_b) / n with the mean c. The sums are integers relative to a whole number m, which is c
-/// without its fraction. The remainder r = Σ q - n m is below n in magnitude: its product is subtracted in float64.
+/// without its fraction. The remainder r = Σ q - n m is below n in magnitude, so r_a r_b / n is subtracted in float64.
 Symmetric3 covariance(const Moments& sums) {
   const auto n = static_cast<Int128>(sums.points);
   std::array<Int128, 3> mean, rest;

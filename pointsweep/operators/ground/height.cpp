@@ -27,7 +27,7 @@ Attribute height_attribute() {
 }
 
 /// Makes height: z - Σ w_j z_j / Σ w_j over the k points of class 2 that are nearest in x and y, w_j = 1 / d_j², summed
-/// nearest first; if the nearest has d = 0, it is z - z_1. Equal distances are ordered by x, y, z, row. All ground
+/// nearest first; if d_1 = 0, height is z - z_1. Equal distances are ordered by x, y, z, row. All ground
 /// points of the cloud are searched, however far away.
 class Height final : public InOrderOperator {
  public:

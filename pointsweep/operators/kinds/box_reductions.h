@@ -13,7 +13,7 @@
 namespace pointsweep {
 
 /// Computes one value, the diagonal of the box around the finite input points that earlier stages keep, for options in
-/// % of it; 0 if none.
+/// percent of the diagonal. The value is 0 if there is no such point.
 class InputDiagonal final : public Reduction {
  public:
   std::string text() const override { return "diagonal of the input"; }

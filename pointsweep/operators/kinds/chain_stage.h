@@ -13,7 +13,7 @@ namespace pointsweep {
 
 /// Returns the operator of a stage; null for Drop, Reneighbor and Resort.
 const Operator* operator_of(const ChainStage& stage);
-/// Returns the contract of the operator of a stage; an empty one without neighbours for Reneighbor, Resort and Drop.
+/// Returns the contract of the operator of a stage; for Drop, Reneighbor and Resort an empty contract with default_k 0.
 Contract contract_of(const ChainStage& stage);
 /// Returns the name of a stage in pipelines.
 std::string name_of(const ChainStage& stage);

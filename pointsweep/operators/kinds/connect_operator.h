@@ -23,8 +23,9 @@ struct NeighborEdge {
   bool flips = false;  ///< true if the edge asks for different signs of the two points
 };
 
-/// A stage that emits edges. Its attributes are known at the end of its pass: for each point they follow from its
-/// component, and from its sign in the minimum spanning forest (docs/adr/0014). A pass has at most one ConnectOperator.
+/// An operator that emits edges. The values of a point follow from the component of the point and from its sign in the
+/// minimum spanning forest, which are known at the end of the pass (docs/adr/0014). A pass has at most one
+/// ConnectOperator.
 class ConnectOperator : public Operator {
  public:
   /// Returns whether edges have weights and flips; otherwise all edges are equal. With weights, put_values() may read

@@ -32,7 +32,7 @@ StageOperator bound(const StageOperator& stage, const Schema& input, std::span<c
 
 /// Returns whether the stage leaves out rows.
 bool drops_rows(const StageOperator& stage);
-/// Returns whether the stage reads only the point itself: no neighbour, and no other point in an order.
+/// Returns whether the stage reads only the point itself: no neighbours, and no points in order.
 bool is_pointwise(const StageOperator& stage);
 
 /// Fills the columns of a batch. In-order and connecting stages do not work on batches: they leave the columns

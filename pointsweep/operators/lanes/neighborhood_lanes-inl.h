@@ -23,16 +23,16 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointsweep::HWY_NAMESPACE {
 
-/// Measures of the neighbourhoods of a tile that are needed before their sums begin.
+/// Measures of the neighbourhoods of a tile that are needed before the sums over neighbours begin.
 struct Extents {
   TileArray count;       // |N_i|
-  TileArray largest;     // largest magnitude of a component, from which Scaling derives its power of two
+  TileArray largest;     // largest magnitude of a component of the farthest offset or of all offsets, for Scaling
   TileArray far2;        // scaled squared length of the farthest offset
   TileArray near2;       // scaled squared length of the nearest offset that is not 0
   TileArray coincident;  // 1 if a neighbour lies on p_i, else 0
   TileArray place;       // largest magnitude among the coordinates of p_i
 
-  /// Measures a tile. A point loses its neighbours if all coincide with p_i, or if one is too far or not finite.
+  /// Measures a tile. A point loses its neighbours if all coincide with p_i, or an offset is too large or not finite.
   HWY_INLINE Extents(Tile& tile, Offsets& offsets) {
     const bool sorted = tile.in.sorted_by_distance();
     for (std::size_t v = 0; v < tile.vectors; ++v) {
@@ -176,7 +176,7 @@ struct Scaling {
   Scaling(const Extents& extents, std::size_t vector) {
     const Lanes d;
     scale = ReciprocalOfPower(d, PowerOfTwoBelow(d, extents.largest.Load(vector)));
-    // Each coordinate has an error of at most 2^-52 of it: half an ulp of p_i and half an ulp of p_j.
+    // The error of an offset is about 2^-52 of the coordinate, half an ulp each of p_i and p_j. 2^-51 leaves a margin.
     rounding = hn::Mul(hn::Mul(extents.place.Load(vector), scale), hn::Set(d, 0x1p-51));
   }
   HWY_INLINE Vec3Lanes<V> Scaled(const Vec3Lanes<V>& offset) const { return Times(scale, offset); }
@@ -232,7 +232,7 @@ class Weights {
     const V absolute = hn::IfThenElse(on_point, coincident, hn::Mul(theta, NearestTheta(vector)));
     return hn::IfThenElse(some, absolute, theta);
   }
-  /// Returns the divisor of the weights of LoadTrue(): θ of the nearest neighbour, or 1 where one lies on p_i.
+  /// Returns the divisor of the weights of LoadTrue(): θ of the nearest neighbour, or 1 if a neighbour lies on p_i.
   HWY_INLINE V Divisor(std::size_t vector) const {
     const auto some = hn::Gt(extents_.coincident.Load(vector), hn::Zero(Lanes()));
     return hn::IfThenElse(some, hn::Set(Lanes(), 1.0), NearestTheta(vector));

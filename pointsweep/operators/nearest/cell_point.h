@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A point of a searched set, and its distance from the place of a search.
+/// Points of a searched set, a request for the nearest of them, and the nearest that a search has seen so far.
 #pragma once
 
 #include <algorithm>
@@ -52,7 +52,7 @@ class NearestSoFar {
     found_.clear();
   }
   bool full() const { return found_.size() == wanted_.k; }
-  /// Returns the squared distance beyond which points are not needed.
+  /// Returns the squared distance beyond which points are not needed; -1 if the search may end.
   double worst() const { return full() && seen_ >= wanted_.most_seen ? -1 : worst_; }
   void see(double distance2, const CellPoint& point) {
     ++seen_;

@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// A point is excluded if each place of a box has k points nearer to it. This is decided for all places at once:
+/// Excludes a point p if k points r are nearer than p to each place q of a box. One test decides for all places:
 /// (q - p)² - (q - r)² is linear in q, so its least value over the places is at an end of the box in each coordinate
 /// (Emrich, Kriegel, Kröger, Renz and Züfle, Boosting spatial pruning: on optimal pruning of MBRs, SIGMOD 2010). The
 /// bound also excludes most points if the box is far away from them, where all points are almost equally far.
@@ -30,6 +30,7 @@ class NearestBound {
   /// Returns the distance from the box of places along an axis beyond which no point is wanted.
   double reach() const { return reach_; }
 
+  /// Returns whether all points in the box `points` are excluded.
   bool out(const Box& points) const {
     double least = 0, apart = 0;
     for (int a = 0; a < 3; ++a) {
@@ -40,6 +41,7 @@ class NearestBound {
     }
     return least > margin_ || apart > most2_;
   }
+  /// Returns whether a point is excluded. Does not test `most2`.
   bool out(Vec3 point) const {
     double least = 0;
     for (int a = 0; a < 3; ++a) {
@@ -51,8 +53,8 @@ class NearestBound {
 
  private:
   /// kMargin is relative to the squared distances. Rounding changes a squared distance by less than 2^-50 of it; two
-  /// are subtracted here, and two are compared later. With a wider margin places far away from the points would exclude
-  /// fewer of them.
+  /// are subtracted here, and two are compared later. A wider margin would exclude fewer points if the places are far
+  /// away from them.
   static constexpr double kMargin = 0x1p-46, kUnderflow = 1e-300;
 
   static double gap(const Box& box, double at, int a) {

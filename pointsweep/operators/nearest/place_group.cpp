@@ -19,12 +19,12 @@ constexpr std::size_t kFewPlaces = 8, kFewPoints = 12;
 /// Largest number of points collected for a group; with more, the group is halved first. A collection in vain costs
 /// little, because most of its points belong to cells that are read anyway.
 constexpr std::size_t kMostCollected = 32768;
-/// Number of searches without visited points that the average also counts, so that a few long searches at the beginning
-/// do not decide.
+/// Number of imaginary searches without visited points that the average includes, so that a few long searches at the
+/// beginning do not decide.
 constexpr std::size_t kFirstSearches = 16;
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 
-/// Returns the number of points that a search may visit on average: more than in the middle of the points.
+/// Returns the number of points that a search may visit on average. Searches from places among the points visit fewer.
 std::size_t most_seen(std::size_t k) { return 64 + 8 * k; }
 
 }  // namespace

@@ -95,7 +95,7 @@ PointCells::PointCells(Space space, int axis, std::uint64_t memory_bytes, std::u
 PointCells::PointCells(PointCells&&) noexcept = default;
 PointCells::~PointCells() = default;
 
-/// Counts the bytes of the least number of cells, with their boxes and nodes of the map, and of the slab being filled.
+/// Counts the bytes of the least number of cells, with their boxes and nodes in loaded_, and of the slab being filled.
 std::uint64_t PointCells::least_bytes() {
   constexpr std::size_t kBoxes = 2 * 2 * kCellPoints / kLeafPoints;
   return (kLeastCells + kSlabCells) * (kCellPoints * sizeof(CellPoint) + kBoxes * sizeof(Box) + 128);

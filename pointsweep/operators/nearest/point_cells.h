@@ -30,6 +30,7 @@ class PointCells {
   ~PointCells();
   /// Adds a point. Points come in ascending order along the axis, all of them before the first search.
   void add(Vec3 position, std::uint64_t row);
+  /// Ends the set. Must be called after the last point and before the first search.
   void finish();
 
   /// The object that answers searches with the cells in memory.
@@ -97,7 +98,8 @@ class PointCells::View {
   /// some points may be missing.
   bool within(const Box& box, const std::function<void(const CellPoint&)>& use);
   enum class Collected : std::uint8_t { all, too_many, lacks_cells };
-  /// Adds the points that `bound` does not exclude to `to`, until it has more than `most`. `places`: those of `bound`.
+  /// Adds the points that `bound` does not exclude to `to`, until it has more than `most`. `places`: box of
+  /// the places of `bound`.
   Collected collect(const Box& places, const NearestBound& bound, std::size_t most, std::vector<CellPoint>& to);
 
  private:

@@ -24,6 +24,7 @@ class PointRecords {
   PointRecords(std::size_t record_bytes, std::uint64_t memory_bytes, std::unique_ptr<Scratch> scratch);
   /// Adds records. All must be added before the first gather().
   void add(std::span<const std::byte> records);
+  /// Ends the records. Must be called after the last record and before the first gather().
   void finish();
   std::uint64_t count() const { return count_; }
 

@@ -21,7 +21,8 @@ namespace pointsweep {
 class Crop final : public SelectOperator {
  public:
   /// Reads the file with polygons, if there is one. Throws Error if it cannot be read or does not match
-  /// CropOptions::checksum, and UsageError if no option states a region. Messages begin with `place`.
+  /// CropOptions::checksum, and UsageError, beginning with `place`, if no option states a region or the bounds are
+  /// invalid.
   explicit Crop(CropOptions options, std::string place = "crop");
   std::string name() const override { return "crop"; }
   void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;

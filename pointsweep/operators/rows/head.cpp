@@ -15,8 +15,8 @@
 namespace pointsweep {
 namespace {
 
-/// Keeps the points of the first rows of all inputs in order. Rows are numbered like `row` in conditions, independently
-/// of rows that earlier stages have dropped.
+/// Keeps the points whose rows are below HeadOptions::number. Rows are numbered over all inputs, like `row` in
+/// conditions, independently of rows that earlier stages have dropped.
 class Head final : public SelectOperator {
  public:
   /// Throws UsageError for a number of 0.

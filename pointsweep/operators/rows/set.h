@@ -27,7 +27,7 @@ struct Assignment {
   std::string canonical() const;
 };
 
-/// Parses assignments separated by commas. Throws UsageError that begins with `place`.
+/// Parses assignments separated by commas. Throws UsageError, beginning with `place`, for an invalid text.
 std::vector<Assignment> assignments_of(std::string_view text, const std::string& place);
 
 /// Makes a new version of one attribute, or a new attribute. Values of whole-number types are rounded to the nearest,

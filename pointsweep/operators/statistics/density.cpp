@@ -17,8 +17,8 @@
 namespace pointsweep {
 namespace {
 
-/// Makes "surface_density" m / (π R²), points for each unit of area if the points lie on a plane through the point, as
-/// a fitted plane cuts a disc of radius R out of the ball; and "volume_density" m / (4/3 π R³). N f32 each.
+/// Makes "surface_density" m / (π R²), points for each unit of area of a plane through the point, which cuts a disc of
+/// radius R out of the ball; and "volume_density" m / (4/3 π R³). N f32 each.
 ///   Without a radius: R is the distance to the farthest neighbour and m = |N_i|; the point itself is not counted.
 ///   With a radius: R is the radius, m the number of points within it, inclusive, the point itself counted, as in
 ///   CloudCompare.

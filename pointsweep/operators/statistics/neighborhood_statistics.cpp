@@ -31,8 +31,8 @@ enum class Statistic : std::uint8_t { mean, median, min, max, range, deviation, 
 
 /// `statistics`: makes one attribute for each name of StatisticsOptions::of. The neighbours that count satisfy the
 /// condition and have a finite value. Values are combined in float64 in the order of the search; min, max and majority
-/// keep the type of the attribute. Points without a neighbour that counts are degenerate: they get the fill of the
-/// attribute, NaN or 0, and a count of 0.
+/// keep the type of the attribute. A point without a neighbour that counts gets a count of 0; for other statistics, it
+/// is degenerate and gets NaN, or 0 for whole-number types.
 class NeighborhoodStatistics final : public LocalOperator {
  public:
   /// Throws UsageError that begins with `place` for a name that ends in no statistic, or is given twice.

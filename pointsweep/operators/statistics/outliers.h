@@ -37,7 +37,7 @@ Attribute mean_distance_attribute();
 Attribute outlier_attribute();
 
 /// Makes mean_distance: Σ_j |p_j - p_i| / |N_i|, or, if the rule counts the point, / (|N_i| + 1), summed in double in
-/// the order of the neighbours, at the positions the stage sees. Points without neighbours count as degenerate.
+/// the order of the neighbours, at the positions the stage sees. Points without a mean distance count as degenerate.
 class MeanDistance final : public LocalOperator {
  public:
   explicit MeanDistance(const SorOptions& options = {});
@@ -66,7 +66,8 @@ class MeanAndDeviation final : public Reduction {
 };
 
 /// Makes outlier: 1 for points without a mean distance, and where mean_distance > mean + multiplier * deviation over
-/// all points that have one, or >= if the rule has `threshold_is_outlier`; else 0.
+/// all points with a mean distance, or >= if the rule has `threshold_is_outlier`; 1 also where mean_distance is 0 if
+/// the rule has `zero_is_outlier`; else 0.
 class Outlier final : public LocalOperator {
  public:
   explicit Outlier(const SorOptions& options, double threshold = std::numeric_limits<double>::quiet_NaN());

@@ -37,8 +37,8 @@ namespace pointsweep {
 /// or where the neighbours that have one lie on a line to rounding: det <= (1e-12 trace + ρ²) trace of D within the
 /// tangent plane, with ρ = 2^-51 of the largest coordinate of p_i; or where an offset overflows or is not finite.
 ///
-/// Bias, dense noiseless surfaces: with true normals none on spheres and cylinders. With normals estimated from the
-/// same neighbourhoods: mean errors of k1 and k2 under 4 % at k = 64 and 8 % at k = 32; see docs/paper.md.
+/// Bias on dense noiseless surfaces: true normals give none on spheres and cylinders. Normals estimated from the same
+/// neighbourhoods give mean errors of k1 and k2 under 4 % at k = 64 and 8 % at k = 32; see docs/paper.md.
 class Curvature : public LocalOperator {
  public:
   std::string name() const override { return "curvature"; }

@@ -21,8 +21,8 @@ namespace pointsweep {
 /// Π_j(p_i) is the projection of p_i onto the tangent plane of p_j, as the symbol says and as in Jones, Durand and
 /// Desbrun, "Non-iterative, feature-preserving mesh smoothing" (2003), which the paper extends. The paper's sentence
 /// has i and j exchanged; then p_i would never leave its own tangent plane. For j = i the projection is p_i, with
-/// weight a_i. a_j is the area of the splat of p_j, π length² ratio. n_j counts up to its sign. A neighbour without a
-/// normal, a splat or a finite place does not count. All is in double.
+/// weight a_i. a_j is the area of the splat of p_j, π length² ratio. The sign of n_j has no effect. A neighbour without
+/// a normal, a splat or a finite place does not count. All is in double.
 ///
 /// Makes "position". The point stays, and counts as degenerate, if no neighbour has both a normal and a splat, or if
 /// all weights vanish. Normals and splats describe the old positions until they are made again.

@@ -22,7 +22,7 @@ namespace pointsweep {
 /// | sphericity          | λ3 / λ1                         | 1 |
 /// | omnivariance        | ∛(λ1 λ2 λ3)                     | length² / length / 1 |
 /// | anisotropy          | (λ1 - λ3) / λ1                  | 1 |
-/// | eigenentropy        | -Σ λ ln λ, 0 ln 0 = 0           | unit of λ, with ln of its number / 1 |
+/// | eigenentropy        | -Σ λ ln λ, 0 ln 0 = 0           | length² / length / 1; ln of λ in that unit |
 /// | eigenvalue_sum      | λ1 + λ2 + λ3                    | length² / length / 1 |
 /// | surface_variation   | λ3 / (λ1 + λ2 + λ3)             | 1, [0, 1/3] |
 /// | verticality         | 1 - |e3 · z|                    | 1, [0, 1] |
@@ -36,10 +36,10 @@ namespace pointsweep {
 /// have the sign of an eigenvector, which is arbitrary, and are absolute here. CloudCompare's "1st order moment" is
 /// moment1_axis2² / moment2_axis2.
 ///
-/// If P is one point, or all points of P coincide, all attributes but number_of_neighbors and height_range are 0; if an
-/// offset is not finite, height_range is 0, too. verticality is 0 if P lies on a line to rounding: l2 <= 1e-12 l1 + ρ²,
-/// ρ as in Normals. A point with such a P counts as degenerate if an attribute that is 0 for this reason is wanted. If
-/// two eigenvalues are equal, their axes are an arbitrary orthogonal pair.
+/// If P is one point, all points of P coincide, or an offset is not finite, all attributes but number_of_neighbors are
+/// 0. verticality is 0 if P lies on a line to rounding: l2 <= 1e-12 l1 + ρ², ρ as in Normals. The point counts as
+/// degenerate if Features makes an attribute, other than height_range, that is 0 for one of these reasons. If two
+/// eigenvalues are equal, their axes are an arbitrary orthogonal pair.
 ///
 /// Everything is in double and rounded to float32 at the end. Sums are relative to a point of P; the error of an
 /// eigenvalue is some n 2^-52 of the largest eigenvalue.

@@ -17,7 +17,7 @@ namespace {
 
 using Normal = std::array<float, 3>;
 
-/// Computes 0 - n, which is never -0, instead of -n, so that no output shows which way a component was flipped.
+/// Computes 0 - n, which is never -0, instead of -n, so that a component of 0 does not show whether it was flipped.
 Normal flipped(Normal n) { return {0.0f - n[0], 0.0f - n[1], 0.0f - n[2]}; }
 
 double dot(Normal n, Vec3 v) { return pointsweep::dot({n[0], n[1], n[2]}, v); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Keeping points that are no nearer to each other than a radius.
+/// Keeping points that are farther from each other than a radius.
 #pragma once
 
 #include <cstddef>

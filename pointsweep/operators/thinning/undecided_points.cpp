@@ -91,7 +91,7 @@ UndecidedPoints::Slot UndecidedPoints::place(const DiskPoint& point) {
     slot = free_.back();
     free_.pop_back();
   }
-  slots_[slot] = {.point = point, .uses = 2};  // uses: in its cell, and incomplete or to be decided
+  slots_[slot] = {.point = point, .uses = 2};  // uses: its cell, and the list of its state
   const Vec3 p = point.position;
   cells_[{cell_along(p.x), cell_along(p.y), cell_along(p.z)}].members.push_back({point.hash, slot});
   return slot;

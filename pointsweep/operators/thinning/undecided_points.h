@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The points near the front for which a greedy choice by priority is not decided yet.
+/// The points near the sweep plane for which a greedy choice by priority is not decided yet.
 #pragma once
 
 #include <array>
@@ -28,8 +28,8 @@ struct DiskPoint {
 /// The greedy choice: in ascending order of DiskPoint, a point is kept unless a kept point lies within its radius.
 /// Points come in the order of a coordinate instead, and every order of evaluation gives the same set (Blelloch,
 /// Fineman and Shun, Greedy sequential maximal independent set and matching are parallel on average, SPAA 2012):
-/// - A point is complete when the front is farther ahead of it than the largest radius: all points that may affect it
-///   have come.
+/// - A point is complete when the front, the coordinate of the newest point along the axis, is farther ahead of it than
+///   the largest radius: all points that may affect it have come.
 /// - A complete point waits for any lesser undecided point within its radius. If there is no such point, it is kept,
 ///   and all points that have it within their own radius are dropped, complete or not; then it affects no later point
 ///   and is forgotten.

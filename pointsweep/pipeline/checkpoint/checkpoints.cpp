@@ -71,7 +71,7 @@ Checkpoints::Checkpoints(const EngineOptions& options, const std::string& identi
   found_ = !folder_.saved().empty();
   if (found_) {
     Decoder in(folder_.saved());
-    require_same_run(in.get_text(), identity, folder_.path());  // first: states the format of the rest
+    require_same_run(in.get_text(), identity, folder_.path());  // the identity states the format of the rest
     last_ = Checkpoint::decode(in);
     in.finish();
   }

@@ -66,15 +66,16 @@ class Checkpoints {
 
   /// Sets the survey of later checkpoints. `memory_bytes`: the memory budget of the run.
   void surveyed(const Survey& survey, std::uint64_t memory_bytes);
-  /// Saves a checkpoint. Must be called when the points are in order. `bucket_places`: places between the buckets of
-  /// edges, if the pass connects points.
+  /// Saves a checkpoint, unless last() is in order already. Must be called when the points are in order.
+  /// `bucket_places`: places between the buckets of edges, if the pass connects points.
   void in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places);
+  /// Saves a checkpoint. Must be called when the sweep of the pass is complete.
   void swept(RowStore& results, const Statistics& counts);
   /// Saves a checkpoint. Must be called when the rows for the next pass are complete. `selects`: the pass has left out
   /// rows, and its mask is complete too.
   void updated(bool selects, const CloudValues& values, const Statistics& counts);
-  /// Must be called before the first tile is renamed to its destination. Saves a checkpoint if neither this process nor
-  /// an earlier one has saved one: a list of complete tiles is of use only beside a checkpoint.
+  /// Saves a checkpoint if neither this nor an earlier process has saved one, because the list of complete tiles is
+  /// useless without a checkpoint. Must be called before the first tile is renamed to its destination.
   void writing_tiles();
   /// Removes the folder. Must be called when the run is complete.
   void finish() { folder_.remove(); }

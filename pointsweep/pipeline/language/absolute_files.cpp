@@ -23,7 +23,7 @@ const OptionDeclaration* declared_option(const OperatorDeclaration& op, const Op
   return found == op.options.end() ? nullptr : &*found;
 }
 
-/// Returns the folder before the first wildcard of a name, which can be looked for; the name if it has no wildcard.
+/// Returns the folder before the first wildcard of a name; the name itself if it has no wildcard.
 std::filesystem::path before_wildcards(const std::string& name) {
   const std::size_t wildcard = name.find_first_of("*?[");
   if (wildcard == std::string::npos) return name;

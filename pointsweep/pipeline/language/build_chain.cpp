@@ -26,7 +26,6 @@ void note_neighborhood(const ChainStage& stage, Facts& facts) {
   if (next != nullptr && next->neighborhood) facts.neighborhood = *next->neighborhood;
 }
 
-/// Returns the stage with this name and options.
 StageText stage_text(const std::string& name, const Options& options) {
   StageText stage{name, {}, name};
   for (const Option& option : options) stage.options.push_back({option.name, text_of_value(option.value), name});

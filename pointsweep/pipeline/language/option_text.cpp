@@ -60,8 +60,8 @@ const OptionDeclaration& declared(const std::vector<OptionDeclaration>& declarat
              names.size() == 1 ? "is" : "are", nearest_names(option.name, names));
 }
 
-/// Returns the declaration that an option text belongs to. A value without a name in the first place belongs to the
-/// first option.
+/// Returns the declaration that an option text belongs to. If the first option text has no name, it belongs to the
+/// first declaration, unless its value is the name of an option.
 const OptionDeclaration& declared_for(const std::vector<OptionDeclaration>& declared_options, const OptionText& option,
                                       bool first, const StageText& stage) {
   const auto is_name = [&](const OptionDeclaration& o) { return !o.positional && o.name == option.value; };

@@ -41,8 +41,8 @@ std::size_t place_of_word(std::string_view option) {
 ///   pipeline = stage {"|" stage}            stage = name ["(" [option {"," option}] ")"]
 ///   option = [name "="] (value | condition | assignment)  value = bare | quoted | "[" bare {"," bare} "]"
 /// A condition (operators/expressions/expression.h) contains signs that values cannot contain. It ends before a "," or
-/// ")" outside of its own parentheses, like the assignments of the stage set. An option without a name is refused
-/// later, with the declaration of the operator.
+/// ")" outside of its own parentheses, like the assignments of the stage set. The parser accepts every option without a
+/// name; read_options() refuses it if the operator needs the name.
 class Parser {
  public:
   Parser(std::string_view text, std::string_view source) : text_(text), source_(source) {}
@@ -77,8 +77,8 @@ class Parser {
     return option;
   }
 
-  /// Parses NAME = at the begin of an option and returns the name; none, without progress, if the option begins
-  /// otherwise.
+  /// Parses NAME = at the start of an option and returns the name. If the option starts otherwise, returns an empty
+  /// name and parses nothing.
   std::string name_before_equal_sign() {
     std::size_t end = at_;
     while (end < text_.size() && is_name_character(text_[end])) ++end;

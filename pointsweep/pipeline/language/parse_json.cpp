@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // keeps options in the order of the text
 
-/// Parses JSON and throws UsageError for repeated keys, of which the library would silently use the last.
+/// Parses JSON. Throws UsageError for repeated keys, of which nlohmann::json would silently use the last.
 Json parsed(std::string_view text, std::string_view source) {
   std::vector<std::set<std::string>> keys;
   const auto refuse_twice = [&](int, Json::parse_event_t event, Json& value) {
@@ -36,7 +36,7 @@ Json parsed(std::string_view text, std::string_view source) {
   }
 }
 
-/// Returns a number, word or truth value as text outside of JSON; empty for other values.
+/// Returns a number, word or truth value as text without quotes; nullopt for other values.
 std::optional<std::string> scalar_text(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_boolean()) return value.get<bool>() ? "true" : "false";

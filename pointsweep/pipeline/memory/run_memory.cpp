@@ -63,8 +63,8 @@ void add_steps(MemoryDemand& demand, const SweepPlan& plan, std::uint64_t budget
   demand.waiting_for_steps = estimates.open_points(window_neighbors(plan, demand.cell_points, dimension));
 }
 
-/// Returns the axis along which an in-order operator takes the points: the stated axis x or y, or else the axis in
-/// which the survey's bounds are longer.
+/// Returns the axis along which an in-order operator with Places::in_plane takes the points: the stated axis x or y, or
+/// else the longer of these two axes in the survey's bounds.
 int axis_of_places(const Survey& survey, const EngineOptions& options) {
   if (options.axis && *options.axis < 2) return *options.axis;
   const Vec3 extent = survey.bounds.extent();
@@ -131,7 +131,7 @@ std::optional<std::uint64_t> waiting_points(const OnDemandOrder& order, const Su
 
 double mega(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
-/// Describes how the points of the first pass are put in order, and why.
+/// Describes how the points of the first pass that orders points are put in order, and why.
 std::string order_text(const MemoryPlan& memory, const OnDemandOrder& order, const MemoryDemand& demand) {
   if (!memory.on_demand && !memory.spill_stream) return "by distribution, in memory";
   if (!memory.on_demand && !order.why_not.empty()) return "by distribution: " + order.why_not;

@@ -38,7 +38,7 @@ struct RunMemory {
   std::string order_text;                   ///< sentence: how `ordered_pass` puts its points in order, and why
   std::vector<std::uint64_t> record_bytes;  ///< for each pass, bytes of a point's record in the stream
   std::vector<Effort> efforts;              ///< effort of each pass
-  MemoryPlan reordering;                    ///< plan for the order of the output, if planned.reorders
+  MemoryPlan reordering;                    ///< plan for the order of the output, if ChainPlan::reorders
   bool spill_rows = false;                  ///< true if records carried between passes, and masks of rows, are spilled
   std::uint64_t row_bytes = 0;       ///< most bytes of carried records and masks, in memory or in the temporary folder
   std::uint64_t expected_bytes = 0;  ///< greatest expected memory of the run at any time
@@ -48,7 +48,7 @@ struct RunMemory {
   bool spills() const;
 };
 
-/// Returns codec_bytes() for a number of threads.
+/// A function that returns the bytes of open inputs, decoders and encoders for a number of threads.
 using CodecBytes = std::function<std::uint64_t(unsigned threads)>;
 
 /// Plans the memory of all passes. Records carried between passes stay in memory only if nothing else is spilled and
@@ -61,10 +61,11 @@ RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::u
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs = {},
                           const OnDemandOrder& on_demand = {"it was not looked for", {}});
 
-/// Returns the bytes of the open inputs beyond the allowance in kFixedBytes: some kB for each file. Must be called
-/// before inputs are decoded (decoded_input()).
+/// Returns the bytes of the open inputs beyond the allowance in kFixedBytes: some kB for each file after the first
+/// hundred, and the memory for requests if an input is a URL. Must be called before inputs are decoded
+/// (decoded_input()).
 std::uint64_t open_input_bytes(const InputCloud& cloud);
-/// Throws Error if `open_bytes`, the result of open_input_bytes(), exceed the budget.
+/// Throws Error if `open_bytes`, the result of open_input_bytes(), and kFixedBytes together exceed the budget.
 void require_room_for_inputs(std::uint64_t budget, std::uint64_t open_bytes, const InputCloud& cloud);
 
 /// Returns the number of threads that the user requests; without a request, that of the machine.
@@ -74,8 +75,9 @@ unsigned threads_asked_for(const EngineOptions& options);
 /// the budget requires it.
 unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget);
 
-/// Returns the bytes that decoding the inputs and encoding records of `record_bytes` to these outputs take on `threads`
-/// threads, and the least memory for dividing the output among files, if it is divided.
+/// Returns the bytes that decoding the inputs, except those of FileInfo::decode_once, and encoding records of
+/// `record_bytes` to these outputs take on `threads` threads, and the least memory for dividing the output among files,
+/// if it is divided.
 std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const RunOptions& options,
                           std::uint64_t record_bytes, unsigned threads);
 
@@ -91,7 +93,7 @@ std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, 
 std::uint64_t aside_bytes(const Outputs& outputs, std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                           unsigned threads);
 
-/// Returns whether the only sweep takes points in the order of the output, so that the stream holds whole records.
+/// Returns whether the last pass takes points in the order of the output, so that its stream holds whole records.
 bool leaves_in_order(const ChainPlan& planned, const EngineOptions& options);
 
 }  // namespace pointsweep

@@ -23,7 +23,7 @@ constexpr std::size_t kNearest = 8;  ///< number of nearest sample points from w
 /// `script/bench radius` at about 1,000 neighbours.
 constexpr double kSearchCost = 20, kOtherCost = 10;
 
-/// Returns the distance of the kNearest-th of the other sample points from sample point `q`, or infinity.
+/// Returns the distance from sample point `q` to the kNearest-th nearest other sample point; infinity if there is none.
 double distance_of_nearest(const std::vector<Vec3>& sample, std::size_t q) {
   std::array<double, kNearest> nearest2;
   nearest2.fill(Box::kInf);
@@ -50,7 +50,7 @@ double neighbors_of(const Survey& survey, std::size_t q, double radius, double p
   return kNearest * points_per_sample * std::pow(radius / farthest, std::clamp(survey.dimension, 1.0, 3.0));
 }
 
-/// Returns the largest number of the ascending `coordinates` in an interval of length `width`.
+/// Returns the largest number of coordinates that lie in one interval of length `width`. `coordinates` must ascend.
 std::size_t most_within(const std::vector<double>& coordinates, double width) {
   std::size_t most = 0;
   for (std::size_t begin = 0, end = 0; end < coordinates.size(); ++end) {

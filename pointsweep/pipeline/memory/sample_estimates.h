@@ -38,12 +38,12 @@ std::string neighbors_text(double neighbors_per_point);
 std::string about_time_text(double seconds);
 
 /// Estimates, for a cloud of `points` points, the most points that have neighbours on both sides of a front across the
-/// axis. `k`: number of nearest neighbours of a point. Uses a sample of at most 16,384 points and the places of the 8
-/// nearest neighbours of each. Takes at most 0.1 s.
+/// axis. `k`: number of nearest neighbours of a point. Uses at most 16,384 points of the sample, and the places of the
+/// 8 nearest neighbours of at most 1,024 of them. Takes at most 0.1 s.
 std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, std::uint64_t k);
 
-/// Returns places of the sample, unordered, with about kBucketPoints points between successive ones along the axis, for
-/// any distribution of points. Equal coordinates along the axis are ordered by the other coordinates.
+/// Returns places of the sample, ascending along the axis, with about kBucketPoints points between successive places,
+/// for any distribution of points. Equal coordinates along the axis are ordered by the other coordinates.
 std::vector<Vec3> places_between_buckets(const Survey& survey, std::uint64_t points);
 
 /// Estimates from a survey. Each estimate is computed once and remembered, since the planning asks for it many times.

@@ -58,8 +58,7 @@ struct DivisionRoom {
 /// The least DivisionRoom::bytes.
 inline constexpr std::uint64_t kLeastDivisionBytes = 16 << 20;
 
-/// Stores records in the order of their arrival (DividedRecords). After the last record it writes the files
-/// (DividedFiles).
+/// Collects records file by file (DividedRecords). After the last record it writes the files (DividedFiles).
 class DividedWriter final : public Writer {
  public:
   /// Throws the errors of Divider() and of create_writer().

@@ -60,7 +60,7 @@ class TileGrid {
 class Divider {
  public:
   /// `plan.path` is the path of the files, with a * for the name of each. Throws UsageError for an attribute whose
-  /// values cannot divide points.
+  /// values cannot divide points, and for buffers if the points already have an attribute `buffer`.
   Divider(OutputPlan plan, const OutputDivision& division);
   /// Throws the errors of create_writer().
   void require_writable() const;

@@ -32,11 +32,11 @@ struct OutputNames {
   std::string warning() const;
 };
 
-/// A made attribute overwrites an attribute of the input if `replace` names it, or if it has exactly the same name: the
-/// input has nx ny nz, and the user asks for normals. Other conflicts of names are a UsageError. An example is
-/// `curvature`: some programs store the surface variation under this name, others a curvature. With a prefix only
-/// attributes in `replace` are overwritten. Made positions have no prefix. Colours of the input are overwritten only if
-/// `replace` names them. `output` determines the format, which may shorten names.
+/// Returns the names of made and kept attributes in `output`, whose format may shorten names. A made attribute
+/// overwrites an attribute of the input if `replace` names it, or if it has exactly the same name: the input has nx ny
+/// nz, and the user asks for normals. Throws UsageError for other conflicts of names. An example is `curvature`: some
+/// programs store the surface variation under this name, others a curvature. With a prefix only attributes in `replace`
+/// are overwritten. Made positions have no prefix. Colours of the input are overwritten only if `replace` names them.
 OutputNames name_outputs(const Schema& input, const std::string& input_name, const std::vector<Attribute>& made,
                          const KeptFields& kept, const std::filesystem::path& output, const NamingRules& rules);
 
@@ -45,7 +45,7 @@ struct OutputFormat {
   const Format* format;
   std::filesystem::path example;  ///< the first output of that format
 };
-/// Returns each known format of the outputs once. Throws UsageError for a file name of a format that is not written.
+/// Returns each format of the outputs once. Throws UsageError for a file name of a format that is not written.
 std::vector<OutputFormat> output_formats(const Outputs& outputs);
 
 /// Returns the names of made attributes in all outputs (name_outputs()). Throws UsageError if a format refuses a name.
@@ -58,14 +58,16 @@ void require_outputs(const Outputs& outputs);
 /// Throws UsageError for a format whose writer changes the order of points (Format::reorders).
 void require_order_kept(const Outputs& outputs);
 
-/// Throws UsageError for options that need one output of all points if there are tiles, and for options of FileLayout
-/// that the format of an output does not support.
+/// Throws UsageError for options that need one output of all points if there are tiles, for options of FileLayout that
+/// the format of an output does not support, and for a division among files that is impossible. Throws Error if the
+/// folder of a division holds point files that may not be replaced.
 void require_outputs_possible(const Outputs& outputs, const EngineOptions& options);
 
 /// Returns the requirements of the outputs on the plan of a chain.
 OutputNeeds needs_of(const Outputs& outputs, const EngineOptions& options);
 
-/// Returns the name of the output in a sentence: the point file, the folder of the first tile, or "the output".
+/// Returns the name of the output in a sentence: the point file, the folder of tiles or of a divided output, "standard
+/// output", or "the output".
 std::string name_of_output(const Outputs& outputs);
 
 /// Returns a warning if a stage assigns coordinates, or an operator of a user makes them, while an output states the

@@ -18,7 +18,8 @@
 
 namespace pointsweep {
 
-/// The values that formats need before the first record.
+/// The parts of an OutputPlan that a run decides: values that formats need before the first record, memory, scratch
+/// files and progress.
 struct OutputPlace {
   std::optional<Box> bounds;                           ///< OutputPlan::bounds
   std::shared_ptr<const KnownValues> values;           ///< OutputPlan::values

@@ -204,7 +204,8 @@ void TileSet::open_next() {
                        request_.provenance(cloud, t));
 }
 
-/// Returns the values that the format needs. Tiles with moved points share one grid; all others keep their own.
+/// Returns the values that the format needs. Tiles with moved points share one grid; other tiles keep the grid of their
+/// input.
 OutputPlace TileSet::place_of_tile(InputCloud& cloud, const Format* format, std::uint64_t first) const {
   std::shared_ptr<KnownValues> values = values_if_needed(format, request_.options.layout, cloud);
   if (!request_.moved || !values) return {bounds_if_needed(format, request_.options.layout, cloud), values};

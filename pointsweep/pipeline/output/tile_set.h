@@ -35,6 +35,7 @@ class FinishedTiles {
   /// Reads the list of earlier processes. With an empty `resume_folder`, the list stays empty.
   explicit FinishedTiles(const std::filesystem::path& resume_folder);
 
+  /// Returns whether the list has the tile and the file at `output` is the listed file.
   bool has(std::size_t tile, const std::filesystem::path& output) const;
   /// Must be called when the unfinished file of `output` is complete, before it is renamed. Throws Error if the list
   /// cannot be written, like end().
@@ -60,7 +61,7 @@ struct Format;
 /// Positions and bounds of all points after stages that move points, for formats that store integers.
 struct MovedPoints {
   Box bounds;  ///< bounds of all tiles
-  /// The grid of the inputs, if there is one. All tiles with moved points, and the merged cloud, use the same grid.
+  /// The grid of the inputs, if there is one. All tiles with moved points use it, as one output of all points would.
   std::optional<LasQuantization> grid;
   const RowFile* rows;   ///< rows that the last pass has made
   std::size_t position;  ///< offset of the moved position in a record of `rows`: three float64
@@ -82,7 +83,7 @@ struct TileRequest {
 };
 
 /// Throws for errors that can be found before the work: outputs that exist or cannot be written, attributes that would
-/// be overwritten, formats that cannot hold the made attributes. Makes the folders of the tiles in `folders`.
+/// be overwritten, formats that cannot hold the made attributes. Makes missing folders of the tiles with `folders`.
 void require_writable_tiles(const TileRequest& request, const FinishedTiles& finished, MadeFolders& folders);
 
 /// Writes one tile for each input. Tiles receive their rows one after another; several are completed in parallel. A

@@ -43,8 +43,8 @@ class GraphBuilder {
     neighborhood_ = neighborhood;
     graph_.nodes.push_back(std::move(node));
   }
-  /// Throws UsageError for a composite with a Reneighbor that leaves its neighbours to the operators, since the
-  /// contract of the composite cannot tell them.
+  /// Throws UsageError for a composite with a Reneighbor that leaves k to the operators (kOfOperators), since the
+  /// contract of the composite does not state it.
   void operator()(const Reneighbor& update) {
     if (update.neighborhood && update.neighborhood->k == Neighborhood::kOfOperators)
       fail_usage("{}: states no k for the Reneighbor inside it; set Neighborhood::k there.", is_part_of_);

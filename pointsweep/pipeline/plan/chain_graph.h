@@ -69,7 +69,8 @@ struct GraphNode {
 struct ChainGraph {
   std::vector<GraphNode> nodes;  ///< the first is the neighbourhood with which the chain begins
   std::vector<AttributeVersion> versions;
-  /// The last version of every made attribute, in the order first made; without the attributes of selects and Resorts.
+  /// The last version of every made attribute that no later stage drops, in the order first made; without the
+  /// attributes of selects and Resorts.
   std::vector<std::size_t> made;
   /// The reduce node that finds the box of the moved positions, if the output needs it before its first record.
   std::optional<std::size_t> moved_bounds;
@@ -91,9 +92,9 @@ struct OutputNeeds {
   bool bounds = false;        ///< its format needs the box of moved points before the first record
 };
 
-/// Throws UsageError in a sentence that names the stage when k is 0, a radius is negative, an operator reads an
-/// attribute that neither the input nor an earlier stage has, or a rule of neighbourhoods reads an attribute that the
-/// cloud does not have. `input` names the cloud's fields.
+/// Resolves a chain for a cloud with the fields of `input`. Throws UsageError if k is 0, a radius is negative, an
+/// operator reads an attribute that neither the input nor an earlier stage has, a rule of neighbourhoods reads an
+/// attribute that the cloud does not have, or a Drop names fields that cannot be dropped.
 ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs);
 
 /// Returns `before` with the newer versions and the new attributes of `made`.
@@ -103,8 +104,8 @@ std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<
 /// field replaces the field of the same name.
 Schema with_carried(const Schema& input, const std::vector<Attribute>& carried);
 
-/// Returns the attribute of `carried` that holds `field`. Empty if the input's own record holds the field, or nothing
-/// does.
+/// Returns the name of the attribute of `carried` that holds `field`; empty if the record of `input` holds the field,
+/// or nothing does.
 std::string carried_with(std::string_view field, const Schema& input, const std::vector<Attribute>& carried);
 
 }  // namespace pointsweep

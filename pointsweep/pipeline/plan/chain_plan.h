@@ -31,7 +31,7 @@ struct ColumnPlan {
   std::string attribute;
   std::string made_by;  ///< "the file", "a pass before", or the stage as "2 normals"
   std::uint32_t bytes = 0;
-  std::size_t last_step = 0;  ///< the last step that makes or reads the column; the last of all for a written column
+  std::size_t last_step = 0;  ///< the last step that makes or reads the column; the last of the pass if written
   bool written = false;
 };
 
@@ -39,7 +39,7 @@ struct ColumnPlan {
 struct PlannedPass {
   PassKind kind = PassKind::sweep;
   std::vector<std::size_t> nodes;  ///< graph node of each stage of `plan`
-  /// The stages. A select makes selection_attribute() besides the kept attributes.
+  /// The stages, steps and columns. A pass that selects makes the kept attributes and selection_attribute().
   SweepPlan plan;
   std::vector<ColumnPlan> columns;  ///< by number of column
   /// For each of plan.file_columns, the names of the fields of `input` that fill the column.
@@ -56,7 +56,7 @@ struct PlannedPass {
   /// For each stage, the numbers of the values that it needs (PlannedValue::number).
   std::vector<std::vector<std::size_t>> values_of_stages;
 
-  /// The operator of a pass of kind order; null for another pass.
+  /// Returns the operator of a pass of the kind PassKind::order; null for other passes.
   const InOrderOperator* in_order() const;
   /// Returns whether the points are ordered by places that the operator gives them (Places), not by their positions.
   bool has_places() const;
@@ -64,25 +64,27 @@ struct PlannedPass {
   std::vector<std::byte> fill_record() const;
   /// Returns the stage that emits edges; null if there is none. Its attributes are known when the sweep has ended.
   const Stage* connecting_stage() const;
-  /// Indices of the fields of `input` that must travel with the points.
+  /// Returns the indices of the fields of `input` that must travel with the points.
   std::vector<std::size_t> payload() const;
   /// Sets plan.file_columns: replaces the names in `file_fields` by indices of fields of `working_record`.
   void bind(const Schema& working_record);
-  /// Returns the bytes of the working record of a point in the stream, without its row.
+  /// Estimates the bytes of the working record of a point in the stream, without its row, with 8 bytes for each field
+  /// of payload().
   std::uint64_t travelling_bytes() const;
   /// Returns the bytes of a point's carried attributes between this pass and the next.
   std::uint64_t carried_bytes() const;
 };
 
 struct ChainPlan {
-  Chain chain;  ///< the chain of the request
+  Chain chain;  ///< the requested chain, with the k and radius of every neighbourhood
   ChainGraph graph;
-  std::vector<PlannedPass> passes;  ///< at least one
+  std::vector<PlannedPass> passes;  ///< none in a run that only sorts; else at least one
   /// The last version of every attribute made and kept, in the order first made.
   std::vector<Attribute> made;
-  /// The fields of made attributes and of the input that are written.
+  /// The fields of made attributes and of the input that are written. KeptFields::attributes is empty if Chain::keep is
+  /// empty and no stage drops attributes; then all are written.
   KeptFields kept;
-  /// True if Order::sweep asks for an order that differs from the order of the (only) sweep.
+  /// True if a last phase puts the output in the order of the sweep, because no pass leaves the results in that order.
   bool reorders = false;
   /// True if the output is ordered by stream_position_attribute(), the last attribute that the last pass carries. False
   /// if it is ordered by the positions of the input.
@@ -100,10 +102,10 @@ struct ChainPlan {
   std::uint64_t most_carried_bytes() const;
 };
 
-/// Plans a chain. Throws the errors of resolve(), and UsageError if an attribute to keep is unknown, or if nothing is
-/// made and all rows are kept. The number of passes is minimal: stages run in the first pass in which all attributes
-/// that they read exist, and passes without needed results are omitted. If the graph reads row numbers
-/// (reads_input_rows()), the run needs a cloud with row numbers: InputCloud::numbered().
+/// Plans a chain. Throws the errors of resolve(), and UsageError if an attribute to keep is unknown, or if the chain
+/// has stages but makes, drops and selects nothing. The number of passes is minimal: stages run in the first pass in
+/// which all attributes that they read exist, and passes without needed results are omitted. If the graph reads row
+/// numbers (reads_input_rows()), the run needs a cloud with row numbers: InputCloud::numbered().
 ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs = {});
 
 }  // namespace pointsweep

@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-/// Takes the names one by one.
+/// The fields that names mean. add() takes one name.
 class Selection {
  public:
   Selection(const std::vector<Attribute>& made, const Schema& input, std::string done = "kept")

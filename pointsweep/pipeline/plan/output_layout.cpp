@@ -72,8 +72,8 @@ OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& ma
   }
 }
 
-/// Returns the fields of the input that get another type from their replacement. Bit fields share their bytes with
-/// others and keep their storage.
+/// Returns the fields of the input that get another type, from the made attribute that replaces them or from
+/// `positions`. Bit fields share their bytes with others and keep their storage.
 OutputLayout::Types OutputLayout::replaced(const Schema& input, const std::vector<Attribute>& made,
                                            const KeptFields& kept, std::optional<Type> positions) {
   Types types;
@@ -133,7 +133,8 @@ void OutputLayout::retype(const Types& types) {
   for (const Piece& piece : pieces) passed_.add(piece.from, piece.to, piece.bytes);
 }
 
-/// Keeps some fields with their storage, except those of `types`. Bit fields of one byte each get a copy of the byte.
+/// Keeps the fields `kept`. Fields in `types` get that type, the others keep their storage. Bit fields of one byte each
+/// get a copy of the byte.
 void OutputLayout::keep_fields(const Schema& input, const std::vector<std::size_t>& kept, const Types& types) {
   schema_ = {};
   passed_ = {};

@@ -36,10 +36,10 @@ class OutputLayout {
                std::optional<Type> positions = std::nullopt);
 
   const Schema& schema() const { return schema_; }
-  /// Returns whether output records equal records of the input, so that nothing is made.
+  /// Returns whether output records equal records of the input, so that they need no assembly.
   bool passes_inputs() const;
-  /// `inputs` holds n records of the input, `results` n result records, `outputs` receives n records of schema().
-  /// Throws RowError for the lowest row with a value that its field cannot hold.
+  /// Makes `n` output records of schema() from `n` records of the input and `n` result records. Throws RowError for the
+  /// lowest row with a value that its field cannot hold, or that a field of whole numbers would round.
   void assemble(const std::byte* inputs, const std::byte* results, std::size_t n, std::byte* outputs,
                 RowNumbers rows = {}) const;
   /// Assembles successive records on all threads. `results` is null if nothing is made. `first`: the first row.

@@ -14,7 +14,7 @@ namespace pointsweep {
 /// Fills the plan, columns and fields of a pass.
 class PassPlanner {
  public:
-  /// `carried`: attributes carried into this pass. `first_stage`: number of its first stage in the chain, from 0.
+  /// `carried`: attributes carried into this pass. `first_stage`: number of stages in earlier passes.
   /// `pass.input`: the cloud as the pass sees it. All arguments must outlive this object.
   PassPlanner(const ChainGraph& graph, const std::vector<Attribute>& carried, std::size_t first_stage,
               PlannedPass& pass);

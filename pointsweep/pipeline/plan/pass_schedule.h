@@ -44,10 +44,10 @@ class PassSchedule {
  private:
   /// The passes that can read an attribute, by number.
   struct Use {
-    /// The first: the pass of the stage that makes the attribute, or the pass after it if the stage connects
-    /// neighbours.
+    /// The first of these passes: the pass of the stage that makes the attribute, or the pass after it if the stage
+    /// connects neighbours.
     std::size_t known_from = 0;
-    std::size_t last_read = 0;  ///< the last for which a stage that reads it is planned
+    std::size_t last_read = 0;  ///< last pass planned so far that reads the attribute; no earlier pass may change it
     bool is_made = false;       ///< made by a stage of this segment
   };
   void add(std::size_t node);

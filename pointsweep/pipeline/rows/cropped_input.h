@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The parts and fields of its input that a chain reads.
+/// The parts of the input that a chain reads, with row numbers if it reads them.
 #pragma once
 
 #include <cstdint>

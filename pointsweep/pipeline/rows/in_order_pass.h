@@ -29,7 +29,7 @@ struct InOrderPass {
   const Stream& stream;  ///< in canonical order; made from a PlacedSource if the pass has places
   const PlannedPass& pass;
   InOrderSetup setup;
-  bool is_part;              ///< the stream has further rows, whose findings are discarded
+  bool is_part;              ///< true if the stream has further rows, whose findings are discarded
   std::uint64_t first_row;   ///< row of the stream that is the first row of the results
   std::uint64_t rows;        ///< number of rows of the results
   RowStore& results;         ///< gets a record for each row that is dropped or has values; other rows keep their fill

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Points without a finite place: they are in no slab and are neighbours of no point. EngineOptions::nonfinite says
-/// whether the run sees them.
+/// Points with NaN or infinite coordinates: they are in no slab and are neighbours of no point. RunOptions::nonfinite
+/// says whether the run sees them.
 #pragma once
 
 #include <cstddef>

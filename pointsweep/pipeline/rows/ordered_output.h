@@ -27,8 +27,9 @@ void write_in_order(const Stream& stream, std::size_t bytes,
                     const std::function<void(std::span<const std::byte>)>& write,
                     const std::function<void(std::uint64_t)>& report);
 
-/// Sources of output records that must be put in an order that no sweep has. Each record is followed by the position
-/// that decides its place: the last attribute of `rows` if `by_moved_positions`, otherwise the position in the input.
+/// Sources of output records that a last phase puts in order (ChainPlan::reorders). Each record is followed by the
+/// position that decides its place: the last attribute of `rows` if `by_moved_positions`, otherwise the position in the
+/// input.
 class Reordering {
  public:
   Reordering(InputCloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions);

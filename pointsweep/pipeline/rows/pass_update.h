@@ -22,8 +22,9 @@
 
 namespace pointsweep {
 
-/// Makes the rows of `after`. Each value comes from the pass if the pass has made the attribute, otherwise from the
-/// rows carried into the pass. All three kinds of records contain the values of their attributes one after another.
+/// Makes the records of rows after a pass. Each value comes from the pass if the pass has made the attribute, otherwise
+/// from the rows carried into the pass. All three kinds of records contain the values of their attributes one after
+/// another.
 class RowUpdate {
  public:
   RowUpdate(const std::vector<Attribute>& carried, const std::vector<Attribute>& made,
@@ -58,6 +59,7 @@ void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdat
 /// source. The input is read only if the pass needs a field of it.
 PointSource updated_source(const PointSource& input, const RowFile& carried, const PlannedPass& pass);
 
+/// Collects what a pass leaves: the carried records and the selection of the kept rows, and values of the whole cloud.
 class PassUpdate {
  public:
   /// `input`: the rows of `cloud`. `carried_bytes`: bytes of a record of pass.carried.

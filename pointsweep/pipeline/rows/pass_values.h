@@ -14,6 +14,7 @@ namespace pointsweep {
 /// Values of the whole cloud, by PlannedValue::number.
 using CloudValues = std::map<std::size_t, std::vector<double>>;
 
+/// Reduces the rows that a pass leaves to the values of the whole cloud that the pass plans (PlannedPass::values).
 class PassValues {
  public:
   /// `input`: the schema of the cloud's records.

@@ -41,8 +41,8 @@ class RecordWriter final : public Writer {
   std::uint64_t next_row_ = 0;
 };
 
-/// Returns the fields of the made attribute `name`; if there is none, the field `name`. Throws UsageError without a
-/// field.
+/// Returns the fields of the made attribute `name`; if there is none, the field `name`. Throws UsageError for a field
+/// that `schema` lacks.
 std::vector<Field> fields_named(std::string_view name, const Schema& schema, const std::vector<Attribute>& made) {
   const auto attribute = std::ranges::find(made, name, &Attribute::name);
   const std::vector<std::string> names =

@@ -26,7 +26,7 @@ namespace {
 
 /// A part of the results of a pass: either the results of its connecting stage, or all other results.
 struct ResultPart {
-  RecordMap map = {};       ///< from a record of the part to a record of the pass
+  RecordMap map = {};       ///< copies a record of the part into a record of the pass
   std::uint32_t bytes = 0;  ///< bytes of a record of the part
 };
 

@@ -29,8 +29,9 @@ class RunPlaces {
   RunPlaces(const EngineOptions& options, const std::optional<std::string>& identity);
   /// Returns the checkpoints; null for a run that cannot be resumed.
   Checkpoints* checkpoints() { return checkpoints_ ? &*checkpoints_ : nullptr; }
-  /// Returns the place for the "decoded" records of all inputs, or for a spilled "stream", "results", "rows" or "mask"
-  /// of pass `number`.
+  /// Returns the place for the "decoded" records of all inputs, for the "stream" or the "results" of pass `number`, or
+  /// for the "rows" and the "mask" with which this pass begins. The place is a kept file if there are checkpoints,
+  /// otherwise folder() if `spills`, else memory.
   SpillPlace place(const char* kind, std::size_t number, bool spills);
   /// Returns the temporary folder, for data that neither later passes nor a resumed run need. Thread-safe.
   const TempFolder& folder();
@@ -49,7 +50,7 @@ struct RunReport {
   Statistics& statistics;
   Observer* observer;  ///< receives progress and sentences; may be null
 
-  /// Adds the sentence to Statistics::warnings, unless it is empty, and tells the observer of it as a warning.
+  /// Adds a sentence that is not empty to Statistics::warnings, and tells the observer of it as a warning.
   void warn(const std::string& sentence) const;
   /// Adds the sentence to Statistics::warnings and tells the observer of it as a note.
   void note(const std::string& sentence) const;

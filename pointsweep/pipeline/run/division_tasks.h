@@ -23,8 +23,8 @@ struct DivisionRequest {
   const EngineOptions& options;
 };
 
-/// Returns the number of rows of each range. Throws UsageError for a chain with stages, and if the layout of the output
-/// depends on all points.
+/// Returns the number of rows of each range. Throws UsageError for a chain with stages, for inputs from which nonfinite
+/// points must be dropped, and if the layout of the output depends on all points.
 std::vector<std::uint64_t> plan_ranges(const DivisionRequest& request);
 /// Returns the bytes of a point in the scratch. Throws for outputs that cannot be written, as far as this is known
 /// before the work.
@@ -34,7 +34,8 @@ struct RowRange {
   std::uint64_t first = 0, rows = 0;
 };
 /// Divides the rows of a range among files. Stores the records under `name`.pieces and their PiecesOfRange under
-/// `name`.cut. Like write_pieces(), it needs options that allow files to be replaced: join_pieces() has checked them.
+/// `name`.cut. The options of cut_range() and write_pieces() must allow files to be replaced: plan_parts() and
+/// join_pieces() refuse files that exist.
 Statistics cut_range(const DivisionRequest& request, RowRange range, Storage& scratch, const std::string& name);
 
 /// Seals the list of all files and their pieces (FilesOfRanges) under `key`. `names`: names given to cut_range(), in
@@ -42,7 +43,7 @@ Statistics cut_range(const DivisionRequest& request, RowRange range, Storage& sc
 void join_pieces(const DivisionRequest& request, Storage& scratch, const std::vector<std::string>& names,
                  const std::string& key);
 
-/// Writes the files that are the work of task `task` of `tasks`.
+/// Writes the files of task `task`, counted from 0, of `tasks` tasks. `key`: key given to join_pieces().
 Statistics write_pieces(const DivisionRequest& request, std::size_t task, std::size_t tasks, const Storage& scratch,
                         const std::string& key);
 

@@ -107,7 +107,7 @@ Ordered put_in_order(const Context& context, const WorkPlan& work, PointsInOrder
   return made;
 }
 
-/// Puts the records of the output in an order that no sweep has; in a sort, the records of the input.
+/// Puts the records of the output in order (ChainPlan::reorders); in a sort, the records of the input.
 Ordered order_output(const Context& context, const WorkPlan& work, const Rows& rows, Surveyed points,
                      OutputFiles& files) {
   const auto whole = [&](const PointSource& source) {

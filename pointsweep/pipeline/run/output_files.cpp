@@ -23,7 +23,7 @@ namespace {
 
 /// The facts that determine the result of a run, for its processing record.
 struct RunRecord {
-  std::vector<std::string> stages;  ///< canonical_stages() with presets left out, {"sort"} or {"convert"}
+  std::vector<std::string> stages;  ///< result of recorded_stages()
   std::vector<std::string> keep;    ///< result of recorded_keep()
   const EngineOptions& options;
   int axis = 0;  ///< axis of the sweep
@@ -94,7 +94,8 @@ std::vector<std::string> provenance_of_tile(const InputCloud& input, TileNumber 
   return lines_with(input, record, run);
 }
 
-/// Returns whether the order of columns in Chain::keep differs from the default: fields of the input, then made ones.
+/// Returns whether the order of columns in Chain::keep differs from the default: fields of the input, then made fields.
+/// False if no output has a format that keeps the order of columns (LAS does not).
 bool reorders(const Context& context) {
   const ChainPlan& plan = context.plan;
   const Schema& input = context.cloud.schema();
@@ -124,7 +125,7 @@ bool searches_nothing(const Chain& chain) {
 }
 
 /// Returns the names of Chain::keep for a record, in the given order if columns stand in that order, else sorted.
-/// Returns none if the run leaves nothing out.
+/// Returns none if the run keeps all attributes in the default order.
 std::vector<std::string> recorded_keep(const Context& context) {
   std::vector<std::string> names = context.plan.chain.keep;
   if (reorders(context)) return names;

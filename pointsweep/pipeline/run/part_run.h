@@ -60,7 +60,7 @@ struct PartPlan {
   std::vector<OtherFiles> others;
   std::vector<std::uint64_t> rows;  ///< number of rows of each tile; of each range of rows if the output is divided
   Nonfinite nonfinite = Nonfinite::keep;
-  std::vector<std::string> record;  ///< names of the stages, for the processing record of the outputs
+  std::vector<std::string> record;  ///< recorded_stages(), for the processing record of the outputs
   std::uint64_t scratch_bytes = 0;  ///< most bytes that the scratch stores for each point
   std::vector<std::string> notes;   ///< sentences for the user, which a run of one process reports before its work
 };
@@ -95,7 +95,7 @@ struct PartTask {
 };
 
 struct PartDone {
-  std::uint64_t rows = 0;  ///< number of rows of the tile that are left
+  std::uint64_t rows = 0;  ///< number of rows of the tile that are left, or of the stored file of another cloud
   /// Number of finite points of the tile that were ordered or swept, and number of points that were swept: those of the
   /// tile and of its halo. 0 if the task has no such step.
   std::uint64_t own_points = 0, swept_points = 0;

@@ -59,10 +59,11 @@ struct Surveyed {
   std::vector<RowBox> boxes;  ///< boxes for slabs on demand, for the first pass that puts points in order
 };
 
+/// The result of an order phase.
 struct Ordered {
   Stream stream;
   std::vector<Vec3> bucket_places;  ///< places between adjacent buckets of edges, if the pass connects points
-  Survey survey;                    ///< survey of the points in that order, without its sample
+  Survey survey;                    ///< survey of the positions of the points, without its sample
   MemoryPlan memory;                ///< plan for the sweep
   std::uint64_t first_row = 0;      ///< row of `stream` that becomes row 0 of the cloud, which may be a part
 };
@@ -72,7 +73,7 @@ struct Rows {
   std::shared_ptr<InputCloud> cloud = {};  ///< the rows of the input that no pass has dropped
   std::unique_ptr<RowFile> carried = {};   ///< records carried from the last pass; null before the first pass
   CloudValues values = {};                 ///< known values of the whole cloud
-  /// In a part: PassValues::save() of the last pass, instead of its values.
+  /// PassValues::save() of the last pass in a part, from which join_values() makes values of the whole cloud.
   std::vector<std::vector<std::byte>> saved_values = {};
 };
 
@@ -104,7 +105,7 @@ std::unique_ptr<RowStore> results_of_pass(const Context& context, const WorkPlan
 /// A place in scratch where a task stores the graph of a tile.
 struct PlaceOfTile {
   Storage* scratch = nullptr;  ///< null in a run over all points
-  std::string name;            ///< beginning of the names of its objects
+  std::string name;            ///< beginning of the names of the graph's objects
 };
 
 /// Inputs of a pass besides its points.
@@ -147,8 +148,8 @@ void label_points(const Context& context, const PlannedPass& pass, const MemoryP
 Rows update_pass(const Context& context, const WorkPlan& work, std::size_t p, Rows before,
                  std::unique_ptr<RowStore> results);
 
-/// Writes the output. Source: the records of `ordered` if not null; the rows if all passes are over or no row is left;
-/// else the results of pass `p`, like update_pass().
+/// Writes the output: the records of `ordered` if it is not null; `rows` if all passes are over or no row is left;
+/// otherwise the results of pass `p`. `results` is null for a pass over rows, which is performed here.
 void write_output(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, const Ordered* ordered,
                   RowStore* results, OutputFiles& files);
 

@@ -21,7 +21,7 @@ struct Preview {
   OutputNames names;
   std::string system_warning;  ///< result of kept_system_warning(): a sentence, or empty
   std::uint64_t points = 0;
-  std::vector<std::string> others;  ///< for each pass, the name of the other cloud that it reads, or an empty text
+  std::vector<std::string> others;  ///< for each pass, name and number of points of the other cloud; empty if none
   std::vector<std::string> notes;   ///< sentences about the request
   std::size_t tiles = 0;            ///< number of tiles, one for each input; 0 if one output holds all points
   bool is_divided = false;          ///< true if RunOptions::division divides the output among files
@@ -37,8 +37,8 @@ struct Preview {
 Preview preview(const InputCloud& cloud, const Chain& chain, const EngineOptions& options = {},
                 const Outputs& outputs = {});
 
-/// Returns lines of text about each pass (stages, steps, buffers, columns, rows carried on, slabs), about the record of
-/// results and about memory.
+/// Returns lines of text about each pass (stages, steps, buffers, columns, carried attributes, slabs), about the record
+/// of results and about memory.
 std::string to_text(const Preview& preview);
 
 /// A description of a sort(), made without running it.

@@ -46,7 +46,7 @@ OutputNames names_of_output(const Request& request) {
   return names_in_outputs(cloud, plan, outputs, options);
 }
 
-/// Adds a note for neighbourhoods of more points than the cloud has.
+/// Warns of neighbourhoods of more points than the cloud has. Sets Statistics::k.
 void note_neighborhoods(const Request& request, const RunReport& report) {
   std::set<std::size_t> noted;
   for (const PlannedPass& pass : request.plan.passes) {
@@ -68,7 +68,8 @@ bool needs_points_before(const InputCloud& cloud, const Outputs& outputs, const 
          (format->values_need_points != nullptr && format->values_need_points(cloud, layout));
 }
 
-/// Throws Error unless the temporary folder has room for bytes_aside().
+/// Throws Error unless the temporary folder has room for bytes_aside() and for decoded inputs. Does not check the room
+/// if bytes_aside() is 0.
 void require_room_aside(const Request& request, const OutputNames& names) {
   const std::uint64_t aside = bytes_aside(request, names);
   if (aside == 0) return;

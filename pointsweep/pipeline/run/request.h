@@ -29,11 +29,11 @@ using OtherClouds = std::vector<std::optional<OtherCloud>>;
 
 /// Throws UsageError if an output is also an input or another output.
 void require_own_files(const Request& request);
-/// Throws Error if there is no folder for temporary data or if the input has no points.
+/// Throws Error if the user names a temporary folder that cannot be used, or if the input has no points.
 void require_work(const Request& request);
 /// Returns the statistics of the input, before the first phase.
 Statistics first_counts(const Request& request, const NonfiniteRows& dropped);
-/// Throws for errors that can be found before the first point is read. Returns the names of the request's attributes.
+/// Throws for errors that can be found before the first point is read. Returns the names of attributes in the outputs.
 OutputNames check_request(const Request& request, const RunReport& report);
 /// Throws the errors of the format of the output about records that its files cannot hold, which its writer would throw
 /// later. Does not check the tiles of a folder.

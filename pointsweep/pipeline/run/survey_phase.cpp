@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The first phase: the input is surveyed, and all decisions of the work are made.
+/// The first phase: decodes inputs that are decoded once, surveys the input, and makes the WorkPlan.
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/on_demand_order.h"

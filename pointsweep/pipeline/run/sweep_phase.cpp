@@ -17,7 +17,7 @@
 namespace pointsweep {
 namespace {
 
-/// A pass that sweeps, and the place for its results.
+/// A pass that takes points in order, and the place for its results.
 struct SweepOfPass {
   const Context& context;
   const WorkPlan& work;
@@ -26,7 +26,7 @@ struct SweepOfPass {
   /// Layout of whole output records if `results` stores output records by place in the stream. Null if `results` stores
   /// result records by row.
   const OutputLayout* layout;
-  bool is_first;  ///< first sweep of the run
+  bool is_first;  ///< true for the first sweep of the run
   RowStore& results;
   const PassSupport& support;
 };

@@ -26,6 +26,7 @@ struct TileState {
   static TileState decode(Decoder& in);
   /// Seals the state of a task whose objects begin with `name`.
   void seal(Storage& scratch, const std::string& name) const;
+  /// Returns the state that seal() has stored for `name`.
   static TileState left(const Storage& scratch, const std::string& name);
 };
 

@@ -17,9 +17,9 @@
 namespace pointsweep {
 
 /// A file or object for reading. Every failure is an Error that names the file and the remedy. Opening a file reads
-/// nothing, and no content is kept in memory; for a URL see RemoteObject. Any number of objects may exist: if more than
-/// 256 files, or a quarter of the system's limit, were open, the least recently read files are closed, and reopened
-/// when they are read.
+/// nothing, and no content is kept in memory; for a URL see RemoteObject. Any number of InputFiles may exist. If 256
+/// files, or a quarter of the system's limit, are open, opening another file closes the least recently read files,
+/// which are reopened when they are read.
 class InputFile final : public Source {
  public:
   /// Throws if the file is missing, a folder, no regular file, or may not be read.

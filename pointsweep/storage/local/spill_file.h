@@ -23,6 +23,7 @@ class SpillPlace {
   SpillPlace(const TempFolder* folder);  // NOLINT: a folder is a place
   static SpillPlace kept(const std::filesystem::path& file);
 
+  /// True unless the place is memory.
   explicit operator bool() const { return !folder_.empty(); }
   bool is_kept() const { return !name_.empty(); }
   const std::filesystem::path& folder() const { return folder_; }

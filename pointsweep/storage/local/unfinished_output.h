@@ -39,7 +39,7 @@ class ManyOutputs {
   bool has(const std::filesystem::path& folder, const std::string& name) const;
 
  private:
-  /// Takes the outputs into the list of all ManyOutputs.
+  /// Adds this object to the list of all ManyOutputs. `targets`: hashes, ascending.
   explicit ManyOutputs(std::vector<std::size_t> targets);
 
   std::vector<std::size_t> targets_;  ///< hashes of the paths of all outputs, ascending

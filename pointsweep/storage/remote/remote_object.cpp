@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t kFirstRequest = 64 << 10;
 constexpr std::uint64_t kLargestRequest = 2 << 20;
-constexpr std::size_t kMostRuns = 32;   ///< most runs of successive reads that an object remembers
+constexpr std::size_t kMostRuns = 32;   ///< most runs of successive requests that an object remembers
 constexpr std::size_t kMostSaid = 256;  ///< most ranges of will_read() that an object remembers
 
 }  // namespace
@@ -137,8 +137,8 @@ std::uint64_t RemoteObject::begin_of_request(std::uint64_t offset) const {
   return offset < end && offset - begin < kFirstRequest && !is_kept ? begin : offset;
 }
 
-/// Returns the offset at which a request for `wanted` bytes from `offset` on ends. The caller holds the lock of the
-/// cache.
+/// Returns the offset at which a request for `wanted` bytes from `offset` on ends, and adds the request to its run. The
+/// caller holds the lock of the cache.
 std::uint64_t RemoteObject::end_of_request(std::uint64_t offset, std::uint64_t wanted) {
   std::uint64_t bytes = std::max(wanted, kFirstRequest);
   const auto run = std::ranges::find(runs_, offset, &Run::end);

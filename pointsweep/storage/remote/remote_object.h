@@ -41,7 +41,7 @@ class RemoteObject {
 
  private:
   struct Block;
-  /// Successive reads without a gap: the offset after the last of them, and the number of their bytes.
+  /// Successive requests without a gap: the offset after the last request, and the number of bytes of all of them.
   struct Run {
     std::uint64_t end = 0, length = 0;
   };

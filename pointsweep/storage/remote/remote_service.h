@@ -57,7 +57,7 @@ bool put_remote_if_absent(const std::string& url, std::span<const std::byte> byt
 /// Removes an object if it exists.
 void remove_remote(const std::string& url);
 
-/// Throws unless objects can be written at `url`.
+/// Throws unless this build can write URLs and `url` is in a bucket. Asks no server.
 void require_writable_url(const std::string& url);
 
 RemoteTraffic remote_traffic();

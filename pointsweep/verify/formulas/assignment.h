@@ -20,6 +20,7 @@ class PlainExpression {
   explicit PlainExpression(std::string_view text);
   /// Returns the names in the order in which they first occur in the text, each once.
   const std::vector<std::string>& names() const { return names_; }
+  /// Returns the range of the expression. `values`: the range of the value of each of names().
   PossibleNumber number(std::span<const PossibleNumber> values) const;
   /// Returns whether the condition holds; nothing if the ranges do not decide.
   std::optional<bool> holds(std::span<const PossibleNumber> values) const;

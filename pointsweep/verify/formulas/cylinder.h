@@ -39,6 +39,7 @@ class Cylinder {
 struct Change {
   Estimate distance, level, spread1, spread2, samples1, samples2;
 };
+/// `registration`: error of the alignment of the clouds. `either_side`: true if the sign of the normal is uncertain.
 Change change(const Cylinder& before, const Cylinder& after, Real registration, bool either_side);
 
 }  // namespace pointsweep::formulas

@@ -49,7 +49,7 @@ struct GraphRow {
 };
 GraphRow graph_row(const Place& p, std::span<const Place> neighbors, std::span<const std::uint64_t> rows);
 
-/// The number of neighbours that the rules keep, counted from the nearest.
+/// The number of neighbours that a rule keeps, counted from the nearest.
 struct Kept {
   std::size_t count = 0;
   bool certain = true;  ///< false if rounding decides between this and another count
@@ -81,7 +81,8 @@ Densities densities(const Place& p, std::span<const Place> neighbors, std::optio
 
 /// Returns the distance to the farthest of the neighbours, float64; NaN without neighbours, or if it is not finite.
 Estimate k_distance(const Place& p, std::span<const Place> neighbors);
-/// Returns |N| / Σ_j max(k_distance of j, |q_j - p|), float64; infinite if the sum is 0, NaN if it is not finite.
+/// Returns |N| / Σ_j max(k_distance of j, |q_j - p|), float64; infinite if the sum is 0, NaN without neighbours or if
+/// the sum is not finite.
 Estimate reachability_density(const Place& p, std::span<const Place> neighbors, std::span<const Estimate> k_distances);
 /// Returns 1/|N| Σ_j r_j / r, float64, where r and r_j are the densities of the point and its neighbours; the quotient
 /// of two infinite densities is 1.

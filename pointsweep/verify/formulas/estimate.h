@@ -2,10 +2,10 @@
 /// The value of a formula at a point, with a bound for its distance from every correct evaluation.
 ///
 /// Operators evaluate their formulas in a documented precision: the weights θ of Equations 1 and 2 in single, all else
-/// in double, results rounded to the type of the attribute. Each formula bounds what these roundings, and the errors of
-/// what it reads, do to its result, to first order and with the eigenvalue gaps at hand (Weyl's inequality for
-/// eigenvalues, Davis and Kahan, "The rotation of eigenvectors by a perturbation", 1970, for eigenvectors). So no
-/// tolerance is a free parameter: all follow from the data.
+/// in double, results rounded to the type of the attribute. Each formula bounds the effect on its result of these
+/// roundings and of the errors of the values that it reads: to first order, with the actual eigenvalue gaps (Weyl's
+/// inequality for eigenvalues, Davis and Kahan, "The rotation of eigenvectors by a perturbation", 1970, for
+/// eigenvectors). So no tolerance is a free parameter: all follow from the data.
 #pragma once
 
 #include <algorithm>

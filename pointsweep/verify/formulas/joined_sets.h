@@ -58,6 +58,7 @@ struct SetLabels {
   std::vector<std::uint64_t> size;   ///< number of points in each set
 };
 
+/// Returns the labels of `count` items. points_at(i): number of points of item i; counts(i): true if i gets a number.
 template <class PointsAt, class Counts>
 SetLabels labels_of(JoinedSets& sets, std::size_t count, PointsAt points_at, Counts counts) {
   SetLabels labels{std::vector<std::int64_t>(count, -1), {}};
@@ -79,7 +80,8 @@ class Flatness {
   void add(Vector p);
 
   /// Returns the root mean square distance of the points to their best-fitting plane, as float32; 0 for fewer than four
-  /// points. The operator rounds positions to 2^-40, and its eigenvalues have errors of some roundings of the largest.
+  /// points. The operator rounds positions to multiples of 2^-40, and its eigenvalues have errors of some roundings of
+  /// the largest.
   Estimate residual() const;
 
  private:

@@ -24,7 +24,7 @@ class EdgesAlongX {
   explicit EdgesAlongX(std::span<const PolygonRings> polygons);
 
   /// Returns whether p lies in one of the polygons, by the even-odd rule, or on an edge. Exact unless magnitudes of
-  /// coordinates differ by more than 2^400. Tests exactly the edges above and below p.
+  /// coordinates differ by more than 2^400. Tests only the edges above and below p.
   bool hold(const Corner& p) const;
 
  private:

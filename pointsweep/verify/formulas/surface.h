@@ -29,7 +29,7 @@ struct Curvatures {
 /// C_i = 1/|N_i| Σ_j u_j u_jᵀ θ(|p_j - p_i|) includes all neighbours.
 ///
 /// All values are 0 if n_i is 0, m < 3, an offset is not finite, or the m neighbours lie on a line: det <= (1e-12 trace
-/// + ρ²) trace of D within the tangent plane, with ρ the 2^-51st part of the largest coordinate of p_i.
+/// + ρ²) trace of D within the tangent plane, where ρ is 2^-51 times the largest coordinate of p_i.
 Curvatures curvature(const Place& p, const Estimate& n, std::span<const Place> neighbors,
                      std::span<const Estimate> normals);
 
@@ -40,15 +40,15 @@ struct Splat {
   Estimate ratio;   ///< minor over major semi-axis, in [1/8, 1]
 };
 
-/// The values of a point that splats from curvature read.
+/// The curvature at a point, from which splat() may take the axes.
 struct CurvatureHere {
   Estimate k1, k2, k1_direction;
 };
 
 /// Returns the ellipse in the tangent plane of n_i. Without `curvature` (null, or if k1_direction or k1 is 0), the
 /// major axis is the eigenvector of the largest eigenvalue of M_i (Equation 1), brought into the plane (see tangent();
-/// the other axis is that of λ1), and the ratio is √(λ1/λ2). With `curvature`, the major axis is n_i × k1_direction and
-/// the ratio is √(k2/k1). Ratios below 1/8 become 1/8.
+/// `across` is the eigenvector of λ1), and the ratio is √(λ1/λ2). With `curvature`, the major axis is n_i ×
+/// k1_direction and the ratio is √(k2/k1). Ratios below 1/8 become 1/8.
 ///
 /// The length is the 8th smallest of q_j = √(x² + (y/ratio)²) over the neighbours off p_i, with x and y the coordinates
 /// of p_j - p_i along the axes. With only m < 8 such neighbours it is √(8/m) times the largest q_j, so that the area
@@ -72,8 +72,8 @@ Estimate faired(const Surfel& point, std::span<const Surfel> neighbors, Real f, 
 /// The ways in which features define λ from the eigenvalues l.
 enum class Lambda { raw, root, normalized };
 
-/// Features of P, in float32 except for number_of_neighbors. P contains the neighbours, and p if it counts; n = |P|. Σ
-/// = 1/n Σ_P (q - mean)(q - mean)ᵀ has eigenvalues l1 >= l2 >= l3 and unit eigenvectors e1, e2, e3.
+/// Features of P, in float32 except for number_of_neighbors. P contains the neighbours, and p if `with_point`; n = |P|.
+/// The covariance 1/n Σ_P (q - mean)(q - mean)ᵀ has eigenvalues l1 >= l2 >= l3 and unit eigenvectors e1, e2, e3.
 struct Features {
   Estimate linearity, planarity, sphericity, omnivariance, anisotropy, eigenentropy, eigenvalue_sum, surface_variation;
   Estimate verticality;                   ///< 1 - |e3 · z|; 0 if l2 <= 1e-12 l1 + ρ², with ρ as in normal()

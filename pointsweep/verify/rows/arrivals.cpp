@@ -75,8 +75,8 @@ class Comparison {
     }
   }
 
-  /// Removes fields with a value other than 0 from `absent_`: an output may lack a field of its format if all values
-  /// are 0.
+  /// Moves fields with a value other than 0 from `absent_` to the missing attributes: an output may lack a field of its
+  /// format only if all values are 0.
   void look_for_absent(const std::byte* records, std::size_t n) {
     std::erase_if(absent_, [&](const Field& field) {
       for (std::size_t i = 0; i < n; ++i)

@@ -76,7 +76,7 @@ class CloudRows {
   bool has_all_;
 };
 
-/// Returns binary units in the form of --memory: "512M" or "6.2G", rounded up.
+/// Returns a number of bytes in binary units, in the form of --memory: "512M" or "6.2G", rounded up.
 std::string bytes_text(std::uint64_t bytes);
 /// Throws NeedsMemory if `bytes` exceed the allowed memory.
 void require_memory(std::uint64_t bytes, const CloudRows& rows);

@@ -41,7 +41,7 @@ class FieldPair {
   FieldPair in_files(const Schema* from, const Schema* to) const;
 
   const std::string& name() const { return name_; }
-  /// Returns a hash that is equal for equal values: expected() for a record with `from`, found() for one with `to`.
+  /// Returns a hash, equal for equal values: expected() for a record with `from`, found() for a record with `to`.
   std::uint64_t expected(const std::byte* from_record) const;
   std::uint64_t found(const std::byte* to_record) const;
   /// Returns how much `value` may change when a format stores it: half a unit in the last place of `to`.

@@ -18,7 +18,7 @@ namespace pointsweep {
 
 struct RowAlignment {
   std::vector<std::uint64_t> kept;            ///< for each row of the output, its row in the input; ascending
-  std::optional<std::uint64_t> not_of_input;  ///< the first row of the output that is not a later row of the input
+  std::optional<std::uint64_t> not_of_input;  ///< the first row of the output without a match in the rest of the input
 
   bool has(std::uint64_t row) const { return place_of(row).has_value(); }
   /// Returns the row of the output that is row `row` of the input; none if it was dropped.
@@ -61,7 +61,8 @@ struct OutputWays {
 };
 
 /// Compares all values of both files, which are read once, at the same time. `replaced[f]`: true if field f of the
-/// input was computed again, so that it is not compared. `look` is called with every row and position of the input.
+/// input is not compared, because it was computed again or not written. `look` is called with every row and position of
+/// the input.
 Arrivals compare_arrivals(RowSource& in, RowSource& out, const std::vector<bool>& replaced, const OutputWays& ways,
                           const PhaseProgress& progress,
                           const std::function<void(std::uint64_t row, Vec3 position)>& look);

@@ -63,7 +63,7 @@ class RowSource {
 void for_each_position(RowSource& source, const char* phase, const PhaseProgress& progress,
                        const std::function<void(std::uint64_t row, Vec3 position)>& use);
 
-/// Calls `use(i, record)` for every i-th of `rows`, which ascend. Blocks without any of `rows` are not read.
+/// Calls `use(i, record)` with the record of rows[i], for each i. `rows` ascend. Skips blocks without any of `rows`.
 void for_each_record(RowSource& source, std::span<const std::uint64_t> rows,
                      const std::function<void(std::size_t i, const std::byte* record)>& use);
 

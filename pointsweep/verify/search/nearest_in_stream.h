@@ -37,7 +37,7 @@ class NearestInStream {
   /// The space in which distances are measured: in `plane`, only x and y count, and all places must have z = 0.
   enum class Space : std::uint8_t { all, plane };
 
-  /// Keeps the `most` nearest points of each place among those with distance2 <= reach2. A smaller reach2 saves work.
+  /// Keeps the `most` nearest points of each place among points with distance2 <= reach2. A smaller reach2 saves work.
   /// Memory: about 40 bytes for each kept point.
   NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most, Space space = Space::all);
 

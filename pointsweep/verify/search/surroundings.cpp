@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostPoints = std::size_t{1} << 28;
 
-/// Returns the square of a sum of two lengths, rounded up.
+/// Returns the square of the sum of two lengths, given their squares, rounded up.
 double square_of_sum(double a2, double b2) {
   const double sum = (std::sqrt(a2) + std::sqrt(b2)) * (1 + 1e-9) + 1e-150;
   return sum * sum;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Formulas of the operators that look into another cloud: distance_to, m3c2 and take.
+/// Formulas of the operators that read another cloud: distance_to, m3c2 and take.
 #include <algorithm>
 #include <cmath>
 #include <limits>

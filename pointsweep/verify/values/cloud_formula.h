@@ -42,7 +42,8 @@ struct CloudInput {
 class CloudFormula {
  public:
   virtual ~CloudFormula() = default;
-  /// Reads all points. Must be called once, before the first evaluate(). Throws NotTold if the stage cannot be checked.
+  /// Reads all points if evaluate() needs their values. Must be called once, before the first evaluate(). Throws
+  /// NotTold if the stage cannot be checked.
   virtual void prepare(const CloudInput& in) = 0;
   /// Returns a clause, without a full stop, about the values that are not checked; empty if all are checked.
   virtual std::string limits() const { return {}; }
@@ -56,7 +57,7 @@ class CloudFormula {
   }
 };
 
-/// The formula over the whole cloud of the operators with one name.
+/// The name of an operator, and the function that makes its formula over the whole cloud.
 struct NamedCloudFormula {
   std::string_view name;
   std::unique_ptr<CloudFormula> (*make)(const FormulaSetup& stage);
@@ -74,16 +75,16 @@ bool has_cloud_formula(const Operator& op);
 /// attributes of the input.
 std::unique_ptr<CloudFormula> cloud_formula_of(const Operator& op, std::span<const Operator* const> makers);
 
-/// Formulas of the classes that the ground filter gives, and of heights above the ground.
+/// Returns the formulas of the classes that the ground filter gives, and of heights above the ground.
 std::vector<NamedCloudFormula> ground_formulas();
 
-/// Formulas of the means of voxel(keep=centroid), and of levels of detail.
+/// Returns the formulas of the means of voxel(keep=centroid), and of levels of detail.
 std::vector<NamedCloudFormula> thinning_formulas();
 
-/// Formulas of the operators that look into another cloud.
+/// Returns the formulas of the operators that read another cloud.
 std::vector<NamedCloudFormula> change_formulas();
 
-/// Formulas of the operators that connect points: whole graphs in memory.
+/// Returns the formulas of the operators that connect points, which use the whole graph if it fits in memory.
 std::vector<NamedCloudFormula> graph_formulas();
 
 }  // namespace pointsweep

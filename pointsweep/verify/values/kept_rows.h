@@ -17,9 +17,9 @@ namespace pointsweep {
 bool has_kept_formula(const Operator& op);
 
 /// Returns the cloud with the rows that all `operators`, which drop rows, keep. Conditions are evaluated row by row;
-/// `unique`, `voxel` and `poisson` sort points in memory, in several turns if `memory_bytes` is too small for all. In
-/// addition to that: up to three bits of memory for each row, and for `sample` 16 bytes for each point of its option
-/// `number`.
+/// `unique`, `voxel` and `poisson` sort points in memory, in several turns if `memory_bytes` is too small for all.
+/// Further memory: up to three bits for each row, and for `sample` 16 bytes for each point of its option `number`.
+/// Throws UsageError for an operator whose rows cannot be checked.
 InputCloud with_kept_rows(const InputCloud& cloud, const std::vector<StageOperator>& operators,
                           std::uint64_t memory_bytes, const PhaseProgress& progress);
 

@@ -14,7 +14,7 @@ namespace {
 using formulas::Estimate;
 using ShapeEstimates = std::vector<Estimate>;
 
-/// Returns the index of an attribute in a list that holds it.
+/// Returns the index of an attribute in a list; the size of the list if it does not hold the attribute.
 std::size_t place_in(const std::vector<Attribute>& list, std::string_view name) {
   return static_cast<std::size_t>(std::ranges::find(list, name, &Attribute::name) - list.begin());
 }

@@ -18,8 +18,8 @@ class SortedCloud {
  public:
   static constexpr std::uint32_t kNone = 0xffffffff;
 
-  /// Sorts the points of `in` and stores their values of `columns`. Throws NotTold if the cloud, with `more_bytes` of
-  /// additional memory for each point, does not fit in memory.
+  /// Sorts the points of `in` and stores their values of `columns`. Throws NeedsMemory if the cloud, with `more_bytes`
+  /// of additional memory for each point, does not fit in memory, NotTold for 2^32 - 1 or more points.
   SortedCloud(const CloudInput& in, std::span<const ColumnSource> columns, std::uint64_t more_bytes);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(place_of_.size()); }
@@ -36,7 +36,7 @@ class SortedCloud {
   /// Returns the number of the point in a row of the input; kNone if it has non-finite coordinates.
   std::uint32_t point_of(std::uint64_t row) const { return point_of_row_[row]; }
 
-  /// Calls use(i, j, squared distance) for each neighbour j of each point i.
+  /// Calls use(i, j, squared distance) for each neighbour j of each point i; i ascends.
   void for_each_neighbor(const NeighborRule& rule,
                          const std::function<void(std::uint32_t i, std::uint32_t j, double distance2)>& use) const;
 

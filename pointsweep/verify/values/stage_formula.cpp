@@ -114,7 +114,7 @@ class DensityRatioFormula final : public StageFormula {
   }
 };
 
-/// The formula of head(): 1 for the first rows of all inputs, 0 for all others.
+/// The formula of head(): 1 for the first rows, numbered over all inputs; 0 for all others.
 class HeadFormula final : public StageFormula {
  public:
   explicit HeadFormula(const FormulaSetup& stage) : number_(static_cast<Real>(stage.options.whole("number"))) {}

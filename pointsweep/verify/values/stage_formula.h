@@ -59,7 +59,7 @@ struct FormulaSetup {
 };
 FormulaSetup setup_of(const Operator& op);
 
-/// The formula of the operators with one name.
+/// The name of an operator, and the function that makes its formula.
 struct NamedFormula {
   std::string_view name;
   std::unique_ptr<StageFormula> (*make)(const FormulaSetup& stage);
@@ -78,19 +78,20 @@ bool has_stage_formula(const Operator& op);
 /// Returns the formula of an operator; null without has_stage_formula().
 std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold = {});
 
-/// Returns how many of the found neighbours a rule keeps. `values`: the values of the point that the rule reads.
+/// A function that returns how many of the found neighbours a rule keeps. `values`: values of the point that the rule
+/// reads.
 using RuleFormula = std::function<formulas::Kept(const formulas::Place&, std::span<const formulas::Place> neighbors,
                                                  std::span<const double> values)>;
 /// Returns the formula of a rule; empty for rules that do not belong to this library.
 RuleFormula formula_of(const NeighborhoodRule& rule);
 
-/// Formulas of the operators on surfaces, their shape and their normals.
+/// Returns the formulas of the operators on surfaces, their shape and their normals.
 std::vector<NamedFormula> shape_formulas();
 
-/// The formulas of set(), of `where`, which makes selection_attribute(), and of statistics().
+/// Returns the formulas of set(), of `where`, which makes selection_attribute(), and of statistics().
 std::vector<NamedFormula> expression_formulas();
 
-/// The formula of transform().
+/// Returns the formula of transform().
 std::vector<NamedFormula> transform_formulas();
 
 /// The value that a name in an expression means: a component of an attribute that a stage reads, or of the position.

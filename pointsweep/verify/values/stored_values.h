@@ -9,7 +9,7 @@
 
 namespace pointsweep {
 
-/// Stores the value of `field` in a record at `to`, as the type that stages read.
+/// Converts the value of `field` in `record` to `type`, the type that stages read, and stores it at `to`.
 void put_value(const Field& field, const std::byte* record, Type type, std::byte* to);
 
 /// Returns component number `component` of the value.
