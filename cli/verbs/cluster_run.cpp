@@ -16,10 +16,15 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the value of --crs: "EPSG:2154" or "none"; empty if the user states no system.
+/// Returns a value of --crs that parse_crs() understands on any machine: WKT, a code or "none"; empty if the user
+/// states no system.
 std::string stated_text(const CommonOptions& options) {
   if (!options.crs) return "";
-  return options.crs->crs ? short_text(*options.crs->crs) : "none";
+  const std::optional<Crs>& crs = options.crs->crs;
+  if (!crs) return "none";
+  if (!crs->wkt.empty()) return crs->wkt;
+  return "EPSG:" + std::to_string(crs->epsg) +
+         (crs->vertical_epsg == 0 ? "" : "+" + std::to_string(crs->vertical_epsg));
 }
 
 /// The Python program that performs the run. It reads the request from a descriptor, since the request may be too long

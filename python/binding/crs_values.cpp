@@ -67,6 +67,8 @@ std::optional<Crs> crs_from(nb::handle value) {
 
 void bind_crs(nb::module_& module) {
   module.def("wkt_crs", &wkt_crs, "wkt"_a);
+  module.def(
+      "parse_crs", [](const std::string& text) { return crs_value(parse_crs(text)); }, "text"_a);
   module.def("las_crs", &las_crs, "wkt"_a, "directory"_a, "doubles"_a, "ascii"_a, "wkt_counts"_a);
   module.def(
       "short_text", [](nb::handle crs) { return text(short_text(*crs_from(crs))); }, "crs"_a);

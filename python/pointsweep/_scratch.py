@@ -21,6 +21,10 @@ _OBJECTS, _LEASE, _RUN, _OTHERS = "objects/", "lease.json", "run.json", "others.
 _REQUEST, _DONE = "request.pickle", "done.jsonl"
 
 
+def _as_json(identity: dict[str, Any]) -> str:
+    return json.dumps(identity, default=bytes.hex)  # a coordinate system holds bytes
+
+
 class Scratch:
     """A scratch in which only this process distributes work, until it is closed."""
 
@@ -68,7 +72,7 @@ class Scratch:
         found = [name for name in self._place.names() if not name.startswith(_LEASE)]
         run = self._place.read(_RUN)
         if run is not None:
-            before, now = json.loads(run), json.loads(json.dumps(identity))
+            before, now = json.loads(run), json.loads(_as_json(identity))
             if before != now:
                 changed = next(key for key in {**before, **now} if before.get(key) != now.get(key))
                 raise UsageError(
@@ -79,7 +83,7 @@ class Scratch:
             raise UsageError(f"{self.path}: holds {found[0]}, which is no run; name an empty folder.")
         else:
             self._place.path_of(_OBJECTS)
-            self._place.write(_RUN, json.dumps(identity).encode())
+            self._place.write(_RUN, _as_json(identity).encode())
 
     def require_unchanged(self, states: dict[str, tuple[int, int | str]]) -> None:
         """Records the states of files that the run reads besides its inputs. Raises `Error` if one has changed since the run began."""
@@ -129,8 +133,9 @@ class Scratch:
             raise Error(f"{self.path}: another process has taken over this run; this one has stopped.")
 
     def remove(self) -> None:
-        """Removes all files of the run, and the place itself if this process has made it. Ends the lease."""
-        for name in (_RUN, _OTHERS, _REQUEST, _DONE, _OBJECTS):
+        """Removes all files of the run, and the place itself if this process has made it. Ends the lease. A process that is
+        killed in the middle leaves a run with no finished task, which the same command begins again."""
+        for name in (_DONE, _REQUEST, _OBJECTS, _OTHERS, _RUN):
             self._place.remove(name)
         self.close()
         if self._made:

@@ -12,7 +12,9 @@ import time
 import warnings
 from typing import Any
 
+from . import _core
 from ._cluster import run_on_cluster
+from ._crs import Crs
 from ._errors import Error, UsageError, keep_names_of_tool
 from ._files import open as open_files
 from ._options import run_options
@@ -57,6 +59,14 @@ def _silence_distributed() -> None:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
+def _crs_of_tool(text: str) -> Any:
+    """Converts a value of --crs as the tool does, so that outputs have the same bytes: codes become GeoTIFF keys."""
+    if not text:
+        return None
+    known = _core.parse_crs(text)
+    return "none" if known is None else Crs(known)
+
+
 def main(request: dict[str, Any]) -> int:
     """Performs the request of the tool. Returns its status."""
     told = _Told(request["quiet"])
@@ -67,7 +77,7 @@ def main(request: dict[str, Any]) -> int:
         cloud = open_files(
             request["inputs"],
             format=request["format"],
-            crs=request["crs"] or None,
+            crs=_crs_of_tool(request["crs"]),
             replace_crs=request["replace_crs"],
             ignore_crs=request["ignore_crs"],
         )

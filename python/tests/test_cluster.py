@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,8 @@ import pointsweep as ps
 
 distributed = pytest.importorskip("distributed", reason="distributed is not installed")
 
-from pointsweep import _cluster, _part, _scratch  # noqa: E402
+from pointsweep import _cluster, _errors, _part, _places, _scratch  # noqa: E402
+from pointsweep.cluster import main  # noqa: E402
 
 pytestmark = pytest.mark.filterwarnings("ignore::pointsweep.PointsweepWarning")
 
@@ -241,6 +243,32 @@ def test_goes_on_where_a_client_was_stopped(tiles: Path, tmp_path: Path, immedia
     assert not any((tmp_path / "scratch").iterdir()), "what a resumed run has found is empty"
 
 
+@pytest.mark.parametrize("removed", range(6))
+def test_a_client_that_is_killed_while_it_empties_the_scratch(
+    tiles: Path, tmp_path: Path, immediate: None, monkeypatch: pytest.MonkeyPatch, removed: int
+) -> None:
+    names: list[str] = []
+    remove = _places.Folder.remove
+
+    def remove_until_killed(place: Any, name: str) -> None:
+        if len(names) == removed:
+            raise KeyboardInterrupt
+        names.append(name)
+        remove(place, name)
+
+    one_process(tiles, "normals", tmp_path / "one")
+    with monkeypatch.context() as killed, pytest.raises(KeyboardInterrupt):
+        killed.setattr(_places.Folder, "remove", remove_until_killed)
+        many(tiles, "normals", tmp_path / "many", Immediate())
+    assert_same(tmp_path / "one", tmp_path / "many")
+    try:
+        many(tiles, "normals", tmp_path / "many", Immediate(), take_over=True)
+    except ps.Error as error:
+        assert "exists already" in str(error) and removed > 1
+    assert_same(tmp_path / "one", tmp_path / "many")
+    assert not (tmp_path / "scratch").exists() or not any((tmp_path / "scratch").iterdir())
+
+
 def test_damaged_objects_are_made_again(tiles: Path, tmp_path: Path, immediate: None) -> None:
     pipeline = CHAINS[1] + " | segments(angle=20) | orient | where(segment_size > 2)"
     one_process(tiles, pipeline, tmp_path / "one")
@@ -376,6 +404,25 @@ def test_points_are_divided_among_files(tiles: Path, tmp_path: Path, immediate: 
         write(**divided)
     with pytest.raises(ps.UsageError, match="no stage changes"):
         many(tiles, "normals", tmp_path / "refused", Immediate(), tile=7)
+
+
+@pytest.mark.skipif("POINTSWEEP_TOOL" not in os.environ, reason="POINTSWEEP_TOOL does not name the tool")
+@pytest.mark.parametrize("crs", ["EPSG:2154", "EPSG:2154+5720", "none", "system.prj"])
+def test_a_system_stated_to_the_tool(tiles: Path, tmp_path: Path, immediate: None, monkeypatch: pytest.MonkeyPatch, crs: str) -> None:
+    """The tool replaces itself by a program of Python, which here is one that keeps the request."""
+    (tmp_path / "system.prj").write_text('PROJCS["RGF93 / Lambert-93",GEOGCS["RGF93"],UNIT["metre",1],AUTHORITY["EPSG","2154"]]')
+    keeps = tmp_path / "python"
+    keeps.write_text(f"#!/bin/sh\ncat /dev/fd/$3 > {tmp_path / 'request'}\n")
+    keeps.chmod(0o755)
+    command = [os.environ["POINTSWEEP_TOOL"], "normals", tiles, f"{tmp_path / 'many'}/", "--crs", crs]
+    subprocess.run([*command, "--dask", "here", "--scratch", tmp_path / "scratch", "--quiet"], check=True, cwd=tmp_path,
+                   env={**os.environ, "POINTSWEEP_PYTHON": str(keeps)})
+    monkeypatch.setattr(_errors, "_of_tool", False)
+    monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)
+    assert main({**json.loads((tmp_path / "request").read_text()), "client": Immediate()}) == 0
+    command[3] = f"{tmp_path / 'one'}/"
+    subprocess.run([*command, "--quiet"], check=True, cwd=tmp_path)
+    assert_same(tmp_path / "one", tmp_path / "many")
 
 
 @pytest.mark.skipif("POINTSWEEP_TOOL" not in os.environ, reason="POINTSWEEP_TOOL does not name the tool")
