@@ -176,6 +176,12 @@ namespace pointsweep {
 HWY_EXPORT(cut_cell);
 
 void cut_into_leaves(std::span<CutPoint> points, const std::function<std::uint64_t(std::uint32_t)>& row_of) {
+  if (points.size() <= kLeafCapacity) {
+    const auto coincides = [&](const CutPoint& point) { return point.c == points[0].c; };
+    if (std::ranges::all_of(points, coincides))
+      std::ranges::sort(points, {}, [&](const CutPoint& point) { return row_of(point.index); });
+    return;
+  }
   HWY_DYNAMIC_DISPATCH(cut_cell)(points, row_of);
 }
 

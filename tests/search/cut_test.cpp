@@ -98,10 +98,12 @@ TEST(LeafCut, HalvesAcrossTheLongestSide) {
 }
 
 TEST(LeafCut, OrdersPointsAtOnePlaceByRow) {
-  std::vector<CutPoint> points = points_of(4, 500);
-  cut_into_leaves(points, row_of);
-  const auto later = [](const CutPoint& p, const CutPoint& q) { return row_of(p.index) < row_of(q.index); };
-  EXPECT_TRUE(std::is_sorted(points.begin(), points.end(), later));
+  for (const std::size_t n : {0, 1, 2, 15, 16, 17, 500}) {
+    std::vector<CutPoint> points = points_of(4, n);
+    cut_into_leaves(points, row_of);
+    const auto later = [](const CutPoint& p, const CutPoint& q) { return row_of(p.index) < row_of(q.index); };
+    EXPECT_TRUE(std::is_sorted(points.begin(), points.end(), later)) << n;
+  }
 }
 
 TEST(LeafCut, IsTheSameOnEveryInstructionSet) {
