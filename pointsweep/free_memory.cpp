@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/free_memory.h"
 
+#include <unistd.h>
+
 #include <cstdlib>  // defines __GLIBC__
+#include <fstream>
 
 #include "pointsweep/program/process.h"
 
@@ -10,6 +13,13 @@
 #endif
 
 namespace pointsweep {
+
+std::uint64_t resident_bytes() {
+  std::uint64_t size, pages;  // the first numbers of the file
+  if (std::ifstream("/proc/self/statm") >> size >> pages)
+    return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  return std::uint64_t{1} << 63;
+}
 
 #if defined(__GLIBC__)
 

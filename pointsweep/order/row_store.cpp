@@ -15,6 +15,7 @@
 #include "pointsweep/order/slab_store.h"
 #include "pointsweep/points/fixed_copy.h"
 #include "pointsweep/prefetch.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -23,12 +24,13 @@ constexpr Encoding kRowStoreEncoding{"row store", 1};
 
 using Consume = std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>;
 
-constexpr std::size_t kRunBytes = std::size_t{4} << 20;      ///< most bytes of one call of `consume`
-constexpr std::size_t kGoodBlockBytes = 65536;               ///< block of a bucket that suits the disk
-constexpr std::size_t kLeastBlockBytes = 4096;               ///< smaller writes would cost more time than they save
-constexpr std::size_t kCachedBytes = std::size_t{1} << 20;   ///< memory of this size is in the cache, where random
-                                                             ///< stores are fast
-constexpr std::size_t kOffsetBytes = sizeof(std::uint32_t);  ///< a spilled record follows its row in the bucket
+constexpr std::size_t kRunBytes = std::size_t{4} << 20;     ///< most bytes of one call of `consume`
+constexpr std::size_t kGoodBlockBytes = 65536;              ///< block of a bucket that suits the disk
+constexpr std::size_t kLeastBlockBytes = 4096;              ///< least block of a bucket: smaller writes are slow
+constexpr std::size_t kCachedBytes = std::size_t{1} << 20;  ///< memory of this size is in the cache, where random
+                                                            ///< stores are fast
+constexpr std::size_t kPageBytes = 4096;
+constexpr std::size_t kOffsetBytes = sizeof(std::uint32_t);  ///< a spilled record follows its index in the bucket
 constexpr std::size_t kLineBytes = 64;                       ///< bytes of a cache line
 constexpr std::size_t kAhead = 16;                           ///< number of stores in progress at once
 
@@ -61,7 +63,14 @@ class RowArray {
  public:
   RowArray(std::uint64_t rows, const std::vector<std::byte>& fill)
       : record_bytes_(fill.size()), memory_(bytes_of(rows, fill.size())) {
-    if (!std::ranges::all_of(fill, is_zero)) repeat(fill, {memory_.data(), memory_.size()});
+    // All threads fill the array, so that the system provides all pages now. Otherwise the threads that store the first
+    // records, which lie far apart, wait for most pages.
+    const bool zeroed = std::ranges::all_of(fill, is_zero);
+    parallel_for_blocks(memory_.size(), kRunBytes / record_bytes_ * record_bytes_, [&](auto first, auto n, unsigned) {
+      const std::span<std::byte> block(memory_.data() + first, n);
+      if (!zeroed) return repeat(fill, block);
+      for (std::size_t at = 0; at < n; at += kPageBytes) const_cast<volatile std::byte&>(block[at]) = std::byte{0};
+    });
   }
 
   void put(std::span<const std::uint64_t> rows, const std::byte* records) {

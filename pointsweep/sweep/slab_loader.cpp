@@ -10,15 +10,15 @@
 
 namespace pointsweep {
 
-/// Buffers that one load() uses.
+/// Buffers that one call of load() or cells_of() uses.
 struct LoadScratch {
   std::vector<std::byte> records, cell_records;
   std::vector<CutPoint> points, sparse;
   std::vector<std::uint32_t> begin, sparse_begin;
 };
 
-/// Exclusive use of a LoadScratch during a load. The loader keeps a LoadScratch for each concurrent load, so that later
-/// loads allocate no buffers.
+/// Exclusive use of a LoadScratch during a call. The loader keeps a LoadScratch for each concurrent call, so that later
+/// calls allocate no buffers.
 class SlabLoader::OwnScratch {
  public:
   explicit OwnScratch(const SlabLoader& loader) : loader_(loader) {
@@ -112,7 +112,10 @@ LoadedSlab SlabLoader::load(std::uint32_t slab, bool keep_records) const {
   s.records.resize(stream_.slabs()[slab].count * stream_.record_schema().stride);
   stream_.read(slab, s.records);
   LoadedSlab loaded{cut_into_window_cells(slab, s.records, s), {}};
-  for (std::uint32_t c = 0; c < loaded.cells.size(); ++c) loaded.cells[c]->number = c;
+  for (std::uint32_t c = 0; c < loaded.cells.size(); ++c) {
+    loaded.cells[c]->number = c;
+    expect_reaches(*loaded.cells[c], plan_.neighborhood);
+  }
   if (keep_records) loaded.records.assign(s.records.begin(), s.records.end());
   return loaded;
 }

@@ -2,8 +2,6 @@
 #include "pointsweep/sweep/window.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "pointsweep/threads.h"
 
@@ -23,36 +21,9 @@ Box leaf_box(const Cell& cell, std::uint32_t leaf) {
   return b;
 }
 
-/// Returns a bound of the reaches of all leaves except about one in kStragglers. The points of the excepted leaves may
-/// be deferred.
-double reach_of_most(std::vector<double> reach) {
-  const auto most = reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * (kStragglers - 1) / kStragglers);
-  std::nth_element(reach.begin(), most, reach.end());
-  return *most;
-}
-
-/// Factor on the radius of a ball that holds k points at the density of a leaf. It allows for balls of points that are
-/// not centred in the leaf.
-constexpr double kAllowance = 1.3;
-
-/// Estimates the reach from the density of the leaf. Returns the larger of two estimates: one for points on a surface,
-/// one for points in a volume.
-double expected_reach(const Cell& cell, std::uint32_t leaf, const Neighborhood& what) {
-  double side[3];
-  for (int a = 0; a < 3; ++a) side[a] = double{cell.leaf_box[a + 3][leaf]} - double{cell.leaf_box[a][leaf]};
-  std::sort(side, side + 3);
-  const double per_point = static_cast<double>(what.k) / cell.leaf_size(leaf);
-  const double surface = std::sqrt(per_point * side[2] * side[1] / std::numbers::pi);
-  const double cubed = per_point * side[2] * side[1] * side[0] * 3 / (4 * std::numbers::pi);
-  if (cubed <= surface * surface * surface) return kAllowance * surface;  // most leaves of surfaces need no cube root
-  return kAllowance * std::cbrt(cubed);
-}
-
 }  // namespace
 
 void Window::admit(std::unique_ptr<WindowCell> cell) {
-  cell->leaf_reach = expected_reaches(cell->cell, plan_.neighborhood);
-  cell->wait_reach = reach_of_most(cell->leaf_reach);
   note_saturated_location(*cell);
   cell->read_at = std::chrono::steady_clock::now();
   add(std::move(cell));
@@ -105,8 +76,8 @@ bool Window::asks_for(const WindowCell& waiting, const WindowCell& cell) const {
   return false;
 }
 
-/// Returns whether a later point may need the cell, even if the cell itself waits for nothing. It stays as long as an
-/// unread slab lies within kept_clear() of it, or a waiting cell will probably search it.
+/// Returns whether a later point may need a finished cell: an unread slab lies within kept_clear() of the cell, or a
+/// waiting cell will probably search it.
 bool Window::still_needed(const WindowCell& cell, const std::vector<const WindowCell*>& unsearched) const {
   const double own = kept_clear(cell.reach);
   return (frontier_.more_to_read() && frontier_.anything_unread_within(cell.cell.box, own * own)) ||
@@ -143,13 +114,6 @@ void Window::drop() {
     }
     remove(slot);
   }
-}
-
-std::vector<double> expected_reaches(const Cell& cell, const Neighborhood& what) {
-  std::vector<double> reach(cell.leaf_count(), what.radius);
-  if (what.k == Neighborhood::kUnlimited) return reach;
-  for (std::uint32_t l = 0; l < reach.size(); ++l) reach[l] = std::min(expected_reach(cell, l, what), what.radius);
-  return reach;
 }
 
 }  // namespace pointsweep

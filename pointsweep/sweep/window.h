@@ -42,7 +42,4 @@ class Window : public CellSet {
   double lifespan_sum_ = 0, lifespan_max_ = 0;
 };
 
-/// Returns the expected reach of neighbourhoods in each leaf, in units of the cloud. No result depends on it.
-std::vector<double> expected_reaches(const Cell& cell, const Neighborhood& what);
-
 }  // namespace pointsweep

@@ -17,8 +17,8 @@
 
 namespace pointsweep {
 
-/// A point that the sweep could not finish: its neighbourhood touches a dropped cell, or a slab that was not read in
-/// time.
+/// A point that the sweep could not finish: its neighbourhood touches a dropped cell or a slab that was not read in
+/// time, or contains a deferred point whose values a later step needs.
 struct DeferredPoint {
   Vec3 position;
   std::uint64_t row;
@@ -39,7 +39,7 @@ struct WindowCell {
   std::uint32_t steps_done = 0;
   std::vector<double> leaf_reach;        ///< expected reach of the neighbourhoods of each leaf, until the search
   double wait_reach = 0;                 ///< no unread slab may be nearer than this when the cell is searched
-  std::size_t wait_for_slabs = 0;        ///< the cell is searched once this many slabs of the stream have been read
+  std::size_t wait_for_slabs = 0;        ///< while slabs are left to read, the search waits until this many are read
   double reach = 0;                      ///< reach of most neighbourhoods of the cell, known after the search
   std::vector<CellNeighbors> lists;      ///< lists of runs of points, if a later step needs them and memory allows
   std::vector<std::uint32_t> refers_to;  ///< slots of the cells that the lists name
@@ -67,6 +67,9 @@ struct WindowCell {
 /// The reciprocal of the largest share of a cell's points that may be deferred for unread slabs. With more such points,
 /// the cell waits and is searched again, since a deferred point costs several times as much as searching a point twice.
 inline constexpr std::size_t kStragglers = 16;
+
+/// Fills WindowCell::leaf_reach and wait_reach with estimates in units of the cloud. No result depends on them.
+void expect_reaches(WindowCell& cell, const Neighborhood& what);
 
 /// Bytes of a point in the window without columns and lists: coordinates, row and place in the slab.
 inline constexpr std::uint64_t kOwnPointBytes =

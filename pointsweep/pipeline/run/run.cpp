@@ -187,12 +187,14 @@ void perform_phases(const Context& whole, const WorkPlan& work, Surveyed points,
     const bool nothing_left = phases.cloud()->count() == 0 && phase.kind != PhaseKind::write;
     if (nothing_left || is_done(checkpoints, phase)) continue;
     with_rows_left([&](const Context& context) { phases.perform(phase, context); });
-    return_free_memory();
+    // The allocator keeps free memory for later phases if the budget has room for it: to return it takes milliseconds.
+    if (resident_bytes() + work.memory.expected_bytes > work.budget) return_free_memory();
   }
   with_rows_left([&](const Context& context) { finish(context, files); });
 }
 
-/// Performs a run. The survey decides the number of threads; all later work runs in an arena of that size.
+/// Performs a run. The memory plan after the survey decides the number of threads; all later work runs in an arena of
+/// that size.
 void perform(const Context& encoded, OtherClouds& others) {
   auto files = std::make_unique<OutputFiles>();
   std::optional<InputCloud> cloud;
