@@ -12,6 +12,7 @@
 #include "pointsweep/formats/ply/ply_format.h"
 #include "pointsweep/formats/text/text_format.h"
 #include "pointsweep/program/pipeline.h"
+#include "tests/fuzz/decode_everything.h"
 #include "tests/fuzz/read_everything.h"
 #include "tests/support/contents.h"
 
@@ -50,6 +51,12 @@ TEST(FuzzCorpus, EveryPipelineIsRefusedOrSaysTheSameAgain) {
       EXPECT_EQ(parse_pipeline(to_text(stages)), stages);
     } catch (const UsageError&) {
     }
+  });
+}
+
+TEST(FuzzCorpus, EveryStoredValueIsDecodedOrRefused) {
+  for_each_kept("values", [](const std::string& bytes) {
+    decode_everything(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
   });
 }
 
