@@ -218,6 +218,9 @@ bool is_polygon_text(std::string_view text) {
   text = without_leading_blanks(text);
   if (text.starts_with('{')) return true;
   std::string letters;
+  for (const char c : text.substr(0, 4)) letters += upper(c);
+  if (letters == "SRID") text = without_leading_blanks(text.substr(std::min(text.find(';'), text.size() - 1) + 1));
+  letters.clear();
   while (!text.empty() && text.front() != '(' &&
          (is_letter(text.front()) || kBlanks.find(text.front()) != kBlanks.npos))
     letters += upper(text.front()), text.remove_prefix(1);

@@ -23,7 +23,7 @@ std::vector<std::uint64_t> rows_to_check(std::uint64_t count, const VerifyOption
                                         ? sample_of_both(*alignment, count, options.sample, options.seed)
                                         : sample_rows(count, options.sample, options.seed);
   for (const std::uint64_t row : options.rows)
-    if (row >= count) fail_usage("Row {} is to be checked, and the last row of the input is {}.", row, count - 1);
+    if (row >= count) fail_usage("Row {} is to be checked, and the input has {} rows, numbered from 0.", row, count);
   rows.insert(rows.end(), options.rows.begin(), options.rows.end());
   std::sort(rows.begin(), rows.end());
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
@@ -138,8 +138,7 @@ class Verification {
     return false;
   }
 
-  /// Reads the input for the first time: compares all values, and stores the positions of the sample and of a thin
-  /// subset.
+  /// Reads all points: compares all values, and stores the positions of the sample and of a thin subset.
   void compare() {
     const std::uint64_t stride = std::max<std::uint64_t>(1, in_.count() / kSubset);
     std::size_t next = 0;
@@ -186,8 +185,8 @@ class Verification {
 
   std::size_t longest_axis() const { return static_cast<std::size_t>(verdict_.arrivals.bounds.longest_axis()); }
 
-  /// Returns whether the output is in the order of a sweep: as the options state, else if its rows seem to be the rows
-  /// of the input in another order.
+  /// Returns whether the output is in the order of a sweep. If the options state no order, returns true if the rows
+  /// seem to be the rows of the input in another order.
   bool sweep_is_meant() const {
     const Arrivals& a = verdict_.arrivals;
     if (options_.order) return *options_.order == Order::sweep;
@@ -235,7 +234,7 @@ class Verification {
   }
 
   void check_sample() {
-    std::vector<PossibleRows> places;  // for each row of the sample, the rows of the output that may be it
+    std::vector<PossibleRows> places;  // for each row of the sample, the rows of the output with its values
     if (made_by_.in_any_order) {
       pair_known_fields();
       auto found = rows_with_values(in_, out_, *known_, rows_, options_.progress);
@@ -329,7 +328,7 @@ class Verification {
     const std::size_t estimates_per_point = chain_.estimates_per_point();
     const auto estimates_of_point = [&](std::size_t i) { return results.estimates.data() + i * estimates_per_point; };
     std::vector<Wanted> wanted;
-    std::vector<char> is_clear(points.size(), true);  // false if the output has further rows that the point may be
+    std::vector<char> is_clear(points.size(), true);  // false if PossibleRows::rows lacks some of the rows
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (alignment_) {
         check_selection(points[i].row, estimates_of_point(i));
@@ -344,7 +343,7 @@ class Verification {
     std::ranges::sort(wanted, {}, &Wanted::place);
     std::vector<std::uint64_t> ascending;
     for (const Wanted& w : wanted) ascending.push_back(w.place);
-    // One of the rows that a point may be must have the right values.
+    // At least one of the possible rows of a point must have the right values.
     std::vector<std::optional<std::string>> difference(points.size());
     std::vector<char> is_right(points.size(), false);
     for_each_record(out_, ascending, [&](std::size_t i, const std::byte* record) {
@@ -410,14 +409,14 @@ class Verification {
   std::vector<std::uint64_t> rows_;             ///< rows of the sample, ascending
   std::vector<KnownPoint> finite_, nonfinite_;  ///< points of the sample
   std::vector<KnownPoint> subset_;              ///< points at evenly spaced rows of the cloud
-  std::vector<bool> replaced_;                  ///< for each field of the input, true if it was computed again
+  std::vector<bool> replaced_;                  ///< for each field of the input, true if it is not compared
   MadeValues made_values_;
   std::vector<std::size_t> selections_;    ///< numbers of the estimates of conditions
   std::optional<RowAlignment> alignment_;  ///< present if the output lacks rows
   /// Fields that identify the rows of an output that lacks rows of the input or has them in any order.
   std::optional<FilePairs> known_;
   std::vector<std::pair<std::uint64_t, std::string>> suspects_;  ///< rows that seem to be wrong, with the reason
-  int axis_ = -1;  ///< axis along which the rows are ordered; negative if they are in the order of the input
+  int axis_ = -1;  ///< axis of the sweep in whose order the rows are; negative for any other order
   bool order_is_lost_ = false;
   std::uint64_t unclear_ = 0;  ///< number of unconfirmed points that equal more than kMostPossibleRows rows
   Verdict verdict_;

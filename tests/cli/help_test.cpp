@@ -204,6 +204,7 @@ TEST_F(Help, VersionTellsBuildInstructionSetAndFormats) {
   for (const char* words : {"\n  build ", "\n  instruction set ", "\n  reads ", "PLY, LAS, ", "QSplat, text",
                             "\n  writes ", ".ply, .las", "\n  codecs "})
     EXPECT_NE(result.out.find(words), std::string::npos) << words << "\n" << result.out;
+  EXPECT_EQ(result.out.find("LASzip"), result.out.rfind("LASzip")) << result.out;
   EXPECT_NE(result.out.find("GCC") + result.out.find("Clang"), 2 * std::string::npos);
 }
 

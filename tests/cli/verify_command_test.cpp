@@ -134,7 +134,7 @@ TEST_F(VerifyVerb, RowsNamedInAFileAreCheckedBesidesTheSample) {
   write("last.txt", "17 3999 17\n");
   refused(1, "verify in.ply out.ply --sample 0 --rows last.txt", "row 3999");
   write("beyond.txt", "4000");
-  refused(2, "verify in.ply out.ply --rows beyond.txt", "the last row of the input is 3999");
+  refused(2, "verify in.ply out.ply --rows beyond.txt", "the input has 4000 rows, numbered from 0");
   write("words.txt", "first");
   refused(2, "verify in.ply out.ply --rows words.txt", "--rows");
   refused(2, "verify in.ply out.ply --rows absent.txt", "cannot open absent.txt");

@@ -120,6 +120,18 @@ TEST(Text, WordsForMissingValuesAreNaN) {
   EXPECT_THAT(values_of(*reader, "a"), ElementsAre(testing::IsNan(), 2, infinity, 4, 7));
 }
 
+TEST(Text, NumbersBeyondTheRangeOfADoubleAreZeroOrInfinite) {
+  const TemporaryFolder folder;
+  const std::string zeros(6000, '0'), content = "x,y,z,a\n1e-6000,-1e6000,1,0." + zeros + "1\n-0." + zeros + "1,1" +
+                                                zeros + ",1,-1" + zeros + "\n00." + zeros + "1,." + zeros + "1,1,1" +
+                                                zeros + "e-9000\n";
+  const auto reader = open_text(folder.write("in.csv", content));
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(values_of(*reader, "x"), ElementsAre(0, 0, 0));
+  EXPECT_THAT(values_of(*reader, "y"), ElementsAre(-infinity, infinity, 0));
+  EXPECT_THAT(values_of(*reader, "a"), ElementsAre(0, -infinity, 0));
+}
+
 TEST(Text, AnnouncedCountThatIsWrongIsAWarning) {
   const TemporaryFolder folder;
   const auto reader = open_text(folder.write("in.pts", "9999999999\n1 2 3\n4 5 6\n"));

@@ -198,7 +198,10 @@ TEST(PolygonText, WktAndGeoJsonGiveTheSamePolygons) {
     EXPECT_TRUE(is_polygon_text(text)) << text;
   }
   EXPECT_EQ(polygons_of_text("\xEF\xBB\xBFPOLYGON((0 0,9 0,9 9,0 0))", "area").size(), 1u);
-  for (const char* name : {"polygon.wkt", "area.json", "POLYGON", "polygons/a (1).txt", ""})
+  EXPECT_TRUE(is_polygon_text("SRID=2154;POLYGON((0 0,9 0,9 9,0 0))"));
+  EXPECT_TRUE(is_polygon_text(" srid=2154; multipolygon empty (")) << "the parser says what is wrong";
+  for (const char* name :
+       {"polygon.wkt", "area.json", "POLYGON", "polygons/a (1).txt", "", "SRID", "SRID=1;", "srid.wkt"})
     EXPECT_FALSE(is_polygon_text(name));
 }
 

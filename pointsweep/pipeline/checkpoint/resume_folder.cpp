@@ -80,12 +80,13 @@ void ResumeFolder::forget() {
   keep_only({});
 }
 
-/// The checkpoint is removed first, and flushed: without it the other files are useless.
+/// Removes the checkpoint first, so that an interrupted removal leaves no checkpoint without its data.
 void ResumeFolder::remove() {
   {
     const std::lock_guard lock(removal_);
     removing_ = true;
     folder_.remove(kCheckpoint);
+    folder_.flush();
   }
   std::error_code ignored;
   if (is_saving())  // data that are not on the disk yet need not be written

@@ -72,8 +72,8 @@ Names reads_of_pass(const Draft& draft, const ChainGraph& graph, const Schema& i
   return read;
 }
 
-/// Finds, from the last pass to the first, the attributes that are kept or read by later passes. A pass that makes none
-/// of them and drops no rows is removed.
+/// Finds, from the last pass to the first, the attributes and values that are kept or read by later passes. A pass that
+/// makes none of them and drops no rows is removed.
 void find_needed(std::vector<Draft>& drafts, Names needed, const ChainGraph& graph, const Schema& input) {
   std::set<std::size_t> needed_values;
   for (std::size_t d = drafts.size(); d-- > 0;) {
@@ -268,7 +268,9 @@ std::uint64_t PlannedPass::carried_bytes() const { return bytes_of(carried); }
 std::uint64_t PlannedPass::travelling_bytes() const {
   const PositionFields p = position_fields(input, "The input");
   const std::uint64_t place = has_places() ? sizeof(Vec3) : 0;
-  return place + size_of(p.x.type) + size_of(p.y.type) + size_of(p.z.type) + 8 * payload().size();
+  std::uint64_t bytes = place + size_of(p.x.type) + size_of(p.y.type) + size_of(p.z.type);
+  for (const std::size_t field : payload()) bytes += 8 * std::uint64_t{input.fields[field].count};
+  return bytes;
 }
 
 std::vector<std::size_t> PlannedPass::payload() const {

@@ -76,8 +76,16 @@ class DivisionRun {
   RunPlaces places_;
   NonfiniteRows dropped_;
   RunReport report_{statistics_, request_.options.observer};
-  Context context_{request_.cloud, request_.outputs, request_.options, plan_, names_,
-                   dropped_,       places_,          report_,          0,     true};
+  Context context_{request_.cloud,
+                   request_.outputs,
+                   request_.options,
+                   plan_,
+                   names_,
+                   dropped_,
+                   places_,
+                   report_,
+                   open_input_bytes(request_.cloud),
+                   true};
   std::optional<WorkPlan> work_;
   std::optional<CopyPlan> copy_;
   std::optional<Divider> divider_;

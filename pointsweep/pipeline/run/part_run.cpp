@@ -98,8 +98,9 @@ class TaskOfTile {
   Context context() const { return whole_.over(*rows_.cloud); }
   bool is_empty() const { return rows_.cloud->count() == 0; }
 
-  /// Performs the steps of the round. A step that stores points in order, a graph, a forest or the output ends the
-  /// round and seals the state of the tile; without such a step, the state is sealed at the end.
+  /// Performs the steps of the round. A step that stores points in order, a graph or a forest seals the state of the
+  /// tile and ends the round. A step that writes the output ends the run of the tile. After any other last step, the
+  /// state is sealed here.
   void perform(TileState& state, Surveyed& surveyed, WorkPlan& work) {
     const std::vector<PartStep>& steps = task_.round.steps;
     const bool leaves_graph = task_.round.join == PartJoin::components || task_.round.join == PartJoin::borders;
@@ -358,7 +359,7 @@ PartDone run_part(InputCloud& given_tile, const Chain& chain, const Outputs& out
   const OutputNames names = check_request(request, {unsaid, nullptr});
   RunPlaces places(options, {});
   const RunReport report{statistics, options.observer};
-  Context context{tile, outputs, options, plan, names, dropped, places, report};
+  Context context{tile, outputs, options, plan, names, dropped, places, report, open_input_bytes(tile)};
   context.part = PartOfRun{task.tile, task.tiles, task.dropped > 0, task.record};
   PartDone done;
   const unsigned threads = survey_threads(tile, options, memory_budget(options.resources.memory_bytes));
