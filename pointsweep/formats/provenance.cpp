@@ -10,6 +10,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kLongestProvenanceLine = 999;  ///< rply, the reader of Open3D and CloudCompare, allows 1,023
+constexpr std::string_view kGoesOn = "+ ";           ///< after the mark: the text goes on from the line before
 constexpr std::size_t kMostProvenanceBytes = 256 << 10;
 constexpr std::size_t kMostInputBytes = 32 << 10;  ///< largest size of the input lines in one record
 
@@ -18,8 +19,8 @@ bool is_printable(char c) { return c >= 0x20 && c < 0x7f; }
 std::string percent_encoded(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool end = i == 0 || i + 1 == text.size();
-    if (is_printable(text[i]) && text[i] != '%' && !(end && text[i] == ' '))
+    const bool ends_or_repeats = i == 0 || i + 1 == text.size() || text[i - 1] == ' ';
+    if (is_printable(text[i]) && text[i] != '%' && !(ends_or_repeats && text[i] == ' '))
       out += text[i];
     else
       out += fmt::format("%{:02X}", static_cast<unsigned char>(text[i]));
@@ -57,6 +58,18 @@ std::string percent_decoded(std::string_view text) {
   return out;
 }
 
+/// Appends a line, in as many pieces as its length asks for. No piece begins or ends with a space, since readers trim
+/// lines.
+void append_in_pieces(std::string line, std::vector<std::string>& lines) {
+  while (line.size() > kLongestProvenanceLine) {
+    std::size_t end = kLongestProvenanceLine;
+    while (line[end - 1] == ' ' || line[end] == ' ') --end;
+    lines.push_back(line.substr(0, end));
+    line = fmt::format("{}{}{}", kProvenanceMark, kGoesOn, line.substr(end));
+  }
+  lines.push_back(std::move(line));
+}
+
 std::string line_of(const ProvenanceInput& input) {
   const std::string counts = fmt::format("{}input {} points, {} bytes: ", kProvenanceMark, input.points, input.bytes);
   const std::string name = percent_encoded(input.name);
@@ -73,15 +86,18 @@ std::optional<ProvenanceInput> input_of(std::string_view text) {
   return input;
 }
 
-void read_line(std::string_view line, ProvenanceRecord& record) {
-  if (take_word(line, "stage ")) return record.stages.emplace_back(line), void();
+/// `text`: the stage or value of the line before, to which a line that goes on is appended; null if it had none.
+void read_line(std::string_view line, ProvenanceRecord& record, std::string*& text) {
+  if (take_word(line, kGoesOn)) return text != nullptr ? void(*text += line) : void();
+  text = nullptr;
+  if (take_word(line, "stage ")) return void(text = &record.stages.emplace_back(line));
   if (take_word(line, "input ")) {
     if (auto input = input_of(line)) record.inputs.push_back(std::move(*input));
     return;
   }
   if (take_word(line, "more-inputs ")) return void(take_number(line, record.more_inputs));
   const std::size_t space = line.find(' ');
-  if (space != line.npos) record.settings.emplace_back(line.substr(0, space), line.substr(space + 1));
+  if (space != line.npos) text = &record.settings.emplace_back(line.substr(0, space), line.substr(space + 1)).second;
 }
 
 /// Returns the indices of the lines at which records begin, followed by the number of lines.
@@ -112,8 +128,8 @@ std::optional<std::string> ProvenanceRecord::setting(std::string_view name) cons
 std::vector<std::string> lines_of(const ProvenanceRecord& record) {
   const std::string mark(kProvenanceMark);
   std::vector<std::string> lines = {mark + record.version};
-  for (const std::string& stage : record.stages) lines.push_back(mark + "stage " + percent_encoded(stage));
-  for (const auto& [name, value] : record.settings) lines.push_back(mark + name + " " + percent_encoded(value));
+  for (const std::string& stage : record.stages) append_in_pieces(mark + "stage " + percent_encoded(stage), lines);
+  for (const auto& [name, value] : record.settings) append_in_pieces(mark + name + " " + percent_encoded(value), lines);
   std::uint64_t left_out = record.more_inputs;
   std::size_t bytes = 0;
   for (const ProvenanceInput& input : record.inputs) {
@@ -133,8 +149,9 @@ std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines) {
   for (std::size_t r = 0; r + 1 < starts.size(); ++r) {
     ProvenanceRecord record;
     record.version = lines[starts[r]].substr(kProvenanceMark.size());
+    std::string* text = nullptr;
     for (std::size_t i = starts[r] + 1; i < starts[r + 1]; ++i)
-      read_line(std::string_view(lines[i]).substr(kProvenanceMark.size()), record);
+      read_line(std::string_view(lines[i]).substr(kProvenanceMark.size()), record, text);
     for (std::string& stage : record.stages) stage = percent_decoded(stage);
     for (auto& [name, value] : record.settings) value = percent_decoded(value);
     records.push_back(std::move(record));
@@ -178,6 +195,7 @@ std::optional<std::string> provenance_line(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == text.npos) return std::nullopt;
   text = text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+  if (text.size() > kLongestProvenanceLine) return std::nullopt;
   if (!text.starts_with(kProvenanceMark) || !std::all_of(text.begin(), text.end(), is_printable)) return std::nullopt;
   return std::string(text);
 }

@@ -42,7 +42,8 @@ struct ProvenanceRecord {
   std::optional<std::string> setting(std::string_view name) const;
 };
 
-/// Returns lines of printable ASCII, each under 1,000 bytes. Other bytes are written as %XX.
+/// Returns lines of printable ASCII, each under 1,000 bytes: a longer stage or setting goes on in lines that begin with
+/// "pointsweep + ". Other bytes are written as %XX.
 std::vector<std::string> lines_of(const ProvenanceRecord& record);
 /// Parses lines, each with kProvenanceMark at its begin, into records, oldest first. A line "NAME VALUE" of an unknown
 /// kind becomes a setting.
@@ -56,8 +57,8 @@ void add_provenance(std::vector<std::string>& lines, std::span<const std::string
 /// Returns the rest of `all` after `present`, if `all` begins with `present`; returns `all` otherwise.
 std::span<const std::string> provenance_beyond(std::span<const std::string> all, std::span<const std::string> present);
 
-/// Returns the line without surrounding spaces and line ends if it begins with kProvenanceMark and is printable;
-/// otherwise nothing.
+/// Returns the line without surrounding spaces and line ends if it begins with kProvenanceMark, is printable and
+/// has less than 1,000 bytes; otherwise nothing.
 std::optional<std::string> provenance_line(std::string_view text);
 
 }  // namespace pointsweep

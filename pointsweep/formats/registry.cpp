@@ -44,7 +44,7 @@ constexpr Magic kMagics[] = {
     {"\xfe\xff"sv, "text in UTF-16", "save it as UTF-8"},
 };
 
-/// Text formats without a signature are recognised by their extension.
+/// Files that are recognised by their extension, which stands in Magic::bytes.
 constexpr Magic kExtensions[] = {
     {".ptx"sv, "a PTX file that does not begin with the ten lines of its header", "export it again"},
     {".stl"sv, "an STL file", kWithMeshTool},
@@ -240,6 +240,19 @@ void require_output_name(const std::filesystem::path& output) {
         format->name);
 }
 
+const Format& point_format_of_output(const std::filesystem::path& output) {
+  require_output_name(output);
+  const Format* const format = format_of_output(output);
+  if (format != nullptr && is_written_as_points(*format)) return *format;
+  const std::string extension = extension_of(output);
+  std::string known;
+  for (const std::string_view other : writable_extensions())
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", other);
+  fail_usage("{}: cannot write {}; use {}{}.", output.string(),
+             extension.empty() ? "a file without an extension" : extension, known,
+             extension.empty() ? ", or end the name of a folder of outputs with '/'" : "");
+}
+
 const Format& array_format() { return kNpyFormat; }
 
 bool has_output_format(const std::filesystem::path& output) { return format_of_output(output) != nullptr; }
@@ -263,7 +276,8 @@ std::string codecs() {
   for (const Format* format : kFormats) {
     if (format->codec.empty()) continue;
     std::string& names = format->is_built_in() ? there : missing;
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", format->is_built_in() ? format->codec : format->name);
+    const std::string name(format->is_built_in() ? format->codec : format->name);
+    if (!names.ends_with(name)) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
   }
   if (missing.empty()) return there.empty() ? "none" : there;
   return fmt::format("{} (no {})", there.empty() ? "none" : there, missing);
@@ -318,20 +332,10 @@ bool is_point_file(const std::filesystem::path& path, std::string_view format_na
 }
 
 std::unique_ptr<Writer> create_writer(const OutputPlan& plan) {
-  require_output_name(plan.path);
-  const Format* const format = format_of_output(plan.path);
-  if (format != nullptr && is_written_as_points(*format)) {
-    std::unique_ptr<Writer> writer = format->create(plan);
-    warn_of_lost_crs(*format, plan, *writer);
-    return writer;
-  }
-  const std::string extension = extension_of(plan.path);
-  std::string known;
-  for (const std::string_view other : writable_extensions())
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", other);
-  fail_usage("{}: cannot write {}; use {}{}.", plan.path.string(),
-             extension.empty() ? "a file without an extension" : extension, known,
-             extension.empty() ? ", or end the name of a folder of outputs with '/'" : "");
+  const Format& format = point_format_of_output(plan.path);
+  std::unique_ptr<Writer> writer = format.create(plan);
+  warn_of_lost_crs(format, plan, *writer);
+  return writer;
 }
 
 std::vector<std::string_view> writable_extensions() {

@@ -15,8 +15,12 @@ namespace pointsweep {
 std::span<const Format* const> formats();
 
 /// Returns the format of an output of this name; null if no format with its extension is written. Standard output is
-/// PLY as "-" and text as "-.csv".
+/// PLY as "-", and has the format of the extension with a name such as "-.csv".
 const Format* format_of_output(const std::filesystem::path& path);
+
+/// Returns the format in which points are written to a file of this name. Throws UsageError if points are not written
+/// in such a format, or not to standard output.
+const Format& point_format_of_output(const std::filesystem::path& output);
 
 /// Returns the format of arrays, NPY.
 const Format& array_format();

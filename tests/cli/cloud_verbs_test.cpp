@@ -108,6 +108,18 @@ TEST_F(CloudVerbs, NothingThatExistsIsReplacedUnlessForced) {
   EXPECT_FALSE(exists("new.npy"));
 }
 
+TEST_F(CloudVerbs, ADryRunIsRefusedForOutputsForWhichTheRunIsRefused) {
+  const auto error = [](const Result& result) { return result.err.substr(result.err.find("error: ")); };
+  for (const std::string command :
+       {"normals in.ply in.ply --force", "normals in.ply more.ply in.ply", "normals in.ply out.unknown",
+        "normals in.ply out", "normals in.ply out.npy", "sort in.ply out.unknown", "sort in.ply in.ply"}) {
+    const Result run = tool(command), dry = tool(command + " --dry-run");
+    EXPECT_EQ(run.status, 2) << command;
+    EXPECT_EQ(dry.status, 2) << command;
+    EXPECT_EQ(error(dry), error(run)) << command;
+  }
+}
+
 TEST_F(CloudVerbs, ProgressNamesThePhases) {
   ASSERT_EQ(tool("normals in.ply out.ply --progress-fd 9 9>progress").status, 0);
   const std::string progress = contents(folder_ / "progress");

@@ -45,6 +45,29 @@ TEST(ProvenanceLines, AreReadBackWhateverTheNames) {
       "pointsweep 1.2.3: knn(k=8) | normals; order sweep; keep k1,k2; from %20100%25%0A%C3%A4.ply%20, /b c/d.las");
 }
 
+/// Returns a record whose stage and setting are longer than a line, a VLR and an unsigned number of 16 bits.
+ProvenanceRecord long_record() {
+  ProvenanceRecord record = example();
+  std::string polygon = "crop(polygon='POLYGON((";
+  for (int i = 0; i < 9000; ++i)
+    polygon += std::to_string(i) + (i % 7 == 0 ? "   " : " ") + std::to_string(i * i) + ", ";
+  record.stages = {"knn(k=8)", polygon + "))')", "normals"};
+  record.settings = {{"keep", std::string(2000, ' ') + std::string(5000, '%')}, {"order", "sweep"}};
+  return record;
+}
+
+TEST(ProvenanceLines, GoOnWhereAStageOrSettingIsLong) {
+  const ProvenanceRecord record = long_record();
+  const Lines lines = lines_of(record);
+  for (const std::string& line : lines) EXPECT_EQ(provenance_line("  " + line + "\r\n"), line);
+  const auto records = records_of(lines);
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].stages, record.stages);
+  EXPECT_EQ(records[0].settings, record.settings);
+  EXPECT_EQ(records[0].inputs.size(), record.inputs.size());
+  EXPECT_TRUE(records_of(Lines{"pointsweep 1.2.3", "pointsweep + goes on from nothing"})[0].stages.empty());
+}
+
 TEST(ProvenanceLines, OfAPathThatIsTooLongHoldTheNameAlone) {
   ProvenanceRecord record = example();
   record.inputs = {{std::string(2000, 'a') + "/scan.ply", 1, 2}};
@@ -125,6 +148,16 @@ TEST_F(ProvenanceOfFiles, ComesBackFromEveryFormatThatHoldsIt) {
   }
   write("a.csv", lines);
   EXPECT_TRUE(open_reader(folder_ / "a.csv")->info().provenance.empty());
+}
+
+TEST_F(ProvenanceOfFiles, MayBeLong) {
+  const Lines lines = lines_of(long_record());
+  for (const char* name : {"a.ply", "a.las", "a.txt", "a.pcd"}) {
+    write(name, lines);
+    const auto reader = open_reader(folder_ / name);
+    EXPECT_EQ(reader->info().provenance, lines) << name;
+    EXPECT_EQ(reader->info().count, 2u) << name;
+  }
 }
 
 TEST_F(ProvenanceOfFiles, FillsAsManyVlrsAsItNeeds) {

@@ -225,10 +225,8 @@ std::vector<OutputFormat> output_formats(const Outputs& outputs) {
   if (!outputs.points.empty()) paths.push_back(outputs.points);
   std::vector<OutputFormat> formats;
   for (const std::filesystem::path& path : paths) {
-    require_output_name(path);
-    const Format* const format = format_of_output(path);
-    if (format != nullptr && std::ranges::find(formats, format, &OutputFormat::format) == formats.end())
-      formats.push_back({format, path});
+    const Format& format = point_format_of_output(path);
+    if (std::ranges::find(formats, &format, &OutputFormat::format) == formats.end()) formats.push_back({&format, path});
   }
   return formats;
 }

@@ -158,6 +158,7 @@ Preview preview(const InputCloud& input, const Chain& chain, const EngineOptions
   Preview out;
   out.planned = plan_chain(chain, input.schema(), needs_of(outputs, options));
   InputCloud cloud = input_of_chain(input, out.planned);
+  require_own_files({cloud, outputs, options, out.planned});
   require_work({cloud, outputs, options, out.planned});
   require_lengths(cloud, out.planned.chain);
   out.notes = notes_on_defaults(cloud, out.planned.chain);
