@@ -14,11 +14,10 @@
 
 namespace pointsweep {
 
-std::uint64_t resident_bytes() {
-  std::uint64_t size, pages;  // the first numbers of the file
-  if (std::ifstream("/proc/self/statm") >> size >> pages)
-    return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  return std::uint64_t{1} << 63;
+void return_free_memory_above(std::uint64_t bytes) {
+  std::uint64_t size, resident;  // pages
+  const bool is_known = static_cast<bool>(std::ifstream("/proc/self/statm") >> size >> resident);
+  if (!is_known || resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) > bytes) return_free_memory();
 }
 
 #if defined(__GLIBC__)

@@ -7,11 +7,12 @@
 
 namespace pointsweep {
 
-/// Returns the resident set of this process in bytes; 2^63 if the system does not tell.
-std::uint64_t resident_bytes();
-
 /// Returns free memory of the allocator to the system, if the C library supports it.
 void return_free_memory() noexcept;
+
+/// Calls return_free_memory() if the resident set of this process exceeds `bytes`, or if the system does not tell. It
+/// takes milliseconds, so memory that later work can use again should stay where the budget has room for it.
+void return_free_memory_above(std::uint64_t bytes);
 
 /// Empties a container and frees its memory, which neither clear() nor the assignment of {} does.
 template <class Container>

@@ -125,8 +125,8 @@ class Sweep {
     const auto start = std::chrono::steady_clock::now();
     frontier_.leave_unread_slabs();
     const std::size_t slabs_at_once = std::max<std::size_t>(1, options_.read_ahead);
-    Recall recall(stream_, plan_, loader_, frontier_, {options_.recall_bytes, options_.lists_bytes, slabs_at_once},
-                  workers_);
+    Recall recall(stream_, plan_, loader_, frontier_,
+                  {options_.recall_bytes, options_.lists_bytes, options_.spare_bytes, slabs_at_once}, workers_);
     recall.run(sink_, [&](std::size_t points, std::size_t left) {
       observer_.recalled(points, recall.slabs_read(), left);
       keep_progress();

@@ -82,6 +82,7 @@ struct SweepOptions {
   std::size_t read_ahead = 1;            ///< slabs that are read and cut while earlier slabs are processed; at least 1
   std::uint32_t slabs_per_turn = 1;      ///< slabs that are read before the steps are taken; at least 1
   std::size_t recall_bytes = 64u << 20;  ///< bytes of memory for a group of recalled points
+  std::uint64_t spare_bytes = 0;         ///< resident set up to which the recall leaves freed memory to the allocator
   /// Memory for the cells of the window. Cells may exceed it; lists for later steps use only the rest.
   std::uint64_t cells_bytes = std::numeric_limits<std::uint64_t>::max();
   /// Memory for the lists that each thread uses at a time. Cells with larger lists are processed in runs of points, at

@@ -3,6 +3,7 @@
 /// after each.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -51,6 +52,9 @@ struct WorkPlan {
   std::optional<OutputLayout> layout;  ///< layout of the output's records; absent in a sort
   std::uint64_t budget;                ///< memory budget of the run in bytes
   RunMemory memory;
+
+  /// Returns the bytes of the budget that the run is not expected to need.
+  std::uint64_t spare_bytes() const { return budget - std::min(budget, memory.expected_bytes); }
 };
 
 /// The survey of points that an order phase has still to put in order.

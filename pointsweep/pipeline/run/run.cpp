@@ -187,8 +187,7 @@ void perform_phases(const Context& whole, const WorkPlan& work, Surveyed points,
     const bool nothing_left = phases.cloud()->count() == 0 && phase.kind != PhaseKind::write;
     if (nothing_left || is_done(checkpoints, phase)) continue;
     with_rows_left([&](const Context& context) { phases.perform(phase, context); });
-    // The allocator keeps free memory for later phases if the budget has room for it: to return it takes milliseconds.
-    if (resident_bytes() + work.memory.expected_bytes > work.budget) return_free_memory();
+    return_free_memory_above(work.spare_bytes());
   }
   with_rows_left([&](const Context& context) { finish(context, files); });
 }

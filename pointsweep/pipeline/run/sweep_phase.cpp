@@ -42,6 +42,7 @@ SweepOptions sweep_options(const SweepOfPass& s) {
           .read_ahead = std::max(1u, s.work.memory.threads / 2),
           .slabs_per_turn = memory.slabs_per_turn,
           .recall_bytes = memory.recall_bytes,
+          .spare_bytes = s.work.spare_bytes(),
           .cells_bytes = options.search_again ? 0 : memory.cells_bytes,
           .lists_bytes = options.lists_bytes != 0 ? options.lists_bytes : memory.lists_bytes,
           .count_distances = s.is_first && options.count_distances,
