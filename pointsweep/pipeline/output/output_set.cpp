@@ -112,9 +112,10 @@ std::size_t OutputSet::chunk_rows() const { return std::max<std::size_t>(1, kChu
 
 void OutputSet::write_results(InputCloud& cloud, std::uint64_t first_row, std::span<const std::byte> results) {
   const std::size_t rows = result_bytes_ == 0 ? 0 : results.size() / result_bytes_;
-  const std::size_t chunk = chunk_rows();
-  for (std::size_t done = 0; done < rows; done += chunk) {
-    const std::size_t n = std::min(chunk, rows - done);
+  // Equal chunks: after a small one, the buffers would be filled with zeros when they grow again.
+  const std::size_t chunks = (rows + chunk_rows() - 1) / chunk_rows();
+  for (std::size_t done = 0, c = 0; c < chunks; ++c) {
+    const std::size_t n = (rows - done) / (chunks - c);
     const std::byte* from = results.data() + done * result_bytes_;
     if (!points_.empty()) {
       inputs_.resize(n * input_stride_);
@@ -132,6 +133,7 @@ void OutputSet::write_results(InputCloud& cloud, std::uint64_t first_row, std::s
       });
       array.file.write(array.column);
     }
+    done += n;
   }
 }
 
