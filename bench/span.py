@@ -16,6 +16,7 @@ import sys
 import tempfile
 import time
 
+import committed
 import processes
 from processes import ROOT
 
@@ -45,6 +46,7 @@ def arguments():
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
     parser.add_argument("--output", type=pathlib.Path, help="where to write the numbers as JSON")
+    parser.add_argument("--table", type=pathlib.Path, nargs="+", help="make the table of docs/performance.md from these results instead")
     return parser.parse_args()
 
 
@@ -91,11 +93,26 @@ def measure(options, name, folder):
         clock = min((end - begin) / 1e9 for begin, end in (run(words, tool, threads, {}) for _ in range(options.repeat)))
         predicted = row["workers"][threads]["wall"]
         row["text"] += f"\n{threads} threads: predicted {predicted:.3f} s, by the clock {clock:.3f} s, {predicted / clock - 1:+.1%}"
+        row.setdefault("clock", {})[threads] = clock
     return row
+
+
+def table(result):
+    head = "| chain | points |" + "".join(f" {p} cores |" for p in replay.WORKERS[1:]) + " off by |\n"
+    lines = []
+    for row in result["rows"]:
+        off = max(abs(row["workers"][threads]["wall"] / clock - 1) for threads, clock in row["clock"].items())
+        gains = "".join(f" {row['workers'][str(p)]['speedup']:.1f} |" for p in replay.WORKERS[1:])
+        lines.append(f"| {row['case']} | {row['points'] / 1e6:g}M |{gains} {off:.0%} |\n")
+    return head + "|---" * (len(replay.WORKERS) + 2) + "|\n" + "".join(lines)
 
 
 def main():
     options = arguments()
+    if options.table:
+        text = "".join(f"{committed.where(result)}, {committed.names([path])}.\n\n{table(result)}\n"
+                       for result, path in zip(committed.read(options.table), options.table))
+        return committed.write_table("span", text)
     options.work.mkdir(parents=True, exist_ok=True)
     options.work, rows = options.work.resolve(), []
     for name in options.cases:
@@ -109,7 +126,7 @@ def main():
         print(f"{row['case']:<14}" + "".join(f"{row['workers'][p]['speedup']:>8.1f}" for p in replay.WORKERS[1:]))
         del row["text"]
     if options.output:
-        options.output.write_text(json.dumps({"commit": processes.commit(), "machine": processes.machine(), "rows": rows}, indent=1) + "\n")
+        committed.write(options.output, committed.begun(rows=rows))
 
 
 if __name__ == "__main__":

@@ -83,10 +83,18 @@ std::string gps_text(const FileSummary& s) {
   return line("gps time", text);
 }
 
-/// Returns one line for each run that made the file, oldest first.
+/// Replaces the middle of a long text, e.g. with a polygon of many points, by the number of characters left out.
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kMost = 2000, kBegin = 1500, kEnd = 400;
+  if (text.size() <= kMost) return text;
+  return fmt::format("{} [{} characters] {}", text.substr(0, kBegin), text.size() - kBegin - kEnd,
+                     text.substr(text.size() - kEnd));
+}
+
+/// Returns one line for each run that made the file, oldest first. `info --json` has the lines whole.
 std::string provenance_text(const FileInfo& info) {
   std::string text;
-  for (const std::string& run : made_by(info)) text += line("made by", run);
+  for (const std::string& run : made_by(info)) text += line("made by", shortened(run));
   return text;
 }
 

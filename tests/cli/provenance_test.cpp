@@ -251,6 +251,19 @@ TEST_F(Provenance, IsPrintedInPrintableCharactersWhateverAFileHolds) {
   EXPECT_EQ(tool("info --json odd.ply").status, 0);
 }
 
+TEST_F(Provenance, OfALongPipelineIsShortenedInTextAndWholeInJson) {
+  std::string polygon = "POLYGON((";
+  for (int i = 0; i < 9000; ++i) polygon += std::to_string(i) + " " + std::to_string(i * i) + ",";
+  write("chain.json", "{\"pipeline\": [{\"type\": \"crop\", \"polygon\": \"" + polygon + "0 0))\"}]}");
+  made("generate sphere sphere.ply -n 2000");
+  made("run sphere.ply out.las --pipeline chain.json --quiet");
+  const std::string text = tool("info out.las").out, json = tool("info --json out.las").out;
+  EXPECT_LT(text.size(), 6000u);
+  EXPECT_NE(text.find(" characters] "), std::string::npos);
+  EXPECT_NE(json.find(polygon.substr(90'000)), std::string::npos);
+  EXPECT_EQ(tool("verify out.las").status, 0);
+}
+
 TEST_F(Provenance, FindsAnOutputThatIsNotWhatItSays) {
   ASSERT_EQ(tool("normals in.ply out.ply -k 5").status, 0);
   std::string bytes = contents(folder_ / "out.ply");
