@@ -12,9 +12,8 @@ namespace pointsweep {
 
 struct ListedFile {
   std::filesystem::path path;
-  /// The path of the file in a folder of outputs. For a file in a named folder, a pattern or a .vpc file: the path
-  /// below that folder, below the folders before the first wildcard, or below the folder of the .vpc file. For a file
-  /// that was named itself: its name.
+  /// The path of the file in a folder of outputs: its path below the named folder, below the folders before the first
+  /// wildcard of a pattern, or below the folder of the .vpc file; its name if it lies elsewhere or was named itself.
   std::filesystem::path relative;
 };
 

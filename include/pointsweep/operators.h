@@ -307,7 +307,7 @@ POINTSWEEP_EXPORT ChainStage set(std::string_view assignments, std::optional<Typ
 /// Moves the points by a matrix, turns their normals and other directions, and scales lengths. Throws Error for a file
 /// that is no matrix of 4 rows of 4 numbers, and UsageError for a matrix that is singular.
 POINTSWEEP_EXPORT ChainStage transform(const TransformOptions& options);
-/// Makes "color", red, green and blue, from the values of an attribute.
+/// Makes the attribute "color", with the fields red, green and blue, from the values of another attribute.
 POINTSWEEP_EXPORT ChainStage color(const ColorOptions& options);
 /// Removes attributes from the output and from the view of later stages.
 POINTSWEEP_EXPORT ChainStage drop(const std::vector<std::string>& attributes);

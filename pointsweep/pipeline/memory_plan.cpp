@@ -52,8 +52,9 @@ constexpr std::uint64_t kMostListBytes = 16 * kMega, kLeastListBytes = kMega / 4
 /// window.
 std::uint64_t least_slab_points(const SweepPlan& plan) { return plan.step_count() == 1 ? 4096 : 16384; }
 
-/// Points that may be in the window of several steps with the thinnest slabs, as measured with three steps and k = 64:
-/// for a dense place in a sparse cloud, and for a ball with a dense middle, whose rim makes all of it wait.
+/// Bounds of the estimated number of points in the window of a plan with several steps, measured with three steps,
+/// k = 64 and the thinnest slabs: a sparse cloud with one dense place needs kUsuallyWaiting; a ball with a dense
+/// middle, all of which waits for its rim, needs kMostWaiting.
 constexpr std::uint64_t kUsuallyWaiting = 256 << 10, kMostWaiting = 544 << 10;
 
 bool is_unlimited(const SweepPlan& plan) { return plan.neighborhood.k == Neighborhood::kUnlimited; }

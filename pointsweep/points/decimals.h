@@ -39,8 +39,8 @@ class CommonStep {
 class GridDecimals {
  public:
   explicit GridDecimals(const Field& field);
-  /// Returns the float64 nearest to a decimal fraction on the grid if `value` differs from it by at most a few units in
-  /// the last place; else returns `value`.
+  /// Returns the float64 nearest to a decimal number with as many digits as the scale or the bias, if `value` differs
+  /// from it by at most 4 epsilon (|value| + |bias|), the rounding of raw * scale + bias; else returns `value`.
   double of(double value) const;
   /// Returns whether of() may change a value.
   bool any() const { return decimals_[0] || decimals_[1]; }

@@ -97,7 +97,8 @@ struct SearchScratch {
 /// with one scratch per thread.
 ///
 /// If k is at most 64, all points are searched; a leaf of which `points` has any point is searched at the cost of all
-/// 16 points. Memory in addition to `out`: 8 bytes for each point within the radius of one point, or k times 100 bytes.
+/// 16 points. Memory in addition to `out`: with a limit k, at most 128 bytes × k, and the gathered points;
+/// without, 14 bytes for each point in the leaves within the radius of one point.
 std::uint32_t search(const CellQuery& query, const CellSubset& points, std::uint64_t most, SearchScratch& scratch,
                      CellNeighbors& out);
 

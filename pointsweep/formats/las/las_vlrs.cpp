@@ -38,7 +38,8 @@ class Window {
 
 constexpr std::size_t kMostProvenance = 256;
 
-/// Returns the member of `chain` for records of this user and number; null for kinds that readers do not use.
+/// Returns the member of `chain` that keeps the first record of this user and number; null for other records, of which
+/// note() collects those of provenance and projection in lists.
 std::optional<LasVlr>* place_of(LasVlrChain& chain, std::string_view user, std::uint16_t record) {
   if (user == kLasSpecUser && record == kExtraBytesRecord) return &chain.extra_bytes;
   if (user == kLaszipUser && record == kLaszipRecord) return &chain.laszip;

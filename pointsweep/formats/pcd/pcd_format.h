@@ -28,7 +28,8 @@ std::unique_ptr<Reader> open_pcd(const std::filesystem::path& path);
 /// normal_z. VIEWPOINT is that of the inputs if they are PCD files and agree, and the identity otherwise.
 std::unique_ptr<Writer> create_pcd_writer(const OutputPlan& plan);
 
-/// Returns the name of a field in PCD outputs, e.g. "normal_x" for nx.
+/// Returns the name in PCD outputs of a field that is not part of a packed colour: "normal_x" for nx; the same name for
+/// all fields but nx, ny and nz.
 std::string pcd_field_name(const std::string& name);
 
 }  // namespace pointsweep

@@ -290,7 +290,8 @@ HWY_INLINE Symmetric3Lanes<V> ZeroMatrix() {
   return {zero, zero, zero, zero, zero, zero};
 }
 
-/// Σ_j o o^T θ of Equation 1 and Σ_j θ, without the factors removed by Scaling and Weighting, and without 1/|N_i|.
+/// The sums Σ_j θ o o^T (Equation 1 without 1/|N_i|) and Σ_j θ over the neighbours j. o is p_j - p_i times
+/// Scaling::scale, and θ is divided by the θ of the nearest neighbour (Weighting).
 struct Moments {
   Scaling scaling;
   Symmetric3Lanes<V> m = ZeroMatrix();

@@ -19,8 +19,8 @@ constexpr std::size_t kFewPlaces = 8, kFewPoints = 12;
 /// Largest number of points collected for a group; with more, the group is halved first. A collection in vain costs
 /// little, because most of its points belong to cells that are read anyway.
 constexpr std::size_t kMostCollected = 32768;
-/// Number of imaginary searches without visited points that the average includes, so that a few long searches at the
-/// beginning do not decide.
+/// one_by_one() gives up if its searches visit too many points on average. The average includes this many searches of 0
+/// points, so that a few long searches at the beginning do not end it.
 constexpr std::size_t kFirstSearches = 16;
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 

@@ -37,8 +37,8 @@ OutputPlan plan_of_output(const InputCloud& cloud, const Schema& records, const 
 
 class OutputSet {
  public:
-  /// Throws before any work for unknown formats, existing files, missing folders and unknown attributes. `made` and
-  /// `kept` have the names of the outputs (output_formats.h); `provenance` is OutputPlan::provenance.
+  /// Throws before any work for unknown formats, existing files, missing folders and unknown attributes. The fields of
+  /// `made` and `kept` already have their names in the outputs (OutputNames); `provenance` is OutputPlan::provenance.
   OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept, const Outputs& outputs,
             const EngineOptions& options, OutputPlace place, std::vector<std::string> provenance = {});
 

@@ -21,7 +21,8 @@ using formulas::Estimate;
 using formulas::Real;
 using Estimates = std::vector<Estimate>;
 
-/// Opens another cloud without a transformation of coordinates: the run has refused different reference systems.
+/// Opens another cloud without comparing the coordinate reference systems of its files. The run has compared them,
+/// unless --ignore-crs forbade it.
 std::unique_ptr<InputCloud> opened(const std::string& name) { return opened_cloud(name, true); }
 
 PointsOfCloud points_of(RowSource& source, const PhaseProgress& progress) {
