@@ -10,7 +10,8 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kLongestProvenanceLine = 999;  ///< rply, the reader of Open3D and CloudCompare, allows 1,023
-constexpr std::string_view kGoesOn = "+ ";           ///< after the mark: the text goes on from the line before
+constexpr std::size_t kLongestReadLine = 60'000;  ///< earlier versions did not divide lines; a VLR holds 65,535 bytes
+constexpr std::string_view kGoesOn = "+ ";        ///< after the mark: the text goes on from the line before
 constexpr std::size_t kMostProvenanceBytes = 256 << 10;
 constexpr std::size_t kMostInputBytes = 32 << 10;  ///< largest size of the input lines in one record
 
@@ -195,7 +196,7 @@ std::optional<std::string> provenance_line(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == text.npos) return std::nullopt;
   text = text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
-  if (text.size() > kLongestProvenanceLine) return std::nullopt;
+  if (text.size() > kLongestReadLine) return std::nullopt;
   if (!text.starts_with(kProvenanceMark) || !std::all_of(text.begin(), text.end(), is_printable)) return std::nullopt;
   return std::string(text);
 }

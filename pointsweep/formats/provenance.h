@@ -58,7 +58,7 @@ void add_provenance(std::vector<std::string>& lines, std::span<const std::string
 std::span<const std::string> provenance_beyond(std::span<const std::string> all, std::span<const std::string> present);
 
 /// Returns the line without surrounding spaces and line ends if it begins with kProvenanceMark, is printable and
-/// has less than 1,000 bytes; otherwise nothing.
+/// has at most 60,000 bytes; otherwise nothing.
 std::optional<std::string> provenance_line(std::string_view text);
 
 }  // namespace pointsweep

@@ -40,9 +40,14 @@ std::uint64_t bytes_of(std::uint64_t rows, std::size_t record_bytes) {
   return rows * record_bytes;
 }
 
+/// Returns the bytes of the records that are used at once: about kRunBytes, at least one record.
+std::size_t bytes_of_run(std::size_t record_bytes) {
+  return std::max<std::size_t>(1, kRunBytes / record_bytes) * record_bytes;
+}
+
 void consume_in_runs(std::uint64_t first_row, std::span<const std::byte> records, std::size_t record_bytes,
                      const Consume& consume) {
-  const std::size_t run = std::max<std::size_t>(1, kRunBytes / record_bytes) * record_bytes;
+  const std::size_t run = bytes_of_run(record_bytes);
   for (std::size_t at = 0; at < records.size(); at += run) {
     stop_if_cancelled();
     consume(first_row + at / record_bytes, records.subspan(at, std::min(run, records.size() - at)));
@@ -66,7 +71,7 @@ class RowArray {
     // All threads fill the array, so that the system provides all pages now. Otherwise the threads that store the first
     // records, which lie far apart, wait for most pages.
     const bool zeroed = std::ranges::all_of(fill, is_zero);
-    parallel_for_blocks(memory_.size(), kRunBytes / record_bytes_ * record_bytes_, [&](auto first, auto n, unsigned) {
+    parallel_for_blocks(memory_.size(), bytes_of_run(record_bytes_), [&](auto first, auto n, unsigned) {
       const std::span<std::byte> block(memory_.data() + first, n);
       if (!zeroed) return repeat(fill, block);
       for (std::size_t at = 0; at < n; at += kPageBytes) const_cast<volatile std::byte&>(block[at]) = std::byte{0};

@@ -65,6 +65,9 @@ TEST(ProvenanceLines, GoOnWhereAStageOrSettingIsLong) {
   EXPECT_EQ(records[0].stages, record.stages);
   EXPECT_EQ(records[0].settings, record.settings);
   EXPECT_EQ(records[0].inputs.size(), record.inputs.size());
+  const std::string whole = "pointsweep stage " + std::string(20'000, 'a');  // of a version that did not divide lines
+  EXPECT_EQ(provenance_line(whole), whole);
+  EXPECT_EQ(provenance_line("pointsweep stage " + std::string(70'000, 'a')), std::nullopt);
   EXPECT_TRUE(records_of(Lines{"pointsweep 1.2.3", "pointsweep + goes on from nothing"})[0].stages.empty());
 }
 

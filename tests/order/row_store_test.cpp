@@ -90,6 +90,26 @@ TEST(RowStore, FillsRowsThatWereNotPut) {
     for (const std::uint64_t every : {1, 2, 1000}) check({10000, 12, spilled, 1 << 16, every});
 }
 
+TEST(RowStore, HoldsRecordsThatAreLargerThanItsRuns) {
+  constexpr std::size_t kRecord = 5'000'001;  // as of 600,000 neighbours
+  for (const std::byte value : {std::byte{0}, std::byte{7}}) {
+    RowStore store(3, std::vector<std::byte>(kRecord, value), nullptr, 0);
+    const std::vector<std::byte> record(kRecord, std::byte{9});
+    store.put(std::vector<std::uint64_t>{1}, record);
+    std::vector<std::byte> all;
+    store.drain([&](std::uint64_t, std::span<const std::byte> records) {
+      all.insert(all.end(), records.begin(), records.end());
+    });
+    ASSERT_EQ(all.size(), 3 * kRecord);
+    for (std::size_t row = 0; row < 3; ++row)
+      EXPECT_EQ(
+          std::count(all.begin() + static_cast<std::ptrdiff_t>(row * kRecord),
+                     all.begin() + static_cast<std::ptrdiff_t>((row + 1) * kRecord), row == 1 ? record[0] : value),
+          static_cast<std::ptrdiff_t>(kRecord))
+          << row;
+  }
+}
+
 TEST(RowStore, MayBeEmpty) {
   for (const bool spilled : {false, true}) check({0, 12, spilled, 1 << 16, 0});
 }

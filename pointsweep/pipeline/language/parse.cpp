@@ -41,8 +41,8 @@ std::size_t place_of_word(std::string_view option) {
 ///   pipeline = stage {"|" stage}            stage = name ["(" [option {"," option}] ")"]
 ///   option = [name "="] (value | condition | assignment)  value = bare | quoted | "[" bare {"," bare} "]"
 /// A condition (operators/expressions/expression.h) contains signs that values cannot contain. It ends before a "," or
-/// ")" outside of its own parentheses, like the assignments of the stage set. The parser accepts every option without a
-/// name; read_options() refuses it if the operator needs the name.
+/// ")" that is not within parentheses of the condition; so do the assignments of the stage set. The parser accepts
+/// every option without a name; read_options() refuses it if the operator needs the name.
 class Parser {
  public:
   Parser(std::string_view text, std::string_view source) : text_(text), source_(source) {}
