@@ -127,7 +127,7 @@ SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pas
   }
   options.edges = &edges;
   SweepStatistics done = sweep(points.stream, plan, *sink, options);
-  return_free_memory();
+  return_free_memory_above(options.spare_bytes);
   const auto start = std::chrono::steady_clock::now();
   const ComponentsSetup setup{.votes = op.votes(),
                               .make_scratch = places.scratch(),
@@ -176,7 +176,7 @@ SweepStatistics sweep_and_leave_graph(const Context& context, const PlannedPass&
   leave_out_connected(plan, stage);
   InputOrderSink sink(results, plan.result_bytes, points.first_row);
   const SweepStatistics done = sweep(points.stream, plan, sink, options);
-  return_free_memory();
+  return_free_memory_above(options.spare_bytes);
   if (op.weighted()) {
     with_weight->seal();
     store_graph(among, op.votes() != nullptr ? op.votes()->ballot_bytes() : 0, *graph.scratch, graph.name);

@@ -245,7 +245,7 @@ class TaskOfTile {
       OutputFiles files;
       const Ordered ordered =
           order_pass(context(), work, p, rows_, {surveyed.survey, std::move(surveyed.boxes)}, files);
-      return_free_memory();
+      return_free_memory_above(work.spare_bytes());
       store_tile(ordered.stream, ordered.survey, rows_.cloud->count(), scratch_, task_.after,
                  chosen_for_others(p, ordered.stream));
       done_.own_points = rows_.cloud->count() - ordered.stream.nonfinite_count();
