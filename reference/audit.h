@@ -61,11 +61,12 @@ class Suspects {
   SortedSlab slab_;
 };
 
-/// Observes a search and counts inexact results. A neighbourhood can lack only points that left S before its own point
-/// came. Points that left S but are still active are in a separate kD-heap, which is searched when a point comes.
-/// Points already written lie before the last written point along the axis; if a neighbourhood reaches that far, they
-/// are read again. So the counts are exact: `incomplete` neighbourhoods differ from the exact ones, after the rule of
-/// neighbourhoods if there is one. The audit only observes, and its time is measured separately from the algorithm.
+/// Observes a search and counts inexact results. S is the kD-heap in which NearestOperator searches. A neighbourhood
+/// can lack only points that left S before its own point came. Points that left S but are still active are in a
+/// separate kD-heap, which is searched when a point comes. Points already written lie before the last written point
+/// along the axis; if a neighbourhood reaches that far, they are read again. So the counts are exact: `incomplete`
+/// counts the neighbourhoods that differ from the exact ones. A rule of neighbourhoods shortens both lists before they
+/// are compared. The audit only observes, and its time is measured separately from the algorithm.
 class Audit {
  public:
   /// `stream` in canonical order, as the read operator reads it.

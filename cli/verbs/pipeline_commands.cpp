@@ -148,8 +148,8 @@ void move_seed(std::vector<StageText>& stages) {
   std::erase_if(decimate.options, [](const OptionText& option) { return option.name == "seed"; });
 }
 
-/// Returns the stage whose main option is given. Throws UsageError for several such stages, and for other options
-/// without a main option.
+/// Returns the stage whose main option is given. Throws UsageError unless the main option of exactly one stage is
+/// given, and for options of any other stage.
 std::vector<StageText> thinning_stages(const ThinCommand& command) {
   std::vector<StageText> stages = command.stages;
   move_seed(stages);

@@ -279,7 +279,7 @@ POINTSWEEP_EXPORT ChainStage splats(const SplatsOptions& options = {});
 /// Moves the points: feature-preserving smoothing in one pass (paper Section 4.3.4, Equation 3). Needs "normal" and
 /// splats(). Widths are in length units. Throws UsageError unless both are positive.
 POINTSWEEP_EXPORT ChainStage fair(const FairOptions& options);
-/// Makes fair() with widths relative to the extent of the cloud.
+/// Returns fair() with widths in percent of the diagonal of the box around the input.
 POINTSWEEP_EXPORT ChainStage fair_in_percent(const FairPercent& percent = {});
 /// Makes "mean_distance" and "outlier", which is 1 if the mean distance to the neighbours exceeds its mean over the
 /// cloud by more than `multiplier` standard deviations, by one of five definitions.

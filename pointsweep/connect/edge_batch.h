@@ -57,7 +57,7 @@ class EdgeBatch {
 class EdgeSink {
  public:
   virtual ~EdgeSink() = default;
-  /// Returns whether weights and signs of edges matter.
+  /// Returns whether edges have weights and flips. If not, all weights are equal and no edge flips.
   virtual bool weighted() const = 0;
   /// Takes the edges of a batch, and its first `own` points with their ballots (the values from which votes are made).
   /// Several batches may contain the same point. Thread-safe.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The survey: properties of a cloud, estimated from a sample before the work starts.
+/// The survey of a cloud: a sample of its points, and properties estimated from the sample, found before the points are
+/// put in order. An exact survey takes the bounds from all points.
 #pragma once
 
 #include <cstdint>

@@ -26,8 +26,8 @@ constexpr std::size_t kMostEntriesOfEdge = 16;  ///< largest average number of s
 }  // namespace
 
 int orientation(Point2 a, Point2 b, Point2 c) {
-  // Shewchuk's bound of the relative error is (3 + 16u)u with u = 2^-53, 3.34e-16. Products below kLeastSize may be
-  // subnormal, for which the bound does not hold.
+  // Shewchuk's bound: the error of `difference` is at most (3 + 16u)u `size` with u = 2^-53, about 3.331e-16 `size`.
+  // The bound does not hold if a product is subnormal, so a `size` up to kLeastSize is not trusted.
   constexpr double kBound = 3.4e-16, kLeastSize = 1e-290;
   const double left = (a.x - c.x) * (b.y - c.y), right = (a.y - c.y) * (b.x - c.x);
   const double difference = left - right, size = std::abs(left) + std::abs(right);

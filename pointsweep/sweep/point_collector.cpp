@@ -161,7 +161,7 @@ CollectedPoints PointCollector::search(std::uint32_t slab, std::span<const std::
   return found;
 }
 
-/// Drops points that were collected before the balls had shrunk and now lie outside.
+/// Drops collected points that now lie outside all balls, because balls have shrunk since. Points of `places` stay.
 void PointCollector::drop_points_outside() {
   if (wanted_.balls.empty()) return;
   points_ = 0;

@@ -104,7 +104,7 @@ class InputCloud {
   /// cloud, including the rows that selection() leaves out.
   InputCloud selected(RowSelection selection) const;
 
-  /// Returns the state of each input before it was opened.
+  /// Returns the state of each input before it was opened, or, for a cloud of open readers, when the cloud was made.
   const std::vector<FileState>& states() const { return *states_; }
   /// Throws Error if an input has changed since it was opened: the data read may be a mixture of old and new.
   void require_unchanged() const;
@@ -138,7 +138,7 @@ class InputCloud {
                          std::span<std::byte> records) const;
 
   // Clouds over the same inputs share states_, mappings_ and the readers, which take memory for each input.
-  std::shared_ptr<const std::vector<FileState>> states_;  ///< states of the inputs before they were opened
+  std::shared_ptr<const std::vector<FileState>> states_;  ///< see states()
   std::vector<std::shared_ptr<Reader>> readers_;
   /// The readers of a part of the rows of each input, which know the old row numbers; null if the input has no such
   /// reader, empty if no input has one.

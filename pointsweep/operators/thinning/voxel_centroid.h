@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The means of voxel(keep=centroid).
+/// The mean positions and mean attributes of the points of each voxel, for voxel(keep=centroid).
 #pragma once
 
 #include <memory>

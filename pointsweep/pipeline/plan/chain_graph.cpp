@@ -165,7 +165,8 @@ class GraphBuilder {
                                [&](const std::string& field) { return field_meant(visible_, field).has_value(); });
   }
 
-  /// Returns the version of `wanted` that the cloud has where the neighbourhoods of `rule` begin.
+  /// Returns the version of `wanted` that the cloud has after the stages before the neighbourhoods of `rule`. Throws
+  /// UsageError if the cloud has no such attribute there.
   std::size_t version_ruled_by(const Attribute& wanted, const NeighborhoodRule& rule) {
     const Schema cloud = with_carried(visible_, made_);
     if (!field_meant(cloud, wanted.name))

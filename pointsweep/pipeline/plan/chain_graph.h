@@ -101,7 +101,7 @@ ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs);
 std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<Attribute>& made);
 
 /// Returns `input` with the fields of `carried`, whose values follow the record of `input` one after another. A carried
-/// field replaces the field of the same name.
+/// field takes the place and the name of the field of `input` with the same name in any spelling (Schema::find()).
 Schema with_carried(const Schema& input, const std::vector<Attribute>& carried);
 
 /// Returns the name of the attribute of `carried` that holds `field`; empty if the record of `input` holds the field,

@@ -150,8 +150,9 @@ Ordered order_places(const Context& context, const WorkPlan& work, std::size_t p
 
 }  // namespace
 
-/// Puts the points of a pass in order. The reference engine gets canonical order for any order of the output: its
-/// search depends on the order, and its results also depend on the axis where the search is not exact.
+/// Puts the points of a pass in order. The reference engine always gets canonical order, because its search depends on
+/// the order. If the search is not exact, its results also depend on the axis, so a survey of all points chooses the
+/// axis.
 Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, Surveyed points,
                    OutputFiles& files) {
   if (p == context.plan.passes.size()) return order_output(context, work, rows, std::move(points), files);
