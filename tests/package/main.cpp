@@ -2,6 +2,9 @@
 /// A program outside of the source tree that uses the installed package: an own reader, operator, writer and observer,
 /// the built-in operators by function, by name and as text, files, and errors. The program checks the results.
 #include <pointsweep/pointsweep.h>
+#include <pointsweep/program/nearest_names.h>
+#include <pointsweep/program/quantities.h>
+#include <pointsweep/program/run_options.h>
 
 #include <array>
 #include <cmath>
@@ -139,6 +142,9 @@ void refuse_what_is_wrong() {
     expect(false, "an engine that is not linked is refused");
   } catch (const UsageError&) {
   }
+  expect(parse_size("memory", "256M") == std::uint64_t{256} << 20, "sizes are read as the tool reads them");
+  expect(run_option("temp_folder").flag == "--temp-dir", "options of runs are known by name");
+  expect(probable_name("normls", {"curvature", "normals"}) == "normals", "a misspelt word has a probable meaning");
   Counter counter;
   counter.cancel();
   try {

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pointsweep/export.h"
 #include "pointsweep/run.h"
 
 namespace pointsweep {
@@ -34,15 +35,15 @@ struct RunOption {
   std::function<std::string(const RunOptions&)> text = {};  ///< the value as a text; empty for the default
 };
 
-const std::vector<RunOption>& run_options();
+POINTSWEEP_EXPORT const std::vector<RunOption>& run_options();
 
 /// Returns the declaration of the option `name`, which must exist.
-const RunOption& run_option(std::string_view name);
+POINTSWEEP_EXPORT const RunOption& run_option(std::string_view name);
 
 /// The text that switches an option without a value on.
 inline constexpr const char* kSwitchedOn = "yes";
 
 /// Returns the identity of the options on which outputs depend: a line "name value" for each.
-std::string identity_text(const RunOptions& options);
+POINTSWEEP_EXPORT std::string identity_text(const RunOptions& options);
 
 }  // namespace pointsweep
