@@ -150,8 +150,10 @@ void Lettering::draw(Picture& picture, double x, double baseline, std::string_vi
 }
 
 std::string unit_of_attribute(std::string_view name, std::string_view length) {
-  constexpr std::array<std::string_view, 7> kLengths = {"height",          "x",     "y", "z", "splat_length",
-                                                        "neighbor_radius", "radius"};
+  constexpr auto kLengths = std::to_array<std::string_view>(
+      {"x", "y", "z", "radius", "height", "height_range", "splat_length", "neighbor_radius", "k_distance",
+       "mean_distance", "cloud_distance", "segment_residual", "simplify_radius", "m3c2_distance", "m3c2_lod",
+       "m3c2_spread1", "m3c2_spread2", "moment1_axis1", "moment1_axis2"});
   constexpr std::array<std::string_view, 5> kCurvatures = {"k1", "k2", "mean_curvature", "rms_curvature",
                                                            "absolute_curvature"};
   if (is_one_of(kLengths, name) || name.starts_with("distance_"))

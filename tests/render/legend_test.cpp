@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "pointsweep/colors/color_map.h"
+#include "pointsweep/program/declaration.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {
@@ -140,6 +142,17 @@ TEST(AttributeUnit, KnowsWhatNamesSay) {
   EXPECT_EQ(unit_of_attribute("gaussian_curvature", "ft"), "1/ft^2");
   EXPECT_EQ(unit_of_attribute("height", ""), "file units");
   EXPECT_EQ(unit_of_attribute("intensity", "m"), "");
+}
+
+TEST(AttributeUnit, IsThatOfEveryLengthThatAnOperatorMakes) {
+  std::size_t lengths = 0;
+  for (const OperatorDeclaration& declaration : all_operators())
+    for (const Attribute& a : contract_of(declaration).makes) {
+      if (a.fields.size() != 1 || a.unit != "length") continue;
+      EXPECT_EQ(unit_of_attribute(a.name, "m"), "m") << a.name;
+      ++lengths;
+    }
+  EXPECT_GT(lengths, 10u);
 }
 
 }  // namespace
