@@ -27,10 +27,26 @@ double reach_of_most(const std::vector<double>& reach2, double share) {
 /// stays in the window.
 constexpr double kCountedShare = 0.9;
 
-/// Makes the cell wait, with a better estimate of its reach than its density gave.
-void wait(WindowCell& cell, const std::vector<double>& reach2, const Frontier& frontier) {
+/// Points whose reach is at most this many times the counted reach of their cell are worth a wait. Points that reach
+/// farther, such as outliers, are deferred, since their cell would stay in the window for long.
+constexpr double kWorthWaiting = 5;
+
+/// Returns the greatest reach among those of the points `early` that are worth a wait; 0 if none is.
+double reach_worth_waiting(const std::vector<double>& reach2, const std::vector<std::uint32_t>& early) {
+  double worth = 0;
+  if (early.empty()) return worth;
+  const double most = kWorthWaiting * reach_of_most(reach2, kCountedShare);
+  for (const std::uint32_t i : early) {
+    const double reach = std::sqrt(reach2[i]);
+    if (std::isfinite(reach) && reach <= most) worth = std::max(worth, reach);
+  }
+  return worth;
+}
+
+/// Makes the cell wait, with a better estimate of its reach than its density gave, at least `least`.
+void wait(WindowCell& cell, const std::vector<double>& reach2, double least, const Frontier& frontier) {
   const double needed = reach_of_most(reach2, 1 - 1.0 / kStragglers);
-  cell.wait_reach = std::max(cell.wait_reach, std::isfinite(needed) ? needed : 0);
+  cell.wait_reach = std::max({cell.wait_reach, least, std::isfinite(needed) ? needed : 0});
   cell.wait_for_slabs = frontier.slabs_read() + 1;
   for (std::uint32_t i = 0; i < cell.cell.size(); ++i) {
     double& reach = cell.leaf_reach[i / kLeafCapacity];
@@ -59,32 +75,35 @@ double end_of_list(const Neighborhood& what, Vec3 p, const CellNeighbors& lists,
 }
 
 /// Certifies the points of a cell. The ball of a point has the squared radius worker.reach2 and must touch no unread
-/// slab and no dropped cell; otherwise the point is deferred. Returns false if too many balls touch slabs that the
-/// sweep has still to read: the cell then waits and is searched again.
+/// slab and no dropped cell; otherwise the point is deferred. Returns false if many balls, or some that are worth a
+/// wait, touch slabs that the sweep has still to read: the cell then waits and is searched again. It does not wait for
+/// slabs that only the recall reads.
 bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
   const std::vector<double>& reach2s = worker.reach2;
   const Box& box = cell.cell.box;
   const double most = *std::max_element(reach2s.begin(), reach2s.end());
   const bool ahead = frontier.unread_within(box, most);
   frontier.dropped_near(box, most, worker.dropped);
-  std::vector<std::uint32_t> early, behind;
+  std::vector<std::uint32_t> early, out_of_reach;
   for (std::uint32_t i = 0; (ahead || !worker.dropped.empty()) && i < cell.cell.size(); ++i) {
     const Vec3 p = cell.cell.position(i);
     const double reach2 = reach2s[i];
-    if (ahead && frontier.unread_within(p, reach2)) {
+    if (ahead && frontier.still_read_within(p, reach2)) {
       early.push_back(i);
-    } else if (std::any_of(worker.dropped.begin(), worker.dropped.end(),
+    } else if ((ahead && frontier.unread_within(p, reach2)) ||
+               std::any_of(worker.dropped.begin(), worker.dropped.end(),
                            [&](const Box& b) { return distance2(b, p) <= reach2; })) {
-      behind.push_back(i);
+      out_of_reach.push_back(i);
     }
   }
-  if (frontier.more_to_read() && early.size() * kStragglers > cell.cell.size()) {
-    wait(cell, reach2s, frontier);
+  const double worth = reach_worth_waiting(reach2s, early);
+  if (worth > 0 || early.size() * kStragglers > cell.cell.size()) {
+    wait(cell, reach2s, worth, frontier);
     return false;
   }
   for (const std::uint32_t i : early) defer(cell, i, reach2s[i]);
-  for (const std::uint32_t i : behind) defer(cell, i, reach2s[i]);
-  cell.certified = cell.cell.size() - early.size() - behind.size();
+  for (const std::uint32_t i : out_of_reach) defer(cell, i, reach2s[i]);
+  cell.certified = cell.cell.size() - early.size() - out_of_reach.size();
   cell.reach = std::min(reach_of_most(reach2s, kCountedShare), cell.cell.box.diagonal() + cell.wait_reach);
   return true;
 }

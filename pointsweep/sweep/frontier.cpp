@@ -52,15 +52,19 @@ bool Frontier::is_superfluous(const Box& box, std::uint64_t least_row) const {
   return at != saturated_locations_.end() && least_row > at->second;
 }
 
-bool Frontier::unread_within(const Box& box, double reach2, bool needed_only) const {
-  const auto counts = [&](const Slab& slab) { return !needed_only || !is_superfluous(slab.box, slab.least_row); };
+bool Frontier::still_read_within(const Box& box, double reach2, bool needed_only) const {
   for (std::size_t s = read_; s < swept_slabs_; ++s) {
     const double ahead = least_begin_[s] - box.hi[axis_];
     if (ahead > 0 && ahead * ahead > reach2) break;
-    if (distance2(slabs_[s].box, box) <= reach2 && counts(slabs_[s])) return true;
+    if (distance2(slabs_[s].box, box) <= reach2 && counts(slabs_[s], needed_only)) return true;
   }
+  return false;
+}
+
+bool Frontier::unread_within(const Box& box, double reach2, bool needed_only) const {
+  if (still_read_within(box, reach2, needed_only)) return true;
   return read_ < slabs_.size() &&
-         beyond_.any_within(box, reach2, [&](std::size_t i) { return counts(slabs_[swept_slabs_ + i]); });
+         beyond_.any_within(box, reach2, [&](std::size_t i) { return counts(slabs_[swept_slabs_ + i], needed_only); });
 }
 
 void Frontier::dropped_near(const Box& box, double reach2, std::vector<Box>& out) const {

@@ -95,6 +95,7 @@ class Sweep {
   void take(std::uint32_t step) {
     const std::vector<std::uint32_t> ready = window_.ready_for(step);
     parallel_for(ready.size(), [&](std::size_t i, unsigned worker) { runner_.run(ready[i], step, workers_[worker]); });
+    if (step == 0) window_.note_searched(ready);
     for (const std::uint32_t slot : ready) {
       WindowCell& cell = window_.at(slot);
       if (!cell.deferred.empty()) cell.deferred_before = cell.deferred;

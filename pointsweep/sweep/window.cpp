@@ -12,6 +12,11 @@ namespace {
 /// surface, such a cell has 16 times as many points per area.
 constexpr double kMuchDenser = 4;
 
+/// The factor on expected reaches grows while more than one in kManyWaiting searched cells must wait, and shrinks while
+/// fewer than one in kFewWaiting must. It stays between 1 and kMostAllowed.
+constexpr std::size_t kManyWaiting = 8, kFewWaiting = 32;
+constexpr double kMostAllowed = 3;
+
 Box leaf_box(const Cell& cell, std::uint32_t leaf) {
   Box b;
   for (int a = 0; a < 3; ++a) {
@@ -41,8 +46,9 @@ bool Window::ready(const WindowCell& cell, std::uint32_t step) const {
   if (step == 0) {
     if (!frontier_.more_to_read()) return true;
     if (cell.is_only_looked_at && plan_.step_count() == 1) return true;
-    const double reach2 = cell.wait_reach * cell.wait_reach;
-    return frontier_.slabs_read() >= cell.wait_for_slabs && !frontier_.unread_within(cell.cell.box, reach2);
+    const bool is_expected = cell.wait_for_slabs == 0;  // otherwise a search has found the reach
+    const double reach = is_expected ? allowance_ * cell.wait_reach : cell.wait_reach;
+    return frontier_.slabs_read() >= cell.wait_for_slabs && !frontier_.still_read_within(cell.cell.box, reach * reach);
   }
   return std::all_of(cell.refers_to.begin(), cell.refers_to.end(),
                      [&](std::uint32_t slot) { return at(slot).steps_done >= step; });
@@ -55,6 +61,15 @@ std::vector<std::uint32_t> Window::ready_for(std::uint32_t step) const {
   }
   std::sort(slots.begin(), slots.end());
   return slots;
+}
+
+void Window::note_searched(const std::vector<std::uint32_t>& slots) {
+  const auto waiting = static_cast<std::size_t>(
+      std::count_if(slots.begin(), slots.end(), [&](std::uint32_t slot) { return at(slot).steps_done == 0; }));
+  if (waiting * kManyWaiting > slots.size())
+    allowance_ = std::min(1.05 * allowance_, kMostAllowed);
+  else if (waiting * kFewWaiting < slots.size())
+    allowance_ = std::max(0.99 * allowance_, 1.0);
 }
 
 /// Returns the distance within which later points may search a cell. Without a limit k: the radius plus a margin for

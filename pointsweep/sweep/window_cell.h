@@ -38,7 +38,7 @@ struct WindowCell {
 
   std::uint32_t steps_done = 0;
   std::vector<double> leaf_reach;        ///< expected reach of the neighbourhoods of each leaf, until the search
-  double wait_reach = 0;                 ///< no unread slab may be nearer than this when the cell is searched
+  double wait_reach = 0;                 ///< no slab to be read may be nearer than this when the cell is searched
   std::size_t wait_for_slabs = 0;        ///< while slabs are left to read, the search waits until this many are read
   double reach = 0;                      ///< reach of most neighbourhoods of the cell, known after the search
   std::vector<CellNeighbors> lists;      ///< lists of runs of points, if a later step needs them and memory allows

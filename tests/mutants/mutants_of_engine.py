@@ -104,6 +104,12 @@ MUTANTS = [
            "rest.part(0, lists_.find(slot, rest, worker)), worker);",
            "rest.part(0, lists_.find(slot, CellSubset(0, size), worker)), worker);",
            ("pipeline:Radius.*", "pipeline:Run.*")),
+    Mutant("no cell waits for a lone point that reaches far", "window", SWEEP + "cell_runner.cpp", "kWorthWaiting = 5;",
+           "kWorthWaiting = 0;", ("pipeline:Window.*",)),
+    Mutant("later cells wait no longer while many are searched in vain", "window", SWEEP + "window.cpp",
+           "std::min(1.05 * allowance_, kMostAllowed)", "std::min(1.05 * allowance_, 1.0)", ("sweep:WindowTest.*",)),
+    Mutant("the factor on expected reaches never shrinks", "window", SWEEP + "window.cpp",
+           "std::max(0.99 * allowance_, 1.0)", "allowance_", ("sweep:WindowTest.*",)),
 
     # Recall
     Mutant("the middle of a cloud ends where cubes meet", "order", "pointsweep/order/local_spacing.cpp",

@@ -86,6 +86,11 @@ inline std::vector<std::pair<std::string, CloudShape>> hostile_shapes() {
                                        : 0;
          return Vec3{uniform(r), uniform(r) + bad, uniform(r)};
        }},
+      {"a few points far beside a long surface",
+       [](auto& r) {
+         const double x = 40 * uniform(r), y = uniform(r);
+         return Vec3{x, y, uniform(r) < 0.03 ? 10 * uniform(r) - 5 : 0};
+       }},
   };
 }
 

@@ -52,6 +52,19 @@ TEST(Window, HoldsNoMoreForAWallAcrossTheAxis) {
   }
 }
 
+TEST(Window, LeavesHardlyAPointOfANoisySurfaceToTheRecall) {
+  const std::uint64_t clean = sweep_of(on_sphere).peak_points;
+  for (const double noise : {0.01, 0.03}) {  // of the radius; neighbours are 0.01 apart
+    SCOPED_TRACE(noise);
+    const Statistics s = sweep_of([&](auto& r) {
+      const Vec3 p = on_sphere(r);
+      return (1 + noise * std::normal_distribution<double>()(r)) * p;
+    });
+    EXPECT_LT(s.recalled, kSwept / 1000);
+    EXPECT_LT(s.peak_points, 2 * clean);
+  }
+}
+
 TEST(Window, LetsCopiesOfOnePointPass) {
   for (const std::size_t k : {8, 100}) {
     SCOPED_TRACE(k);

@@ -90,12 +90,13 @@ inline std::vector<std::pair<std::string, std::vector<Vec3>>> clouds() {
   return {
       {"outliers", surface(n,
                            [](auto& rng, Vec3 p, std::size_t i) {
-                             return i % 29 == 0 ? Vec3{4 * uniform(rng), uniform(rng), uniform(rng) - 0.5} : p;
+                             return i % 29 == 0 ? Vec3{4 * uniform(rng), uniform(rng), 10 * uniform(rng) - 5} : p;
                            })},
-      {"density that falls by a factor of a thousand", surface(n,
-                                                               [](auto&, Vec3 p, std::size_t) {
-                                                                 return Vec3{std::pow(p.x / 4, 12) * 40, p.y, p.z};
-                                                               })},
+      {"density that falls by a factor of a thousand, with points far away",
+       surface(n,
+               [](auto& rng, Vec3 p, std::size_t i) {
+                 return Vec3{std::pow(p.x / 4, 12) * 40, p.y, i % 53 == 0 ? 50 * uniform(rng) : p.z};
+               })},
       {"copies of a few points, and points around them",
        surface(n,
                [](auto& rng, Vec3 p, std::size_t i) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 #include <set>
@@ -94,6 +95,30 @@ TEST_F(WindowTest, ACellThatWasToldToWaitForASlabDoes) {
   window_.at(slot).wait_for_slabs = frontier_.slabs_read() + 1;
   const std::vector<std::uint32_t> ready = window_.ready_for(0);
   EXPECT_EQ(std::ranges::find(ready, slot), ready.end());
+}
+
+TEST_F(WindowTest, LaterCellsWaitForMoreWhileManyCellsAreSearchedInVain) {
+  while (window_.ready_for(0).size() < 20) read_slab();
+  ASSERT_FALSE(all_read());
+  const auto expect_reach = [&](double reach) {
+    const std::vector<std::uint32_t> ready = window_.ready_for(0);
+    for (const std::uint32_t slot : window_.occupied())
+      EXPECT_EQ(std::ranges::binary_search(ready, slot), distance_to_unread(window_.at(slot)) > reach);
+  };
+  const std::vector<std::uint32_t> searched = window_.ready_for(0);
+  for (int turn = 0; turn < 5; ++turn) window_.note_searched(searched);
+  expect_reach(std::pow(1.05, 5) * kRadius);
+  for (int turn = 0; turn < 100; ++turn) window_.note_searched(searched);
+  expect_reach(3 * kRadius);
+
+  window_.at(searched.front()).wait_for_slabs = 1;  // a search has found its reach
+  EXPECT_TRUE(std::ranges::binary_search(window_.ready_for(0), searched.front()));
+  window_.at(searched.front()).wait_for_slabs = 0;
+
+  for (const std::uint32_t slot : searched) window_.at(slot).steps_done = 1;
+  for (int turn = 0; turn < 200; ++turn) window_.note_searched(searched);
+  for (const std::uint32_t slot : searched) window_.at(slot).steps_done = 0;
+  expect_reach(kRadius);
 }
 
 TEST_F(WindowTest, NoCellWaitsForSlabsThatTheSweepWillNotRead) {
