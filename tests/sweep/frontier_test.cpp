@@ -38,6 +38,31 @@ TEST(Frontier, FindsUnreadSlabsInWhateverOrderTheyCome) {
   }
 }
 
+TEST(Frontier, TellsSlabsThatTheSweepReadsFromThoseOfTheRecall) {
+  std::mt19937_64 random(2);
+  std::vector<Slab> slabs(40);
+  for (Slab& slab : slabs) slab.box = random_box(random);
+  constexpr std::size_t kSwept = 25;
+  Frontier frontier(slabs, 0, kSwept);
+  std::size_t only_recall = 0;
+  for (std::size_t read = 0; read <= kSwept; ++read) {
+    for (int i = 0; i < 50; ++i) {
+      const Box box = random_box(random);
+      const double reach2 = std::uniform_real_distribution<double>(0, 1)(random);
+      const auto near = [&](std::size_t first, std::size_t end) {
+        return std::any_of(slabs.begin() + static_cast<std::ptrdiff_t>(first),
+                           slabs.begin() + static_cast<std::ptrdiff_t>(end),
+                           [&](const Slab& slab) { return distance2(slab.box, box) <= reach2; });
+      };
+      ASSERT_EQ(frontier.still_read_within(box, reach2), near(read, kSwept));
+      ASSERT_EQ(frontier.unread_within(box, reach2), near(read, slabs.size()));
+      only_recall += near(kSwept, slabs.size()) && !near(read, kSwept) ? 1 : 0;
+    }
+    if (read < kSwept) frontier.slab_was_read();
+  }
+  EXPECT_GT(only_recall, 10u);
+}
+
 TEST(Frontier, FurtherCopiesAtASaturatedLocationDoNotCount) {
   const Vec3 here{1, 2, 3}, there{1, 2, 4};
   const std::vector<Slab> slabs{slab_at(here, 0), slab_at(here, 5000), slab_at(there, 5000)};
