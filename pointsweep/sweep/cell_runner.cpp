@@ -82,15 +82,15 @@ bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
   const std::vector<double>& reach2s = worker.reach2;
   const Box& box = cell.cell.box;
   const double most = *std::max_element(reach2s.begin(), reach2s.end());
-  const bool ahead = frontier.unread_within(box, most);
+  const bool ahead = frontier.still_read_within(box, most), beyond = frontier.only_recalled_within(box, most);
   frontier.dropped_near(box, most, worker.dropped);
   std::vector<std::uint32_t> early, out_of_reach;
-  for (std::uint32_t i = 0; (ahead || !worker.dropped.empty()) && i < cell.cell.size(); ++i) {
+  for (std::uint32_t i = 0; (ahead || beyond || !worker.dropped.empty()) && i < cell.cell.size(); ++i) {
     const Vec3 p = cell.cell.position(i);
     const double reach2 = reach2s[i];
     if (ahead && frontier.still_read_within(p, reach2)) {
       early.push_back(i);
-    } else if ((ahead && frontier.unread_within(p, reach2)) ||
+    } else if ((beyond && frontier.only_recalled_within(p, reach2)) ||
                std::any_of(worker.dropped.begin(), worker.dropped.end(),
                            [&](const Box& b) { return distance2(b, p) <= reach2; })) {
       out_of_reach.push_back(i);

@@ -61,8 +61,7 @@ bool Frontier::still_read_within(const Box& box, double reach2, bool needed_only
   return false;
 }
 
-bool Frontier::unread_within(const Box& box, double reach2, bool needed_only) const {
-  if (still_read_within(box, reach2, needed_only)) return true;
+bool Frontier::only_recalled_within(const Box& box, double reach2, bool needed_only) const {
   return read_ < slabs_.size() &&
          beyond_.any_within(box, reach2, [&](std::size_t i) { return counts(slabs_[swept_slabs_ + i], needed_only); });
 }

@@ -56,6 +56,9 @@ class Frontier {
   /// Returns the same for the slabs that the sweep has still to read, without slabs that only the recall reads.
   bool still_read_within(const Box& box, double reach2) const { return still_read_within(box, reach2, true); }
   bool still_read_within(Vec3 p, double reach2) const { return still_read_within(Box{p, p}, reach2); }
+  /// Returns the same for the slabs that only the recall reads.
+  bool only_recalled_within(const Box& box, double reach2) const { return only_recalled_within(box, reach2, true); }
+  bool only_recalled_within(Vec3 p, double reach2) const { return only_recalled_within(Box{p, p}, reach2); }
   /// Returns whether any unread slab, superfluous or not, lies within sqrt(reach2) of a box.
   bool anything_unread_within(const Box& box, double reach2) const { return unread_within(box, reach2, false); }
   /// Returns the cells of a slab that have left the window, except superfluous cells, in any order.
@@ -69,8 +72,11 @@ class Frontier {
   void dropped_near(const Box& box, double reach2, std::vector<Box>& out) const;
 
  private:
-  bool unread_within(const Box& box, double reach2, bool needed_only) const;
+  bool unread_within(const Box& box, double reach2, bool needed_only) const {
+    return still_read_within(box, reach2, needed_only) || only_recalled_within(box, reach2, needed_only);
+  }
   bool still_read_within(const Box& box, double reach2, bool needed_only) const;
+  bool only_recalled_within(const Box& box, double reach2, bool needed_only) const;
   bool counts(const Slab& slab, bool needed_only) const {
     return !needed_only || !is_superfluous(slab.box, slab.least_row);
   }

@@ -55,6 +55,7 @@ TEST(Frontier, TellsSlabsThatTheSweepReadsFromThoseOfTheRecall) {
                            [&](const Slab& slab) { return distance2(slab.box, box) <= reach2; });
       };
       ASSERT_EQ(frontier.still_read_within(box, reach2), near(read, kSwept));
+      ASSERT_EQ(frontier.only_recalled_within(box, reach2), near(kSwept, slabs.size()));
       ASSERT_EQ(frontier.unread_within(box, reach2), near(read, slabs.size()));
       only_recall += near(kSwept, slabs.size()) && !near(read, kSwept) ? 1 : 0;
     }
