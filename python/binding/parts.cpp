@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -80,13 +81,31 @@ nb::tuple tuple_of(const PartRound& round) {
   return nb::make_tuple(steps, kJoinNames[static_cast<std::size_t>(round.join)]);
 }
 
+/// Calls work() on a thread of its own, so that other threads of Python run meanwhile and Ctrl-C is seen. The observer
+/// of request.options tells `progress`, if it is not None.
+void call_watched(PartRequest& request, const std::function<void()>& work, const nb::object& progress = nb::none()) {
+  try {
+    watch({progress, nb::none()}, [&](Observer& observer) {
+      PythonThreads threads;
+      call_python_on(threads, request.chain.functions);
+      request.options.observer = &observer;
+      work();
+    });
+  } catch (const Error&) {
+    rethrow_python_exception(request.chain.functions);
+    throw;
+  }
+}
+
 /// Returns (rounds, rows by tile, the option `nonfinite` for the tasks, notes, bytes of a point in the scratch, files
 /// of other clouds by pass, stages for the record, facts). A round: (steps, kind of the results to be joined). A step:
 /// (kind, pass). Files: (paths, points of each).
 nb::tuple planned_parts(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                         const nb::dict& given, std::vector<std::filesystem::path> to) {
   PartRequest request(source, pipeline, keep, given, std::move(to));
-  const PartPlan planned = plan_parts(request.cloud.inputs(), request.chain, request.outputs, request.options);
+  PartPlan planned;
+  call_watched(request,
+               [&] { planned = plan_parts(request.cloud.inputs(), request.chain, request.outputs, request.options); });
   nb::list rounds;
   for (const PartRound& round : planned.rounds) rounds.append(tuple_of(round));
   nb::dict others;
@@ -122,29 +141,20 @@ nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, 
                         .record = nb::cast<std::vector<std::string>>(task["record"]),
                         .after = text("after")};
   const std::unique_ptr<Storage> place = shared_storage(scratch);
-  Storage& folder = *place;
   PartDone done;
   reuse_free_memory();
-  try {
-    watch({progress, nb::none()}, [&](Observer& observer) {
-      PythonThreads threads;
-      call_python_on(threads, request.chain.functions);
-      request.options.observer = &observer;
-      done = run_part(request.cloud.inputs(), request.chain, request.outputs, request.options, wanted, folder);
-    });
-  } catch (const Error&) {
-    rethrow_python_exception(request.chain.functions);
-    throw;
-  }
+  call_watched(
+      request,
+      [&] { done = run_part(request.cloud.inputs(), request.chain, request.outputs, request.options, wanted, *place); },
+      progress);
   return nb::make_tuple(done.rows, done.own_points, done.swept_points, to_json(done.statistics));
 }
 
 void join_the_tiles(const std::filesystem::path& scratch, const std::vector<std::string>& left,
                     const std::vector<std::string>& paths, const std::string& key) {
   const std::unique_ptr<Storage> place = shared_storage(scratch);
-  Storage& folder = *place;
   const nb::gil_scoped_release others_go_on;
-  join_tiles(folder, left, paths, key);
+  join_tiles(*place, left, paths, key);
 }
 
 void join_the_values(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
@@ -153,9 +163,10 @@ void join_the_values(const std::filesystem::path& scratch, const nb::list& sourc
                      const std::vector<std::string>& left, const std::string& key) {
   PartRequest request(source, pipeline, keep, given, std::move(to), facts);
   const std::unique_ptr<Storage> place = shared_storage(scratch);
-  Storage& folder = *place;
-  join_values(request.cloud.inputs(), request.chain, request.outputs, request.options, round_of(round), folder, before,
-              left, key);
+  const PartRound of = round_of(round);
+  call_watched(request, [&] {
+    join_values(request.cloud.inputs(), request.chain, request.outputs, request.options, of, *place, before, left, key);
+  });
 }
 
 void join_the_graph(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
@@ -164,9 +175,11 @@ void join_the_graph(const std::filesystem::path& scratch, const nb::list& source
                     const std::string& borders, const std::vector<std::string>& left, const std::string& key) {
   PartRequest request(source, pipeline, keep, given, std::move(to), facts);
   const std::unique_ptr<Storage> place = shared_storage(scratch);
-  Storage& folder = *place;
-  join_graph(request.cloud.inputs(), request.chain, request.outputs, request.options, round_of(round), folder,
-             {catalogue, borders}, left, key);
+  const PartRound of = round_of(round);
+  call_watched(request, [&] {
+    join_graph(request.cloud.inputs(), request.chain, request.outputs, request.options, of, *place,
+               {catalogue, borders}, left, key);
+  });
 }
 
 void join_the_pieces(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
@@ -174,18 +187,21 @@ void join_the_pieces(const std::filesystem::path& scratch, const nb::list& sourc
                      const nb::object& facts, const std::vector<std::string>& left, const std::string& key) {
   PartRequest request(source, pipeline, keep, given, std::move(to), facts);
   const std::unique_ptr<Storage> place = shared_storage(scratch);
-  join_cuts(request.cloud.inputs(), request.chain, request.outputs, request.options, *place, left, key);
+  call_watched(request, [&] {
+    join_cuts(request.cloud.inputs(), request.chain, request.outputs, request.options, *place, left, key);
+  });
 }
 
 /// Removes incomplete files of the outputs that killed workers have left. Lists each folder once.
 void remove_abandoned(const std::vector<std::filesystem::path>& outputs) {
+  const nb::gil_scoped_release others_go_on;
   const ManyOutputs listed(outputs.size(), [&](std::size_t i) { return outputs[i]; });
 }
 
 void forget_task(const std::filesystem::path& scratch, const std::string& left) {
   const std::unique_ptr<Storage> place = shared_storage(scratch);
-  Storage& folder = *place;
-  forget(folder, left);
+  const nb::gil_scoped_release others_go_on;
+  forget(*place, left);
 }
 
 }  // namespace

@@ -9,13 +9,13 @@ import os
 import shutil
 import socket
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from bucket_servers import BucketServer, Proxy, server_of_azure, server_of_google, server_of_s3
 from http_server import Server
 
 import pointsweep as ps
@@ -258,45 +258,23 @@ class TestSecrets:
         self.require_none(str(error.value))
 
 
-@pytest.fixture(scope="module")
-def moto() -> Iterator[str]:
-    """The address of a server of S3."""
-    pytest.importorskip("moto.server", reason="moto[server] is not installed")
-    with socket.socket() as unused:
-        unused.bind(("127.0.0.1", 0))
-        port = unused.getsockname()[1]
-    command = [sys.executable, "-W", "ignore", "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)]
-    running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        for _ in range(300):
-            try:
-                socket.create_connection(("127.0.0.1", port)).close()
-                break
-            except OSError:
-                time.sleep(0.1)
-        yield f"http://127.0.0.1:{port}"
-    finally:
-        running.kill()
-        running.wait()
+@pytest.fixture(scope="module", params=["s3", "gs", "az"])
+def bucket_server(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[BucketServer]:
+    starts = {"s3": server_of_s3, "gs": lambda: server_of_google(tmp_path_factory.mktemp("key")), "az": server_of_azure}
+    with starts[request.param]() as server:
+        yield server
 
 
 @pytest.fixture
-def bucket(moto: str, here: Tool, monkeypatch: pytest.MonkeyPatch) -> str:
+def bucket(bucket_server: BucketServer, here: Tool, monkeypatch: pytest.MonkeyPatch) -> str:
     """The URL of a new bucket, for which `here` and this process have credentials."""
-    name = f"test-{time.monotonic_ns()}"
-    settings = {
-        "AWS_ACCESS_KEY_ID": "key",
-        "AWS_SECRET_ACCESS_KEY": "hunter2",
-        "AWS_REGION": "us-east-1",
-        "AWS_ENDPOINT_URL": moto,
-    }
-    import boto3
-
-    for variable, value in settings.items():
+    for variable, value in bucket_server.environment.items():
         monkeypatch.setenv(variable, value)
-    here.environment.update(settings)
-    boto3.client("s3", endpoint_url=moto, region_name="us-east-1").create_bucket(Bucket=name)
-    return f"s3://{name}"
+    here.environment.update(bucket_server.environment)
+    return bucket_server.new_bucket()
+
+
+only_s3 = pytest.mark.parametrize("bucket_server", ["s3"], indirect=True)
 
 
 def content(url: str) -> bytes:
@@ -360,6 +338,7 @@ class TestBuckets:
         ps.open(f"{bucket}/*.laz").run(ps.curvature(), to=f"{bucket}/out/")
         assert len(ps.open(f"{bucket}/out/")) == 3000
 
+    @only_s3
     def test_credentials(self, here: Tool, bucket: str) -> None:
         here("convert", "scan.laz", f"{bucket}/a.ply")
         wrong = bucket.replace("//", "//key:hunter2@")
@@ -369,9 +348,10 @@ class TestBuckets:
         here.environment["AWS_SKIP_SIGNATURE"] = "true"
         assert "access is denied" in here("info", f"{bucket}/a.ply", status=1)
 
+    @only_s3
     def test_an_upload_that_fails_leaves_nothing(self, here: Tool, bucket: str, tmp_path: Path) -> None:
         here("generate", "sphere", "large.ply", "-n", 800_000)
-        with FailingProxy(here.environment["AWS_ENDPOINT_URL"], puts=2) as proxy:
+        with Proxy(here.environment["AWS_ENDPOINT_URL"], puts=2) as proxy:
             here.environment["AWS_ENDPOINT_URL"] = proxy.url
             said = here("convert", "large.ply", f"{bucket}/large.ply", status=1)
         assert "its server does not answer (503" in said
@@ -382,57 +362,6 @@ class TestBuckets:
         here("normals", f"{bucket}/in.laz", "out.ply", "--resume", "state")
         here("normals", f"{bucket}/in.laz", f"{bucket}/out.ply", "--resume", "state")
         assert content(f"{bucket}/out.ply") == (here.folder / "out.ply").read_bytes()
-
-
-class FailingProxy:
-    """Passes requests on to a server, but answers 503 to all that put something after the first `puts` ones."""
-
-    def __init__(self, target: str, puts: int) -> None:
-        import http.client
-        import threading
-        from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-
-        left = [puts]
-        host = target.removeprefix("http://")
-
-        class Handler(BaseHTTPRequestHandler):
-            protocol_version = "HTTP/1.1"
-
-            def log_message(self, *_: object) -> None:
-                pass
-
-            def do_GET(self) -> None:
-                body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
-                if self.command == "PUT" and left[0] <= 0:
-                    self.send_response(503)
-                    self.send_header("Content-Length", "0")
-                    return self.end_headers()
-                left[0] -= self.command == "PUT"
-                to = http.client.HTTPConnection(host)
-                to.request(self.command, self.path, body, dict(self.headers.items()))
-                answer = to.getresponse()
-                content = answer.read()
-                self.send_response(answer.status)
-                for name, value in answer.getheaders():
-                    if name.lower() not in ("connection", "transfer-encoding", "content-length"):
-                        self.send_header(name, value)
-                self.send_header("Content-Length", answer.getheader("Content-Length", str(len(content))))
-                self.end_headers()
-                self.wfile.write(content)
-
-            do_PUT = do_POST = do_HEAD = do_DELETE = do_GET
-
-        self._server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-        self._server.daemon_threads = True
-        self.url = f"http://127.0.0.1:{self._server.server_address[1]}"
-        threading.Thread(target=self._server.serve_forever, args=[0.01], daemon=True).start()
-
-    def __enter__(self) -> FailingProxy:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._server.shutdown()
-        self._server.server_close()
 
 
 @needs_urls
