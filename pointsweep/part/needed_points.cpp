@@ -27,7 +27,7 @@ double most_distance2(const Box& a, const Box& b) {
 struct Candidate {
   Box box;
   std::uint64_t count;
-  std::size_t tile;
+  std::uint32_t tile;
   std::uint32_t first_block, end_block;
 };
 
@@ -108,14 +108,15 @@ class BlockSource {
  public:
   BlockSource(std::shared_ptr<TileReader> reader, const Schema& schema) : reader_(std::move(reader)), schema_(schema) {}
 
-  void add(std::size_t tile, BlockRange blocks) {
-    const std::uint64_t points = reader_->points_before(tile, blocks.end) - reader_->points_before(tile, blocks.first);
+  void add(const TileBlocks& blocks) {
+    const std::uint64_t points =
+        reader_->points_before(blocks.tile, blocks.end) - reader_->points_before(blocks.tile, blocks.first);
     if (points == 0) return;
-    pieces_.push_back({tile, blocks, count_});
+    pieces_.push_back({blocks, count_});
     count_ += points;
   }
-  void add_nonfinite(std::size_t tile) {
-    pieces_.push_back({tile, {0, 0}, count_});
+  void add_nonfinite(std::uint32_t tile) {
+    pieces_.push_back({{tile, 0, 0}, count_});
     count_ += reader_->index(tile).nonfinite;
   }
   std::uint64_t count() const { return count_; }
@@ -129,7 +130,7 @@ class BlockSource {
     if (piece.blocks.end == 0) {  // points with non-finite coordinates
       const std::uint64_t end = after == pieces_.end() ? count_ : after->first;
       const std::size_t n = std::min<std::uint64_t>(records.size() / stride, end - row);
-      reader_->read_nonfinite(piece.tile, in_piece, records.first(n * stride));
+      reader_->read_nonfinite(piece.blocks.tile, in_piece, records.first(n * stride));
       return n;
     }
     return read_blocks(piece, in_piece, records, block);
@@ -137,8 +138,7 @@ class BlockSource {
 
  private:
   struct Piece {
-    std::size_t tile;
-    BlockRange blocks;    ///< an empty range stands for the points with non-finite coordinates
+    TileBlocks blocks;    ///< an empty range stands for the points with non-finite coordinates
     std::uint64_t first;  ///< number of the first record of the piece among the records of all pieces
   };
 
@@ -148,7 +148,8 @@ class BlockSource {
                           std::vector<std::byte>& block) const {
     const std::size_t stride = schema_.stride, wanted = records.size() / stride;
     const auto before = [&](std::uint32_t b) {
-      return reader_->points_before(piece.tile, b) - reader_->points_before(piece.tile, piece.blocks.first);
+      return reader_->points_before(piece.blocks.tile, b) -
+             reader_->points_before(piece.blocks.tile, piece.blocks.first);
     };
     std::uint32_t low = piece.blocks.first, high = piece.blocks.end;  // the block of `from` is in [low, high)
     while (high - low > 1) {
@@ -160,13 +161,13 @@ class BlockSource {
       while (end < piece.blocks.end && before(end + 1) - from <= wanted) ++end;
     if (end > low) {
       const std::size_t n = before(end) - from;
-      const BlockRange whole{low, end};
-      reader_->read(piece.tile, std::span(&whole, 1), records.first(n * stride));
+      const TileBlocks whole{piece.blocks.tile, low, end};
+      reader_->read(std::span(&whole, 1), records.first(n * stride));
       return n;
     }
     block.resize((before(low + 1) - before(low)) * stride);
-    const BlockRange one{low, low + 1};
-    reader_->read(piece.tile, std::span(&one, 1), block);
+    const TileBlocks one{piece.blocks.tile, low, low + 1};
+    reader_->read(std::span(&one, 1), block);
     const std::size_t skipped = from - before(low), n = std::min(wanted, block.size() / stride - skipped);
     std::copy_n(block.begin() + static_cast<std::ptrdiff_t>(skipped * stride), n * stride, records.begin());
     return n;
@@ -206,7 +207,7 @@ std::vector<Candidate> needed_blocks(TileReader& reader, const TileCatalogue& ti
     return candidates;
   };
   std::vector<Candidate> regions, blocks;
-  for (std::size_t t = 0; t < tiles.tiles.size(); ++t)
+  for (std::uint32_t t = 0; t < tiles.tiles.size(); ++t)
     for (const TileRegion& r : tiles.tiles[t].regions)
       regions.push_back({chooser.compared(r.box), r.count, t, r.first_block, r.end_block});
   for (const Candidate& region : only_needed(std::move(regions))) {
@@ -238,7 +239,7 @@ std::uint64_t points_in(const TileCatalogue& tiles) {
 
 /// Returns one block of any tile; nothing if no tile has a block.
 std::vector<Candidate> any_block(const TileCatalogue& tiles) {
-  for (std::size_t t = 0; t < tiles.tiles.size(); ++t)
+  for (std::uint32_t t = 0; t < tiles.tiles.size(); ++t)
     for (const TileRegion& r : tiles.tiles[t].regions) return {{r.box, 0, t, r.first_block, r.first_block + 1}};
   return {};
 }
@@ -250,7 +251,7 @@ void add_blocks(BlockSource& source, const std::vector<Candidate>& blocks) {
     while (end < blocks.size() && blocks[end].tile == blocks[i].tile &&
            blocks[end].first_block == blocks[end - 1].end_block)
       ++end;
-    source.add(blocks[i].tile, {blocks[i].first_block, blocks[end - 1].end_block});
+    source.add({blocks[i].tile, blocks[i].first_block, blocks[end - 1].end_block});
   }
 }
 
@@ -263,12 +264,13 @@ NeededPoints needed_points(const Storage& scratch, const TileCatalogue& tiles, s
   const auto source = std::make_shared<BlockSource>(reader, schema);
   const TileIndex& own = reader->index(number);
   const Chooser chooser(op, reach);
-  source->add(number, {0, own.own_blocks()});
+  const auto own_number = static_cast<std::uint32_t>(number);
+  source->add({own_number, 0, own.own_blocks()});
   std::vector<Candidate> blocks = needed_blocks(*reader, tiles, own_boxes(own, chooser), chooser);
   std::erase_if(blocks, [&](const Candidate& block) { return block.tile == number; });
   add_blocks(*source, blocks);
   const std::uint64_t points = source->count();
-  if (own.nonfinite > 0) source->add_nonfinite(number);
+  if (own.nonfinite > 0) source->add_nonfinite(own_number);
   NeededPoints needed{source_of(source, schema), tiles.tiles[number].first_row, own.rows - own.nonfinite, points};
   needed.source.count = source->count();
   if (reach.is_guess && points < points_in(tiles)) needed.may_lack = beyond(own, reach.distance);

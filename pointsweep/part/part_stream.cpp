@@ -17,18 +17,17 @@ namespace {
 constexpr std::uint64_t kSmallHalo = 1000;
 constexpr int kMostTries = 6;
 
-/// The blocks of a tile that make one slab of a part, as a segment of a list of ranges. All slabs share the list, which
-/// takes less memory than a list for each slab.
-struct BlocksOfTile {
-  std::size_t tile;
-  std::size_t first_range, ranges;
+/// The blocks that make one slab of a part, as a segment of a list. All slabs share the list, which takes less memory
+/// than a list for each slab.
+struct BlocksOfSlab {
+  std::size_t first, count;
 };
 
 /// Divides the cloud for one tile: slabs near it (its own and its halo), which are swept, and slabs far from it.
 class PartCutter {
  public:
   PartCutter(TileReader& reader, const TileCatalogue& tiles, std::size_t own)
-      : reader_(reader), tiles_(tiles), own_(own) {}
+      : reader_(reader), tiles_(tiles), own_(static_cast<std::uint32_t>(own)) {}
 
   void cut(double reach) {
     const TileIndex& tile = reader_.index(own_);
@@ -37,22 +36,22 @@ class PartCutter {
     reach = std::min(reach, known.diagonal());
     for (int tries = 0;; ++tries, reach /= 2) {
       near_ = far_ = {};
-      ranges_.clear();
+      blocks_.clear();
       swept_points_ = own_points_;
-      look_around(grown(known, reach));
+      look_around(grown(known, reach), grown(known, reach + known.diagonal()));
       if (tries == kMostTries || halo_points() <= std::max(kSmallHalo, own_points_ / 2)) break;
     }
-    for (std::uint32_t s = 0; s < tile.slab_ends.size(); ++s) add(near_, own_, {slab_of(tile, s)});
+    for (std::uint32_t s = 0; s < tile.slab_ends.size(); ++s) add(near_, own_, {slab_of(own_, s)});
     const int axis = tile.survey.axis;
     const auto begin = [axis](const auto& slab) { return slab.first.box.lo[axis]; };
     std::ranges::stable_sort(near_, {}, begin);
     std::ranges::stable_sort(far_, {}, begin);
   }
 
-  using SlabOfBlocks = std::pair<Slab, BlocksOfTile>;
+  using SlabOfBlocks = std::pair<Slab, BlocksOfSlab>;
   std::vector<SlabOfBlocks> take_near() { return std::move(near_); }
   std::vector<SlabOfBlocks> take_far() { return std::move(far_); }
-  std::vector<BlockRange> take_ranges() { return std::move(ranges_); }
+  std::vector<TileBlocks> take_blocks() { return std::move(blocks_); }
   std::uint64_t own_points() const { return own_points_; }
   std::uint64_t swept_points() const { return swept_points_; }
 
@@ -65,69 +64,90 @@ class PartCutter {
   }
   static bool touch(const Box& a, const Box& b) { return !a.empty() && !b.empty() && distance2(a, b) == 0; }
 
-  static BlockRange slab_of(const TileIndex& tile, std::uint32_t slab) {
-    return {slab == 0 ? 0 : tile.slab_ends[slab - 1], tile.slab_ends[slab]};
+  TileBlocks slab_of(std::uint32_t t, std::uint32_t slab) {
+    const std::vector<std::uint32_t>& ends = reader_.index(t).slab_ends;
+    return {t, slab == 0 ? 0 : ends[slab - 1], ends[slab]};
   }
 
-  /// Divides the blocks of the other tiles into blocks that touch the box and blocks that do not.
-  void look_around(const Box& known) {
-    for (std::size_t t = 0; t < tiles_.tiles.size(); ++t) {
-      if (t == own_) continue;
-      const std::vector<TileRegion>& regions = tiles_.tiles[t].regions;
-      if (std::ranges::any_of(regions, [&](const TileRegion& r) { return touch(known, r.box); }))
-        divide(t, known);
-      else
-        for (const TileRegion& region : regions) add_region(t, region);
+  /// Divides the blocks of the other tiles into blocks that touch the box and blocks that do not. Each group of tiles
+  /// that does not touch the box `around` makes one slab.
+  void look_around(const Box& known, const Box& around) {
+    for (const TileGroup& group : tiles_.groups) {
+      if (!touch(around, group.box)) {
+        add_far(group);
+        continue;
+      }
+      for (const std::uint32_t t : group.tiles) {
+        if (t == own_) continue;
+        const std::vector<TileRegion>& regions = tiles_.tiles[t].regions;
+        if (std::ranges::any_of(regions, [&](const TileRegion& r) { return touch(known, r.box); }))
+          divide(t, known);
+        else
+          for (const TileRegion& region : regions) add_far(t, region);
+      }
     }
   }
 
-  void divide(std::size_t t, const Box& known) {
+  void divide(std::uint32_t t, const Box& known) {
     const TileIndex& tile = reader_.index(t);
     for (std::uint32_t s = 0; s < tile.slab_ends.size(); ++s) {
-      std::vector<BlockRange> near, far;
-      for (std::uint32_t b = slab_of(tile, s).first; b < slab_of(tile, s).end; ++b) {
+      std::vector<TileBlocks> near, far;
+      const TileBlocks slab = slab_of(t, s);
+      for (std::uint32_t b = slab.first; b < slab.end; ++b) {
         const bool touches = touch(known, tile.blocks[b].box);
         if (touches) swept_points_ += tile.blocks[b].count;
-        std::vector<BlockRange>& to = touches ? near : far;
+        std::vector<TileBlocks>& to = touches ? near : far;
         if (!to.empty() && to.back().end == b)
           ++to.back().end;
         else
-          to.push_back({b, b + 1});
+          to.push_back({t, b, b + 1});
       }
       add(near_, t, near);
       add(far_, t, far);
     }
   }
 
-  void add_region(std::size_t t, const TileRegion& region) {
+  void add_far(std::uint32_t t, const TileRegion& region) {
     const Slab slab{0, region.count, region.box, tiles_.tiles[t].first_row + region.least_row, true};
-    far_.emplace_back(slab, BlocksOfTile{t, ranges_.size(), 1});
-    ranges_.push_back({region.first_block, region.end_block});
+    far_.emplace_back(slab, BlocksOfSlab{blocks_.size(), 1});
+    blocks_.push_back({t, region.first_block, region.end_block});
   }
 
-  void add(std::vector<SlabOfBlocks>& to, std::size_t t, const std::vector<BlockRange>& ranges) {
-    if (ranges.empty()) return;
+  void add_far(const TileGroup& group) {
+    Slab slab{0, group.count, group.box, ~std::uint64_t{0}, true};
+    const std::size_t first = blocks_.size();
+    for (const std::uint32_t t : group.tiles) {
+      for (const TileRegion& region : tiles_.tiles[t].regions) {
+        slab.least_row = std::min(slab.least_row, tiles_.tiles[t].first_row + region.least_row);
+        blocks_.push_back({t, region.first_block, region.end_block});
+      }
+    }
+    far_.emplace_back(slab, BlocksOfSlab{first, blocks_.size() - first});
+  }
+
+  void add(std::vector<SlabOfBlocks>& to, std::uint32_t t, const std::vector<TileBlocks>& of_slab) {
+    if (of_slab.empty()) return;
     const TileIndex& tile = reader_.index(t);
     Slab slab;
     slab.least_row = ~std::uint64_t{0};
     slab.is_halo = t != own_;
-    for (const BlockRange& range : ranges) {
+    for (const TileBlocks& range : of_slab) {
       for (std::uint32_t b = range.first; b < range.end; ++b) {
         slab.count += tile.blocks[b].count;
         slab.box.include(tile.blocks[b].box);
         slab.least_row = std::min(slab.least_row, tiles_.tiles[t].first_row + tile.blocks[b].least_row);
       }
     }
-    to.emplace_back(slab, BlocksOfTile{t, ranges_.size(), ranges.size()});
-    ranges_.insert(ranges_.end(), ranges.begin(), ranges.end());
+    to.emplace_back(slab, BlocksOfSlab{blocks_.size(), of_slab.size()});
+    blocks_.insert(blocks_.end(), of_slab.begin(), of_slab.end());
   }
 
   TileReader& reader_;
   const TileCatalogue& tiles_;
-  std::size_t own_;
+  std::uint32_t own_;
   std::uint64_t own_points_ = 0, swept_points_ = 0;
   std::vector<SlabOfBlocks> near_, far_;
-  std::vector<BlockRange> ranges_;  ///< ranges of the blocks of all slabs
+  std::vector<TileBlocks> blocks_;  ///< blocks of all slabs
 };
 
 }  // namespace
@@ -143,22 +163,22 @@ PartStream part_stream(const Storage& scratch, const TileCatalogue& tiles, std::
   stored.axis = own.survey.axis;
   stored.record_schema = std::move(schema);
   stored.nonfinite_count = own.nonfinite;
-  const auto blocks = std::make_shared<std::vector<BlocksOfTile>>();
+  const auto of_slabs = std::make_shared<std::vector<BlocksOfSlab>>();
   std::uint64_t first = 0;
   const auto add = [&](std::vector<PartCutter::SlabOfBlocks> slabs) {
-    for (auto& [slab, of_tile] : slabs) {
+    for (auto& [slab, of_slab] : slabs) {
       slab.first = std::exchange(first, first + slab.count);
       stored.slabs.push_back(slab);
-      blocks->push_back(of_tile);
+      of_slabs->push_back(of_slab);
     }
   };
   add(cutter.take_near());
   stored.swept_slabs = stored.slabs.size();
   add(cutter.take_far());
-  const auto ranges = std::make_shared<const std::vector<BlockRange>>(cutter.take_ranges());
-  stored.read = [reader, blocks, ranges](std::size_t slab, std::span<std::byte> out) {
-    const BlocksOfTile& of_slab = (*blocks)[slab];
-    reader->read(of_slab.tile, std::span(*ranges).subspan(of_slab.first_range, of_slab.ranges), out);
+  const auto blocks = std::make_shared<const std::vector<TileBlocks>>(cutter.take_blocks());
+  stored.read = [reader, of_slabs, blocks](std::size_t slab, std::span<std::byte> out) {
+    const BlocksOfSlab& of_slab = (*of_slabs)[slab];
+    reader->read(std::span(*blocks).subspan(of_slab.first, of_slab.count), out);
   };
   stored.read_nonfinite = [reader, number](std::uint64_t first_record, std::span<std::byte> out) {
     reader->read_nonfinite(number, first_record, out);

@@ -26,7 +26,7 @@ namespace pointsweep {
 namespace {
 
 constexpr Encoding kTileEncoding{"tile", 4};
-constexpr std::uint32_t kBlockPoints = 512;  ///< most points of a block
+constexpr std::uint32_t kBlockPoints = 256;  ///< most points of a block
 
 /// Converts records of a stream into the records that the scratch stores.
 class ScratchRecord {
@@ -42,22 +42,13 @@ class ScratchRecord {
   }
   const Schema& schema() const { return schema_; }
 
-  /// Returns the converted records of the points with these numbers in `from`. position(i) returns the position of the
-  /// point with number i.
-  template <class Position>
-  std::vector<std::byte> made(std::span<const std::byte> from, std::span<const std::uint32_t> numbers,
-                              Position position) const {
-    std::vector<std::byte> records(numbers.size() * schema_.stride);
-    for (std::size_t n = 0; n < numbers.size(); ++n) {
-      const std::byte* const record = from.data() + numbers[n] * working_.stride;
-      std::byte* const to = records.data() + n * schema_.stride;
-      const Vec3 p = position(numbers[n]);
-      std::memcpy(to, &p, sizeof p);
-      carried_.copy(record, to);
-      const std::uint64_t row = row_of(working_, record);
-      std::memcpy(to + schema_.fields.back().offset, &row, sizeof row);
-    }
-    return records;
+  /// Writes the converted record of a stream record, whose point is at `position`, to `to`. Returns its row.
+  std::uint64_t convert(const std::byte* from, const Vec3& position, std::byte* to) const {
+    std::memcpy(to, &position, sizeof position);
+    carried_.copy(from, to);
+    const std::uint64_t row = row_of(working_, from);
+    std::memcpy(to + schema_.fields.back().offset, &row, sizeof row);
+    return row;
   }
   const PositionFields& position() const { return position_; }
   std::uint32_t working_bytes() const { return working_.stride; }
@@ -105,23 +96,23 @@ StoredBlocks cut_into_blocks(const ScratchRecord& record, const Slab& slab, std:
     points.push_back({{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}, i});
   }
   std::vector<std::uint32_t> begin;
-  const auto row = [&](std::uint32_t i) { return row_of(schema, working.data() + i * schema.stride); };
-  cut_into_cells(points, kBlockPoints, row, begin);
+  cut_into_cells(
+      points, kBlockPoints, [&](std::uint32_t i) { return row_of(schema, working.data() + i * schema.stride); }, begin);
   StoredBlocks stored;
-  stored.records.reserve(chosen.size() * record.schema().stride);
+  stored.records.resize(chosen.size() * record.schema().stride);
+  std::byte* to = stored.records.data();
   for (std::size_t b = 0; b + 1 < begin.size(); ++b) {
     TileBlock& block = stored.blocks.emplace_back();
+    block.count = begin[b + 1] - begin[b];
     block.least_row = ~std::uint64_t{0};
-    std::vector<std::uint32_t> numbers;
-    for (std::uint32_t n = begin[b]; n < begin[b + 1]; ++n) {
-      numbers.push_back(points[n].index);
-      block.box.include(places[points[n].index]);
-      block.least_row = std::min(block.least_row, row(points[n].index));
+    const std::byte* const first = to;
+    for (std::uint32_t n = begin[b]; n < begin[b + 1]; ++n, to += record.schema().stride) {
+      const std::uint32_t i = points[n].index;
+      const std::uint64_t row = record.convert(working.data() + i * schema.stride, places[i], to);
+      block.box.include(places[i]);
+      block.least_row = std::min(block.least_row, row);
     }
-    const std::vector<std::byte> made = record.made(working, numbers, [&](std::uint32_t i) { return places[i]; });
-    block.count = numbers.size();
-    block.checksum = checksum_of(made);
-    stored.records.insert(stored.records.end(), made.begin(), made.end());
+    block.checksum = checksum_of({first, to});
   }
   return stored;
 }
@@ -195,9 +186,9 @@ std::vector<std::uint64_t> store_nonfinite(const Stream& stream, const ScratchRe
     std::vector<std::byte> working(count * stream.record_schema().stride);
     stream.read_nonfinite(begin, working);
     const std::vector<Vec3> places = positions_of(record, working);
-    std::vector<std::uint32_t> numbers(count);
-    std::iota(numbers.begin(), numbers.end(), 0u);
-    const std::vector<std::byte> made = record.made(working, numbers, [&](std::uint32_t i) { return places[i]; });
+    std::vector<std::byte> made(count * record.schema().stride);
+    for (std::size_t i = 0; i < count; ++i)
+      record.convert(working.data() + i * record.working_bytes(), places[i], made.data() + i * record.schema().stride);
     checksums.push_back(checksum_of(made));
     points.write_at((first + begin) * record.schema().stride, made);
   }

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "pointsweep/connect/forest_log.h"
+#include "pointsweep/part/tile_catalogue.h"
 #include "pointsweep/part/tile_graph.h"
-#include "pointsweep/part/tile_reader.h"
 #include "pointsweep/storage/storage.h"
 
 namespace pointsweep {

@@ -17,7 +17,7 @@
 #include "pointsweep/connect/edge_buckets.h"
 #include "pointsweep/connect/forest_log.h"
 #include "pointsweep/connect/vote_rule.h"
-#include "pointsweep/part/tile_reader.h"
+#include "pointsweep/part/tile_catalogue.h"
 #include "pointsweep/points/scratch.h"
 #include "pointsweep/points/sorted_records.h"
 #include "pointsweep/storage/local/spill_file.h"

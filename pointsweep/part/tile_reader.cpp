@@ -2,148 +2,26 @@
 #include "pointsweep/part/tile_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/storage/sealed_value.h"
 
 namespace pointsweep {
-namespace {
 
-constexpr Encoding kCatalogueEncoding{"tiles", 1};
-constexpr std::size_t kMostRegions = 16;  ///< most regions of a tile in the catalogue
-
-TileRegion region_of(const TileIndex& tile, std::uint32_t first, std::uint32_t end) {
-  TileRegion region{first, end, 0, {}, ~std::uint64_t{0}};
-  for (std::uint32_t b = first; b < end; ++b) {
-    region.count += tile.blocks[b].count;
-    region.box.include(tile.blocks[b].box);
-    region.least_row = std::min(region.least_row, tile.blocks[b].least_row);
-  }
-  return region;
-}
-
-/// Groups the blocks that are stored for other tiles into regions; if other tiles have to know all points, the slabs.
-std::vector<TileRegion> regions_of(const TileIndex& tile) {
-  std::vector<std::uint32_t> ends;
-  std::uint32_t begin = 0;
-  if (tile.for_others) {
-    begin = tile.own_blocks();
-    for (std::uint32_t b = begin; b < tile.blocks.size(); ++b) ends.push_back(b + 1);
-  } else {
-    ends = tile.slab_ends;
-  }
-  std::vector<TileRegion> regions;
-  const std::size_t each = (ends.size() + kMostRegions - 1) / kMostRegions;
-  for (std::size_t e = 0; e < ends.size(); e += each) {
-    const std::uint32_t end = ends[std::min(ends.size(), e + each) - 1];
-    regions.push_back(region_of(tile, begin, end));
-    begin = end;
-  }
-  return regions;
-}
-
-}  // namespace
-
-std::size_t TileCatalogue::tile_of(std::uint64_t row) const {
-  const auto after = std::ranges::upper_bound(tiles, row, {}, &TileSummary::first_row);
-  std::size_t tile = static_cast<std::size_t>(after - tiles.begin());
-  do {
-    if (tile-- == 0) fail("a tile names row {}, which no tile has.", row);
-  } while (row - tiles[tile].first_row >= tiles[tile].rows);
-  return tile;
-}
-
-void TileCatalogue::encode(Encoder& out) const {
-  out.begin(kCatalogueEncoding);
-  out.put_list(tiles, [&](const TileSummary& tile) {
-    out.put_text(tile.name);
-    out.put<std::uint64_t>(tile.first_row);
-    out.put<std::uint64_t>(tile.rows);
-    out.put_list(tile.regions, [&](const TileRegion& region) {
-      out.put<std::uint32_t>(region.first_block);
-      out.put<std::uint32_t>(region.end_block);
-      out.put<std::uint64_t>(region.count);
-      out.put_box(region.box);
-      out.put<std::uint64_t>(region.least_row);
-    });
-  });
-}
-
-TileCatalogue TileCatalogue::decode(Decoder& in) {
-  in.begin(kCatalogueEncoding);
-  TileCatalogue catalogue;
-  catalogue.tiles = in.get_list<TileSummary>([&] {
-    TileSummary tile;
-    tile.name = in.get_text();
-    tile.first_row = in.get<std::uint64_t>();
-    tile.rows = in.get<std::uint64_t>();
-    tile.regions = in.get_list<TileRegion>([&] {
-      TileRegion region;
-      region.first_block = in.get<std::uint32_t>();
-      region.end_block = in.get<std::uint32_t>();
-      region.count = in.get<std::uint64_t>();
-      region.box = in.get_box();
-      region.least_row = in.get<std::uint64_t>();
-      return region;
-    });
-    return tile;
-  });
-  return catalogue;
-}
-
-TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string>& names,
-                           const std::vector<std::string>& paths) {
-  TileCatalogue catalogue;
-  std::uint64_t rows = 0;
-  std::string layout;
-  std::size_t of_layout = 0;  // the first tile with a layout
-  for (std::size_t t = 0; t < names.size(); ++t) {
-    const TileIndex tile = tile_index(scratch, names[t]);
-    if (layout.empty()) layout = tile.layout, of_layout = t;
-    if (tile.rows > 0 && tile.layout != layout)
-      fail(
-          "{}: stores an attribute that the stages read in another type than {}; write all tiles with one run of "
-          "'pointsweep convert' first.",
-          paths[t], paths[of_layout]);
-    catalogue.tiles.push_back({names[t], rows, tile.rows, regions_of(tile)});
-    rows += tile.rows;
-  }
-  return catalogue;
-}
-
-std::shared_ptr<const TileCatalogue> shared_catalogue(const Storage& scratch, const std::string& key) {
-  struct Kept {
-    std::vector<std::byte> identity;
-    std::shared_ptr<const TileCatalogue> catalogue;
-  };
-  static std::mutex mutex;
-  static std::array<Kept, 2> kept;  // kept[0] was read last
-  std::vector<std::byte> identity = sealed_identity(scratch, key);
-  const std::scoped_lock lock(mutex);
-  if (!identity.empty() && kept[1].identity == identity) std::swap(kept[0], kept[1]);
-  if (identity.empty() || kept[0].identity != identity) {
-    auto read = std::make_shared<const TileCatalogue>(sealed_value<TileCatalogue>(scratch, key));
-    kept[1] = std::exchange(kept[0], {std::move(identity), std::move(read)});
-  }
-  return kept[0].catalogue;
-}
-
-void TileReader::read(std::size_t tile_number, std::span<const BlockRange> ranges, std::span<std::byte> out) {
-  const Opened& tile = opened(tile_number);
-  for (const BlockRange& range : ranges) {
-    if (range.end > tile.index.blocks.size()) fail("{}.index: is of another run.", tiles_.tiles[tile_number].name);
-    const std::uint64_t first = tile.first[range.first], count = tile.first[range.end] - first;
+void TileReader::read(std::span<const TileBlocks> all, std::span<std::byte> out) {
+  for (const TileBlocks& blocks : all) {
+    const Opened& tile = opened(blocks.tile);
+    if (blocks.end > tile.index.blocks.size()) fail("{}.index: is of another run.", tiles_.tiles[blocks.tile].name);
+    const std::uint64_t first = tile.first[blocks.first], count = tile.first[blocks.end] - first;
     const std::span<std::byte> records = out.first(count * record_bytes_);
     tile.points->read_at(first * record_bytes_, records);
-    for (std::uint32_t b = range.first; b < range.end; ++b) {
+    for (std::uint32_t b = blocks.first; b < blocks.end; ++b) {
       const std::size_t at = (tile.first[b] - first) * record_bytes_;
-      require_whole(tile_number, records.subspan(at, tile.index.blocks[b].count * record_bytes_),
+      require_whole(blocks.tile, records.subspan(at, tile.index.blocks[b].count * record_bytes_),
                     tile.index.blocks[b].checksum);
     }
-    number(tile_number, records);
+    number(blocks.tile, records);
     out = out.subspan(records.size());
   }
 }

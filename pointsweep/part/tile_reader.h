@@ -8,53 +8,17 @@
 #include <memory>
 #include <mutex>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "pointsweep/part/tile.h"
-#include "pointsweep/storage/encoding.h"
+#include "pointsweep/part/tile_catalogue.h"
 #include "pointsweep/storage/storage.h"
 
 namespace pointsweep {
 
-/// Successive blocks of a tile whose points other tiles may have to know.
-struct TileRegion {
-  std::uint32_t first_block = 0, end_block = 0;
-  std::uint64_t count = 0;
-  Box box;
-  std::uint64_t least_row = 0;  ///< least row of a point of the region, counted in the tile
-};
-
-/// The facts about a tile that every process of the run reads.
-struct TileSummary {
-  std::string name;             ///< prefix of the keys of the tile's objects in the scratch
-  std::uint64_t first_row = 0;  ///< first row of the tile in the cloud: the number of rows of all earlier tiles
-  std::uint64_t rows = 0;
-  std::vector<TileRegion> regions;  ///< at most 16 regions, which hold the points that other tiles may have to know
-};
-
-/// The catalogue of all tiles of a cloud, made after each tile has stored its points.
-struct TileCatalogue {
-  std::vector<TileSummary> tiles;  ///< tiles in the order of their numbers
-
-  /// Returns the number of the tile that holds a row of the cloud. Throws Error if no tile holds it.
-  std::size_t tile_of(std::uint64_t row) const;
-  void encode(Encoder& out) const;
-  static TileCatalogue decode(Decoder& in);
-};
-
-/// Makes the catalogue from the indices of the tiles with these names, in the order of the inputs. Throws Error if two
-/// tiles have records of different layouts; `paths` are the names of the inputs in the message.
-TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string>& names,
-                           const std::vector<std::string>& paths);
-
-/// Returns the catalogue that seal_bytes() has stored under `key`. All tasks of a round read the same catalogue, so the
-/// process keeps the two that were read last and decodes an object with the same size and checksum only once.
-/// Thread-safe. Throws Error like sealed_value().
-std::shared_ptr<const TileCatalogue> shared_catalogue(const Storage& scratch, const std::string& key);
-
 /// Successive blocks of a tile.
-struct BlockRange {
+struct TileBlocks {
+  std::uint32_t tile;
   std::uint32_t first, end;
 };
 
@@ -70,9 +34,9 @@ class TileReader {
   /// Returns the number of points in the blocks of a tile before `block`.
   std::uint64_t points_before(std::size_t tile, std::uint32_t block) { return opened(tile).first[block]; }
 
-  /// Fills `out` with the records of the blocks of a tile, and converts their rows into rows of the cloud. Throws Error
-  /// if a checksum is wrong or the tile belongs to another run.
-  void read(std::size_t tile, std::span<const BlockRange> ranges, std::span<std::byte> out);
+  /// Fills `out` with the records of these blocks, one after another, and converts their rows into rows of the cloud.
+  /// Throws Error if a checksum is wrong or a tile belongs to another run.
+  void read(std::span<const TileBlocks> all, std::span<std::byte> out);
   /// Fills `out` with records of points with non-finite coordinates, from number `first` of these points on. Throws
   /// Error as read().
   void read_nonfinite(std::size_t tile, std::uint64_t first, std::span<std::byte> out);

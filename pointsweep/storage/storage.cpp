@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstring>
 #include <string_view>
 
 #include "pointsweep/storage/encoding.h"
@@ -28,9 +30,10 @@ std::uint64_t checksum_of(std::span<const std::byte> bytes) {
     sum = (sum ^ word) * 0x100000001b3;
     return sum ^ sum >> 32;
   };
+  static_assert(std::endian::native == std::endian::little, "the words are little-endian");
   const auto word_at = [&](std::size_t at, std::size_t count) {
     std::uint64_t word = 0;
-    for (std::size_t i = 0; i < count; ++i) word |= std::to_integer<std::uint64_t>(bytes[at + i]) << 8 * i;
+    std::memcpy(&word, bytes.data() + at, count);
     return word;
   };
   // The four sums do not wait for each other, so that a processor computes them at once.

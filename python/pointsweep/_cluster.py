@@ -27,7 +27,7 @@ from ._urls import absolute, state_of
 _MOST_TRIES = 4  # tries of a task whose workers end or whose objects are damaged
 _PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep": "sweeping", "forest": "connecting", "label": "updating", "rows": "updating", "write": "writing", "cut": "dividing", "gather": "writing"}
 _WAIT_SECONDS = 30.0
-_LOOK_SECONDS = 5.0  # time between two checks for tasks that may hang
+_LOOK_SECONDS = 5.0  # time between two checks for tasks that may hang and for new workers
 _RESULT_SECONDS = 20.0  # time limit for a reply of a few hundred bytes from its worker
 _SLOW_SECONDS = 60.0  # a task may hang if it takes longer than this and ten times as long as the longest finished task
 
@@ -233,13 +233,13 @@ class _Run:
         rows = self._rows_of(number)
         points = sum(rows[tile] for tile in self._done[number])
         self._tell(kind, points, sum(rows))
-        looked = time.monotonic()
+        looked, window = float("-inf"), 0
         while left or any(tile not in self._done[number] for tile, _ in running.values()):
             self._place.require_lease()
             if time.monotonic() - looked > _LOOK_SECONDS:
                 self._double_slow(number, running)
+                window = 2 * max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
                 looked = time.monotonic()
-            window = 2 * max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
             while left and len(running) < window:
                 tile = left.pop()
                 running[self._submit(number, tile)] = tile, time.monotonic()

@@ -13,7 +13,7 @@
 #include "pointsweep/order/survey.h"
 #include "pointsweep/part/open_forest.h"
 #include "pointsweep/part/tile.h"
-#include "pointsweep/part/tile_reader.h"
+#include "pointsweep/part/tile_catalogue.h"
 #include "pointsweep/pipeline/checkpoint/checkpoints.h"
 #include "pointsweep/pipeline/output/pieces.h"
 #include "pointsweep/pipeline/run/tile_state.h"

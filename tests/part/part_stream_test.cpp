@@ -29,6 +29,8 @@ std::vector<std::pair<std::string, Tiles>> divisions(const std::vector<Vec3>& cl
   bool first = true;
   return {
       {"slices", divided(cloud, 4, [&](Vec3 p) { return clamped(p.x, 3); })},
+      {"slices so small that those far away make a group",
+       divided(cloud, 48, [&](Vec3 p) { return clamped(p.x * 6, 23) * 2 + (p.y > 0.5); })},
       {"squares, some of them empty", divided(cloud, 9, [&](Vec3 p) { return clamped(p.x, 3) * 2 + (p.y > 0.5); })},
       {"tiles that overlap a little",
        divided(cloud, 3, [&](Vec3 p) { return clamped(p.x * 0.7 + 0.1 * uniform(rng), 2); })},

@@ -6,7 +6,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/part/tile.h"
-#include "pointsweep/part/tile_reader.h"
+#include "pointsweep/part/tile_catalogue.h"
 #include "tests/storage/written_bytes.h"
 
 namespace pointsweep {
@@ -26,11 +26,11 @@ TEST(TileEncodings, AnIndexSurvivesDamage) {
   TileIndex index;
   index.layout = "x:f64,y:f64,z:f64,row:u64";
   index.record_bytes = 32;
-  index.rows = 900;
+  index.rows = 700;
   index.nonfinite = 100;
   index.nonfinite_checksums = {5};
   index.survey.sample = {{0, 0, 0}, {1, 1, 1}};
-  index.blocks = {{400, kUnit, 3, 17}, {300, kUnit, 0, 18}, {100, kUnit, 9, 19}};
+  index.blocks = {{256, kUnit, 3, 17}, {244, kUnit, 0, 18}, {100, kUnit, 9, 19}};
   index.slab_ends = {2, 3};
   expect_survives_damage_of(index);
   index.blocks.push_back({7, kUnit, 4, 20});

@@ -81,5 +81,30 @@ TEST_F(StoredTile, OfAnotherRunIsRefusedEveryTime) {
   for (int time = 0; time < 2; ++time) EXPECT_THROW(reader.index(0), Error);
 }
 
+TEST(TileGroups, HoldEachTileWithPointsOnceAndFewPoints) {
+  TileCatalogue tiles;
+  for (std::uint32_t t = 0; t < 1000; ++t) {
+    const Vec3 corner{double(t % 40), double(t / 40), 0};
+    const std::uint64_t points = t % 7 == 0 ? 0 : t % 11 == 0 ? 100'000 : 3000;
+    tiles.tiles.push_back({std::to_string(t), 0, points, {}});
+    if (points > 0) tiles.tiles.back().regions.push_back({0, 1, points, {corner, corner + Vec3{1, 1, 1}}, 0});
+  }
+  tiles = decoded<TileCatalogue>(encoded(std::as_const(tiles)));
+  std::vector<int> times(1000);
+  for (const TileGroup& group : tiles.groups) {
+    std::uint64_t points = 0;
+    for (const std::uint32_t t : group.tiles) {
+      ++times[t];
+      points += tiles.tiles[t].rows;
+      EXPECT_EQ(distance2(group.box, tiles.tiles[t].regions[0].box.center()), 0);
+    }
+    EXPECT_EQ(group.count, points);
+    EXPECT_TRUE(group.tiles.size() == 1 || (points <= 65'536 && group.tiles.size() <= 32));
+    EXPECT_LT(group.box.diagonal(), 12);
+  }
+  for (std::uint32_t t = 0; t < 1000; ++t) EXPECT_EQ(times[t], t % 7 == 0 ? 0 : 1);
+  EXPECT_LT(tiles.groups.size(), 500u);
+}
+
 }  // namespace
 }  // namespace pointsweep

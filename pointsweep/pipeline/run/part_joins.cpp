@@ -2,7 +2,7 @@
 /// Joins the results of all tasks of a round (PartJoin).
 #include "pointsweep/part/tile_forest.h"
 #include "pointsweep/part/tile_graph.h"
-#include "pointsweep/part/tile_reader.h"
+#include "pointsweep/part/tile_catalogue.h"
 #include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
 #include "pointsweep/pipeline/run/context.h"

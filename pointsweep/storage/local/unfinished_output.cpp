@@ -112,7 +112,7 @@ ManyOutputs::ManyOutputs(std::size_t count, const std::function<fs::path(std::si
     if (is_url(destination(i))) continue;
     const fs::path target = target_of(destination(i)), folder = folder_of(target);
     targets_.push_back(hash_of(folder, target.filename().string()));
-    folders.insert(folder);
+    if (!is_cleared(folder, target.filename().string())) folders.insert(folder);
   }
   std::ranges::sort(targets_);
   for (const fs::path& folder : folders)

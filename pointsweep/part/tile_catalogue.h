@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+/// The catalogue of the tiles of a cloud, which every process of a run on many machines reads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pointsweep/math/box.h"
+#include "pointsweep/storage/encoding.h"
+#include "pointsweep/storage/storage.h"
+
+namespace pointsweep {
+
+/// Successive blocks of a tile whose points other tiles may have to know.
+struct TileRegion {
+  std::uint32_t first_block = 0, end_block = 0;
+  std::uint64_t count = 0;
+  Box box;
+  std::uint64_t least_row = 0;  ///< least row of a point of the region, counted in the tile
+};
+
+/// The facts about a tile that every process of the run reads.
+struct TileSummary {
+  std::string name;             ///< prefix of the keys of the tile's objects in the scratch
+  std::uint64_t first_row = 0;  ///< first row of the tile in the cloud: the number of rows of all earlier tiles
+  std::uint64_t rows = 0;
+  std::vector<TileRegion> regions;  ///< at most 16 regions, which hold the points that other tiles may have to know
+};
+
+/// Small tiles that lie close together. A part treats a group far from it like one tile, which spares a part of one of
+/// 10,000 tiles most of its time.
+struct TileGroup {
+  std::vector<std::uint32_t> tiles;  ///< numbers of the tiles, at most 32
+  std::uint64_t count = 0;  ///< number of points in the regions of the tiles, at most 65,536 if these are several
+  Box box;                  ///< box of the regions
+};
+
+/// The catalogue of all tiles of a cloud, made after each tile has stored its points.
+struct TileCatalogue {
+  std::vector<TileSummary> tiles;  ///< tiles in the order of their numbers
+  /// All tiles that have regions, in groups. They are not stored, since the tiles determine them.
+  std::vector<TileGroup> groups = {};
+
+  /// Returns the number of the tile that holds a row of the cloud. Throws Error if no tile holds it.
+  std::size_t tile_of(std::uint64_t row) const;
+  void encode(Encoder& out) const;
+  static TileCatalogue decode(Decoder& in);
+};
+
+/// Makes the catalogue from the indices of the tiles with these names, in the order of the inputs. Throws Error if two
+/// tiles have records of different layouts; `paths` are the names of the inputs in the message.
+TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string>& names,
+                           const std::vector<std::string>& paths);
+
+/// Returns the catalogue that seal_bytes() has stored under `key`. All tasks of a round read the same catalogue, so the
+/// process keeps the two that were read last and decodes an object with the same size and checksum only once.
+/// Thread-safe. Throws Error like sealed_value().
+std::shared_ptr<const TileCatalogue> shared_catalogue(const Storage& scratch, const std::string& key);
+
+}  // namespace pointsweep
