@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Runs over folders of tiles on the workers of Dask, performed by the Python package.
+/// The options and the start of a run that the Python package performs on the workers of Dask: over a folder of tiles,
+/// or with an output that is divided among files.
 #pragma once
 
 #include <CLI/App.hpp>

@@ -41,7 +41,7 @@ class PointGroups {
 
   std::string name_;  ///< empty without an attribute
   std::optional<ValueKeys> values_;
-  std::vector<std::uint64_t> keys_;  ///< values of the groups
+  std::vector<std::uint64_t> keys_;  ///< for each group, the key of its value (ValueKeys)
   std::unordered_map<std::uint64_t, std::uint32_t> numbers_;
   std::vector<std::uint64_t> of_records_;  ///< keys of the records of the last find()
 };

@@ -76,7 +76,8 @@ std::uint64_t usual_cell_points(std::uint32_t cell_points) { return std::max<std
 /// Ready cells for each thread that a turn should have, so that few threads wait for the last cell of a step.
 constexpr std::uint64_t kReadyCells = 8;
 
-/// Returns the number of slabs of a turn if memory suffices.
+/// Returns the number of slabs that a turn of the sweep should read, so that each thread gets kReadyCells cells; fewer
+/// are read if the budget is too small. If `demand.slabs_per_turn` is not 0, it is that number.
 std::uint32_t most_slabs_per_turn(std::uint64_t slab_points, const MemoryDemand& demand) {
   if (demand.slabs_per_turn != 0) return demand.slabs_per_turn;
   const std::uint64_t points = kReadyCells * demand.threads * usual_cell_points(demand.cell_points);

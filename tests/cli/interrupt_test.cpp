@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <set>
 #include <thread>
 
+#include "tests/cli/every_verb.h"
 #include "tests/cli/tool.h"
 
 namespace pointsweep {
@@ -132,6 +134,14 @@ std::vector<std::string> long_runs() {
           place,
       "normals s.ply out.ply --radius 0.5 --resume kept",
       "normals tiles out/ --recursive -k 300" + place,
+      "convert " + many + "out.laz" + place,
+      "features " + many + "out.ply -k 300" + place,
+      "denoise " + many + "out.ply -k 300" + place,
+      "thin " + many + "out.ply --poisson 0.01" + place,
+      "transform " + many + "out.laz --translate 1,2,3" + place,
+      "tile " + many + "out/ --size 0.1" + place,
+      "split " + many + "out/ --parts 7" + place,
+      "ground " + many + "out.ply --cell 0.01 --height" + place,
       "render " + many + "out.png",
       "render s.ply out.png --size 8000x8000",
       "verify s.ply normals.ply --radius 0.3 --pipeline normals",
@@ -174,6 +184,14 @@ bool Interrupt::ends_quickly(const std::string& run, double after) {
   EXPECT_LT(*least, 1) << run << "\nafter " << after << " s";
   EXPECT_EQ(files(), before) << run << "\nafter " << after << " s";
   return true;
+}
+
+TEST_F(Interrupt, RunsOfEveryVerbThatWorksForLongAreStopped) {
+  const std::set<std::string> quick{"operators", "completion", "man", "help"};
+  for (const std::string& verb : every_verb())
+    EXPECT_NE(std::ranges::any_of(long_runs(), [&](const std::string& run) { return run.starts_with(verb + ' '); }),
+              quick.contains(verb))
+        << verb;
 }
 
 TEST_F(Interrupt, EveryVerbEndsWithinASecondAndLeavesNothing) { expect_quick_ends(1, 0.3); }

@@ -58,7 +58,8 @@ class InputCloud {
   /// Returns sentences about harmless faults in the combination of inputs. Faults of a single input are in its
   /// FileInfo.
   const std::vector<std::string>& warnings() const { return warnings_; }
-  /// Returns the warnings about inputs that lack attributes of other inputs.
+  /// Returns the warnings about inputs that lack attributes of other inputs, and about inputs whose 8-bit colours
+  /// become 16-bit colours.
   const std::vector<std::string>& missing_attributes() const { return missing_attributes_; }
   /// Appends the stated boxes of the points of all rows, ascending: boxes of chunks if a file states them, else the box
   /// of the whole file. Returns the first input with points that states no box, or null.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Conditions on attributes and numbers from attributes, as people write them: classification == 2 && z < 100
-/// (docs/adr/0009), intensity * 2.
+/// Expressions that users write (docs/adr/0009): conditions on attributes, such as classification == 2 && z < 100, and
+/// numbers that are computed from attributes, such as intensity * 2.
 #pragma once
 
 #include <cstddef>

@@ -40,7 +40,8 @@ class SimplifyRadius final : public LocalOperator {
 /// `simplify`: SimplifyRadius, then Poisson with simplify_radius as the radius of each point.
 class Simplify final : public CompositeOperator {
  public:
-  /// Messages begin with `place`. Throws UsageError for options out of their ranges, and if least is more than most.
+  /// Throws UsageError for options out of their ranges, and if least is more than most; the message about the latter
+  /// begins with `place`.
   explicit Simplify(const SimplifyOptions& options, const std::string& place = "simplify");
   std::string name() const override { return "simplify"; }
   Contract contract() const override;

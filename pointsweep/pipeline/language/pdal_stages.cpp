@@ -31,7 +31,8 @@ class PdalStage {
     if (!value) fail_usage("{}: {} needs its option '{}'.", place(), name(), option);
     return *value;
   }
-  /// Throws UsageError if an option was not used.
+  /// Throws UsageError if the stage has an option that take() was not called for, except `tag`, `inputs` and
+  /// `user_data`. `instead`: advice with which the message ends.
   void require_no_more(const std::string& instead) {
     known_.insert({"tag", "inputs", "user_data"});
     for (const OptionText& option : text_.options)

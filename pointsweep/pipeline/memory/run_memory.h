@@ -33,7 +33,8 @@ inline constexpr double kLongSeconds = 60;
 struct RunMemory {
   std::vector<MemoryPlan> passes;  ///< memory plan of each pass
   std::size_t ordered_pass = 0;    ///< number of the first pass that puts points in order: first_ordered_pass()
-  /// The plan for `ordered_pass` by distribution, used where an order on demand is planned and turns out not to fit.
+  /// The plan for `ordered_pass` if a pass of its own distributes its points to slabs (docs/adr/0004). Set if slabs are
+  /// to be made on demand (docs/adr/0011), and used if that turns out to be impossible.
   std::optional<MemoryPlan> by_distribution;
   std::string order_text;                   ///< sentence: how `ordered_pass` puts its points in order, and why
   std::vector<std::uint64_t> record_bytes;  ///< for each pass, bytes of a point's record in the stream
@@ -75,14 +76,14 @@ unsigned threads_asked_for(const EngineOptions& options);
 /// the budget requires it.
 unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget);
 
-/// Returns the bytes that decoding the inputs, except those of FileInfo::decode_once, and encoding records of
-/// `record_bytes` to these outputs take on `threads` threads, and the least memory for dividing the output among files,
-/// if it is divided.
+/// Returns the bytes that decoding the inputs for which FileInfo::decode_once is false, and encoding records of
+/// `record_bytes` to these outputs, take on `threads` threads, and the least memory for dividing the output among
+/// files, if it is divided.
 std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const RunOptions& options,
                           std::uint64_t record_bytes, unsigned threads);
 
-/// Returns the bytes that decoding inputs of FileInfo::decode_once takes on `threads` threads, in a run that reads
-/// their rows once.
+/// Returns the bytes that decoding the inputs for which FileInfo::decode_once is true takes on `threads` threads, in a
+/// run that reads their rows once.
 std::uint64_t once_decoder_bytes(const InputCloud& cloud, unsigned threads);
 
 /// Returns the most bytes that encoding records of `record_bytes` to one of the outputs takes.

@@ -265,8 +265,8 @@ class GraphBuilder {
   ChainGraph graph_;
   std::string is_part_of_;  ///< name of the composite whose parts are being added; empty: none
   Neighborhood neighborhood_;
-  Attributes made_;                                               ///< attributes made so far, in their last versions
-  std::map<std::string, std::size_t> latest_;                     ///< version by name of the attribute
+  Attributes made_;                            ///< attributes made and not dropped, in their last versions
+  std::map<std::string, std::size_t> latest_;  ///< version by name of the attribute
   std::map<std::pair<std::string, Type>, std::size_t> of_input_;  ///< version of each field of the input, by name and
                                                                   ///< type
   std::map<std::string, std::size_t> versions_made_;

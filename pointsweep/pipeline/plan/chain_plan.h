@@ -26,7 +26,7 @@ struct PlannedValue {
   std::size_t number;  ///< index of the reduce node in ChainGraph::nodes
 };
 
-/// A column of the window: one version of an attribute.
+/// A column of values that a pass holds for each point in memory: one version of an attribute.
 struct ColumnPlan {
   std::string attribute;
   std::string made_by;  ///< "the file", "a pass before", or the stage as "2 normals"

@@ -16,10 +16,10 @@
 
 namespace pointsweep {
 
-/// The points of `source` at the places that `op` assigns to them. Each place is followed by the position, in the type
-/// of the source, and by the fields `payload` of the source. A point without a finite position has no place. `op` must
-/// outlive the source.
+/// The points of a source at the places that an operator assigns to them.
 struct PlacedSource {
+  /// Each place is followed by the position, in the type of `source`, and by the fields `payload` of `source`. A point
+  /// without a finite position has no place. `op` must outlive the placed source.
   PlacedSource(const PointSource& source, const std::vector<std::size_t>& payload, const InOrderOperator& op);
   PointSource source;
   std::vector<std::size_t> payload;  ///< indices of the fields that follow a place
