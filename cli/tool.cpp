@@ -71,8 +71,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
   }
 }
 
-/// The arguments of the command line, with each URL replaced by known_place(): passwords and signatures are removed
-/// here.
+/// The arguments of the command line after with_known_places(), which removes passwords and signatures from URLs.
 class KnownArguments {
  public:
   KnownArguments(int argc, char** argv) {

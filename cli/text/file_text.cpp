@@ -91,7 +91,7 @@ std::string shortened(const std::string& text) {
                      text.substr(text.size() - kEnd));
 }
 
-/// Returns one line for each run that made the file, oldest first. `info --json` has the lines whole.
+/// Returns one line for each run that made the file, oldest first. `info --json` prints them unshortened.
 std::string provenance_text(const FileInfo& info) {
   std::string text;
   for (const std::string& run : made_by(info)) text += line("made by", shortened(run));
@@ -124,7 +124,7 @@ std::string cell_of(const std::optional<Crs>& crs) {
   return crs->name.empty() ? "without a name" : crs->name;
 }
 
-/// Returns the extent along the axis, with enough decimals to distinguish its ten thousandth part.
+/// Returns the bounds along the axis, with enough decimals to show a ten-thousandth of their distance.
 std::string cell_of_axis(const Box& bounds, int axis) {
   if (bounds.empty()) return "-";
   const double lo = bounds.lo[axis] + 0.0, hi = bounds.hi[axis] + 0.0;  // -0 becomes 0

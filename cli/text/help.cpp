@@ -6,7 +6,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kLeftColumns = 30;  // width of names, to the left of their meanings
+constexpr std::size_t kLeftColumns = 30;  // column at which the meanings begin, to the right of the names
 
 /// Returns the number of characters of a text in UTF-8, in which a character may take several bytes.
 std::size_t columns_of(std::string_view text) {
@@ -83,7 +83,7 @@ std::string HelpFormatter::make_option_usage(const CLI::Option* option) const {
   return (optional ? "[" : "") + name + (several ? "..." : "") + (optional ? "]" : "");
 }
 
-/// Removes repeated empty lines: the formatter of the command-line library leaves two between parts.
+/// Joins the parts of the help. Removes repeated empty lines, since the parts may end with one and begin with another.
 std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
   std::string text = make_description(app) + make_usage(app, std::move(name)) + make_positionals(app) +
                      options_in_groups(app) + make_subcommands(app, mode) + "\n" + make_footer(app);

@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-inline constexpr const char* kInputsAndOutput = "FILES";  ///< name of the list that holds IN... OUT for the parser
+inline constexpr const char* kInputsAndOutput = "FILES";  ///< name of the arguments IN... OUT in the parser
 
 /// Groups of flags, in the order of the help. The first group holds flags that only one verb or a few have.
 inline constexpr const char* kOwnGroup = "Options";

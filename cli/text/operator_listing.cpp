@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kMeaningColumn = 17;  // width of names, to the left of their meanings
+constexpr std::size_t kMeaningColumn = 17;  // column at which the meanings begin, to the right of the names
 
 std::string listing_row(const std::string& name, const std::string& text) {
   return fmt::format("  {:<{}}{}\n", name, kMeaningColumn - 2, wrapped(text, kMeaningColumn));

@@ -12,7 +12,7 @@ namespace pointsweep {
 
 /// An operator, or the stage knn, and its contract with the default values of all options.
 struct ListedOperator {
-  OperatorDeclaration declaration;  ///< knn has no maker
+  OperatorDeclaration declaration;  ///< `make` is empty for knn
   Contract contract = {};
 };
 

@@ -49,11 +49,12 @@ bool is_divided(const ResolvedFiles& files) {
   return files.tiles.empty() && files.output.filename().string().find('*') != std::string::npos;
 }
 
-/// Limits of the time that the page about a run takes: a share of the time of the run, but at least kPageSeconds.
+/// Time limit for drawing the picture of the page about a run: this share of the time of the run, at least
+/// kPageSeconds.
 constexpr double kPageShare = 0.1, kPageSeconds = 0.5;
 
-/// Reads the result and adds it to the summary. Does nothing if the output is divided among files, is no point file, or
-/// has no point to show.
+/// Reads the output of the run. Adds a picture of it and summaries of its computed attributes to `summary`. Does
+/// nothing if the output is divided among files, is no point file, or has no point to show.
 void add_result(const ResolvedFiles& files, const Cloud& input, ProgressDisplay& display, RunSummary& summary) {
   const Statistics& statistics = summary.statistics;
   if (is_divided(files) || is_array_name(files.output) || is_standard_output(files.output) ||
@@ -164,7 +165,7 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
                     const std::function<Statistics(Cloud&, const ResolvedFiles&, const RunOptions&)>& work) {
   const ResolvedFiles files = files_of(paths, options);
   Cloud cloud(files.inputs, cloud_options(options));
-  std::optional<WholeFile> stats;  // made before the work, so that a place that cannot be written is refused first
+  std::optional<WholeFile> stats;  // made before the work, so that an unwritable path is refused at once
   if (!options.stats.empty()) stats.emplace(options.stats, options.overwrite);
   std::optional<WholeFile> report;
   if (!options.report.empty()) report.emplace(page_name(options.report), options.overwrite);

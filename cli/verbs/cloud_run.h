@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Parts that several verbs share. Verbs that run over a whole cloud share inputs, run options, statistics and the last
-/// sentence; verbs that run a pipeline of named operators also share the options of stages as flags.
+/// Functions that several verbs share. Verbs that run over a whole cloud share inputs, run options, statistics and the
+/// final message; verbs that run a pipeline of named operators also share the options of stages as flags.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -27,13 +27,13 @@ void run_over_cloud(
     const InputsAndOutput& paths, const CommonOptions& options,
     const std::function<Statistics(Cloud& cloud, const ResolvedFiles& files, const RunOptions& options)>& work);
 
-/// Opens the inputs as one cloud for `work` that writes nothing, without progress and statistics.
+/// Opens the inputs as one cloud and calls `work`, which writes nothing. Shows no progress and writes no statistics.
 void look_at_cloud(
     const InputsAndOutput& paths, const CommonOptions& options,
     const std::function<void(Cloud& cloud, const ResolvedFiles& files, const RunOptions& options)>& work);
 
-/// Adds the flag "--f VALUE" for the option f, "--k-from" for k_from. Values on the command line are appended to
-/// `into`, which must outlive the parsing.
+/// Adds a flag for each option: "--f" for the option f, "--k-from" for k_from. Values on the command line are appended
+/// to `into`, which must outlive the parsing.
 void add_stage_options(CLI::App& verb, const std::vector<OptionDeclaration>& options, std::vector<OptionText>& into);
 
 /// Adds one option under the given flag.

@@ -41,7 +41,7 @@ with open(int(sys.argv[1])) as request:
     sys.exit(main(json.load(request)))
 )";
 
-/// Returns a descriptor that another program reads the text from.
+/// Returns the descriptor of a file in memory that holds the text. A program that replaces this one can read it.
 int descriptor_of(const std::string& text) {
   const int descriptor = ::memfd_create("request", 0);
   for (std::size_t at = 0; at < text.size();) {

@@ -13,8 +13,9 @@ namespace pointsweep {
 
 void add_cluster_options(CLI::App& verb, ClusterOptions& options);
 
-/// Replaces this process by a process of the Python package, which performs the run. `stages`: canonical texts. Throws
-/// UsageError for options that such a run does not have, and Error if Python cannot be started.
+/// Replaces this process by a process of the Python package, which performs the run. `stages`: texts of
+/// canonical_stages(). Throws UsageError for options that such a run does not have, and Error if Python cannot be
+/// started.
 [[noreturn]] void run_on_cluster(const std::vector<std::string>& stages, const PipelineRun& run);
 
 }  // namespace pointsweep

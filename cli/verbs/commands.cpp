@@ -15,7 +15,7 @@ struct Verb {
   std::string_view name;
   const char* meaning;
   void (*declare)(CLI::App& verb);
-  bool shows_other_verbs = false;  ///< prints the options of other verbs
+  bool shows_other_verbs = false;  ///< true if the verb prints the options of other verbs
 };
 
 /// All verbs, in the order of the help.

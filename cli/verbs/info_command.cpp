@@ -129,7 +129,7 @@ struct LabelledFile {
   std::filesystem::path path, label;
 };
 
-/// Opens files as one cloud, whose coordinate reference systems may differ.
+/// Opens files as one cloud. Their coordinate reference systems may differ.
 Cloud open_as_one(const std::vector<std::filesystem::path>& files, const InfoCommand& options) {
   return Cloud(files, {.ignore_crs = true, .format = options.common.format});
 }
@@ -151,7 +151,7 @@ void look_at_file(const LabelledFile& file, const InfoCommand& options, bool spa
   report.add(std::move(summary), file.label);
 }
 
-/// Returns the files that an argument means. If there are none, reports an error and returns nothing.
+/// Returns the files for which an argument stands. If there are none, reports an error and returns an empty list.
 std::vector<LabelledFile> files_of(const std::filesystem::path& named, const InfoCommand& options, InfoReport& report,
                                    ProgressDisplay& progress) {
   const bool is_folder = options.files.size() == 1 && stands_for_files(named);

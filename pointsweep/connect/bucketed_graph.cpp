@@ -10,7 +10,8 @@
 namespace pointsweep {
 namespace {
 
-/// Edges that the forest takes at once. Many, because each SpanningForest::join() goes through all candidate edges.
+/// Number of edges that the forest takes at once. It is large because each SpanningForest::join() goes through all
+/// candidate edges.
 constexpr std::size_t kEdgesAtOnce = 1 << 16;
 
 }  // namespace

@@ -40,7 +40,8 @@ class BucketedGraph {
 };
 
 struct GrowthOptions {
-  /// Returns whether a point has edges outside of the graph, so that it must stay open. If empty, no point has.
+  /// Returns whether a point has edges outside of the graph, so that it must stay open. If empty, no point has such
+  /// edges.
   std::function<bool(std::uint64_t row)> stays_open = {};
   /// Receives the number of points that the forest has taken so far; may throw to end the work.
   std::function<void(std::uint64_t points)> progress = {};

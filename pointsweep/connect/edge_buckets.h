@@ -22,7 +22,7 @@ namespace pointsweep {
 class EdgeBuckets final : public EdgeSink, public BucketedGraph {
  public:
   /// `begins`: the first key of each bucket after the first bucket, in any order. If not `weighted`, only the rows of
-  /// an edge are kept.
+  /// the two ends of an edge are stored.
   EdgeBuckets(std::vector<PointKey> begins, int axis, bool weighted, std::size_t ballot_bytes,
               const MakeScratch& make_scratch);
 

@@ -16,7 +16,8 @@
 
 namespace pointsweep {
 
-/// A component that no edge joins to other points. In the log, the result of the component's votes follows.
+/// The first point and the number of points of a whole component or of a supernode. In the log, the result of the
+/// component's votes follows.
 struct FinishedComponent {
   PointKey first;  ///< the first point of the component by key
   std::uint64_t points = 0;

@@ -85,7 +85,8 @@ void SpanningForest::join(std::span<const ForestEdge> edges) {
   take_candidates(before);
 }
 
-/// Drops candidates that are the largest of a cycle. The first `before` candidates are sorted and free of cycles.
+/// Sorts the candidates, and drops each candidate that is the largest edge of a cycle. The first `before` candidates
+/// are already sorted and free of cycles.
 void SpanningForest::take_candidates(std::size_t before) {
   if (candidates_.size() == before) return;
   const auto less = [](const Candidate& a, const Candidate& b) { return a.edge < b.edge; };

@@ -17,8 +17,9 @@ namespace pointsweep {
 class ChosenChunks final : public Reader {
  public:
   using Choice = std::function<bool(const Chunk&)>;
-  /// `all` must have decoders. Bytes of chunks that are not chosen are not read. A `word` that is not empty becomes
-  /// FileInfo::asked_for_as; then FileInfo has no bounds and no claims, since these count all points of the file.
+  /// `all` must have decoders. Bytes of chunks that are not chosen are not read. If `word` is not empty, it becomes
+  /// FileInfo::asked_for_as. FileInfo then has no bounds and no claims, since the header states both for all points of
+  /// the file.
   ChosenChunks(std::shared_ptr<Reader> all, const Choice& is_chosen, std::string_view word = "");
 
   Chunk chunk_of(std::uint64_t row) const override;
@@ -40,7 +41,8 @@ class ChosenChunks final : public Reader {
   std::vector<Chosen> chosen_;
 };
 
-/// Returns the least depth with a spacing of points of at most `spacing`, at most 31. `root`: the spacing at depth 0.
+/// Returns the least depth, but at most 31, at which the spacing of points is at most `spacing`. `root`: the spacing at
+/// depth 0.
 int depth_of_spacing(double root, double spacing);
 
 /// Returns whether a word for the format of inputs chooses levels of detail: "depth:3" for nodes of depths 0 to 3, or

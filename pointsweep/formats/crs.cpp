@@ -35,7 +35,7 @@ struct KeyValues {
   std::map<std::uint16_t, std::vector<double>> numbers;
   std::map<std::uint16_t, std::string> texts;
 
-  /// Returns a code of the EPSG registry; 0 for none, for "undefined" and for "user-defined".
+  /// Returns the EPSG code that the key states; 0 if the key is missing, "undefined" or "user-defined".
   int code(std::uint16_t key) const {
     const auto found = numbers.find(key);
     if (found == numbers.end() || found->second.empty() || found->second[0] >= kUserDefined) return 0;
@@ -130,7 +130,7 @@ int epsg_of(const WktNode& node) {
   return 0;
 }
 
-/// Returns the system that BOUNDCRS[SOURCECRS[...], ...] wraps; `node` if it is another node.
+/// Returns the system that BOUNDCRS[SOURCECRS[...], ...] wraps; `node` itself if it is not a BOUNDCRS.
 const WktNode& unwrapped(const WktNode& node) {
   if (node.keyword != "BOUNDCRS") return node;
   for (const WktNode& child : node.children) {

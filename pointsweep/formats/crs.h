@@ -43,8 +43,8 @@ std::optional<Crs> crs_of_both(const std::string& wkt, GeoTiffKeys keys, bool wk
 enum class CrsAgreement : std::uint8_t { same, different, undecided };
 
 /// Compares two statements of a system by EPSG codes, kinds, equal texts and equal keys. GeoTIFF projections without a
-/// code are the same if all their numbers are equal, and different if a key that both have has different numbers. All
-/// other cases are undecided, also heights that only one of the two statements defines.
+/// code are the same if all their numbers are equal, and different if both state a key with different numbers. All
+/// other cases are undecided, including heights that only one of the two statements defines.
 CrsAgreement compare(const Crs& a, const Crs& b);
 
 /// Returns the length in metres of the length unit of `crs`; nothing for degrees and unknown units.

@@ -73,8 +73,8 @@ struct Format {
   /// Returns the least memory in bytes with which the writer encodes records of `record_bytes` on `threads` threads;
   /// null: negligible.
   std::uint64_t (*encoder_bytes)(std::uint64_t record_bytes, unsigned threads) = nullptr;
-  /// Returns the bytes that the writer stores in OutputPlan::scratch, for `count` records of `record_bytes`, with
-  /// `memory` as OutputPlan::encoder_bytes on `threads` threads; null: none.
+  /// Returns the number of bytes that the writer stores in OutputPlan::scratch, for `count` records of `record_bytes`,
+  /// with `memory` as OutputPlan::encoder_bytes on `threads` threads; null: none.
   std::uint64_t (*aside_bytes)(std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                                unsigned threads) = nullptr;
   std::size_t name_bytes = 0;  ///< most bytes in the name of an attribute; 0: any number
@@ -87,8 +87,8 @@ struct Format {
   std::span<const std::string_view> layout = {};
   /// Returns whether OutputPlan::bounds must be known before records of `schema` are written; null: never.
   bool (*needs_bounds)(const Schema& schema, const FileLayout& layout) = nullptr;
-  /// Returns OutputPlan::values for a cloud, which it may read once; null: the format needs no values. `progress` gets
-  /// the number of points read; it may throw.
+  /// Returns OutputPlan::values for a cloud, and may read the points of the cloud once. Null: the format needs no
+  /// values. `progress` gets the number of points read; it may throw.
   KnownValues (*values)(InputCloud& cloud, const FileLayout& layout,
                         const std::function<void(std::uint64_t rows)>& progress) = nullptr;
   /// Returns whether values() reads the points of the cloud; null if `values` is null.

@@ -55,8 +55,8 @@ void quantize_axis(double lo, double hi, double useful, double& scale, double& o
   scale = power_of_ten(exponent);
 }
 
-/// Returns `steps` times `scale`. For scales like 0.001 the result is correctly rounded, so that the header has a short
-/// number.
+/// Returns `steps` times `scale`. For scales like 0.001 the result is correctly rounded, so that the number in the
+/// header has few digits.
 double length_of(double steps, double scale) {
   const double inverse = std::nearbyint(1 / scale);
   return inverse > 0 && 1 / inverse == scale ? steps / inverse : steps * scale;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kLongestProvenanceLine = 999;  ///< rply, the reader of Open3D and CloudCompare, allows 1,023
 constexpr std::size_t kLongestReadLine = 60'000;  ///< earlier versions did not divide lines; a VLR holds 65,535 bytes
-constexpr std::string_view kGoesOn = "+ ";        ///< after the mark: the text goes on from the line before
+constexpr std::string_view kGoesOn = "+ ";        ///< follows the mark in a line that continues the previous line
 constexpr std::size_t kMostProvenanceBytes = 256 << 10;
 constexpr std::size_t kMostInputBytes = 32 << 10;  ///< largest size of the input lines in one record
 
@@ -59,8 +59,8 @@ std::string percent_decoded(std::string_view text) {
   return out;
 }
 
-/// Appends a line, in as many pieces as its length asks for. No piece begins or ends with a space, since readers trim
-/// lines.
+/// Appends a line, divided into pieces of at most kLongestProvenanceLine bytes. No piece begins or ends with a space,
+/// since readers trim lines.
 void append_in_pieces(std::string line, std::vector<std::string>& lines) {
   while (line.size() > kLongestProvenanceLine) {
     std::size_t end = kLongestProvenanceLine;
@@ -87,7 +87,8 @@ std::optional<ProvenanceInput> input_of(std::string_view text) {
   return input;
 }
 
-/// `text`: the stage or value of the line before, to which a line that goes on is appended; null if it had none.
+/// Adds the meaning of a line to `record`. `text`: the stage or value of the previous line, to which a continuation
+/// line is appended; null if the previous line had neither.
 void read_line(std::string_view line, ProvenanceRecord& record, std::string*& text) {
   if (take_word(line, kGoesOn)) return text != nullptr ? void(*text += line) : void();
   text = nullptr;

@@ -7,8 +7,8 @@
 ///   pointsweep order sweep
 ///   pointsweep input 4000 points, 48211 bytes: scan.ply
 ///
-/// The line with the version begins a record; the newest record is the last. There is no date, no machine and, unless
-/// it is asked for, no folder, so that equal runs give equal bytes.
+/// The line with the version begins a record; the newest record is the last. A record states no date, no machine and,
+/// unless the user asks for it, no folder, so that equal runs give equal bytes.
 #pragma once
 
 #include <cstdint>
@@ -42,17 +42,17 @@ struct ProvenanceRecord {
   std::optional<std::string> setting(std::string_view name) const;
 };
 
-/// Returns lines of printable ASCII, each under 1,000 bytes: a longer stage or setting goes on in lines that begin with
-/// "pointsweep + ". Other bytes are written as %XX.
+/// Returns lines of printable ASCII, each under 1,000 bytes: a longer stage or setting continues in lines that begin
+/// with "pointsweep + ". Other bytes are written as %XX.
 std::vector<std::string> lines_of(const ProvenanceRecord& record);
-/// Parses lines, each with kProvenanceMark at its begin, into records, oldest first. A line "NAME VALUE" of an unknown
-/// kind becomes a setting.
+/// Parses lines, each of which begins with kProvenanceMark, into records, oldest first. A line "NAME VALUE" of an
+/// unknown kind becomes a setting.
 std::vector<ProvenanceRecord> records_of(std::span<const std::string> lines);
 /// Returns a line such as "pointsweep 0.1.0: knn(k=12) | normals; order sweep; from scan.ply", in printable ASCII.
 std::string to_text(const ProvenanceRecord& record);
 
-/// Appends the records of `more` that `lines` does not have yet. Beyond 256 KiB, records are left out, and one line
-/// states this, since headers must stay readable.
+/// Appends the records of `more` that `lines` does not have yet. Leaves out records beyond a total of 256 KiB, so that
+/// headers stay readable, and appends one line that says so.
 void add_provenance(std::vector<std::string>& lines, std::span<const std::string> more);
 /// Returns the rest of `all` after `present`, if `all` begins with `present`; returns `all` otherwise.
 std::span<const std::string> provenance_beyond(std::span<const std::string> all, std::span<const std::string> present);

@@ -44,7 +44,7 @@ constexpr Magic kMagics[] = {
     {"\xfe\xff"sv, "text in UTF-16", "save it as UTF-8"},
 };
 
-/// Files that are recognised by their extension, which stands in Magic::bytes.
+/// Foreign files that are recognised by their extension, which is stored in Magic::bytes.
 constexpr Magic kExtensions[] = {
     {".ptx"sv, "a PTX file that does not begin with the ten lines of its header", "export it again"},
     {".stl"sv, "an STL file", kWithMeshTool},

@@ -14,8 +14,8 @@ namespace pointsweep {
 /// Returns all formats. A file belongs to the first format with a matching signature.
 std::span<const Format* const> formats();
 
-/// Returns the format of an output of this name; null if no format with its extension is written. Standard output is
-/// PLY as "-", and has the format of the extension with a name such as "-.csv".
+/// Returns the format of an output of this name; null if no format with its extension is written. Standard output gets
+/// PLY if it is named "-", and the format of the extension if it is named "-.csv", for example.
 const Format* format_of_output(const std::filesystem::path& path);
 
 /// Returns the format in which points are written to a file of this name. Throws UsageError if points are not written

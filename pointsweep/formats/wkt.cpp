@@ -72,7 +72,7 @@ class WktParser {
     return !node.values.back().empty();
   }
 
-  /// Parses a quoted text, in which two quotes mean one.
+  /// Parses a quoted text, in which two successive quotes stand for one quote.
   bool parse_quoted(std::string& value) {
     for (++at_; !at_end(); ++at_) {
       if (text_[at_] == '"') {

@@ -10,9 +10,9 @@
 
 namespace pointsweep {
 
-/// A kd-tree over the sample. Every node stores the largest nearest distance of the sampled points below it, and a
-/// point of the cloud visits only nodes to which it may be nearer than that distance. Memory is proportional to the
-/// sample.
+/// A kd-tree over the points whose distances are sought, the sample. Every node stores the largest nearest distance of
+/// the sampled points below it. A point of the cloud visits only the nodes with a sampled point that may be closer than
+/// this distance. Memory is proportional to the size of the sample.
 class NearestDistances {
  public:
   struct Sampled {

@@ -22,8 +22,8 @@ class PointGroups {
   /// Throws UsageError for an attribute that is not there or has several components.
   PointGroups(const Schema& schema, const std::string& by);
 
-  /// Writes the group of each record; records are `stride` bytes apart. Throws UsageError for a value that is no whole
-  /// number, and for more than `most` groups, or PointStatistics::kMostGroups. If `most` is 0, a new value throws
+  /// Writes the group of each record; records are `stride` bytes apart. Throws UsageError for a value that is not a
+  /// whole number, and for more than `most` groups, or PointStatistics::kMostGroups. If `most` is 0, a new value throws
   /// Error.
   void find(std::span<const std::byte> records, std::size_t stride, std::size_t most,
             std::vector<std::uint32_t>& groups);

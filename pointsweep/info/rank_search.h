@@ -15,9 +15,9 @@ namespace pointsweep {
 /// Throws Error for points that differ from one reading to the next.
 [[noreturn]] void fail_of_changed_points();
 
-/// Finds the keys at the quantile_rank() of each percentage of PointStatistics::kPercent. It has intervals of keys,
-/// each with some of the ranks. A reading counts the keys in equal parts of each interval, which then shrinks to the
-/// parts that contain its ranks. For an interval with few keys, the keys themselves are collected instead.
+/// Finds the keys at the quantile_rank() of each percentage of PointStatistics::kPercent. It keeps intervals of keys,
+/// each of which holds some of the ranks. A reading counts the keys in equal parts of each interval, which then shrinks
+/// to the parts that contain its ranks. For an interval with few keys, the keys themselves are collected instead.
 class RankSearch {
  public:
   static constexpr std::size_t kRanks = PointStatistics::kPercent.size();
@@ -27,10 +27,10 @@ class RankSearch {
 
   /// Returns the number of intervals that the next reading divides.
   std::size_t open() const { return intervals_.size(); }
-  /// Begins a reading. Assigns each interval at most `share` numbers of the room, from number `next` on, and advances
-  /// `next` by the assigned numbers. `share`: 2 to 2^63.
+  /// Begins a reading. Assigns each interval at most `share` numbers in the array `room` of add() and end(), from index
+  /// `next` on, and advances `next` past them. `share`: 2 to 2^63.
   void begin(std::uint64_t share, std::uint64_t& next);
-  /// Takes one of the keys. `room`: the numbers of all intervals, 0 when the reading begins.
+  /// Takes one of the keys. `room`: the numbers in which all intervals count or store keys; 0 when the reading begins.
   void add(std::uint64_t key, std::span<std::uint64_t> room);
   /// Ends a reading. Throws Error if its keys differ from the keys of earlier readings.
   void end(std::span<std::uint64_t> room);

@@ -30,14 +30,14 @@ class ValueMoments {
   /// fewer than two values, or if the sum of their squares is beyond float64.
   std::optional<double> deviation() const;
 
-  /// Returns the bytes of memory.
+  /// Returns the memory in bytes that an object takes.
   static std::uint64_t bytes(const ValueKeys& keys, bool sums);
 
  private:
   struct Sums {
     ExactSum values, squares;
   };
-  /// Returns the sums of either kind.
+  /// Returns `exact_`, or else the sums of whole numbers in this form.
   Sums sums() const;
 
   std::uint64_t count_ = 0, nonfinite_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Places on the Morton curve through a cube, and the octants of that cube.
+/// Places on the Morton curve through a cube, and the octants of that cube. A cell is an octant of the greatest depth.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace pointsweep {
 /// The depth of the smallest octants.
 inline constexpr int kMostDepth = 31;
 
-/// The place on the curve of a cell of the finest depth: three bits (z, y, x) for each depth, the coarsest depth first.
+/// The place of a cell on the curve: three bits (z, y, x) for each depth, the coarsest depth first.
 struct CurveKey {
   std::uint64_t high = 0;  ///< depths 1 to 21
   std::uint32_t low = 0;   ///< depths 22 to 31
@@ -31,7 +31,7 @@ namespace curve {
 
 inline constexpr int kHighBits = 21, kLowBits = kMostDepth - kHighBits;
 
-/// Puts two zeros in front of each of the lowest 21 bits.
+/// Puts two zeros in front of each of the lowest 21 bits, and drops the other bits.
 inline std::uint64_t spread(std::uint64_t bits) {
   bits &= 0x1fffff;
   bits = (bits | bits << 32) & 0x1f00000000ffff;
@@ -57,7 +57,7 @@ inline std::uint64_t interleave(std::uint64_t x, std::uint64_t y, std::uint64_t 
 
 }  // namespace curve
 
-/// Returns the key of the cell of the finest depth with the numbers `cell` along x, y and z, each below 2^31.
+/// Returns the key of the cell with the numbers `cell` along x, y and z, each below 2^31.
 inline CurveKey key_of_cell(const std::array<std::uint32_t, 3>& cell) {
   const auto [x, y, z] = cell;
   return {curve::interleave(x >> curve::kLowBits, y >> curve::kLowBits, z >> curve::kLowBits),
@@ -72,14 +72,14 @@ inline std::array<std::uint32_t, 3> cell_of_key(const CurveKey& key) {
   return cell;
 }
 
-/// Returns the octant of this depth that holds the cell.
+/// Returns the octant of depth `depth` that holds the cell with this key.
 inline Octant octant_of(const CurveKey& key, int depth) {
   Octant octant{depth, cell_of_key(key)};
   for (std::uint32_t& number : octant.at) number >>= kMostDepth - depth;
   return octant;
 }
 
-/// Returns the octant of the next lower depth that contains `octant`. `octant` must not be the cube.
+/// Returns the octant of the next lower depth that contains `octant`, which must not be the whole cube.
 inline Octant parent_of(Octant octant) {
   --octant.depth;
   for (std::uint32_t& number : octant.at) number >>= 1;

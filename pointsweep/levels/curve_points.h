@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Points of a cloud in a scratch, for repeated reads: all of them in Morton order, and lists of some of them.
+/// Points in a scratch (points/scratch.h), for repeated reads: all points of a cloud in Morton order, and lists of some
+/// points.
 #pragma once
 
 #include <cstddef>

@@ -52,7 +52,7 @@ class CurveRecords {
     std::uint64_t offset = 0;  ///< offset of the piece in the scratch
     std::size_t rows = 0;
     std::vector<std::byte> held = {};      ///< empty if the piece is in the scratch
-    std::vector<std::uint32_t> ends = {};  ///< the first row after each stretch
+    std::vector<std::uint32_t> ends = {};  ///< for each stretch, the first row of the piece after it
   };
   struct Sorted {
     std::vector<std::byte> records;

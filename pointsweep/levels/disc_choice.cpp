@@ -165,8 +165,8 @@ class Choice {
     }
   }
 
-  /// Drops the candidates of the higher ranks. All candidates of the rank at the new limit stay, since many may lie at
-  /// one place.
+  /// Lowers the limit to the rank of a middle candidate, and drops the candidates of higher ranks. All candidates whose
+  /// rank equals the limit stay, since many may lie at one place.
   void lower_limit() {
     const auto middle = candidates_.begin() + kMostCandidates / 2;
     std::ranges::nth_element(candidates_, middle, {}, &Candidate::rank);

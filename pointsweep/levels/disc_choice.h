@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The greedy choice of points of one node, any two of which are at least a spacing apart.
+/// The greedy choice of points of one node of the octree, any two of which are at least a spacing apart.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,8 @@ struct KeptPoint {
   GridPoint point;
 };
 
-/// Takes the points by rank_of(), then by coordinates, then by number. A point that no point of `kept` covers is kept
-/// and added to `kept`. Returns the kept points in that order; nothing if there would be more than `most`.
+/// Takes the points by rank_of(), then by coordinates, then by number. Adds each point that no point of `kept` covers
+/// (KeptGrid::covers()) to `kept`. Returns the added points in that order; nothing if they would be more than `most`.
 ///
 /// The choice among the points of the lowest ranks is the beginning of the choice among all points. So the points are
 /// read several times, each time with a higher limit for the rank. From the second time on most points are covered, and

@@ -11,8 +11,8 @@
 
 namespace pointsweep {
 
-/// Kept points in cells as wide as the spacing, so that all points nearer than the spacing to a place lie in the 27
-/// cells around it.
+/// Kept points in cells as wide as the spacing, so that all points nearer than the spacing to a place lie in the cell
+/// of the place or in the 26 cells around it.
 class KeptGrid {
  public:
   KeptGrid(double spacing, Vec3 corner);

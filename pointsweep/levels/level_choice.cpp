@@ -15,7 +15,8 @@ namespace {
 
 constexpr int kDepthBits = 5;
 static_assert(kMostDepth < 1 << kDepthBits);
-/// Stands for no limit of the points that a node other than the root keeps, or of the memory without temporary files.
+/// Stands for no limit: of the points that a node other than the root keeps, and of the memory if there are no
+/// temporary files.
 constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
 
 bool is_in(const Box& box, Vec3 p) {
@@ -122,7 +123,7 @@ std::optional<LevelChoice::Kept> LevelChoice::choose_node(const Depth& now, cons
   const Box box = grid_.box(octant), near = grown(box, now.spacing);
   KeptGrid grid(now.spacing, near.lo);
   Kept kept;
-  const Box own = grown(box, 1);  // a point on a face may belong to either side
+  const Box own = grown(box, 1);  // a point on a face may belong to either octant
   for (const GridPoint& point : excluders(now, before, octant, near)) {
     const Vec3 place = grid_.place(point);
     grid.add(place);
@@ -135,8 +136,8 @@ std::optional<LevelChoice::Kept> LevelChoice::choose_node(const Depth& now, cons
   return kept;
 }
 
-/// Returns the points in the box `near` that were taken before the points of the node: points of the borders of leaves,
-/// of nodes of the same depth that are done, and elsewhere of nodes of the depth before.
+/// Returns the points in the box `near` that were taken before the points of the node. They come from the borders of
+/// leaves, from nodes of the same depth that are done, and elsewhere from nodes of the depth before.
 std::vector<GridPoint> LevelChoice::excluders(const Depth& now, const Depth* before, const Octant& octant,
                                               const Box& near) const {
   std::vector<const Node*> sources, parents;
@@ -171,7 +172,7 @@ void LevelChoice::end_node(Depth& now, Node& node, const Kept& kept) {
   taken_ += kept.all.size();
 }
 
-/// Lists the points of the leaves of this depth that may exclude points outside of their leaf.
+/// Fills border_ for the leaves of depth `depth` with their points that may exclude points outside of the leaf.
 void LevelChoice::list_borders(int depth, double spacing) {
   const std::size_t group = thread_count();
   std::vector<std::size_t> of_depth;

@@ -24,9 +24,9 @@ inline constexpr std::size_t kMostRootPoints = 100'000;
 inline constexpr double kDiscsAcrossCube = 128;
 
 /// Chooses the points of depth 0, then of depth 1, and so on. At depth d all points of the leaves of that depth are
-/// taken. Then each divided node keeps points, in the order of choose_discs(), that are at least the spacing s_d from
-/// all points taken before. Nodes whose numbers along x, y and z are even come first, then the other seven parities.
-/// Nodes of one parity are farther apart than s_d, so the threads take them in any order.
+/// taken. Then each node, an octant that is divided, keeps points, in the order of choose_discs(), that are at least
+/// the spacing s_d from all points taken before. Nodes whose numbers along x, y and z are even come first, then the
+/// other seven parities. Nodes of one parity are farther apart than s_d, so the threads take them in any order.
 ///
 /// s_0 is the width of the cube / kDiscsAcrossCube, made larger by powers of the square root of 2 until the root keeps
 /// at most kMostRootPoints points, and s_d = s_0 / 2^d.

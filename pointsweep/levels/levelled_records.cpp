@@ -6,8 +6,8 @@
 namespace pointsweep {
 namespace {
 
-/// Bytes for all threads together, and for each thread: the kept points around a node, a stretch of records and its
-/// sorted copy.
+/// Bytes that all threads share, and bytes for each thread, which hold the kept points around a node, a stretch of
+/// records and its sorted copy.
 constexpr std::uint64_t kLeastLevelBytes = 32 << 20, kThreadBytes = 8 << 20;
 
 std::uint64_t memory_of_records(std::uint64_t memory_bytes) { return memory_bytes / 4 * 3; }

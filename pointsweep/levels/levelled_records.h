@@ -18,7 +18,7 @@
 
 namespace pointsweep {
 
-/// Returns the least bytes of memory of LevelledRecords for `threads` threads.
+/// Returns the least memory in bytes that LevelledRecords needs for `threads` threads.
 std::uint64_t least_level_bytes(unsigned threads);
 
 /// Returns whether LevelledRecords with `memory_bytes` of memory writes `bytes` bytes of records to a scratch.

@@ -9,7 +9,7 @@
 namespace pointsweep {
 namespace {
 
-/// A scratch of blocks, which grows without copying.
+/// A scratch in memory that consists of blocks, so that it grows without copying.
 class BlocksInMemory final : public Scratch {
  public:
   void append(std::span<const std::byte> bytes) override {

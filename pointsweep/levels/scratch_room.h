@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A source of scratches: in memory up to a number of bytes, then in the temporary folder.
+/// A source of scratches (points/scratch.h). They lie in memory up to a number of bytes in all, then in the temporary
+/// folder.
 #pragma once
 
 #include <cstdint>

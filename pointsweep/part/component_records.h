@@ -18,8 +18,9 @@ inline constexpr std::uint64_t kNoLabel = ~std::uint64_t{0};
 inline constexpr Encoding kSegmentsEncoding{"joined components of a tile", 1};
 inline constexpr std::size_t kLabelsAtOnce = 4096;
 
-/// A rule that sums votes and decides nothing, so that components of several tiles can be joined later. If its rule is
-/// null, there are no votes. It ignores the signs of points, since a graph without weights changes no signs.
+/// A vote rule that sums the votes of another rule without concluding them, so that components of several tiles can be
+/// joined later. If the other rule is null, there are no votes. turns() is not forwarded, because edges without weights
+/// flip no signs.
 class OpenVotes final : public VoteRule {
  public:
   explicit OpenVotes(const VoteRule* rule) : rule_(rule) {}
@@ -34,7 +35,7 @@ class OpenVotes final : public VoteRule {
   std::size_t result_bytes() const override { return bytes(); }
   void conclude(const std::byte* votes, std::byte* result) const override { std::copy_n(votes, bytes(), result); }
 
-  /// Returns the bytes of the result that conclude_to() makes; 0 without a rule.
+  /// Returns the size in bytes of the result that conclude_to() makes; 0 without a rule.
   std::size_t concluded_bytes() const { return rule_ != nullptr ? rule_->result_bytes() : 0; }
   /// Concludes votes into `result`, and returns whether the component gets a number.
   bool conclude_to(const std::byte* votes, std::byte* result) const {
@@ -57,8 +58,8 @@ inline FinishedComponent component_at(const std::byte* record) {
   return component;
 }
 
-/// Bytes of the record of a component of the whole cloud, its number and its count of points, without the result of its
-/// votes, which follows.
+/// Bytes of the record of a component of the whole cloud: its number and its count of points. The result of its votes
+/// follows and is not counted.
 inline constexpr std::size_t kNumberedBytes = 2 * sizeof(std::uint64_t);
 
 inline void put_number(std::byte* record, std::uint64_t number, std::uint64_t points) {
@@ -66,7 +67,7 @@ inline void put_number(std::byte* record, std::uint64_t number, std::uint64_t po
   std::memcpy(record + sizeof number, &points, sizeof points);
 }
 
-/// Successive records of the list KEY.numbers that belong to components of one tile.
+/// Successive records of the list KEY.numbers (join_graphs() in tile_graph.h) that belong to components of one tile.
 struct Segment {
   std::uint64_t first, count;
 };

@@ -160,7 +160,7 @@ class NumbersWriter {
   RecordListWriter list_;
   std::size_t record_bytes_;
   std::vector<std::vector<std::byte>> waiting_;  ///< records of each tile that are not written yet
-  std::vector<std::vector<Segment>> segments_;   ///< written records of each tile
+  std::vector<std::vector<Segment>> segments_;   ///< for each tile, the segments of its written records
 };
 
 /// Joins the two components that each crossing connects. The crossings are sorted by the row to which they lead, so

@@ -77,8 +77,8 @@ class Chooser {
     choose(boxes, middle, end, candidates, std::move(left), chosen);
   }
 
-  /// Returns a squared distance within which each point of the box finds Reach::nearest points, at most the square of
-  /// Reach::distance; infinity if the operator does not look for nearest points.
+  /// Returns the square of a distance within which all nearest points lie that any point of the box needs; this
+  /// distance is at most Reach::distance. Returns infinity if the operator does not look for nearest points.
   double most_distance2_of_nearest(const Box& box, const std::vector<Candidate>& candidates,
                                    const std::vector<std::size_t>& left) const {
     if (reach_.nearest == 0) return kEverywhere;
@@ -121,7 +121,7 @@ class BlockSource {
   }
   std::uint64_t count() const { return count_; }
 
-  /// Fills `records` from number `row` on, as far as one read reaches, and returns how many it filled. `block` is a
+  /// Fills `records` with records from number `row` on, perhaps fewer than fit, and returns their number. `block` is a
   /// buffer that later calls use again.
   std::size_t read(std::uint64_t row, std::span<std::byte> records, std::vector<std::byte>& block) const {
     const auto after = std::ranges::upper_bound(pieces_, row, {}, &Piece::first);
@@ -285,7 +285,7 @@ NeededPoints needed_of_other(const Storage& scratch, const TileCatalogue& tiles,
   const auto source = std::make_shared<BlockSource>(reader, schema);
   const Chooser chooser(op, op.other_reach().value());
   std::vector<Candidate> blocks = needed_blocks(*reader, other, own_boxes(own, chooser), chooser);
-  if (blocks.empty()) blocks = any_block(other);  // an empty other cloud would be an error
+  if (blocks.empty()) blocks = any_block(other);  // operators refuse another cloud without points
   add_blocks(*source, blocks);
   NeededPoints needed{source_of(source, schema), 0, 0, source->count()};
   needed.source.count = source->count();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Encodings of a tile's border and of a forest with open points (points of which edges may still come).
+/// Encodings of a tile's border and of a spanning forest with open points. spanning_forest.h explains open points and
+/// supernodes.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +17,7 @@ namespace pointsweep {
 struct TileBorder {
   struct Point {
     std::uint64_t row;
-    std::uint64_t last;  ///< greatest number among the tile of the point and the tiles to which its edges lead
+    std::uint64_t last;  ///< number of the last tile among the tile of the point and the tiles to which its edges lead
   };
   std::vector<Point> points;      ///< points at which edges between tiles end, ascending by row
   std::vector<ForestEdge> edges;  ///< edges between this tile and earlier tiles

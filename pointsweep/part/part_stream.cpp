@@ -13,12 +13,12 @@ namespace pointsweep {
 namespace {
 
 /// The halo of a part is halved in width while it has more points than kSmallHalo and more than half as many as the
-/// tile, at most kMostTries times, because tiles that overlap have large halos of any width.
+/// tile. It is halved at most kMostTries times, because a tile that overlaps other tiles has a large halo at any width.
 constexpr std::uint64_t kSmallHalo = 1000;
 constexpr int kMostTries = 6;
 
-/// The blocks that make one slab of a part, as a segment of a list. All slabs share the list, which takes less memory
-/// than a list for each slab.
+/// The ranges of blocks that make one slab of a part, as a segment of a list that all slabs share. One list takes less
+/// memory than a list for each slab.
 struct BlocksOfSlab {
   std::size_t first, count;
 };
@@ -69,8 +69,8 @@ class PartCutter {
     return {t, slab == 0 ? 0 : ends[slab - 1], ends[slab]};
   }
 
-  /// Divides the blocks of the other tiles into blocks that touch the box and blocks that do not. Each group of tiles
-  /// that does not touch the box `around` makes one slab.
+  /// Divides the blocks of the other tiles into blocks that touch the box `known` and blocks that do not. Each group of
+  /// tiles that does not touch the box `around` makes one slab.
   void look_around(const Box& known, const Box& around) {
     for (const TileGroup& group : tiles_.groups) {
       if (!touch(around, group.box)) {

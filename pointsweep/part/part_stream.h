@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The stream of one tile of a cloud: the points of the tile, points of other tiles near it (the halo), and the places
-/// of all other points, which only the recall of the sweep reads.
+/// The stream of one tile of a cloud. It contains the points of the tile, points of other tiles near it (the halo), and
+/// all other points of the cloud, which only the recall (sweep/recall.h) reads.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +21,10 @@ struct PartStream {
   std::uint64_t swept_points = 0;  ///< points of the tile and its halo
 };
 
-/// Returns the stream of tile `number`. For the points of the tile, a sweep over this stream has the results of a sweep
-/// over the whole cloud. `what` and `steps`, the neighbourhood and number of steps of that sweep, set the width of the
-/// halo. `working`: Stream::record_schema() of the tile when it was stored. The stream borrows the scratch.
+/// Returns the stream of tile `number`. A sweep over this stream gives the points of the tile the same results as a
+/// sweep over the whole cloud. `what` and `steps` are the neighbourhood and the number of steps of the sweep; they set
+/// the width of the halo. `working`: Stream::record_schema() of the tile when it was stored. The stream borrows
+/// `scratch` and `tiles`.
 PartStream part_stream(const Storage& scratch, const TileCatalogue& tiles, std::size_t number, const Schema& working,
                        const Neighborhood& what, std::size_t steps);
 

@@ -84,7 +84,7 @@ struct StoredBlocks {
   std::vector<std::byte> records;
 };
 
-/// Cuts the records of a slab with the numbers `chosen` into blocks of points that lie close together.
+/// Cuts the records of a slab whose indices are in `chosen` into blocks of points that lie close together.
 StoredBlocks cut_into_blocks(const ScratchRecord& record, const Slab& slab, std::span<const std::byte> working,
                              const Schema& schema, const std::vector<std::uint32_t>& chosen) {
   const std::vector<Vec3> places = positions_of(record, working);
@@ -195,8 +195,8 @@ std::vector<std::uint64_t> store_nonfinite(const Stream& stream, const ScratchRe
   return checksums;
 }
 
-/// Returns the radius of a disc that holds k points at the density of the block, as if its points lay on a surface of
-/// its two longest sides.
+/// Returns the radius of a disc that holds k points at the density of the block, as if its points lay on a rectangle
+/// with the two longest sides of its box.
 double reach_in(const TileBlock& block, std::size_t k) {
   const Vec3 size = block.box.hi - block.box.lo;
   std::array<double, 3> side{size.x, size.y, size.z};

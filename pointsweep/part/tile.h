@@ -28,9 +28,9 @@ struct TileBlock {
 /// Most points with non-finite coordinates that are stored and read at once.
 inline constexpr std::uint64_t kNonfiniteAtOnce = 1 << 14;
 
-/// The index of a stored tile, in the object NAME.index. The object NAME.points holds the records: slab by slab, then
-/// copies of the points that other tiles have to know (unless they have to know all points), then the points with
-/// non-finite coordinates.
+/// The index of a tile that is stored under NAME, in the object NAME.index. The object NAME.points holds the records:
+/// slab by slab, then copies of the points that other tiles have to know (unless they have to know all points), then
+/// the points with non-finite coordinates.
 struct TileIndex {
   /// The layout of the records as text. Tiles with equal texts have records that one run can read.
   std::string layout;
@@ -58,7 +58,8 @@ struct TileIndex {
 /// that it does not depend on the coordinate grid of a tile; the other fields; the row as u64.
 Schema schema_in_scratch(const Schema& working);
 
-/// Returns the indices, in `records`, of the records that other tiles have to know. Called by many threads at once.
+/// A function that returns the indices, in `records`, of the records that other tiles have to know. Must be
+/// thread-safe.
 using ChooseForOthers = std::function<std::vector<std::uint32_t>(std::span<const std::byte> records)>;
 
 /// Stores the points of a tile, whose rows count from 0, under `name`, on all threads. `survey`: survey of the points.

@@ -27,7 +27,8 @@ TileRegion region_of(const TileIndex& tile, std::uint32_t first, std::uint32_t e
   return region;
 }
 
-/// Groups the blocks that are stored for other tiles into regions; if other tiles have to know all points, the slabs.
+/// Groups the blocks that are stored for other tiles into regions. If other tiles have to know all points, groups the
+/// slabs instead.
 std::vector<TileRegion> regions_of(const TileIndex& tile) {
   std::vector<std::uint32_t> ends;
   std::uint32_t begin = 0;
@@ -182,7 +183,7 @@ std::shared_ptr<const TileCatalogue> shared_catalogue(const Storage& scratch, co
     std::shared_ptr<const TileCatalogue> catalogue;
   };
   static std::mutex mutex;
-  static std::array<Kept, 2> kept;  // kept[0] was read last
+  static std::array<Kept, 2> kept;  // kept[0] was used last
   std::vector<std::byte> identity = sealed_identity(scratch, key);
   const std::scoped_lock lock(mutex);
   if (!identity.empty() && kept[1].identity == identity) std::swap(kept[0], kept[1]);

@@ -30,12 +30,12 @@ struct TileSummary {
   std::vector<TileRegion> regions;  ///< at most 16 regions, which hold the points that other tiles may have to know
 };
 
-/// Small tiles that lie close together. A part treats a group far from it like one tile, which spares a part of one of
-/// 10,000 tiles most of its time.
+/// Small tiles that lie close together. part_stream() makes one slab of a distant group, which saves most of its time
+/// for a tile of a cloud of 10,000 tiles.
 struct TileGroup {
   std::vector<std::uint32_t> tiles;  ///< numbers of the tiles, at most 32
-  std::uint64_t count = 0;  ///< number of points in the regions of the tiles, at most 65,536 if these are several
-  Box box;                  ///< box of the regions
+  std::uint64_t count = 0;           ///< number of points in the regions, at most 65,536 in a group of several tiles
+  Box box;                           ///< box of the regions
 };
 
 /// The catalogue of all tiles of a cloud, made after each tile has stored its points.
@@ -55,9 +55,9 @@ struct TileCatalogue {
 TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string>& names,
                            const std::vector<std::string>& paths);
 
-/// Returns the catalogue that seal_bytes() has stored under `key`. All tasks of a round read the same catalogue, so the
-/// process keeps the two that were read last and decodes an object with the same size and checksum only once.
-/// Thread-safe. Throws Error like sealed_value().
+/// Returns the catalogue that seal_bytes() has stored under `key`. Many tasks of a process read the same catalogue, so
+/// the process keeps the two catalogues that were used last and does not decode a kept one again. Catalogues are equal
+/// if their objects have the same size and checksum. Thread-safe. Throws Error like sealed_value().
 std::shared_ptr<const TileCatalogue> shared_catalogue(const Storage& scratch, const std::string& key);
 
 }  // namespace pointsweep

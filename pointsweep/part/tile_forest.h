@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// The minimum spanning forest of a graph whose edges join points of several tiles (docs/adr/0021). Each tile first
 /// stores its edges. When the edges between tiles are known, each tile grows its own forest, in which the points at
-/// those edges stay open. Then one process joins the supernodes of all forests.
+/// those edges stay open. Then one process joins the supernodes of all forests. spanning_forest.h explains open points
+/// and supernodes.
 #pragma once
 
 #include <cstddef>

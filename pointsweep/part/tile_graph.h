@@ -75,9 +75,9 @@ void leave_graph(const EdgeBuckets& own, SortedCrossings& crossings, RowsOfTile 
 /// Seals the three lists of leave_graph() without records, for a tile without rows. `votes`: TileGraphSetup::votes.
 void leave_no_graph(const VoteRule* votes, Storage& scratch, const std::string& name);
 
-/// Joins the components of all tiles by their crossings, and numbers them by their first points. Seals the list
-/// KEY.numbers, then KEY-TILE for each tile, the segments of that list with the components of the tile, then the object
-/// KEY. Memory: about 150 bytes and the votes for each component that a crossing touches.
+/// Joins the components of all tiles by their crossings, and numbers them by their first points. Seals an object
+/// KEY-TILE for each tile, which lists the segments of KEY.numbers with the components of the tile, then the list
+/// KEY.numbers, then the object KEY. Memory: about 150 bytes and the votes for each component that a crossing touches.
 void join_graphs(Storage& scratch, const TileCatalogue& tiles, const std::vector<std::string>& names,
                  const TileGraphSetup& setup, const std::string& key);
 

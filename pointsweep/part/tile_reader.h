@@ -34,11 +34,11 @@ class TileReader {
   /// Returns the number of points in the blocks of a tile before `block`.
   std::uint64_t points_before(std::size_t tile, std::uint32_t block) { return opened(tile).first[block]; }
 
-  /// Fills `out` with the records of these blocks, one after another, and converts their rows into rows of the cloud.
-  /// Throws Error if a checksum is wrong or a tile belongs to another run.
+  /// Fills `out` with the records of the blocks `all`, one after another, and converts their rows into rows of the
+  /// cloud. Throws Error if a checksum is wrong or a tile belongs to another run.
   void read(std::span<const TileBlocks> all, std::span<std::byte> out);
   /// Fills `out` with records of points with non-finite coordinates, from number `first` of these points on. Throws
-  /// Error as read().
+  /// Error like read().
   void read_nonfinite(std::size_t tile, std::uint64_t first, std::span<std::byte> out);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Runs started by the library's own code: over an InputCloud, with options for tests, scripts and reports that users
+/// Starts runs from the library's own code: over an InputCloud, with options for tests, scripts and reports that users
 /// do not need.
 #pragma once
 
@@ -40,7 +40,7 @@ struct EngineOptions : RunOptions {
   std::uint64_t lists_bytes = 0;
 };
 
-/// Run and sort like the functions of the same names in run.h.
+/// Like the functions of the same names in run.h, these functions run a chain and sort a cloud.
 Statistics run(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options = {});
 Statistics sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options = {},
                 const std::vector<std::string>& keep = {});

@@ -59,8 +59,8 @@ constexpr std::uint64_t kUsuallyWaiting = 256 << 10, kMostWaiting = 544 << 10;
 
 bool is_unlimited(const SweepPlan& plan) { return plan.neighborhood.k == Neighborhood::kUnlimited; }
 
-/// Returns the bytes of the list that a point keeps for later steps: 0 for a single step, and without a limit k,
-/// because lists are then searched again.
+/// Returns the bytes of the list of neighbours that a point keeps for later steps. Returns 0 for a single step, and
+/// without a limit k, since each step then searches its lists again.
 std::uint64_t kept_list_bytes(const SweepPlan& plan) {
   if (plan.step_count() == 1 || is_unlimited(plan)) return 0;
   return sizeof(NeighborRef) * (1 + std::min<std::size_t>(plan.neighborhood.k, 1024));
@@ -85,9 +85,9 @@ std::uint32_t most_slabs_per_turn(std::uint64_t slab_points, const MemoryDemand&
   return static_cast<std::uint32_t>(std::max<std::uint64_t>((points + slab - 1) / slab, 1));
 }
 
-/// Returns the number of points in the window: in the slabs of a turn, in adjacent slabs on both sides, in the slabs
-/// read ahead, and within the radius; and for several steps the points that wait for one another, between two measured
-/// numbers.
+/// Returns the estimated number of points in the window: in the slabs of a turn, in slabs next to them, of which there
+/// are more with more steps, in the slabs read ahead, and within the radius. With several steps, the points that wait
+/// for one another are added; the number is then at least kUsuallyWaiting, and they do not raise it above kMostWaiting.
 std::uint64_t window_points(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand,
                             std::uint32_t slabs_per_turn = 1) {
   const std::uint64_t slabs = slabs_per_turn + 2 + plan.step_count() + std::max(1u, demand.threads / 2);
@@ -102,7 +102,7 @@ std::uint64_t cells_bytes(const SweepPlan& plan, std::uint64_t slab_points, cons
          (window_point_bytes(plan) + (lists ? kept_list_bytes(plan) : 0));
 }
 
-/// Returns the largest number of neighbours of a point.
+/// Returns the largest number of neighbours of a point, which is an estimate without a limit k.
 std::uint64_t most_listed(const SweepPlan& plan, const MemoryDemand& demand) {
   return is_unlimited(plan) ? demand.most_neighbors : std::min<std::uint64_t>(plan.neighborhood.k, demand.points);
 }
@@ -113,18 +113,18 @@ std::uint64_t neighbor_bytes(const MemoryDemand& demand) { return sizeof(Neighbo
 /// lists of a whole cell at once.
 bool gathers(const SweepPlan& plan) { return plan.neighborhood.k > kMostInLanes; }
 
-/// Returns the bytes of the points around a leaf that a thread has gathered.
+/// Returns the bytes of the points around a leaf that a thread has gathered for its search.
 std::uint64_t gathered_bytes(const SweepPlan& plan, const MemoryDemand& demand) {
   return gathers(plan) ? std::min<std::uint64_t>(demand.points, kMostGathered) * kGatheredPointBytes : 0;
 }
 
-/// Returns the bytes of the lists of a thread, with the edges made from them.
+/// Returns the bytes for the lists that one thread uses at a time, with the edges made from them.
 std::uint64_t lists_bytes(std::uint64_t budget, const MemoryDemand& demand) {
   return std::clamp(budget / 16 / std::max(1u, demand.threads), kLeastListBytes, kMostListBytes);
 }
 
-/// Returns the memory of one thread: a slab that is being cut into cells, and a cell with its results, its lists and
-/// the point that is searched.
+/// Returns the memory of one thread: a slab that is being cut into cells, a cell with its results and its lists, and
+/// the candidates of the point that is being searched.
 std::uint64_t thread_bytes(const SweepPlan& plan, std::uint64_t slab_points, std::uint64_t budget,
                            const MemoryDemand& demand) {
   const std::uint64_t cell = std::min<std::uint64_t>(demand.points, demand.cell_points);
@@ -168,8 +168,8 @@ std::uint64_t on_demand_buffer_bytes(std::uint64_t slab_points, const MemoryDema
   return std::max(1u, demand.threads) * (2 * kMega + slab_points * demand.working_record_bytes);
 }
 
-/// Returns the bytes of the index of spilled results. Buckets have 1 MB if memory suffices for a good block for each,
-/// else they are larger.
+/// Returns the bytes of the index of spilled results. Results are spilled in buckets (order/row_store.cpp) of 1 MB if
+/// the buffer has room for a block of 64 kB for each bucket, else in larger ones.
 std::uint64_t result_index_bytes(std::uint64_t buffer, const MemoryDemand& demand) {
   constexpr std::uint64_t kGoodBlock = 64 << 10, kRowBytes = 4;
   const std::uint64_t bytes = demand.points * demand.result_record_bytes;
@@ -254,7 +254,7 @@ class Division {
   std::uint64_t budget_;
   const SweepPlan& plan_;
   const MemoryDemand& demand_;
-  bool lists_;  ///< true if the plan has room for all lists that later steps need; if false, they are searched again
+  bool lists_;  ///< true if the plan has room for all lists that later steps need; else later steps search them again
   MemoryPlan out_;
 };
 

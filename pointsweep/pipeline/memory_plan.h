@@ -22,11 +22,11 @@ struct MemoryDemand {
   std::uint64_t listed_edge_bytes = 0;  ///< bytes of the edge that a thread makes for each neighbour in its lists
   std::uint64_t codec_bytes = 0;        ///< memory for decoding the inputs and encoding the output
   std::uint64_t most_neighbors = 0;     ///< estimate for a radius without a limit k: the most neighbours of a point
-  /// Estimate for a radius without a limit k: points in a slice across the axis, as thick as the radius times
-  /// (steps + 1); the radius keeps them in the window.
+  /// Estimate for a radius without a limit k: the points that the radius keeps in the window, which lie in a slice
+  /// across the axis as thick as the radius times (steps + 1).
   std::uint64_t slice_points = 0;
-  /// Estimate for several steps with a limit k: points that wait for one another beside the slabs on both sides of the
-  /// front, by window_neighbors(); 0 where all points fit.
+  /// Estimate for several steps with a limit k: points that stay in the window, besides the slabs next to the front,
+  /// because their cells wait for one another (window_neighbors()); 0 if a window of all points fits.
   std::uint64_t waiting_for_steps = 0;
   /// Estimated number of points that wait in memory if slabs are made on demand; absent if that is impossible.
   std::optional<std::uint64_t> waiting_points = {};
@@ -41,9 +41,9 @@ struct MemoryPlan {
   std::uint64_t result_buffer_bytes = 0;
   std::uint64_t most_waiting = 0;  ///< most points that may wait in memory for slabs that are made on demand
   std::uint64_t recall_bytes = 0;
-  std::uint32_t slabs_per_turn = 1;  ///< slabs that come into the window before the steps are taken
+  std::uint32_t slabs_per_turn = 1;  ///< slabs that the sweep reads before it runs the steps
   std::uint64_t window_bytes = 0;    ///< expected memory of the window, including memory that threads use at a time
-  std::uint64_t threads_bytes = 0;   ///< memory of threads with the thinnest slabs; 0 if nothing is recalled
+  std::uint64_t threads_bytes = 0;   ///< memory of all threads with the thinnest slabs; 0 if nothing is recalled
   std::uint64_t cells_bytes = 0;     ///< limit for the cells of the window
   std::uint64_t in_order_bytes = 0;  ///< limit for an in-order operator
   std::uint64_t lists_bytes = 0;     ///< memory for the lists that each thread uses at a time
@@ -54,11 +54,12 @@ struct MemoryPlan {
 /// Memory of a run that does not grow with the cloud: code and the chunks that are being read and written.
 inline constexpr std::uint64_t kFixedBytes = 24u << 20;
 
-/// Returns the bytes of a window that holds all points, with the lists of later steps.
+/// Returns the bytes of a window that holds all points, with the neighbour lists that are kept for later steps.
 std::uint64_t whole_window_bytes(const SweepPlan& plan, std::uint64_t points);
 
-/// Returns the number of neighbours whose ball is as wide as the stretch along the axis in which several steps keep
-/// points: an ordinary cell, and for each step two and a half times the ball of a neighbourhood. With this number,
+/// Returns the number of points in a ball that is as wide as the stretch along the axis in which several steps keep
+/// points; Estimates::open_points() takes it as k. The width of the stretch is 0.85 times the width of a ball with the
+/// points of an ordinary cell, plus, for each step, 2.5 times the width of a neighbourhood's ball. With this number,
 /// plans have room for 1.1 to 3.1 times the points that were in the window of four clouds of 1M points (k = 8 and 64,
 /// two and three steps, slabs of 8,192 and 32,768 points), and for more than that in the smallest windows. For a wall
 /// across the axis the number is too large.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Adds to the statistics of a run, describes the machine for them, and records observations of a run that were
+/// Functions that fill in the statistics of a run: add the counts of a sweep, describe the machine, and store what was
 /// requested for plots and pictures.
 #pragma once
 
@@ -23,10 +23,11 @@ std::string machine_description();
 /// Returns the largest resident set of this process so far, in bytes.
 std::uint64_t peak_resident_bytes();
 
-/// Returns the bin of distance 0, unless it is empty, and all bins from the first to the last that is not empty.
+/// Returns the bin of distance 0 if it has counts, and all bins from the first to the last of the others that have
+/// counts.
 std::vector<DistanceBin> bins_of(const NeighborDistances& distances);
 
-/// Writes the states, by input row, as a .npy file of uint8.
+/// Writes the state of each point, by input row, as a .npy file of uint8.
 void write_states(const std::vector<PointState>& states, const std::filesystem::path& path, bool overwrite);
 
 }  // namespace pointsweep

@@ -20,7 +20,7 @@ namespace pointsweep {
 struct EnginePass {
   const Stream& stream;  ///< in canonical order
   const PlannedPass& pass;
-  /// Receives result records by input row; with a layout, whole output records by place in the stream.
+  /// Receives result records by input row or, if `layout` is not null, whole output records by place in the stream.
   RowStore& store;
   const OutputLayout* layout;  ///< layout of output records; null if `store` receives result records
   std::uint64_t memory_bytes;  ///< limit for the points that the engine holds
@@ -30,12 +30,11 @@ struct EnginePass {
 class SweepEngine {
  public:
   virtual ~SweepEngine() = default;
-  /// Returns the name of the engine in records of outputs.
+  /// Returns the name by which the processing records of outputs mention the engine.
   virtual std::string name() const = 0;
   /// Throws UsageError for a request that the engine does not support.
   virtual void require_can(const ChainPlan& plan, const EngineOptions& options) const = 0;
-  /// Performs the pass and returns the statistics of its sweep. Adds statistics that only this engine has to
-  /// `statistics`.
+  /// Performs the pass and returns the statistics of its sweep. Adds counts that no other engine has to `statistics`.
   virtual SweepStatistics sweep(const EnginePass& pass, Statistics& statistics) const = 0;
 };
 

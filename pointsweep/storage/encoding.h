@@ -23,7 +23,7 @@
 
 namespace pointsweep {
 
-/// The kind of an encoded value, and the version of its fields, which every change of the fields raises.
+/// The kind of an encoded value, and the version of its fields, which increases with every change of the fields.
 struct Encoding {
   std::string_view kind;  ///< a constant of at most 255 bytes
   std::uint16_t version;

@@ -31,7 +31,7 @@ constexpr double kCountedShare = 0.9;
 /// farther, such as outliers, are deferred, since their cell would stay in the window for long.
 constexpr double kWorthWaiting = 5;
 
-/// Returns the greatest reach among those of the points `early` that are worth a wait; 0 if none is.
+/// Returns the greatest reach of the points in `early` that are worth a wait (kWorthWaiting); 0 if none is.
 double reach_worth_waiting(const std::vector<double>& reach2, const std::vector<std::uint32_t>& early) {
   double worth = 0;
   if (early.empty()) return worth;
@@ -43,7 +43,8 @@ double reach_worth_waiting(const std::vector<double>& reach2, const std::vector<
   return worth;
 }
 
-/// Makes the cell wait, with a better estimate of its reach than its density gave, at least `least`.
+/// Makes the cell wait for unread slabs. Raises its wait_reach and leaf_reach to the reaches that its search has found,
+/// and wait_reach to at least `least`.
 void wait(WindowCell& cell, const std::vector<double>& reach2, double least, const Frontier& frontier) {
   const double needed = reach_of_most(reach2, 1 - 1.0 / kStragglers);
   cell.wait_reach = std::max({cell.wait_reach, least, std::isfinite(needed) ? needed : 0});

@@ -39,7 +39,7 @@ class Frontier {
   void slab_was_read() { ++read_; }
   /// Sets the number of slabs that have been read, for a sweep that continues an earlier sweep.
   void slabs_were_read(std::size_t first) { read_ = first; }
-  /// Returns whether the sweep has slabs to read. Slabs for the recall alone do not count.
+  /// Returns whether the sweep has slabs to read. Slabs that only the recall reads do not count.
   bool more_to_read() const { return read_ < swept_slabs_; }
   /// Treats the unread slabs as cells that have left the window. Must be called after the last slab of the sweep.
   void leave_unread_slabs();
@@ -53,10 +53,10 @@ class Frontier {
   /// slabs are read, even for an infinite reach.
   bool unread_within(const Box& box, double reach2) const { return unread_within(box, reach2, true); }
   bool unread_within(Vec3 p, double reach2) const { return unread_within(Box{p, p}, reach2); }
-  /// Returns the same for the slabs that the sweep has still to read, without slabs that only the recall reads.
+  /// Like unread_within(), but considers only slabs that the sweep has still to read.
   bool still_read_within(const Box& box, double reach2) const { return still_read_within(box, reach2, true); }
   bool still_read_within(Vec3 p, double reach2) const { return still_read_within(Box{p, p}, reach2); }
-  /// Returns the same for the slabs that only the recall reads.
+  /// Like unread_within(), but considers only slabs that only the recall reads.
   bool only_recalled_within(const Box& box, double reach2) const { return only_recalled_within(box, reach2, true); }
   bool only_recalled_within(Vec3 p, double reach2) const { return only_recalled_within(Box{p, p}, reach2); }
   /// Returns whether any unread slab, superfluous or not, lies within sqrt(reach2) of a box.

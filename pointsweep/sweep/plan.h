@@ -86,7 +86,7 @@ struct Finished {
 };
 
 /// Receives finished points: the deferred-write operator Φ_W (paper Section 4.2.1). Each point, except in slabs
-/// of the halo, is passed once to finished() or recalled(). Many threads call these functions.
+/// of a halo (Slab::is_halo), is passed once to finished() or recalled(). Many threads call these functions.
 class Sink {
  public:
   virtual ~Sink() = default;
@@ -98,8 +98,8 @@ class Sink {
     (void)slab;
     (void)index_in_slab;
   }
-  /// Returns whether the sink takes the working records of the slabs: then slab_read() is called with the records of a
-  /// slab before any point of the slab is finished.
+  /// Returns whether the sink takes the records of the slabs (Stream::record_schema()). If so, slab_read() is called
+  /// with the records of a slab before any point of the slab is finished.
   virtual bool wants_records() const { return false; }
   virtual void slab_read(std::uint32_t slab, std::vector<std::byte> records) {
     (void)slab;

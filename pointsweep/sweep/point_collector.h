@@ -24,10 +24,11 @@ struct NeededPlace {
 
 /// The points to be collected, and the limit of their number.
 struct WantedPoints {
-  /// Balls for which the `nearest` nearest points are needed, and all points as far away as the last of these points.
+  /// Balls of which the `nearest` points nearest to the center are needed, and all points as far away as the farthest
+  /// of these points.
   std::vector<Ball> balls = {};
   std::uint64_t nearest = 1;
-  /// Balls for which all points are needed. Some points near the balls are collected, too. Costs much less time than
+  /// Balls of which all points are needed. Some points near the balls are collected, too. Costs much less time than
   /// `balls` if many balls overlap.
   std::vector<Ball> whole_balls = {};
   std::vector<NeededPlace> places = {};  ///< places of points that are needed in any case, ascending

@@ -22,8 +22,8 @@ constexpr std::uint64_t kFewPoints = 8192, kFewForNeighbor = 128;
 /// Reach of a BallCover in multiples of the radius of a ball: the diagonal of three radii along each axis.
 constexpr double kCoverReach = 5.2;
 
-/// Bytes of one of WantedPoints::balls while points are collected, without its distances, and bytes of one of
-/// `whole_balls` with its share of the cells that it marks in the BallCover.
+/// kBallBytes: bytes of an element of WantedPoints::balls while points are collected, without its distances.
+/// kWholeBallBytes: bytes of an element of WantedPoints::whole_balls and of the cells that it marks in the BallCover.
 constexpr std::uint64_t kBallBytes = 2 * sizeof(Ball) + sizeof(std::vector<double>) + 8 * 24;
 constexpr std::uint64_t kWholeBallBytes = 2 * sizeof(Ball) + 64;
 
@@ -81,7 +81,7 @@ void RecalledPoints::for_cells(const std::vector<std::uint32_t>& slots, Work wor
 }
 
 /// Returns whether the cells within `widths` times the radius of the ball hold many more points than a neighbourhood.
-/// False without a limit k, since all points of the ball are neighbours then.
+/// Returns false without a limit k, since all points of the ball are then neighbours.
 bool RecalledPoints::may_hold_many(const Ball& ball, double widths) const {
   const std::uint64_t few = kFewPoints + kFewForNeighbor * plan_.neighborhood.k;
   return plan_.neighborhood.k != Neighborhood::kUnlimited &&
@@ -293,7 +293,8 @@ void RecalledPoints::take_step(std::uint32_t slot, std::uint32_t step, Worker& w
   }
 }
 
-/// Applies a step to deferred points without counting the results of earlier steps again, which the sweep has counted.
+/// Applies a step to deferred points. Counts degenerate results, except in steps that a point has already taken in the
+/// sweep, which counted them.
 void RecalledPoints::apply_deferred(std::uint32_t slot, std::uint32_t step, const CellSubset& points,
                                     const CellNeighbors& lists, Worker& worker, Sink& sink) const {
   const auto& counted_from = cells_[slot].counted_from;

@@ -50,7 +50,7 @@ class Region : public CellSet {
   SlabsRead slabs_read_;
 };
 
-/// The deferred points, and in levels all points on which their values depend. Level s contains the points whose values
+/// The deferred points and all points on which their values depend, in levels. Level s contains the points whose values
 /// after step s are needed. The last level contains the deferred points; every other level contains the points of the
 /// next level and their neighbours. Lists are found from the last level to the first, values from the first step to the
 /// last.

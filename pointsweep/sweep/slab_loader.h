@@ -34,7 +34,7 @@ class SlabLoader {
   /// their indices in the slab.
   std::vector<std::unique_ptr<WindowCell>> cells_of(std::uint32_t slab, std::span<const std::uint32_t> index_in_slab,
                                                     const std::vector<std::byte>& records) const;
-  /// Returns the error of the lowest row loaded so far with a value that a stage cannot read; empty if there is none.
+  /// Returns the error of the lowest loaded row that has a value that a stage cannot read; empty if there is none.
   FirstRowError refused() const;
 
  private:

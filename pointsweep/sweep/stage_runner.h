@@ -49,7 +49,7 @@ std::vector<PointKey> bucket_begins(const class Stream& stream, std::span<const 
 /// Times, degenerate points and errors of the stages that one thread ran.
 struct StageTally {
   std::vector<double> seconds;           ///< seconds of each stage
-  std::vector<DegeneratePoints> marked;  ///< for each stage of the last step, the points marked in the last batch
+  std::vector<DegeneratePoints> marked;  ///< for each stage of the last step, degenerate points of the last batch
   /// For each stage, the rows of marked points whose results are final. Callers of run_step() add these rows.
   std::vector<DegenerateRows> degenerate;
   FirstRowError refused;                         ///< error of a stage that refused a row, which ends the pass
@@ -68,8 +68,8 @@ struct Batch {
   std::byte* const* made = nullptr;  ///< writable columns by column number
 };
 
-/// Calls `use(stage, point of the batch)` for each point that a stage of `step` has marked. `step` must be the step
-/// that was run last.
+/// Calls `use(stage, point of the batch)` for each point that a stage of `step` has marked as degenerate. `step` must
+/// be the step that was run last.
 template <class Use>
 void for_each_marked(const SweepPlan& plan, std::size_t step, const StageTally& tally, Use use) {
   for (std::size_t s = plan.steps[step]; s < plan.steps[step + 1]; ++s)
@@ -82,7 +82,7 @@ void run_stage(const SweepPlan& plan, std::size_t s, const Batch& batch, StageTa
 /// Applies all stages of the step to the batch. Step 0 also counts distances if tally.distances is not null.
 void run_step(const SweepPlan& plan, std::size_t step, const Batch& batch, StageTally& tally);
 
-/// Copies the result columns of the batch into result records.
+/// Fills `results` with the result records of `size` points, copied from their result columns.
 void collect_results(const SweepPlan& plan, const std::byte* const* columns, std::size_t size,
                      std::vector<std::byte>& results);
 

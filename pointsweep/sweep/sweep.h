@@ -25,7 +25,7 @@ enum class PointState : std::uint8_t {
   unread,
   waiting,   ///< the point is in the window and waits for unread slabs near it
   searched,  ///< the neighbourhood of the point is known; it waits for values of its neighbours
-  kept,      ///< the point is finished or deferred, but other points still need it
+  kept,      ///< the cell of the point is finished, but other points may need it
   gone,      ///< the point has left the window
 };
 
@@ -35,7 +35,7 @@ struct WindowedCell {
   std::uint32_t slab;
   std::uint32_t number;  ///< number of the cell in its slab
   std::uint32_t points;
-  std::uint32_t finished;  ///< 1 if the points of the cell have been delivered or deferred, else 0
+  std::uint32_t finished;  ///< 1 if no more points of the cell are to be delivered or deferred, else 0
   double reach;            ///< WindowCell::reach
 };
 
@@ -54,7 +54,7 @@ struct SaturatedLocation {
 /// (docs/adr/0008).
 struct SweepProgress {
   std::uint32_t slabs_read = 0;
-  std::vector<WindowedCell> window;        ///< in any order; a read cell that is not listed is finished
+  std::vector<WindowedCell> window;        ///< in any order; cells that were read but are not listed are finished
   std::vector<DroppedCellOfSlab> dropped;  ///< dropped cells; the recall needs them even if all slabs have been read
   std::vector<SaturatedLocation> saturated_locations;
   std::vector<DeferredPoint> deferred;  ///< points of finished cells that are not yet recalled
@@ -82,7 +82,7 @@ struct SweepOptions {
   std::size_t read_ahead = 1;            ///< slabs that are read and cut while earlier slabs are processed; at least 1
   std::uint32_t slabs_per_turn = 1;      ///< slabs that are read before the steps are taken; at least 1
   std::size_t recall_bytes = 64u << 20;  ///< bytes of memory for a group of recalled points
-  std::uint64_t spare_bytes = 0;         ///< resident set up to which the recall leaves freed memory to the allocator
+  std::uint64_t spare_bytes = 0;         ///< resident bytes up to which the recall leaves freed memory to the allocator
   /// Memory for the cells of the window. Cells may exceed it; lists for later steps use only the rest.
   std::uint64_t cells_bytes = std::numeric_limits<std::uint64_t>::max();
   /// Memory for the lists that each thread uses at a time. Cells with larger lists are processed in runs of points, at
@@ -112,7 +112,7 @@ struct SweepStatistics {
   std::uint64_t recalled_slabs = 0;
   std::uint64_t recalled_bytes = 0;        ///< bytes of the slabs that the recall of this process has read
   std::vector<DegenerateRows> degenerate;  ///< for each stage, rows whose data define no result
-  double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads (recall: wall)
+  double read_seconds = 0, search_seconds = 0, recall_seconds = 0;  ///< summed over threads; recall: wall time
   std::vector<double> stage_seconds;                                ///< for each stage, summed over threads
   std::uint64_t peak_points = 0;  ///< most points in the window after the steps of a turn, before cells are dropped
   double mean_points = 0;         ///< mean number of points in the window, over the turns of this process
@@ -121,7 +121,7 @@ struct SweepStatistics {
   /// A series for each step, named after its operators: points read, and points in the window whose next step is this
   /// step. The last series counts the points of finished cells, before cells are dropped.
   std::vector<std::pair<std::string, std::vector<std::pair<std::uint64_t, std::uint64_t>>>> buffers;
-  double lifespan_mean = 0, lifespan_max = 0;  ///< seconds that points have stayed in the window
+  double lifespan_mean = 0, lifespan_max = 0;  ///< mean and most seconds of a point in the window
   NeighborDistances distances;                 ///< one count for each finite point with neighbours, if requested
 };
 

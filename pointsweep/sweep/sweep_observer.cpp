@@ -7,7 +7,7 @@ namespace pointsweep {
 namespace {
 
 /// Returns empty series named after the operators of each step, e.g. "knn, normals" and "curvature, splats", and a last
-/// one named "finished".
+/// series named "finished".
 decltype(SweepStatistics::buffers) named_buffers(const SweepPlan& plan) {
   decltype(SweepStatistics::buffers) buffers;
   for (std::size_t step = 0; step < plan.step_count(); ++step) {

@@ -55,7 +55,7 @@ SweepRestart::SweepRestart(const SweepProgress& from, const Stream& stream, cons
 std::uint32_t SweepRestart::slab_to_begin_with() const {
   std::uint32_t slab = from_.slabs_read;
   if (plan_.step_count() == 1 || slab == stream_.slabs().size()) return slab;
-  std::vector<std::pair<std::uint32_t, std::uint64_t>> unfinished;  // pairs of a slab and its unfinished points
+  std::vector<std::pair<std::uint32_t, std::uint64_t>> unfinished;  // slab and number of points of each unfinished cell
   std::uint64_t left = 0;
   for (const WindowedCell& cell : from_.window) {
     if (cell.finished != 0) continue;

@@ -8,8 +8,8 @@
 namespace pointsweep {
 namespace {
 
-/// Factor of reaches: a cell whose reach is this many times shorter than that of a leaf counts as much denser. On a
-/// surface, such a cell has 16 times as many points per area.
+/// Factor of reaches: a cell whose reach is this many times shorter than the reach of a leaf counts as much denser. On
+/// a surface, such a cell has 16 times as many points per area.
 constexpr double kMuchDenser = 4;
 
 /// The factor on expected reaches grows while more than one in kManyWaiting searched cells must wait, and shrinks while
@@ -72,8 +72,8 @@ void Window::note_searched(const std::vector<std::uint32_t>& slots) {
     allowance_ = std::max(0.99 * allowance_, 1.0);
 }
 
-/// Returns the distance within which later points may search a cell. Without a limit k: the radius plus a margin for
-/// rounding. Otherwise an estimate: twice the reach at the density of the cell.
+/// Returns the distance within which later points may search a cell of this reach. Without a limit k: the radius plus a
+/// margin for rounding. Otherwise an estimate: twice the reach at the density of the cell.
 double Window::kept_clear(double reach) const {
   return (plan_.neighborhood.k == Neighborhood::kUnlimited ? 1 + 1e-9 : 2) * reach;
 }

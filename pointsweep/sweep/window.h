@@ -24,8 +24,8 @@ class Window : public CellSet {
   void admit(std::unique_ptr<WindowCell> cell);
   /// Returns the slots of the cells that can take step `step` now, ascending.
   std::vector<std::uint32_t> ready_for(std::uint32_t step) const;
-  /// Learns from `slots`, the cells just searched for the first step. If many of them must wait and be searched again,
-  /// as in noise, later cells wait longer before their first search.
+  /// Adapts the waiting time of later cells to `slots`, the cells just searched for the first step. If many of these
+  /// cells must be searched again, as in noise, later cells wait longer before their first search.
   void note_searched(const std::vector<std::uint32_t>& slots);
   /// Drops every finished cell that no unfinished cell refers to and that later points are unlikely to need.
   void drop();

@@ -47,7 +47,7 @@ struct WindowCell {
   /// own points in `deferred` while cells are processed in parallel; other cells read `deferred_before`, the state
   /// before the step.
   std::vector<std::uint8_t> deferred, deferred_before;
-  /// Counts and points that the cell adds to the counts and the deferred points of the run when it is finished.
+  /// The next three members are added to the counts and the deferred points of the run when the cell is finished.
   std::uint64_t certified = 0;
   std::vector<DegeneratePoints> degenerate;  ///< marked points of each stage; empty if no point is marked
   std::vector<DeferredPoint> left_to_recall;
@@ -89,8 +89,8 @@ inline std::uint64_t window_point_bytes(const SweepPlan& plan) {
   return kBytes + kBytes / kLostShare + plan.cell_lifetime_bytes();
 }
 
-/// Cells by slot. The window of a sweep and the region of a recall are such sets, so that the same functions search
-/// their cells and take them through the steps. Reading is thread-safe, changing is not.
+/// A set of cells, each in a numbered slot. The window of a sweep and the region of a recall are such sets, so that the
+/// same functions search their cells and take them through the steps. Reading is thread-safe, changing is not.
 class CellSet {
  public:
   WindowCell& at(std::uint32_t slot) { return *cells_[slot]; }

@@ -51,7 +51,7 @@ struct Worker {
   std::vector<std::byte*> columns;  ///< columns of the current cell, by column number
   std::vector<const std::byte*> own_columns;
   std::vector<std::byte*> run_columns;  ///< `columns`, from the first point of a run on
-  std::vector<std::byte> passing;       ///< memory of the columns that do not outlast the step
+  std::vector<std::byte> passing;       ///< memory of the columns that are needed only in the step
   ChosenPoints chosen;                  ///< the points that take the step, if not all points of the cell do
   CellNeighbors chosen_lists;
   std::vector<std::byte> results;
@@ -67,7 +67,7 @@ struct Worker {
 /// Sets worker.columns: columns that the step makes for later steps belong to the cell, others to the worker. All
 /// values are 0 until an operator writes them.
 void place_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
-/// Sets worker.columns as place_columns() does, but leaves the columns that do not outlast the step null.
+/// Sets worker.columns as place_columns() does, but leaves the columns that are needed only in the step null.
 void place_cell_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
 
 /// Drops all lists except the lists with the numbers `kept`, which ascend.

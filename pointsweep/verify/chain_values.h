@@ -52,9 +52,9 @@ class ChainValues {
   /// Returns the bytes of the result of a point: the values of made(), one after another.
   std::size_t result_bytes() const;
   std::size_t estimates_per_point() const;
-  /// Returns the number of rings of points that need lists of neighbours: 0 without operators; 1 if stages read only
-  /// positions and input attributes of neighbours; one more for each stage that reads attributes which another stage
-  /// has made for the neighbours.
+  /// Returns the number of rings of points (Surroundings) that need lists of neighbours: 0 without operators; 1 if
+  /// stages read only positions and input attributes of neighbours; one more for each stage that reads attributes which
+  /// another stage has made for the neighbours.
   std::size_t rings() const;
 
   /// Returns the results of the chosen points of `around`, which has rings() rings. Reads the input once more if an
@@ -66,9 +66,10 @@ class ChainValues {
   ChainResults evaluate_unplaced(std::span<const KnownPoint> points, RowSource& in) const;
   /// Returns the bytes of memory for each point of the surroundings, in addition to its list.
   std::size_t bytes_per_point() const;
-  /// Returns an attribute of all rows, computed by the operators themselves, equal to a run bit by bit. Only for
-  /// attributes of local stages that follow local stages. Order: row of the input, then component; NaN for a point
-  /// without a finite place. All values are in memory. Throws NotTold if the values cannot be computed.
+  /// Returns an attribute of all rows, computed by the operators themselves, equal to a run bit by bit. Works only for
+  /// attributes of local stages that follow local stages. The values are ordered by row of the input, then by
+  /// component; a point without a finite place has NaN. All values are in memory. Throws NotTold if the values cannot
+  /// be computed.
   std::vector<double> made_by_operators(const std::string& attribute, CloudRows& rows,
                                         const NeighborRule& neighborhood);
 
@@ -86,7 +87,7 @@ class ChainValues {
     std::vector<std::uint16_t> reads, reads_neighbors, makes;
     int position = -1;   ///< column of the moved positions that the stage reads; negative for positions of the input
     bool alone = false;  ///< true if the stage reads only the point itself
-    int ring = -1;       ///< outermost ring on which the values of the stage are needed; negative if on none
+    int ring = -1;       ///< outermost ring that needs the values of the stage; negative if none needs them
   };
   struct FileColumn {
     std::uint16_t column;

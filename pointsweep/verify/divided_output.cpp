@@ -175,7 +175,7 @@ class PlacesOfPoints {
   bool name_is_known_ = false;
   std::vector<Vec3> waiting_;  ///< buffer points of the current file before its first own point
   std::map<Part, std::string> file_of_;
-  std::map<Part, MultisetSum> wanted_, found_;  ///< for each part, sums over the points its buffer must hold, and holds
+  std::map<Part, MultisetSum> wanted_, found_;  ///< sums over the points that each buffer must hold, and does hold
   std::vector<bool> own_;
   Misplaced misplaced_;
 };

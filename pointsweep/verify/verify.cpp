@@ -302,7 +302,8 @@ class Verification {
     made_values_.keep(told);
   }
 
-  /// Returns the number of points that fit in memory with their surroundings, if neighbourhoods overlap as in a volume.
+  /// Estimates the number of points that fit in memory with their surroundings. Assumes that neighbourhoods overlap
+  /// like those of points that fill a volume.
   std::size_t points_in_a_turn() const {
     const double k = made_by_.neighborhood.k == NeighborRule::kUnlimited
                          ? 256
@@ -418,7 +419,7 @@ class Verification {
   std::vector<std::pair<std::uint64_t, std::string>> suspects_;  ///< rows that seem to be wrong, with the reason
   int axis_ = -1;  ///< axis of the sweep in whose order the rows are; negative for any other order
   bool order_is_lost_ = false;
-  std::uint64_t unclear_ = 0;  ///< number of unconfirmed points that equal more than kMostPossibleRows rows
+  std::uint64_t unclear_ = 0;  ///< number of unconfirmed points with the values of more than kMostPossibleRows rows
   Verdict verdict_;
 };
 

@@ -34,14 +34,14 @@ struct MadeBy {
   CloudThreshold outlier_threshold = {};
   /// True if a select follows other stages, so that the output lacks some rows of the input.
   bool leaves_out = false;
-  /// True if the order of the rows is unknown: neither the input's nor one that the points determine.
+  /// True if the order of the rows is unknown: neither the order of the input nor an order that the points determine.
   bool in_any_order = false;
   std::vector<std::string> known_differences = {};  ///< differences found before the check
   std::uint64_t more_differences = 0;               ///< number of further differences
   /// True if stages that are not checked also drop rows, so that a row may be missing because of such a stage.
   bool leaves_out_more = false;
   std::vector<std::string> untold = {};  ///< sentences about values that are not checked, with reasons
-  /// Names of fields that were not written: of kept made attributes, and of the input.
+  /// Names of fields that were not written: fields of kept made attributes, and fields of the input.
   std::set<std::string> left_out_made = {}, left_out_input = {};
   OwnField own_field = nullptr;  ///< Format::own_field of the output's format; null if it has none
 };

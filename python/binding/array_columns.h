@@ -37,8 +37,8 @@ struct WritableArray {
   std::shared_ptr<const void> owner;
 };
 
-/// Holds the buffer of `array`, N×m contiguous numbers. Throws like borrow_array(), and Python's BufferError if the
-/// array is read-only.
+/// Returns an array that holds the buffer of `array`, N×m contiguous numbers. Throws like borrow_array(), and Python's
+/// BufferError if `array` is read-only.
 WritableArray borrow_writable(nanobind::handle array, const std::string& name);
 
 }  // namespace pointsweep

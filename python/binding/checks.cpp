@@ -23,7 +23,7 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-/// Returns (the JSON object of the file, its coordinate reference system).
+/// Returns (summary of the file as JSON, its coordinate reference system).
 nb::tuple summarize_file(const std::filesystem::path& path, const std::string& format, bool spacing,
                          const nb::object& progress) {
   FileSummary summary;
@@ -39,7 +39,7 @@ nb::tuple summarize_file(const std::filesystem::path& path, const std::string& f
   return nb::make_tuple(to_json(summary), crs_value(summary.info.crs));
 }
 
-/// Returns the JSON object of the statistics. `given` has every key that pointsweep._summary.summary() gives.
+/// Returns the statistics as JSON. `given` has every key that pointsweep._summary.summary() gives.
 std::string statistics_of_points(const nb::list& source, const nb::dict& given, const nb::object& progress,
                                  const nb::object& warn) {
   Cloud cloud = open_cloud(source, false, given);

@@ -18,7 +18,7 @@ inline constexpr const char* kRowField = "row";
 /// be strided or memory-mapped.
 class ColumnsOfArrays final : public Reader {
  public:
-  /// `with_rows`: adds a field, kRowField, i64. Throws UsageError if the arrays differ in length.
+  /// `with_rows`: true to add the field kRowField, i64. Throws UsageError if the arrays differ in length.
   ColumnsOfArrays(std::vector<ArrayColumn> columns, bool with_rows, std::optional<Crs> crs);
 
   Chunk chunk_of(std::uint64_t row) const override;
@@ -37,7 +37,7 @@ class ColumnsOfArrays final : public Reader {
 
   void add(const ArrayColumn& column);
 
-  std::vector<ArrayColumn> columns_;  ///< keep the arrays alive
+  std::vector<ArrayColumn> columns_;  ///< held to keep the arrays alive
   std::vector<Piece> pieces_;
 };
 

@@ -10,13 +10,13 @@
 
 namespace pointsweep {
 
-/// Returns (name, kind, EPSG code, EPSG code of the heights, WKT, directory, doubles and ascii of GeoTIFF keys); None
-/// without a system.
+/// Returns (name, kind, EPSG code, EPSG code of the heights, WKT, and the directory, the doubles and the ASCII text of
+/// the GeoTIFF keys); None if `crs` is absent.
 nanobind::object crs_value(const std::optional<Crs>& crs);
 /// Returns the system from which crs_value() made the tuple `value`; absent for None.
 std::optional<Crs> crs_from(nanobind::handle value);
 
-/// Adds the functions wkt_crs, las_crs, short_text and differ to the module.
+/// Adds the functions wkt_crs, parse_crs, las_crs, short_text and differ to the module.
 void bind_crs(nanobind::module_& module);
 
 }  // namespace pointsweep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Clouds of known geometry.
+/// Functions of the module that generate points on known shapes.
 #pragma once
 
 #include <nanobind/nanobind.h>

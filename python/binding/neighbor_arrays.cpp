@@ -18,7 +18,8 @@ namespace nb = nanobind;
 namespace pointsweep {
 namespace {
 
-/// Throws Error if `values` distances and rows of `row_bytes` exceed the memory of the machine.
+/// Throws Error if `values` neighbours, each a distance and a row number of `row_bytes` bytes, exceed the memory of the
+/// machine.
 void require_memory(double values, std::size_t row_bytes) {
   const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   const double needed = values * static_cast<double>(row_bytes + sizeof(double));
@@ -98,8 +99,8 @@ void NeighborArrays::put(const PlaceLists& lists) {
     put(lists, reinterpret_cast<std::uint32_t*>(rows_.bytes.get()), distances);
 }
 
-/// Writer that marks the arrays of points without neighbours as missing. The operator never gets points with non-finite
-/// coordinates.
+/// Writer that fills the lists of points without neighbours with missing values. The operator cannot do so, since it
+/// never gets points with non-finite coordinates.
 class NeighborArrays::EmptyRows final : public Writer {
  public:
   EmptyRows(NeighborArrays& arrays, const Schema& schema)

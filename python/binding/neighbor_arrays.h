@@ -25,7 +25,7 @@ class NeighborArrays {
   static NeighborArrays of_places(std::size_t k, std::uint64_t places, std::uint64_t points);
 
   /// Returns an operator that makes "neighbor_count", u32, and writes the neighbours of each point to *this, which must
-  /// outlive the operator. A point may come twice, with the same neighbours.
+  /// outlive the operator.
   std::shared_ptr<const LocalOperator> op();
   /// Returns a writer for Outputs::writer. It marks the rows of points without neighbours as missing. *this must
   /// outlive the run.

@@ -12,7 +12,7 @@
 namespace pointsweep {
 
 /// Makes "neighbor_count", u32, and passes the neighbourhoods to `take`. `take` is called by many threads at once and
-/// must copy what it needs of a batch. A point may come twice, with the same neighbours.
+/// must copy what it needs of a batch. A run may pass a point twice, with the same neighbours.
 class NeighborSink final : public LocalOperator {
  public:
   NeighborSink(std::string name, std::function<void(const Neighborhoods&)> take)

@@ -34,9 +34,9 @@ const std::array<std::string, 10> kRoundNames{"look",  "other", "order", "sweep"
                                               "label", "rows",  "write", "cut",   "gather"};
 const std::array<std::string, 6> kJoinNames{"", "tiles", "borders", "components", "values", "pieces"};
 
-/// The arguments that all tasks of a run share, in the form of run_pipeline(). `to`: an output for each input, or the
-/// one pattern of the files among which the output is divided. `known`: facts of the whole cloud, (points, metres per
-/// unit).
+/// The arguments that all tasks of a run share, as run_pipeline() in runs.cpp gets them. `to`: an output for each
+/// input, or one pattern for the names of the files among which the output is divided. `known`: facts of the whole
+/// cloud, (points, metres per unit).
 struct PartRequest {
   PartRequest(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
               const nb::dict& given, std::vector<std::filesystem::path> to, const nb::object& known = nb::none())
@@ -81,8 +81,8 @@ nb::tuple tuple_of(const PartRound& round) {
   return nb::make_tuple(steps, kJoinNames[static_cast<std::size_t>(round.join)]);
 }
 
-/// Calls work() on a thread of its own, so that other threads of Python run meanwhile and Ctrl-C is seen. The observer
-/// of request.options tells `progress`, if it is not None.
+/// Calls work() on another thread, so that other threads of Python run meanwhile and Ctrl-C is handled. Reports the
+/// progress to the function `progress`, if it is not None.
 void call_watched(PartRequest& request, const std::function<void()>& work, const nb::object& progress = nb::none()) {
   try {
     watch({progress, nb::none()}, [&](Observer& observer) {

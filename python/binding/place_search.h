@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Neighbours of places that are no points of the cloud.
+/// Search for the neighbours of places: given positions that need not be points of the cloud.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,8 @@
 
 namespace pointsweep {
 
-/// Neighbours of places, in their order: the next counts[i] elements of `neighbors` belong to places[i], nearest first.
+/// Neighbours of places, one list after another: the next counts[i] elements of `neighbors` belong to the place with
+/// the number places[i], nearest first.
 struct PlaceLists {
   std::span<const std::size_t> places;
   std::span<const std::size_t> counts;
@@ -30,7 +31,7 @@ struct PlaceLists {
 /// once.
 class PlaceSearch final : public InOrderOperator {
  public:
-  /// Called from any number of threads at once; a place may come twice, with the same neighbours, if there is a k.
+  /// Called by any number of threads at once. If `k` is given, a place may be passed twice, with the same neighbours.
   using Take = std::function<void(const PlaceLists&)>;
 
   /// `places`: N×3 numbers, which must outlive the run. `k`: largest number of neighbours; absent: all neighbours

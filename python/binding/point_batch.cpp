@@ -102,7 +102,7 @@ nb::object PointBatch::neighbor_rows() const {
 }
 
 nb::object PointBatch::own(std::size_t a) const {
-  const Neighborhoods& points = in();  // must come first: without points reads_ does not exist either
+  const Neighborhoods& points = in();  // must come first: it throws after end(), when reads_ is no longer valid
   const Attribute& attribute = reads_[a];
   const std::byte* const from = points.values<std::byte>(a) + first_ * attribute.bytes();
   ArrayMemory memory(size_ * attribute.bytes());

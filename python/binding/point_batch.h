@@ -30,8 +30,8 @@ class PointBatch {
   nanobind::object counts() const;                     ///< N i64
   nanobind::object neighbor_positions() const;         ///< N×width×3 f64
   nanobind::object neighbor_rows() const;              ///< N×width i64; a missing neighbour has the largest i64
-  nanobind::object own(std::size_t a) const;           ///< attribute a of `reads`, N or N×m
-  nanobind::object of_neighbors(std::size_t a) const;  ///< attribute of `reads_neighbors`, N×width or N×width×m
+  nanobind::object own(std::size_t a) const;           ///< attribute a of contract.reads, N or N×m
+  nanobind::object of_neighbors(std::size_t a) const;  ///< of contract.reads_neighbors, N×width or N×width×m
 
  private:
   const Neighborhoods& in() const;

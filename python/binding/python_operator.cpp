@@ -80,8 +80,8 @@ std::shared_ptr<PythonFunction> function_of(nb::handle op) {
 
 bool is_64_bits(Type type) { return type == Type::i64 || type == Type::u64; }
 
-/// Returns the attribute that a read `name` means: the last made attribute of that name, else fields of the input, as
-/// in conditions.
+/// Returns the attribute that an operator reads as `name`: the last attribute of that name in `made`, else fields of
+/// the input, named as in the conditions of where().
 Attribute resolved(const std::string& name, const Schema& input, std::span<const Attribute> made) {
   for (std::size_t m = made.size(); m-- > 0;)
     if (made[m].name == name && name != position_attribute().name) return made[m];
@@ -142,7 +142,7 @@ class PythonCall {
   }
 
   const std::string& name() const { return name_; }
-  /// Returns the contract of the operator; for an operator that makes nothing, the contract without the selection.
+  /// Returns the contract of the operator. The contract of a select makes no attribute.
   const Contract& contract() const { return contract_; }
   Options options() const { return digest_.empty() ? Options{} : Options{{"python", digest_}}; }
   void bind(const Schema& input, std::span<const Attribute> made) {
@@ -176,12 +176,12 @@ class PythonCall {
 
   std::string name_, digest_;
   std::vector<std::string> reads_, reads_neighbors_;
-  std::size_t most_places_;  ///< in the padded lists that Python gets at once; a single point may have more
+  std::size_t most_places_;  ///< limit for the padded lists of one call; a single point may have more
   Contract contract_;
   std::shared_ptr<PythonFunction> function_;
 };
 
-/// Copies the values of one result.
+/// Copies the first `bytes` bytes of the array `result`, which has a component for each field, to `to`.
 void copy_values(nb::handle result, const std::vector<std::string>& fields, std::size_t bytes, std::byte* to) {
   std::memcpy(to, borrow_array(result, fields).first, bytes);
 }

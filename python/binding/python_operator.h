@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Operators that are functions of Python.
+/// Operators that call functions written in Python.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -18,8 +18,8 @@ class PythonThreads;
 /// The functions that the operators of Python in a chain call.
 using PythonFunctions = std::vector<std::shared_ptr<PythonFunction>>;
 
-/// Returns the stage that `op`, a pointsweep.Operator, describes: a select if it makes no attribute. Appends the
-/// function of `op` to `functions`.
+/// Returns the stage that `op`, a pointsweep.Operator, describes: a SelectOperator if `op` makes no attribute. Appends
+/// the function of `op` to `functions`.
 ChainStage python_operator(nanobind::handle op, PythonFunctions& functions);
 
 /// Makes the run call the functions on `threads`, which must outlive the run.

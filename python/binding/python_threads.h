@@ -19,8 +19,8 @@ class PythonThreads {
   /// Ends the threads, which destroy their `threading.local` values. The calling thread must not be attached.
   ~PythonThreads();
 
-  /// Calls work() on a thread attached to the interpreter, and returns or throws like it. Several threads may call at
-  /// once; they must not be attached.
+  /// Calls work() on a thread attached to the interpreter, waits for its end, and throws what it throws. Several
+  /// threads may call at once; they must not be attached.
   void call(const std::function<void()>& work);
 
  private:

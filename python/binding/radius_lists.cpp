@@ -73,7 +73,7 @@ nb::tuple RadiusLists::joined(std::uint64_t lists, Type type) {
   auto* const row = reinterpret_cast<Row*>(rows.bytes.get());
   auto* const distance = reinterpret_cast<double*>(distances.bytes.get());
   std::unique_ptr<Batch> batch(newest_.exchange(nullptr));
-  for (; batch; batch = std::move(batch->next))  // frees each batch, so that lists and arrays are not both in memory
+  for (; batch; batch = std::move(batch->next))  // frees each batch when it is copied, to save memory
     for (std::size_t i = 0, at = 0; i < batch->points.size(); at += batch->counts[i++]) {
       const std::int64_t to = first[batch->points[i]];
       for (std::size_t j = 0; j < batch->counts[i]; ++j)

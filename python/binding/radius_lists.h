@@ -14,7 +14,8 @@
 
 namespace pointsweep {
 
-/// The lists of a run, by the row of their point or the number of their place: 16 bytes for each neighbour, in memory.
+/// Lists of neighbours, one for each point of a run or for each place of a search. They are kept in memory, 16 bytes
+/// for each neighbour.
 class RadiusLists {
  public:
   RadiusLists() = default;
@@ -26,12 +27,12 @@ class RadiusLists {
   /// outlive the operator.
   std::shared_ptr<const LocalOperator> op();
 
-  /// Takes the lists of places, by their numbers. Called from any number of threads at once.
+  /// Stores a copy of the lists of places. Called by any number of threads at once.
   void put(const PlaceLists& lists);
 
   /// Returns (offsets i64 N+1, rows u32 or u64, distances f64) after the run. The neighbours of point or place i,
-  /// nearest first, have the indices from offsets[i] up to offsets[i + 1]. `lists`: N. `points`: points of the cloud.
-  /// Empties *this.
+  /// nearest first, have the indices from offsets[i] up to offsets[i + 1]. `lists`: N, the number of lists. `points`:
+  /// number of points of the cloud. Empties *this.
   nanobind::tuple arrays(std::uint64_t lists, std::uint64_t points);
 
  private:
@@ -44,7 +45,7 @@ class RadiusLists {
     std::unique_ptr<Batch> next;
   };
   static std::unique_ptr<Batch> lists_of(const Neighborhoods& in);
-  /// Adds lists. Many threads may call at once, without waiting. A point may come twice, with the same list.
+  /// Adds lists. Many threads may call at once, without waiting. The list of a point may be added twice.
   void add(std::unique_ptr<Batch> batch);
   template <class Row>
   nanobind::tuple joined(std::uint64_t lists, Type type);

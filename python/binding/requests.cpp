@@ -42,7 +42,7 @@ Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options
   }
   if (is_path(source[0])) {
     const auto files = nb::cast<std::vector<std::filesystem::path>>(source);
-    const nb::gil_scoped_release others_go_on;  // a server may take its time
+    const nb::gil_scoped_release others_go_on;  // a server may answer slowly
     return Cloud(files, how);
   }
   std::vector<ArrayColumn> columns;

@@ -33,7 +33,8 @@ bool changes_rows(const Chain& chain, const RunOptions& options);
 /// Returns whether a stage makes positions.
 bool moves_points(const Chain& chain);
 
-/// Converts the options of runs that `options` has, as texts; an empty text is the default.
+/// Converts the options of a run, whose values in `options` are texts. An absent option or an empty text means the
+/// default; other keys are ignored.
 RunOptions run_options(const nanobind::dict& options);
 
 }  // namespace pointsweep

@@ -105,7 +105,7 @@ class ResultArrays::Collector final : public Writer {
 };
 
 ResultArrays::ResultArrays(WantedArrays wanted, const std::filesystem::path& folder) : wanted_(std::move(wanted)) {
-  const TempFolder made(temp_parent(folder));  // the file has no name, and outlives it
+  const TempFolder made(temp_parent(folder));  // removed at the end of this function; the file has no name and stays
   file_.emplace(SpillPlace(&made));
 }
 

@@ -31,7 +31,8 @@ struct ArrayMemory {
 /// Returns a NumPy array that owns `memory`.
 nanobind::object numpy_array(ArrayMemory memory, const std::vector<std::size_t>& shape, Type type);
 
-/// Returns the type of the array for the values of `field`: f64 if it is scaled; u8 to u32 for bit fields.
+/// Returns the type of the array for the values of `field`: f64 if it is scaled; u8, u16 or u32 for a bit field; else
+/// the type of the field.
 Type result_type(const Field& field);
 
 /// The name of an array and the fields that are its components, e.g. {"xyz", {"x", "y", "z"}}.

@@ -116,7 +116,7 @@ nb::tuple run_pipeline(const nb::list& source, const nb::list& pipeline, const s
   return nb::make_tuple(nb::none(), run_watched(cloud, chain, outputs, options, callbacks));
 }
 
-/// Describes a run in lines for people, without running it.
+/// Returns a description of a run for people, without running it.
 std::string plan(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                  const nb::dict& given, const std::vector<FieldGroup>& groups, const std::filesystem::path& to) {
   const RunOptions options = run_options(given);
@@ -139,9 +139,9 @@ void leave_finite_points(Chain& chain) {
   chain.stages.insert(chain.stages.begin(), finite.stages.begin(), finite.stages.end());
 }
 
-/// Runs like run_pipeline(), with results in a temporary file. Returns (SpilledArrays, whether it has kRowField because
-/// its rows differ from the input's, statistics). `numbers`: an operator of Python that makes kRowField of points in
-/// files.
+/// Runs like run_pipeline(), with results in a temporary file. Returns (SpilledArrays, whether they include kRowField
+/// because the rows differ from the rows of the input, statistics). `numbers`: for points in files, an operator of
+/// Python that makes kRowField; else None.
 nb::tuple run_to_blocks(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
                         const nb::dict& given, const std::vector<FieldGroup>& groups, const nb::object& numbers,
                         const nb::object& progress, const nb::object& warn) {
@@ -188,7 +188,7 @@ nb::tuple radius_neighbors(const nb::list& source, double radius, const nb::dict
   return lists.arrays(counts.rows(), counts.rows());
 }
 
-/// Writer for a run whose results are elsewhere.
+/// Writer that discards the records of a run, whose results an operator has stored.
 class NoRecords final : public Writer {
  public:
   void write(std::span<const std::byte>) override {}
@@ -197,7 +197,7 @@ class NoRecords final : public Writer {
   void finish() override {}
 };
 
-/// Finds neighbours of the places in `queries`, N×3, which are no points of the cloud.
+/// Passes the neighbours of the places in `queries`, N×3, to `take`. The places need not be points of the cloud.
 void search_places(Cloud& cloud, const ArrayColumn& queries, std::optional<std::size_t> k, double radius,
                    const nb::dict& given, const Callbacks& callbacks, PlaceSearch::Take take) {
   const PythonChain chain{{.stages = {std::make_shared<PlaceSearch>(queries, k, radius, std::move(take))},

@@ -30,7 +30,7 @@ nb::object object_state(const std::string& url) {
   return nb::make_tuple(found->size, static_cast<double>(found->seconds) + found->nanoseconds * 1e-9, found->text());
 }
 
-/// Returns the bytes of an object; None if there is none.
+/// Returns the bytes of an object; None if there is no such object.
 nb::object get_object(const std::string& url) {
   std::vector<std::byte> bytes;
   std::optional<RemoteVersion> version;

@@ -16,7 +16,7 @@ namespace nb = nanobind;
 namespace pointsweep {
 namespace {
 
-constexpr auto kBetweenLooks = std::chrono::milliseconds(50);  // between checks for signals
+constexpr auto kBetweenLooks = std::chrono::milliseconds(50);  // longest wait between checks for signals
 
 /// The events since the last call of look().
 struct Events {

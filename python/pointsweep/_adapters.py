@@ -13,7 +13,7 @@ from ._errors import UsageError
 from ._results import Arrays
 from ._types import Files
 
-_SCAN_ANGLE_STEP = 0.006  # degrees, from point format 6 on
+_SCAN_ANGLE_STEP = 0.006  # degrees for each unit of the LAS field scan_angle, in point format 6 and later
 _CPU_DEVICES = (1, 3, 11)  # device types of DLPack: plain memory, and memory pinned by CUDA or ROCm
 
 
@@ -31,7 +31,7 @@ def are_points(value: Any) -> bool:
 
 def arrays_by_name(points: Any) -> dict[str, Any]:
     """Returns the arrays of a dict, a structured array, a table or a cloud of another library; anything else becomes 'xyz'."""
-    if isinstance(points, Arrays):  # 'row' in a result is the row number in the input of that run
+    if isinstance(points, Arrays):  # 'row' holds row numbers in the input of the earlier run, which mean nothing here
         return {name: values for name, values in points.items() if name != "row"}
     if isinstance(points, Mapping):
         return dict(points)
@@ -54,7 +54,7 @@ def arrays_by_name(points: Any) -> dict[str, Any]:
 
 
 def crs_stated_by(points: Any) -> Crs | None:
-    """The coordinate system that a cloud of another library, or the result of a run, knows."""
+    """Returns the coordinate system that a cloud of another library, or the result of a run, states; None without one."""
     if isinstance(points, Arrays):
         return points.crs
     header = getattr(getattr(points, "reader", points), "header", None)
@@ -64,7 +64,7 @@ def crs_stated_by(points: Any) -> Crs | None:
 
 
 def from_dlpack(name: str, values: Any) -> Any:
-    """Converts an object with `__dlpack__` that is no NumPy array to an array, if its memory is that of the CPU."""
+    """Converts an object with `__dlpack__` that is no NumPy array to an array. Raises UsageError if the CPU cannot read its memory."""
     device = values.__dlpack_device__()
     if int(getattr(device[0], "value", device[0])) not in _CPU_DEVICES:  # Open3D has an enum
         raise UsageError(f"{name}: is on another device, {device}; copy it to the CPU first.")
@@ -89,12 +89,12 @@ def _las_data(las: Any) -> dict[str, Any]:
 
 
 def _is_geometry(points: Any) -> bool:
-    """Returns whether it is a GeoSeries or a GeoDataFrame of geopandas."""
+    """Returns whether `points` is a GeoSeries or a GeoDataFrame of geopandas."""
     return hasattr(points, "geometry") and hasattr(points, "has_z") and hasattr(points, "crs")
 
 
 def _geometries(frame: Any) -> dict[str, Any]:
-    """Returns the coordinates of the columns x, y and z, or else of the geometry; and the other columns."""
+    """Returns the columns of a GeoDataFrame as arrays. Adds 'xyz' from the geometry if no columns hold the coordinates."""
     geometry = frame.geometry
     names = [name for name in getattr(frame, "columns", ()) if name != geometry.name]
     arrays = {str(name): _table_column(name, frame[name]) for name in names}

@@ -44,7 +44,7 @@ class _Column:
         return np.memmap(self._file, self._dtype, "r", shape=shape)
 
     def close(self) -> None:
-        """Leaves the file to its array, if there is one."""
+        """Closes the file. An array that array() has returned stays valid."""
         self._file.close()
 
 
@@ -54,8 +54,8 @@ def spilled(
     crs_of_block: Callable[[Any], Crs | None],
     folder: str | None,
 ) -> tuple[dict[str, Any], Crs | None]:
-    """The arrays of all `blocks`, in temporary files in `folder`, and their coordinate system; `named` makes arrays by
-    name of a block."""
+    """Returns the arrays of all `blocks`, in temporary files in `folder`, and their coordinate system. `named` converts a
+    block to arrays by name."""
     columns: dict[str, _Column] = {}
     crs: Crs | None = None
     try:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def _row() -> Operator:
-    """Makes the numbers of the rows."""
+    """Returns an operator that makes the attribute 'row': the row number of each point."""
 
     @operator(makes={"row": "i8"}, neighbors=False)
     def row(p: Points) -> np.ndarray:
@@ -121,7 +121,7 @@ def chunks(
 
 
 def _all_names(fields: list[str], groups: list[tuple[str, list[str]]]) -> list[str]:
-    """The groups that are there, and the fields that are in none."""
+    """Returns the names of the groups whose fields all exist, and the fields that are in no such group."""
     there = {name: parts for name, parts in groups if set(parts) <= set(fields)}
     grouped = {part for parts in there.values() for part in parts}
     return [*there, *(field for field in fields if field not in grouped)]

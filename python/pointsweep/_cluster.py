@@ -24,7 +24,7 @@ from ._part import DIVIDING, Done, Request, Round, Step, build, perform
 from ._scratch import Scratch
 from ._urls import absolute, state_of
 
-_MOST_TRIES = 4  # tries of a task whose workers end or whose objects are damaged
+_MOST_TRIES = 4  # largest number of tries of a task whose workers end or whose objects are damaged
 _PHASES = {"look": "checking", "other": "ordering", "order": "ordering", "sweep": "sweeping", "forest": "connecting", "label": "updating", "rows": "updating", "write": "writing", "cut": "dividing", "gather": "writing"}
 _WAIT_SECONDS = 30.0
 _LOOK_SECONDS = 5.0  # time between two checks for tasks that may hang and for new workers

@@ -25,8 +25,8 @@ class CloudWithColumns:
     """Point files with additional arrays; made with `Cloud.with_columns`. Arrays are not copied, so an array may be a `numpy.memmap`."""
 
     def __init__(self, cloud: Files, attributes: Mapping[str, np.dtype[Any]], columns: Mapping[str, Any]) -> None:
-        self.cloud = cloud  #: the files
-        self._attributes = dict(attributes)  # attributes of the files
+        self.cloud = cloud  #: the point files
+        self._attributes = dict(attributes)  # types of the attributes of the files
         self.columns = {name: _column(name, values, len(self)) for name, values in columns.items()}
         if not self.columns:
             raise UsageError("with_columns: name at least one array, e.g. with_columns(label=labels).")

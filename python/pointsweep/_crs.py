@@ -17,7 +17,7 @@ class Crs:
     """A coordinate reference system as a file or an array's owner states it. ``pyproj.CRS(crs)`` understands it."""
 
     def __init__(self, known: tuple[Any, ...]) -> None:
-        self._known = known  # in the form of the extension module
+        self._known = known  # the tuple that crs_value() in python/binding/crs_values.h describes
         self.name: str = known[0]  #: name in the file; may be empty
         self.epsg: int = known[2]  #: EPSG code of the horizontal system; 0: not stated
         self.vertical_epsg: int = known[3]  #: EPSG code of the heights; 0: not stated
@@ -74,7 +74,7 @@ def las_crs(header: Any) -> Crs | None:
 
 
 def given_or_stated(given: Any, stated: Crs | None) -> Crs | None:
-    """Returns the system that the caller states, which must not contradict the points' own, or else the points' own."""
+    """Returns the system `given` by the caller, or else the system `stated` by the points. Raises UsageError if the two differ."""
     crs = crs_of(given)
     if crs is not None and stated is not None and _core.differ(crs._known, stated._known):
         raise UsageError(f"crs: {crs} is given, but the points state {stated}; leave crs out, or transform the points first.")
@@ -97,7 +97,7 @@ def _of_wkt(wkt: str) -> Crs:
 
 
 def _wkt_of(crs: Any) -> str:
-    """WKT 1, which LAS asks for and all programs read, where the system can be written so."""
+    """Returns the system as WKT 1, which LAS requires and all programs read, or else as the object writes it."""
     if type(crs).__module__.startswith("pyproj"):
         from pyproj.exceptions import CRSError
 

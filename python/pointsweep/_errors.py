@@ -26,7 +26,7 @@ class PointsweepWarning(UserWarning):
     """Something about the input, the request or the output that is worth knowing but does no harm."""
 
 
-#: Options of the tool that no run has, by the text that stands for them in Python.
+#: Python texts for flags of the tool, by flag. They take precedence over the names in `_core.run_options`.
 _OF_VERBS = {
     "force": "overwrite=True", "ignore-crs": "ignore_crs=True", "recursive": "recursive=True", "no-provenance": "provenance=False",
     **{name: name for name in ("bins", "by", "columns", "depth", "format", "histogram", "keep", "resolution")},
@@ -69,7 +69,7 @@ _PACKAGE = os.path.dirname(os.path.abspath(__file__)) + os.sep
 
 
 def warn(sentence: str) -> None:
-    """Warns at the line outside of the package that called it."""
+    """Emits a PointsweepWarning that names the line, outside of the package, that called it."""
     sentence = with_names_of_python(sentence)
     frame, level = sys._getframe(), 1
     while frame.f_back is not None and os.path.abspath(frame.f_code.co_filename).startswith(_PACKAGE):

@@ -33,7 +33,7 @@ class MadeOfFunction:
             return name
         try:
             import cloudpickle
-        except ImportError:  # joblib and Dask have their own
+        except ImportError:  # a pickler such as joblib's can pickle the function by value without it
             return name if found is self else (_restored, (type(self), self.__dict__))
         return _unpickled, (cloudpickle.dumps((type(self), self.__dict__)),)
 

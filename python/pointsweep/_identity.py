@@ -40,7 +40,7 @@ class _Digests:
         self._known: dict[Any, bytes] = {}  # digests by id; of modules, also by the attributes that are used
         self._kept: list[Any] = []  # keeps objects alive, so that no id is used again
         self._attributes: frozenset[str] = frozenset()  # attributes that the current function uses
-        self._in_foreign = False  # inside of an object of a library that is not Python's
+        self._in_foreign = False  # True while an object of a library outside of Python's standard library is described
 
     def of(self, name: str, value: Any) -> bytes:
         """Returns the digest of the value of a variable called `name`."""
@@ -49,7 +49,7 @@ class _Digests:
         key = (id(value), self._attributes) if isinstance(value, types.ModuleType) else id(value)
         if key not in self._known:
             self._kept.append(value)
-            self._known[key] = _joined("seen before", str(len(self._known)).encode())  # inside of itself
+            self._known[key] = _joined("seen before", str(len(self._known)).encode())  # for a value that refers to itself
             try:
                 self._known[key] = _joined(type(value).__name__, *self._parts(name, value))
             except Exception:  # the code of another library may raise anything
@@ -132,7 +132,7 @@ class _Digests:
         if self._in_foreign and array.dtype.kind in "uiSV" and array.dtype.itemsize == 1:
             raise TypeError("an image of memory, as SciPy's trees have it, holds addresses")
         layout = repr((array.dtype.str, array.dtype.names, array.shape)).encode()
-        if array.dtype.names:  # bytes between fields may be anything
+        if array.dtype.names:  # the padding between fields has arbitrary bytes
             return [layout, *self._all(name, [array[field] for field in array.dtype.names])]
         if array.dtype.hasobject:
             return [layout, *self._all(name, array.ravel().tolist())]
@@ -212,7 +212,7 @@ def _codes_in(code: types.CodeType) -> Iterator[types.CodeType]:
 
 
 def _globals_of(function: types.FunctionType, codes: list[types.CodeType]) -> Iterator[tuple[str, Any]]:
-    """Names and values of the globals and modules that the code uses."""
+    """Yields the names and values of the globals and modules that the code uses."""
     import dis
 
     used = [(i.opname, i.argval) for code in codes for i in dis.get_instructions(code)]
@@ -226,7 +226,7 @@ def _globals_of(function: types.FunctionType, codes: list[types.CodeType]) -> It
 
 
 def _imported(name: str, package: str | None) -> Any:
-    """The module that a function imports when it is called; its name where that will fail."""
+    """Returns the module that a function imports when it is called, or `name` if the import fails."""
     import importlib
 
     for whole in (name, f"{package}.{name}".rstrip(".")):  # for `import name` and for `from .name import ...`

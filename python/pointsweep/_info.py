@@ -140,12 +140,12 @@ def info(
 
 
 def _summary(known: dict[str, Any], crs: Crs | None) -> FileSummary:
-    """The values of the JSON object of a file (docs/info.md) in types of Python."""
+    """Converts the JSON object of a file (docs/info.md) to a FileSummary."""
 
     def counts(of: dict[str, int] | None) -> dict[int, int] | None:
         return None if of is None else {int(value): points for value, points in of.items()}
 
-    del known["read"]  # the points
+    del known["read"]  # always 'points' here, since summarize() reads more than the header
     bounds, times = known.pop("bounds"), known.pop("gps_time")
     attributes = {
         a["name"]: Attribute(np.dtype(a["type"]), a["count"], a["scale"], a["offset"], a["min"], a["max"], a["nonfinite"])

@@ -168,7 +168,7 @@ class Operator(MadeOfFunction, Joinable, FunctionStage):
         return identity_of(self.function, self.reads, self.reads_neighbors, self._makes, self.sees_neighbors)
 
     def _call(self, batch: Any) -> list[np.ndarray]:
-        """Called by the extension module: returns an (n, components) array for each made attribute."""
+        """Calls the function with a batch of points, for the extension module. Returns an (n, components) array for each made attribute."""
         result = self.function(Points(batch, self.reads, self.reads_neighbors))
         return [
             self._checked(value, made, kind, batch.size)

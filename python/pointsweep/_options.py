@@ -40,7 +40,7 @@ def bytes_of(memory: int | str | None) -> int:
 
 
 def whole(name: str, value: Any) -> int:
-    """`value` as an int."""
+    """Returns `value` as an int. Raises UsageError if it is not a whole number."""
     try:
         if isinstance(value, bool):
             raise TypeError
@@ -50,7 +50,7 @@ def whole(name: str, value: Any) -> int:
 
 
 def number(name: str, value: Any) -> float:
-    """`value` as a finite float."""
+    """Returns `value` as a float. Raises UsageError if it is not a finite number."""
     try:
         result = float(value)
     except (TypeError, ValueError):
@@ -61,7 +61,7 @@ def number(name: str, value: Any) -> float:
 
 
 def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
-    """`value` if it is one of `choices`."""
+    """Returns `value`. Raises UsageError if it is not one of `choices`."""
     if value not in choices:
         raise UsageError(f"{name}: {value!r} is not one of {', '.join(choices)}.")
     return value
@@ -73,7 +73,7 @@ def word(name: str, value: Any) -> str:
 
 
 def path(option: str, value: Any) -> str:
-    """`value` as the path of a file or folder."""
+    """Returns `value`, the path of a file or folder, as a text. Raises UsageError if it is not a path."""
     try:
         text = os.fsdecode(value)
     except TypeError:
@@ -84,7 +84,7 @@ def path(option: str, value: Any) -> str:
 
 
 def names(option: str, value: Any) -> list[str]:
-    """`value`, one name or several, as a list."""
+    """Returns `value`, one name or several or None, as a list of names. Raises UsageError for anything else."""
     if value is None:
         return []
     listed = [value] if isinstance(value, str) else list(value)
@@ -95,7 +95,7 @@ def names(option: str, value: Any) -> list[str]:
 
 
 def way_of_reading(format: str, columns: Sequence[str] | str | None, depth: int | None, resolution: float | None) -> str:
-    """The word by which the library opens files: `format`, text whose columns have these names, or levels of detail."""
+    """Returns the word that tells the library how to read files, made of the one argument that is given; empty if none is."""
     words = {"format": format} if format else {}
     if columns is not None:
         words["columns"] = "text:" + ",".join(names("columns", columns))
@@ -115,14 +115,14 @@ def _threads(_: str, threads: Any) -> str:
 
 
 def _numbers(name: str, value: Any, one_for_all: bool = False, count: int = 3) -> str:
-    """Returns some numbers, or one that applies to all, as text."""
+    """Returns `count` numbers as text, separated by commas. With `one_for_all`, also accepts a single number."""
     several = [value] if isinstance(value, str) or not np.ndim(value) else list(value)
     if len(several) not in ((1, count) if one_for_all else (count,)):
         raise UsageError(f"{name}: {value!r} is not {'a number or ' if one_for_all else ''}{'two' if count == 2 else 'three'} numbers.")
     return ",".join(repr(number(name, v)) for v in several)
 
 
-#: The value of a run option as a text, by the placeholder of the value in the declarations.
+#: Functions that convert the value of a run option to a text, by the placeholder of the value in its declaration.
 _TEXTS: dict[str, Callable[[str, Any], str]] = {
     "": lambda _, value: "yes" if value else "",
     "S|X,Y,Z": lambda name, value: _numbers(name, value, one_for_all=True),
@@ -144,7 +144,7 @@ _PRESETS = {"order": "input", "overwrite": False, "prefix": "", "provenance": Tr
 
 
 def _text(name: str, value: Any) -> str:
-    """The value of a run option as the extension module takes it; empty: the default."""
+    """Returns the value of a run option as the extension module takes it: a text, which is empty for the default."""
     placeholder, words, _ = _core.run_options[name]
     if words and isinstance(value, (int, np.integer)):
         value = str(value)  # number of a point format
@@ -152,7 +152,7 @@ def _text(name: str, value: Any) -> str:
 
 
 def run_options(**given: Any) -> dict[str, Any]:
-    """The options in `RunOptions`, checked, each as a text; empty: the default."""
+    """Checks the options in `RunOptions` and returns each as a text, which is empty for the default; `ignore_crs` as a bool."""
     for name in given:
         if name not in RunOptions.__annotations__:
             raise TypeError(f"{name!r} is not an option.")
@@ -186,8 +186,8 @@ def refuse_options_of_files(given: dict[str, Any], remedy: str) -> None:
 
 
 def with_run_options(function: _Function) -> _Function:
-    """The function, whose signature names the options in `RunOptions`, with their types and defaults, in place of
-    ``**options``."""
+    """Changes the signature of `function`, so that it names the options in `RunOptions`, with their types and defaults, in place
+    of ``**options``. Returns `function`."""
     signature = inspect.signature(function)
     own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
     options = [

@@ -65,7 +65,7 @@ def _divided(to: Path | Sequence[Path], source: Source) -> str:
 
 
 def _extension(name: str) -> str:
-    """".laz" for "1.laz", ".copc.laz" for "1.copc.laz"."""
+    """Returns the extension of a file name: ".laz" for "1.laz", ".copc.laz" for "1.copc.laz"."""
     stem, last = os.path.splitext(name)
     before = os.path.splitext(stem)[1]
     return before + last if (before.lower(), last.lower()) == (".copc", ".laz") else last

@@ -152,7 +152,7 @@ def _spread(
     progress: ProgressCallback | bool | None,
     options: RunOptions,
 ) -> Report:
-    """`run` on the workers of a client."""
+    """Performs `run` on the workers of a Dask client."""
     if workers.scratch is None:
         raise UsageError("client: needs a folder that all workers see; name it with scratch=.")
     scratch = path("scratch", workers.scratch)
@@ -167,7 +167,7 @@ def _spread(
         raise UsageError("client: many processes write a file for each input; name a folder with to=.")
     files = [named] if isinstance(named, str) else named
     stages = identified(stages, resumed=True)
-    cluster = importlib.import_module("pointsweep._cluster")  # it loads much that other runs do not need
+    cluster = importlib.import_module("pointsweep._cluster")  # imported here, since it is slow to load and other runs do not need it
     with called(progress) as shown:
         statistics = cluster.run_on_cluster(
             workers.client, scratch, workers.take_over, source.inputs, stages, names("keep", keep), given, files, shown

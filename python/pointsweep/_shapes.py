@@ -8,7 +8,7 @@ from typing import Any
 
 from ._errors import UsageError
 
-#: geometries that lie in others, by the key under which others hold them
+#: for each type of object that holds other geometries, the key of these
 _PARTS = {"FeatureCollection": "features", "Feature": "geometry", "GeometryCollection": "geometries"}
 
 
@@ -26,7 +26,7 @@ def polygons_as_text(where: str, shape: Any) -> str:
 
 
 def _polygons_of(where: str, geometry: Mapping[str, Any] | None) -> Iterator[str]:
-    if geometry is None:  # a feature may have none
+    if geometry is None:  # a feature may have no geometry
         return
     kind = geometry["type"]
     if kind in _PARTS:

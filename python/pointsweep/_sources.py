@@ -73,7 +73,8 @@ def source_of(
 
 
 def positions_of(option: str, points: Any, among: Source, ignore_crs: bool) -> np.ndarray:
-    """The (m, 3) positions of points in arrays that an option names, in the coordinate system of `among`."""
+    """Returns the (m, 3) positions of `points`, the arrays that the caller gives for `option`. Raises UsageError if their
+    coordinate system differs from that of `among`, unless `ignore_crs`."""
     if isinstance(points, (str, os.PathLike, Files)) or _is_list_of_paths(points):
         raise UsageError(f"{option}: are positions in arrays; those of files are open(files).read(keep='xyz')['xyz'].")
     if isinstance(points, Iterator):
@@ -210,7 +211,7 @@ def _column(name: str, values: Any) -> np.ndarray:
 
 
 def numbers(name: str, values: Any) -> np.ndarray:
-    """`values` as an array of real numbers in the byte order of the machine, without a copy where it is one."""
+    """Returns `values` as an array of real numbers in the byte order of the machine; copies only if they are not one."""
     if np.ma.isMaskedArray(values) and np.ma.is_masked(values):
         raise UsageError(f"{name}: has masked values; fill them with NaN, or leave these rows out.")
     try:

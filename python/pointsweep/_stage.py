@@ -33,7 +33,7 @@ class Stage(Joinable):
     def __init__(self, name: str, options: Mapping[str, str], neighborhood: Mapping[str, str]) -> None:
         self.name = name
         self.options = dict(options)  #: as text, by name; other options have their defaults
-        self.neighborhood = dict(neighborhood)  #: k and radius, as text; empty: those of the pipeline
+        self.neighborhood = dict(neighborhood)  #: k and radius, as text; empty: the neighbourhood of the pipeline
 
     def _stages(self) -> list[str | FunctionStage]:
         return [str(self)]
@@ -53,15 +53,14 @@ def _text_of_stage(name: str, options: Mapping[str, str]) -> str:
 def made_stage(
     name: str, options: Iterable[tuple[str, str, Any, Any]], k: int | None = None, radius: float | None = None
 ) -> Stage:
-    """Makes a stage from (name, kind, value, default) of each option; kinds are those of the declarations. `k` and
-    `radius` are the neighbourhood that
-    begins a pipeline."""
+    """Makes a stage from (name, kind, value, default) of each option, with the kinds of the operator's declaration. `k` and
+    `radius` are the neighbourhood of a pipeline that begins with this stage."""
     neighborhood = [("k", "whole", k, None), ("radius", "number", radius, None)]
     return Stage(name, _texts_of(name, options), _texts_of(name, neighborhood))
 
 
 def makes_stage(function: _Function) -> _Function:
-    """The function that makes a stage, which refuses points as an argument."""
+    """Returns `function`, which makes a stage, with a check that refuses points as an argument."""
     takes_files = {name for name, kind in function.__annotations__.items() if "PathLike" in kind}
     takes_arrays = {name for name, kind in function.__annotations__.items() if "ArrayLike" in kind}
     positional = function.__code__.co_varnames[: function.__code__.co_argcount]
@@ -87,7 +86,7 @@ def makes_stage(function: _Function) -> _Function:
 
 
 def _texts_of(stage: str, options: Iterable[tuple[str, str, Any, Any]]) -> dict[str, str]:
-    """The options that are given, and not their defaults."""
+    """Returns the texts of the options that have a value other than None and their default."""
     return {
         name: _text_of(f"{stage}: {name}", kind, value)
         for name, kind, value, default in options

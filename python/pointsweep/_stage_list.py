@@ -12,7 +12,8 @@ from ._types import FunctionStage, Path, PipelineLike, Stages
 
 
 def stages_of(pipeline: PipelineLike) -> list[str | FunctionStage]:
-    """Texts and operators; the content of a file for its path. A text that ends in .json is a path, as for the tool."""
+    """Returns the pipeline as a list of texts and operators. A path becomes the content of its file. A text that ends in .json
+    is a path, as for the tool."""
     if isinstance(pipeline, os.PathLike) or (isinstance(pipeline, str) and pipeline.endswith(".json")):
         return [_content_of(pipeline)]
     if isinstance(pipeline, str):
@@ -59,9 +60,8 @@ def canonical_stages(pipeline: PipelineLike) -> tuple[str, ...]:
 
 
 def identified(stages: list[str | FunctionStage], resumed: bool) -> list[str | FunctionStage]:
-    """Returns the stages with digests of their functions. Refuses a run to be `resumed` if a function uses values that
-    cannot be compared with those of the
-    earlier run."""
+    """Returns the stages with digests of their functions. If the run is `resumed`, raises UsageError for a function that uses
+    values that cannot be compared with those of the earlier run."""
     result: list[str | FunctionStage] = []
     for stage in stages:
         if not isinstance(stage, str):

@@ -31,7 +31,7 @@ class AttributeSummary(NamedTuple):
     min: int | float
     max: int | float
     mean: float  #: the exact sum, rounded, divided by the count; NaN where the sum is beyond float64
-    deviation: float  #: standard deviation, of count - 1; NaN for fewer than two values, and where squares are beyond float64
+    deviation: float  #: standard deviation, with the divisor count - 1; NaN for fewer than two values, and where squares are beyond float64
     quantiles: dict[int, int | float]  #: by percentage: 1, 5, 25, 50, 75, 95, 99
 
     @property

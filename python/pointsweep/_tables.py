@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 
 def html_table(caption: str, header: Sequence[str] | None, rows: Iterable[Sequence[str]]) -> str:
-    """A table of text; the first column is in bold."""
+    """Returns an HTML table of texts, whose first column is bold."""
 
     import html
 

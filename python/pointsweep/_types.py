@@ -9,7 +9,7 @@ from typing import Any, Literal, TypedDict, Union
 
 Path = Union[str, "os.PathLike[str]"]
 
-#: (phase, points done, points in all)
+#: A function that is called with (phase, points done, points in all).
 ProgressCallback = Callable[[str, int, int], Any]
 
 
@@ -17,7 +17,7 @@ class Stages:
     """Stages of a pipeline in order: a `Stage`, an `Operator` or a `Pipeline`."""
 
     def _stages(self) -> list[str | FunctionStage]:
-        """The stages as the extension module takes them: texts, and functions of Python."""
+        """Returns the stages as the extension module takes them: texts, and stages that call functions of Python."""
         raise NotImplementedError
 
 
@@ -46,8 +46,8 @@ class Files:
 
     def __init__(self, files: list[str], names: list[str], options: dict[str, Any], known: dict[str, Any]) -> None:
         self.files = files  #: paths, in the order of the rows
-        self._names = names  # in a folder of outputs
-        self._options = options  # options of opening them
+        self._names = names  # names of the outputs of these files in a folder of outputs
+        self._options = options  # options with which the files were opened
         self._known = known  # facts in the headers, from the extension module
 
 

@@ -20,8 +20,7 @@ def is_url(name: str) -> bool:
 
 def known_place(value: Any, name: str) -> str:
     """Returns `name`, the text of `value`, without the password or the signature of a URL, which this process keeps for
-    requests. If a URL was made a Path
-    and so lost a slash, the slash is restored."""
+    requests. Restores the slash that a URL loses if it is made a Path."""
     if isinstance(value, os.PathLike):
         name = _ONE_SLASH.sub(r"\1://", name, count=1)
     return _core.known_place(name) if is_url(name) else name
@@ -44,7 +43,7 @@ def state_of(name: str) -> tuple[int, int | str]:
 
 
 def bytes_at(name: str) -> int:
-    """Returns the size of a file or an object; 0 if there is none."""
+    """Returns the size of a file or an object; 0 if it does not exist."""
     try:
         return state_of(name)[0]
     except FileNotFoundError:

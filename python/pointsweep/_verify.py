@@ -29,10 +29,10 @@ class Verdict(NamedTuple):
     samples: int  #: points of the sample
     wrong_samples: int  #: samples with a wrong value
     values: int  #: values that were recomputed
-    open_values: int  #: recomputed values that are undecided, because rounding decides
-    different_rows: int  #: rows that differ from the input's
+    open_values: int  #: recomputed values that can be neither right nor wrong for certain, because of rounding
+    different_rows: int  #: rows of the output that differ from the input
     difference_count: int
-    differences: tuple[str, ...]  #: the first few, a sentence each
+    differences: tuple[str, ...]  #: a sentence about each of the first few differences
     unknown: tuple[str, ...]  #: attributes of the output that are neither the input's nor computed by known stages
     not_checked: tuple[str, ...]  #: other values that were not checked, with the reasons
     conclusion: str  #: one sentence

@@ -22,7 +22,7 @@ from ._stage_list import stages_of
 
 
 class _Told:
-    """Progress and sentences on stderr."""
+    """Writes progress and messages to stderr."""
 
     def __init__(self, quiet: bool) -> None:
         self._quiet, self._terminal = quiet, sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
@@ -49,7 +49,7 @@ class _Told:
 
 
 def _silence_distributed() -> None:
-    """Suppresses log messages about connections, which become one sentence here."""
+    """Suppresses the log messages of Dask, since this program reports an error in one sentence."""
     try:
         import distributed  # noqa: F401
     except ImportError:

@@ -141,7 +141,7 @@ std::vector<std::string> long_runs() {
       "transform " + many + "out.laz --translate 1,2,3" + place,
       "tile " + many + "out/ --size 0.1" + place,
       "split " + many + "out/ --parts 7" + place,
-      "ground " + many + "out.ply --cell 0.01 --height" + place,
+      "ground " + many + "out.ply --cell 0.01 --window 0.1 --height" + place,
       "render " + many + "out.png",
       "render s.ply out.png --size 8000x8000",
       "verify s.ply normals.ply --radius 0.3 --pipeline normals",

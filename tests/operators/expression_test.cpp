@@ -165,9 +165,9 @@ TEST(Expression, BlanksMakeNoDifference) {
 
 TEST(Expression, TellsTheColumnOfAMistake) {
   EXPECT_EQ(refused("a < 2 && z = 3"), "stage: 'a < 2 && z = 3', column 12: '=' compares nothing; write ==.");
-  EXPECT_EQ(refused("a <"), "stage: 'a <', column 4: an attribute or a number is expected, but the condition ends.");
+  EXPECT_EQ(refused("a <"), "stage: 'a <', column 4: an attribute or a number is expected, but the expression ends.");
   EXPECT_EQ(refused("a < 2)"), "stage: 'a < 2)', column 6: an operator such as && or the end is expected, not ')'.");
-  EXPECT_EQ(refused("(a < 2"), "stage: '(a < 2', column 7: ')' is expected, but the condition ends.");
+  EXPECT_EQ(refused("(a < 2"), "stage: '(a < 2', column 7: ')' is expected, but the expression ends.");
   EXPECT_EQ(refused("a && b < 1"), "stage: 'a && b < 1', column 1: a comparison is expected, such as z < 100.");
   EXPECT_EQ(refused("a < 1 || b"), "stage: 'a < 1 || b', column 10: a comparison is expected, such as z < 100.");
   EXPECT_EQ(refused("(a < 1) + 2 > 3"),
@@ -177,12 +177,12 @@ TEST(Expression, TellsTheColumnOfAMistake) {
   EXPECT_EQ(refused("a < 2x"), "stage: 'a < 2x', column 5: an attribute or a number is expected, not '2'.");
   EXPECT_EQ(refused("a in ()"), "stage: 'a in ()', column 7: an attribute or a number is expected, not ')'.");
   EXPECT_EQ(refused("5 in"),
-            "stage: '5 in', column 5: a list of numbers such as (2, 9) is expected, but the condition ends.");
+            "stage: '5 in', column 5: a list of numbers such as (2, 9) is expected, but the expression ends.");
   EXPECT_EQ(refused("a in 2"), "stage: 'a in 2', column 6: a list of numbers such as (2, 9) is expected, not '2'.");
   EXPECT_EQ(refused("a in (2 9)"), "stage: 'a in (2 9)', column 9: ',' or ')' is expected, not '9'.");
   EXPECT_EQ(refused("a between 2"),
             "stage: 'a between 2', column 12: 'and' with the upper bound, as in between 2 and 5, is expected, but the "
-            "condition ends.");
+            "expression ends.");
   EXPECT_EQ(refused("a not 2"), "stage: 'a not 2', column 3: 'in' or 'between' is expected after 'not'.");
   EXPECT_EQ(refused("sin(a) > 1"),
             "stage: 'sin(a) > 1', column 1: there is no function 'sin'; there are abs sqrt min max floor ceil round "

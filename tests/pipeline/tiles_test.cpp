@@ -463,6 +463,18 @@ class ResumedTiles : public StoppedTiles {
   fs::file_time_type time_of(const std::string& name) const { return fs::last_write_time(folder_ / "out" / name); }
 };
 
+TEST_F(ResumedTiles, AreNotCompletedIfAnyInputHasChangedSinceTheRunBegan) {
+  stop_while_writing("normals");
+  bool done = false;
+  InputCloud cloud = hooked(2, [&] {
+    if (!std::exchange(done, true)) std::ofstream(folder_ / "in/d.xyz", std::ios::app) << "1 2 3 4\n";
+  });
+  EXPECT_THAT(sentence_of<Error>([&] { run_cloud(cloud, "normals", tiles(), resuming()); }),
+              HasSubstr("d.xyz: was written to while it was read"));
+  EXPECT_TRUE(done);
+  EXPECT_EQ(files().size(), 2u);
+}
+
 TEST_F(ResumedTiles, AreSkippedIfTheyAreCompleteAndTheOthersHaveTheBytesOfARunWithoutStops) {
   for (const std::size_t number : {0, 3, 4, 5}) {
     const std::string pipeline = kTiledPipelines[number];

@@ -15,7 +15,7 @@ bool is_grid(const Field& field) {
   return field.type == Type::i32 && field.count == 1 && field.bit_width == 0 && field.scale > 0;
 }
 
-/// An axis of an input.
+/// One axis of one input: its coordinate field and its bounds.
 struct AxisOfInput {
   Field field;
   double lo, hi;  ///< bounds of the real coordinates in the header; lo > hi if there are none

@@ -85,7 +85,7 @@ Field unpacked(const Field& field) {
   return out;
 }
 
-/// Makes `into` able to hold the values of `field` too.
+/// Widens `into` so that it also holds the values of `field`.
 void widen(Field& into, const Field& field) {
   into.count = std::max(into.count, field.count);
   const Field other = unpacked(field);
@@ -152,7 +152,7 @@ bool has_field(const Schema& schema, const std::string& name) {
 /// Returns whether `name` is a flag for which point formats 0 to 5 of LAS have no bits. There the flag counts as 0.
 bool is_flag_of_las14(std::string_view name) { return name == "overlap" || name == "scanner_channel"; }
 
-/// Returns whether `field` is one of the two return numbers and the input has neither: both are 1 then (MissingFields).
+/// Returns whether `field` is one of the two return numbers and the input has neither. Both are then 1 (MissingFields).
 bool is_return_number(const Field& field, const Schema& input) {
   const std::string name = library_name_of(field.name);
   const bool has_any = input.find("return_number") || input.find("number_of_returns");

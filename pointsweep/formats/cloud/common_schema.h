@@ -77,8 +77,8 @@ struct CommonSchema {
   std::vector<std::string> warnings;
 };
 
-/// Returns the schema that class Cloud documents. Names with the same meaning (`nx`, `NormalX`) are one field, under
-/// the name that comes first.
+/// Returns the common schema of the inputs, as class Cloud documents it. Names with the same meaning (`nx`, `NormalX`)
+/// are one field, under the name that comes first.
 CommonSchema common_schema(const std::vector<std::shared_ptr<Reader>>& readers);
 
 /// One coordinate reference system for several inputs.

@@ -93,9 +93,10 @@ FiniteRowIndex::FiniteRowIndex(Reader& reader, std::uint64_t first_row, Nonfinit
   }
 }
 
-/// Returns the row after the blocks from `row` on that one thread reads: the blocks that begin in the chunk of `row`.
+/// Returns the row after the piece that begins at `row`: all blocks that begin in the chunk of `row`, or a fixed number
+/// of blocks.
 std::uint64_t FiniteRowIndex::end_of_piece(const Reader& reader, std::uint64_t row) const {
-  constexpr std::uint64_t kBlocks = 4;  // for inputs that may be split at any row, or that one thread reads
+  constexpr std::uint64_t kBlocks = 4;  // in a piece, if rows may be split anywhere or one thread reads all
   if (!reader.has_decoders() || reader.decodes_any_range()) return std::min(rows_, row + kBlocks * kBlock);
   return std::min(rows_, (reader.chunk_of(row).end_row() + kBlock - 1) / kBlock * kBlock);
 }

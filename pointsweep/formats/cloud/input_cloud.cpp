@@ -16,8 +16,9 @@ namespace {
 
 constexpr std::size_t kScratchBytes = 1 << 20;
 
-/// The most rows of a chunk that one thread decodes while others work. With longer chunks other threads would wait for
-/// the decoding thread; instead the threads take turns at reading, and work on the rows they have read.
+/// The largest number of rows in a chunk for which threads decode chunks side by side. With longer chunks, other
+/// threads would wait for the decoding thread; instead the threads take turns at reading, and work on the rows they
+/// have read.
 constexpr std::uint64_t kLongestChunk = 1 << 18;
 
 bool decodes_side_by_side(const std::shared_ptr<Reader>& reader) {
@@ -25,7 +26,7 @@ bool decodes_side_by_side(const std::shared_ptr<Reader>& reader) {
   return reader->info().count == 0 || reader->decodes_any_range() || reader->chunk_of(0).rows <= kLongestChunk;
 }
 
-/// Calls work(i) for all inputs; for many at once if `is_remote`, since each call then waits for the network.
+/// Calls work(i) for each input i. Makes many calls at once if `is_remote`, since each call then waits for the network.
 void for_each_input(std::size_t count, bool is_remote, const std::function<void(std::size_t i)>& work) {
   if (is_remote) return for_each_waiting(count, work);
   for (std::size_t i = 0; i < count; ++i) work(i);
@@ -240,7 +241,7 @@ std::size_t InputCloud::read_with(const ReadInput& read, Reading& reading, std::
   });
 }
 
-/// Reads like read_with(), from all rows, selected or not.
+/// Reads rows like read_with(), but counts and reads all rows, including rows that are not selected.
 std::size_t InputCloud::read_all_with(const ReadInput& read, std::vector<std::byte>& scratch, std::uint64_t row,
                                       std::span<std::byte> records) const {
   std::size_t done = 0;
@@ -266,7 +267,8 @@ std::uint64_t InputCloud::chunk_end(std::uint64_t row) const {
   return cursor ? cursor->kept_before(end) : end;
 }
 
-/// A decoder of the cloud. It has a decoder only for the input that it reads, since there may be thousands of inputs.
+/// A decoder of the cloud. It keeps the decoder of only one input, the input that it reads, since there may be
+/// thousands of inputs.
 class InputCloud::Decoder final : public RowDecoder {
  public:
   Decoder(const InputCloud& cloud, WantedFields wanted) : cloud_(cloud), wanted_(std::move(wanted)) {}

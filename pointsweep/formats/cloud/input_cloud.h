@@ -26,9 +26,9 @@
 namespace pointsweep {
 
 /// The inputs of a run as one cloud; class Cloud documents its schema. LAS integers are kept if all lie on one grid
-/// (common_schema.h). Class MissingFields has the values of fields that an input lacks. Only read(), place_of_row() and
-/// input_row() change an object, and only its reading state. Clouds with other rows or fields of the same inputs are
-/// made by numbered(), with_chunks(), finite(), read_by() and selected(), in this order; they share the readers.
+/// (common_schema.h). Class MissingFields defines the values of fields that an input lacks. Only read(), place_of_row()
+/// and input_row() change an object, and only its reading state. Clouds with other rows or fields of the same inputs
+/// are made by numbered(), with_chunks(), finite(), read_by() and selected(), in this order; they share the readers.
 class InputCloud {
  public:
   explicit InputCloud(const std::vector<std::filesystem::path>& paths, CloudOptions options = {});
@@ -43,7 +43,8 @@ class InputCloud {
   std::shared_ptr<const FormatExtras> extras() const;
   /// Returns the extras of the inputs after the first, without extras that are like earlier ones (OutputPlan).
   std::vector<std::shared_ptr<const FormatExtras>> other_extras() const;
-  /// Returns the coordinate reference system that the user states, or else that of the first input that states one.
+  /// Returns the coordinate reference system that the user states, or else the system that the first input with a
+  /// system states.
   const std::optional<Crs>& crs() const { return crs_; }
   /// Returns CloudOptions::crs.
   const std::optional<StatedCrs>& stated_crs() const { return stated_crs_; }
@@ -61,18 +62,18 @@ class InputCloud {
   /// Returns the warnings about inputs that lack attributes of other inputs, and about inputs whose 8-bit colours
   /// become 16-bit colours.
   const std::vector<std::string>& missing_attributes() const { return missing_attributes_; }
-  /// Appends the stated boxes of the points of all rows, ascending: boxes of chunks if a file states them, else the box
-  /// of the whole file. Returns the first input with points that states no box, or null.
+  /// Appends the boxes that files state for their points, in the order of the rows: boxes of chunks if a file states
+  /// them, else the box of the whole file. Returns the first input with points that states no box, or null.
   const Reader* stated_boxes(std::vector<RowBox>& boxes) const;
-  /// Returns the bytes of all input files.
+  /// Returns the total size of all input files in bytes.
   std::uint64_t bytes() const;
 
   /// Reads records of all inputs like Reader::read. Not thread-safe.
   std::size_t read(std::uint64_t row, std::span<std::byte> records);
 
-  /// Returns a decoder of rows for one thread; other threads may read at the same time. Null if only read() reads rows:
-  /// an input has no decoders or very long chunks. Only the `wanted` fields have their values. *this must outlive the
-  /// decoder. Thread-safe.
+  /// Returns a decoder of rows for one thread; other threads may read at the same time. Null if an input has no
+  /// decoders or very long chunks, so that only read() can read rows. Fields other than the `wanted` fields may have
+  /// any value. *this must outlive the decoder. Thread-safe.
   std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted = {}) const;
   /// Returns the row after the chunk that contains `row`, up to which one decoder should read. Returns `row` if rows
   /// may be split anywhere. Thread-safe.
@@ -95,9 +96,9 @@ class InputCloud {
   /// Returns the cloud whose records have one more field at the end: the number of the row in the inputs (input_row.h),
   /// which counts rows that are dropped later. The first row has the number `first`.
   InputCloud numbered(std::uint64_t first = 0) const;
-  /// Returns the cloud without the rows with NaN or infinite coordinates, and the dropped rows by their old numbers.
-  /// NonfiniteRows::bounds is empty if an input with points was not read. Reads every input that can have such rows
-  /// once; `progress` is called with the number of rows read.
+  /// Returns the cloud without the rows with NaN or infinite coordinates, and the dropped rows, numbered as in this
+  /// cloud. NonfiniteRows::bounds is empty if an input with points was not read. Reads every input that can have such
+  /// rows once; `progress` is called with the number of rows read.
   std::pair<InputCloud, NonfiniteRows> finite(const std::function<void(std::uint64_t rows)>& progress = {}) const;
   /// Returns the cloud that reads the same records by other readers, one for each input.
   InputCloud read_by(std::vector<std::shared_ptr<Reader>> readers) const;
@@ -141,8 +142,8 @@ class InputCloud {
   // Clouds over the same inputs share states_, mappings_ and the readers, which take memory for each input.
   std::shared_ptr<const std::vector<FileState>> states_;  ///< see states()
   std::vector<std::shared_ptr<Reader>> readers_;
-  /// The readers of a part of the rows of each input, which know the old row numbers; null if the input has no such
-  /// reader, empty if no input has one.
+  /// For each input of which only chosen chunks are read, its reader, which knows the row numbers in the file; null for
+  /// other inputs. Empty if all inputs are read completely.
   std::vector<std::shared_ptr<const ChosenChunks>> chosen_;
   std::vector<std::shared_ptr<FiniteRows>> finite_;
   std::vector<std::uint64_t> first_row_;

@@ -69,7 +69,7 @@ fs::path path_of(const fs::path& collection, const std::string& href) {
   return (collection.parent_path() / href).lexically_normal();
 }
 
-/// Returns the path of a file below the folder of the collection; its file name if it is elsewhere.
+/// Returns the path of a file below the folder of the collection; its file name if the file is elsewhere.
 fs::path relative_name(const fs::path& collection, const fs::path& file) {
   const fs::path folder = collection.parent_path();
   const fs::path relative = file.lexically_relative(folder.empty() ? fs::path(".") : folder);
@@ -91,7 +91,7 @@ void require_existing(const fs::path& collection, const std::vector<ListedFile>&
 bool is_virtual_cloud(const fs::path& path) { return extension_of(path) == ".vpc"; }
 
 /// Returns the asset "data" of each feature, or else its first asset with the role "data", in the order of the file.
-/// Relative names begin at the folder of the .vpc file. Throws Error for a file that is no collection, and for files
+/// Relative names begin at the folder of the .vpc file. Throws Error for a file that is not a collection, and for files
 /// that do not exist; objects on servers are checked when they are opened.
 std::vector<ListedFile> files_of_virtual_cloud(const fs::path& path) {
   const Json collection = collection_in(path);
@@ -223,8 +223,8 @@ class Lister {
     return true;
   }
 
-  /// Throws UsageError for a file that is listed twice, since its points would come twice. A file may be named twice if
-  /// both arguments are the file itself.
+  /// Throws UsageError for a file that is listed twice, since its points would be read twice. A file may be listed
+  /// twice if both arguments are paths of the file itself.
   void require_each_once(const fs::path& argument) {
     const bool by_own_name = kind_of(argument) == ArgumentKind::file;
     for (; checked_ < out_.files.size(); ++checked_) {

@@ -17,9 +17,9 @@ class RowSelection {
   static constexpr std::uint64_t kBlockRows = 4096;
   static constexpr std::size_t kBlockBytes = kBlockRows / 8;
 
-  /// `read(block, bits)` fills `bits`, kBlockBytes, with the bits of a block: bit i % 8 of byte i / 8 is set if row i
-  /// of the block is kept; bits after the last row are 0. The constructor calls `read` for every block; later, any
-  /// thread may call it.
+  /// `read(block, bits)` fills `bits`, which has kBlockBytes bytes, with the bits of a block: bit i % 8 of byte i / 8
+  /// is set if row i of the block is kept; bits after the last row are 0. The constructor calls `read` for every block;
+  /// later, any thread may call it.
   RowSelection(std::uint64_t rows, std::function<void(std::uint64_t block, std::span<std::byte> bits)> read);
 
   std::uint64_t rows() const { return rows_; }            ///< number of rows of the whole cloud

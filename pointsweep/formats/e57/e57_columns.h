@@ -46,7 +46,7 @@ inline constexpr E57Name kE57Names[] = {
     {"nz", "normalZ", "nor"},
 };
 
-/// Number of the Cartesian coordinates at the begin of kE57Names.
+/// Number of the Cartesian coordinates at the beginning of kE57Names.
 inline constexpr std::size_t kE57Coordinates = 3;
 
 /// One value of a point: an attribute of the file, and its place in a record.

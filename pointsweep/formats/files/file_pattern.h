@@ -11,11 +11,11 @@ namespace pointsweep {
 /// Returns whether the path has one of the characters * ? [ and no file has this name.
 bool is_file_pattern(const std::filesystem::path& path);
 
-/// Returns the files that the pattern matches, or the folders if it ends in '/', each once and in no certain order. *
-/// and ? stand for any characters but '/', [a-z] for one of these characters, and a name ** for any number of nested
-/// folders. Names that begin with a dot match only where the pattern has the dot. A file or folder whose name equals a
-/// name of the pattern, as "scan [2]" in "scan [2]/*.laz", is the only match of that name. Symbolic links are followed,
-/// except by **. Throws Error for a folder that cannot be read.
+/// Returns the files that the pattern matches, or the folders if it ends in '/', each once and in no particular order.
+/// * and ? stand for any characters but '/', [a-z] for one of these characters, and a name ** for any number of nested
+/// folders. A name that begins with a dot matches only a name of the pattern that begins with a dot. A file or folder
+/// whose name equals a name of the pattern, as "scan [2]" in "scan [2]/*.laz", is the only match of that name. Symbolic
+/// links are followed, except by **. Throws Error for a folder that cannot be read.
 std::vector<std::filesystem::path> matches_of(const std::filesystem::path& pattern);
 
 /// Returns the folders before the first name with a wildcard: "tiles" for "tiles/*/a.laz", "" if there are none.

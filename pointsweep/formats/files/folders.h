@@ -10,8 +10,8 @@
 
 namespace pointsweep {
 
-/// Returns the files and folders in `folder`, in no certain order. "" is the current folder; paths of its entries have
-/// no folder. Throws Error if the folder cannot be read.
+/// Returns the files and folders in `folder`, in no particular order. "" is the current folder; the paths of its
+/// entries are file names without a folder. Throws Error if the folder cannot be read.
 std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder);
 
 /// Returns whether the name of the file begins with a dot.

@@ -49,7 +49,7 @@ class RowLines {
   };
   static constexpr std::uint64_t kRowsPerPlace = 16384;
 
-  /// A function that is called once for each line that is no row, with the number of the line and the number of rows
+  /// A function that is called once for each line that is not a row, with the number of the line and the number of rows
   /// before it.
   using UseOther = std::function<void(std::string_view line, std::uint64_t number, std::uint64_t rows)>;
 

@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-/// Reads a number that is not finite as old C libraries of Windows print it: "1.#QNAN", "-1.#IND00", "1.#INF".
+/// Reads a non-finite number in the notation of old C libraries of Windows: "1.#QNAN", "-1.#IND00", "1.#INF".
 template <class T>
 bool parse_windows_word(std::string_view word, T& value) {
   const bool negative = word.starts_with('-');

@@ -16,7 +16,7 @@ namespace {
 
 class FloatRecords final : public ColumnsReader {
  public:
-  /// `other`: formats to suggest if the size of the file is no whole number of points.
+  /// `other`: formats to suggest if the file does not hold a whole number of points.
   FloatRecords(const std::filesystem::path& path, const char* asked_for_as, const char* format,
                std::initializer_list<const char*> names, const char* other) {
     auto file = std::make_shared<const InputFile>(path);
@@ -35,14 +35,14 @@ class FloatRecords final : public ColumnsReader {
 };
 
 /// Opens a file of x, y, z and intensity of each point, as in the scans of the KITTI data sets. Throws Error if the
-/// size is no multiple of 16 bytes.
+/// size is not a multiple of 16 bytes.
 std::unique_ptr<Reader> open_kitti(const std::filesystem::path& path) {
   return std::make_unique<FloatRecords>(path, "kitti", "KITTI, float32 x y z intensity",
                                         std::initializer_list<const char*>{"x", "y", "z", "intensity"},
                                         "has points without intensity (--format float32-xyz)");
 }
 
-/// Opens a file of x, y, z of each point. Throws Error if the size is no multiple of 12 bytes.
+/// Opens a file of x, y, z of each point. Throws Error if the size is not a multiple of 12 bytes.
 std::unique_ptr<Reader> open_float_xyz(const std::filesystem::path& path) {
   return std::make_unique<FloatRecords>(path, "float32-xyz", "float32 x y z",
                                         std::initializer_list<const char*>{"x", "y", "z"},

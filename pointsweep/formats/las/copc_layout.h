@@ -55,9 +55,9 @@ struct CopcChunks {
   double spacing = 0;  ///< spacing of the root, as the file states it
 };
 
-/// Returns the nodes of the chunks of `points` by the hierarchy; none if the hierarchy contradicts itself, the chunk
-/// table or the file. In this case `why_not` states the reason as the end of a sentence. `info`: the byte where the
-/// content of the info VLR begins. Reads at most as many bytes as the file has.
+/// Returns the nodes that the hierarchy assigns to the chunks of `points`; none if the hierarchy contradicts itself,
+/// the chunk table or the file. In this case `why_not` states the reason as the end of a sentence. `info`: the byte
+/// where the content of the info VLR begins. Reads at most as many bytes as the file has.
 CopcChunks read_copc_nodes(const InputFile& file, std::uint64_t info, const LazPoints& points, std::string& why_not);
 
 /// Returns the layout with a point format that COPC allows: the stated point format, else 8 if there are colours and

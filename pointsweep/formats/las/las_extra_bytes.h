@@ -26,10 +26,10 @@ inline constexpr std::size_t kLasNameBytes = 32;
 std::string las_dimension_name(const std::string& name);
 
 /// Appends the attributes that `descriptors` (the content of the VLR) describe to `schema`, the fields of the point
-/// format. Types 1 to 10 are one field each, the deprecated arrays 11 to 30 a field of count 2 or 3 (several fields
-/// `name[0]`, ... where scale or offset differ), type 0 is a field of as many uint8 as the descriptor states. A number
-/// is appended to a name that another field has. Returns nothing on success, else the reason why the VLR does not
-/// describe records of `record_length` bytes; `schema` is then unchanged.
+/// format. Types 1 to 10 become one field each, the deprecated arrays 11 to 30 become a field of count 2 or 3 (several
+/// fields `name[0]`, ... where scale or offset differ), and type 0 becomes a field of as many uint8 as the descriptor
+/// states. A number is appended to a name that another field has. Returns nothing on success, else the reason why the
+/// VLR does not describe records of `record_length` bytes; `schema` is then unchanged.
 std::optional<std::string> append_extra_bytes(std::span<const std::byte> descriptors, std::uint32_t record_length,
                                               Schema& schema);
 

@@ -14,9 +14,9 @@
 
 namespace pointsweep {
 
-/// Collects facts about all points that the layout needs. Reads the cloud once if the types of its fields do not decide
-/// which point format holds them, or if real coordinates may lie on the grid of their LAS file or on a grid of decimal
-/// fractions, as in text files. `progress` gets the number of points read; it may throw.
+/// Collects the facts about all points that the layout of the output needs. Reads the cloud once if the types of its
+/// fields do not decide which point format holds them, or if real coordinates may lie on the grid of their LAS file or
+/// on a grid of decimal fractions, as in text files. `progress` gets the number of points read; it may throw.
 KnownValues las_values(InputCloud& cloud, const FileLayout& layout, const std::function<void(std::uint64_t)>& progress);
 
 /// Returns whether las_values() reads the cloud.

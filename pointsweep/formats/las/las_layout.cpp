@@ -76,8 +76,8 @@ class Builder {
     return std::ranges::any_of(input.schema.fields, [](const Field& field) { return field.count > 1; });
   }
 
-  /// Removes the bytes after the standard header, since readers of COPC expect its VLR there. Removes the reference to
-  /// waveforms, for which the point formats of COPC have no fields.
+  /// Removes the bytes after the standard header, since readers of COPC expect the COPC VLR there. Removes the
+  /// reference to waveforms, for which the point formats of COPC have no fields.
   void keep_standard_header() {
     LasHeader& header = layout_.header;
     if (header.header_size > standard_header_size(4))
@@ -90,7 +90,7 @@ class Builder {
     header.global_encoding = static_cast<std::uint16_t>(header.global_encoding & ~kLasWaveformBits);
   }
 
-  /// Adds a pair of fields: values of `from` are stored in `to`.
+  /// Adds a pair of fields: the output stores the values of `from` in `to`.
   void connect(Field from, Field to) {
     from.name = to.name = std::to_string(layout_.from.fields.size());
     layout_.from.fields.push_back(std::move(from));
@@ -194,7 +194,7 @@ class Builder {
     connect(from, rest);
   }
 
-  /// Sets the sources of x, y and z: for each, the last connected field that is stored in its place. Sets
+  /// Finds the source of each coordinate: the last connected field that is stored at the place of the coordinate. Sets
   /// positions_change if a source is not stored unchanged.
   void watch_positions(const Schema& format) {
     Field* const places[] = {&layout_.x, &layout_.y, &layout_.z};
@@ -271,7 +271,8 @@ class Builder {
     append_extra(exact);
   }
 
-  /// Returns the range of values of each field: by known values for a field of the input, by type for a made field.
+  /// Returns the range of values of each field: from known values for a field of the input, from the type for a made
+  /// field.
   std::vector<ValueRange> value_ranges() const {
     std::vector<ValueRange> ranges;
     for (std::size_t i = 0; i < plan_.schema.fields.size(); ++i) {

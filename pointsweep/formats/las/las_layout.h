@@ -71,7 +71,7 @@ struct LasLayout {
 LasLayout lay_out_las(const OutputPlan& plan, LasPoints points = LasPoints::plain);
 
 /// Returns whether `schema` begins with the records of `input`. The coordinates may have another scale and offset, or
-/// be real numbers at the begin of the record.
+/// be real numbers at the beginning of the record.
 bool las_begins_with_records_of(const LasParts& input, const Schema& schema);
 
 /// Returns whether records of `schema` begin with the records of `input` and the user states no other point format.

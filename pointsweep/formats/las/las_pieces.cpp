@@ -59,7 +59,7 @@ class PiecePlacer {
   }
 
  private:
-  /// Sets the pieces of the input. Returns how many of its VLRs no piece contains.
+  /// Sets the pieces of the input. Returns the number of VLRs of the input that no piece contains.
   std::uint32_t place_input() {
     const LasVlrChain& vlrs = input_->vlrs;
     layout_.after = {vlrs.end, input_->header.offset_to_points};

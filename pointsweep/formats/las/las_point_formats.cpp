@@ -88,7 +88,7 @@ void append_waveform(Schema& schema) {
 
 /// Point formats from the shortest record to the longest.
 constexpr std::array kByLength{0, 2, 1, 6, 3, 7, 8, 4, 9, 5, 10};
-/// The format of LAS 1.0 to 1.3 that has all of their fields, and the format of LAS 1.4 that has all of its fields.
+/// The point format with the fields of all formats 0 to 5, and the point format with the fields of all formats 6 to 10.
 constexpr int kFullestLegacy = 5, kFullestModern = 10;
 
 constexpr std::array<std::string_view, 3> kColors{"red", "green", "blue"};

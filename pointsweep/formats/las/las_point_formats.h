@@ -58,8 +58,8 @@ struct LasChoice {
   bool has(int point_format) const;
 };
 
-/// Returns the point format of `choice` that holds most of las_names_in(schema); of several such formats, the format
-/// with the shortest records. `ranges` has one entry for each field of `schema`.
+/// Returns the point format of `choice` that holds the most fields of las_names_in(schema); of several such formats,
+/// the format with the shortest records. `ranges` has one entry for each field of `schema`.
 int choose_las_point_format(const Schema& schema, const std::vector<ValueRange>& ranges, const LasChoice& choice);
 
 /// Returns the indices of fields whose values must be read, since their types do not decide whether the allowed point

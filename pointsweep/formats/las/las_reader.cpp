@@ -106,7 +106,7 @@ std::shared_ptr<LasParts> read_parts(const std::shared_ptr<const InputFile>& fil
 
 LasOrigin origin_of(const LasHeader& header) {
   const bool has_time = las_point_schema(header.point_format, header.scale, header.offset).find("gps_time").has_value();
-  // Before LAS 1.2 the bit was reserved, and times were seconds of the GPS week.
+  // Before LAS 1.2 the time bit was reserved, and times were seconds of the GPS week.
   return {.grid = {header.scale, header.offset},
           .has_time = has_time,
           .standard_time = header.minor >= 2 && (header.global_encoding & kLasStandardTimeBit) != 0,

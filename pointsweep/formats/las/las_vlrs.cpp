@@ -38,8 +38,8 @@ class Window {
 
 constexpr std::size_t kMostProvenance = 256;
 
-/// Returns the member of `chain` that keeps the first record of this user and number; null for other records, of which
-/// note() collects those of provenance and projection in lists.
+/// Returns the member of `chain` that keeps the first record of this user and number; null for other records. note()
+/// also collects records of provenance and projection in lists.
 std::optional<LasVlr>* place_of(LasVlrChain& chain, std::string_view user, std::uint16_t record) {
   if (user == kLasSpecUser && record == kExtraBytesRecord) return &chain.extra_bytes;
   if (user == kLaszipUser && record == kLaszipRecord) return &chain.laszip;
@@ -76,7 +76,7 @@ std::uint64_t content_length(const std::byte* header, LasVlrKind kind) {
 
 constexpr std::uint64_t kLongestText = 1 << 20;
 
-/// Returns the content of a record as a container of whole elements; empty if there is no record or it is too long.
+/// Returns the content of a record as a container of whole elements; empty if the record is missing or too long.
 template <class Content>
 Content content_of(const InputFile& file, const std::optional<LasVlr>& vlr) {
   Content content;

@@ -34,8 +34,8 @@ inline constexpr std::uint16_t kProvenanceRecord = 1;
 
 /// A record of the chain, as byte offsets in the file.
 struct LasVlr {
-  std::uint64_t start = 0;    ///< begin of its header
-  std::uint64_t content = 0;  ///< begin of its content, after the header
+  std::uint64_t start = 0;    ///< first byte of its header
+  std::uint64_t content = 0;  ///< first byte of its content, after the header
   std::uint64_t length = 0;   ///< bytes of its content
   std::uint64_t end() const { return content + length; }
 };
@@ -80,7 +80,7 @@ struct LasCrsVlrs {
   std::vector<std::byte> bytes;
   std::uint32_t count = 0;
 };
-/// Returns the VLRs for `crs`, without those whose content is longer than kLongestVlr.
+/// Returns the VLRs for `crs`. A VLR whose content is longer than kLongestVlr is left out.
 LasCrsVlrs las_crs_vlrs(const Crs& crs);
 
 }  // namespace pointsweep

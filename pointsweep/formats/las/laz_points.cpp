@@ -116,8 +116,8 @@ LazPoints::LazPoints(std::shared_ptr<const InputFile> file, std::span<const std:
 LazPoints::Cursor::Cursor(const LazPoints& points) : points_(points) {}
 LazPoints::Cursor::~Cursor() = default;
 
-/// Reads the chunk table. A writer that could not seek back to the begin of its data has stored the offset of the table
-/// in the last bytes of the file.
+/// Reads the chunk table. A writer that could not seek back to the beginning of its data has stored the offset of the
+/// table in the last bytes of the file.
 void LazPoints::read_chunk_table(std::uint64_t begin, std::uint64_t count) {
   const std::uint64_t size = file_->size();
   const std::uint64_t data = begin + kLazOffsetBytes;
@@ -165,8 +165,8 @@ std::vector<LazPoints::Piece> LazPoints::pieces(std::uint64_t row, std::span<std
   return pieces;
 }
 
-/// Reads in pieces. Only the first piece can begin in the middle of its chunk, and only the last piece can end in the
-/// middle.
+/// Reads the rows in pieces, one for each chunk. Only the first piece can begin in the middle of its chunk, and only
+/// the last piece can end in the middle.
 void LazPoints::Cursor::read(std::uint64_t row, std::span<std::byte> records) {
   const std::vector<Piece> all = points_.pieces(row, records);
   if (all.empty()) return;

@@ -182,7 +182,7 @@ class ObjReader final : public VertexLineReader {
   std::uint64_t normal_count_ = 0;
 };
 
-/// Returns whether the first line that is no comment is a line of an OBJ file: v, vn, vt, mtllib, o, g, s or usemtl.
+/// Returns whether the first line after comments is a line of an OBJ file: v, vn, vt, mtllib, o, g, s or usemtl.
 bool starts_as_obj(std::string_view head) {
   while (!head.empty()) {
     const std::size_t end = std::min(head.find('\n'), head.size());

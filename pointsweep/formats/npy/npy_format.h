@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// NumPy arrays: readers of arrays of neighbours and distances as rows, and of points in .npy files and .npz archives;
-/// a writer.
+/// Readers of NumPy arrays of neighbours and distances as rows, and of points in .npy files and .npz archives; a writer
+/// of arrays.
 #pragma once
 
 #include <filesystem>

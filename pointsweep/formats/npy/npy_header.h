@@ -24,9 +24,9 @@ struct NpyHeader {
   std::uint64_t elements(std::size_t without = 0) const;
 };
 
-/// Reads the header of the array that begins at byte `begin` and ends before `end`; `what` names it in errors. Throws
-/// Error for a damaged header, for a type that no attribute can have, and if the array has more or fewer bytes than its
-/// header states.
+/// Reads the header of the array that begins at byte `begin` and ends before `end`; `what` names the array in errors.
+/// Throws Error for a damaged header, for a type that no attribute can have, and if the array has more or fewer bytes
+/// than its header states.
 NpyHeader read_npy_header(const InputFile& file, std::uint64_t begin, std::uint64_t end, const std::string& what);
 
 }  // namespace pointsweep

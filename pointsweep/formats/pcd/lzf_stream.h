@@ -30,7 +30,7 @@ class LzfStream {
 
   const State& state() const { return state_; }
   void go_to(const State& state);
-  /// Reads the next bytes. Throws Error if the block ends too early, or refers to bytes before its begin.
+  /// Reads the next bytes. Throws Error if the block ends too early, or refers to bytes before its beginning.
   void read(std::span<std::byte> out);
   void skip(std::uint64_t bytes);
 

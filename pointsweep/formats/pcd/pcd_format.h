@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Reading PCD files (Point Cloud Library), and writing them, version 0.7, binary.
+/// A reader of PCD files (Point Cloud Library), and a writer of binary files of version 0.7.
 #pragma once
 
 #include <filesystem>
@@ -25,11 +25,11 @@ std::unique_ptr<Reader> open_pcd(const std::filesystem::path& path);
 
 /// Creates a writer of all fields with their types; scaled fields become float64. 8-bit red, green and blue are packed
 /// into `rgb`, with alpha into `rgba`, as in PCL; wider colours stay separate fields. Normals are normal_x, normal_y,
-/// normal_z. VIEWPOINT is that of the inputs if they are PCD files and agree, and the identity otherwise.
+/// normal_z. VIEWPOINT is copied from the inputs if all of them are PCD files and agree; otherwise it is the identity.
 std::unique_ptr<Writer> create_pcd_writer(const OutputPlan& plan);
 
-/// Returns the name in PCD outputs of a field that is not part of a packed colour: "normal_x" for nx; the same name for
-/// all fields but nx, ny and nz.
+/// Returns the name in PCD outputs of a field that is not part of a packed colour: "normal_x" for nx, and likewise for
+/// ny and nz; other names stay unchanged.
 std::string pcd_field_name(const std::string& name);
 
 }  // namespace pointsweep

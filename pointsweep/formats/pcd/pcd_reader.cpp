@@ -241,7 +241,7 @@ class CompressedPcdReader final : public Reader {
   std::uint32_t stride_;
   std::uint64_t chunk_rows_ = 1;
   std::vector<Column> columns_;
-  std::optional<LzfStream> begin_;  ///< stream at the begin of the block
+  std::optional<LzfStream> begin_;  ///< stream at the beginning of the block
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Reading PLY files, ascii and binary of either byte order, and writing them, binary little-endian.
+/// A reader of PLY files, ascii and binary of either byte order, and a writer of binary little-endian files.
 #pragma once
 
 #include <filesystem>
@@ -16,11 +16,10 @@ namespace pointsweep {
 std::unique_ptr<Reader> open_ply(const std::filesystem::path& path);
 
 /// Creates a writer of one element `vertex` with a property for each component of each field, in the order of the plan.
-/// Names are those of column_names(); types are those of the fields. Scaled fields become `double`, bit fields the
-/// smallest unsigned type that holds them. PLY has no 64-bit integers. If the first input is a PLY file, they are
+/// Properties have the names of column_names() and the types of the fields. Scaled fields become `double`, bit fields
+/// the smallest unsigned type that holds them. PLY has no 64-bit integers. If the first input is a PLY file, they are
 /// written as the nonstandard types `int64` and `uint64`; otherwise they become `double`, and an integer that a double
-/// cannot represent exactly is an Error.
-/// The coordinate reference system becomes comments: see ply_comments.cpp.
+/// cannot represent exactly is an Error. The coordinate reference system becomes comments: see ply_comments.cpp.
 std::unique_ptr<Writer> create_ply_writer(const OutputPlan& plan);
 
 }  // namespace pointsweep

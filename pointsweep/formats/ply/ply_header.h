@@ -60,7 +60,8 @@ PlyHeader read_ply_header(const InputFile& file);
 
 std::string_view name_of(PlyEncoding encoding);
 
-/// Returns lines that state the system. They begin with `comment` and have at most 1,000 bytes, as other programs need.
+/// Returns lines that state the system. They begin with `comment` and have at most 1,000 bytes, since some programs
+/// refuse lines of 1,024 bytes.
 std::vector<std::string> crs_comments(const Crs& crs);
 
 /// Returns the system that lines of crs_comments() state, and removes these lines from `lines`. Invalid lines are not

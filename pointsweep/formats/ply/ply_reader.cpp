@@ -25,7 +25,7 @@ namespace {
        path.string(), element.name, element.count);
 }
 
-/// Small reads at growing offsets, through a buffer.
+/// Reads small pieces of a file at ascending offsets, through a buffer.
 class ForwardBytes {
  public:
   ForwardBytes(const InputFile& file, std::uint64_t offset) : file_(file), block_(256 << 10), offset_(offset) {}

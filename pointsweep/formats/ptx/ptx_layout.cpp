@@ -13,13 +13,13 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kMostScans = 65536;
-constexpr std::uint64_t kMostCellsAlong = std::uint64_t{1} << 31;  ///< so that the product of two fits in 64 bits
+constexpr std::uint64_t kMostCellsAlong = std::uint64_t{1} << 31;  ///< rows times columns must fit in 64 bits
 constexpr std::size_t kHeaderLines = 10;
 
 /// Numbers in the lines of a header: columns, rows, position and axes of the scanner, transformation.
 constexpr std::array<std::size_t, kHeaderLines> kHeaderNumbers{1, 1, 3, 3, 3, 3, 4, 4, 4, 4};
 
-/// Parses all numbers of a line; nothing if a word is no number or there are more than `most`.
+/// Parses all numbers of a line; nothing if a word is not a number or there are more than `most`.
 std::optional<std::vector<double>> ptx_numbers(std::string_view line, std::size_t most) {
   std::vector<double> numbers;
   for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {

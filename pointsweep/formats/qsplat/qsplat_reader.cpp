@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Reading QSplat models (`.qs`, version 11): the leaves of their trees as points.
+/// A reader of QSplat models (`.qs`, version 11): the leaves of their trees become points.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -35,8 +35,8 @@ class QsplatReader final : public Reader {
     count_leaves();
   }
 
-  /// Returns the leaves between two stored places. Their bytes have no range, since the nodes above them are all over
-  /// the file.
+  /// Returns the leaves between two stored places. The chunk has no range of bytes, since the nodes above the leaves
+  /// are spread over the whole file.
   Chunk chunk_of(std::uint64_t row) const override {
     const std::uint64_t first = row / kBetweenPlaces * kBetweenPlaces;
     return {.first_row = first, .rows = std::min(kBetweenPlaces, info_.count - first), .bounds = {}};

@@ -171,8 +171,8 @@ bool QsplatWalk::next(QsplatLeaf& leaf) {
   }
 }
 
-/// Enters the next part that is no comment. A tree that is only a root sets `leaf` and `is_leaf`. Returns false at the
-/// end of the file.
+/// Enters the next part that is not a comment. A tree that is only a root sets `leaf` and `is_leaf`. Returns false at
+/// the end of the file.
 bool QsplatWalk::enter_next_fragment(QsplatLeaf& leaf, bool& is_leaf) {
   do {
     if (place_.fragment.end >= file_.size()) return false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The leaves of the trees of a QSplat file, one after the other, in bounded memory, and the meaning of the codes of a
-/// node: a sphere inside its parent's, a normal, a colour (Rusinkiewicz and Levoy, "QSplat", SIGGRAPH 2000,
-/// Sections 3.1 and 3.2; the tables are those of the released program, file version 11).
+/// node: a sphere inside the sphere of the parent, a normal, a colour (Rusinkiewicz and Levoy, "QSplat", SIGGRAPH 2000,
+/// Sections 3.1 and 3.2; the tables come from the released program, file version 11).
 #pragma once
 
 #include <array>

@@ -19,7 +19,7 @@ namespace pointsweep {
 class LineParser {
  public:
   virtual ~LineParser() = default;
-  /// Parses line number `number` of the file, from 1. Throws Error for a line that is no record.
+  /// Parses line number `number` of the file, from 1. Throws Error for a line that is not a record.
   virtual void parse(std::string_view line, std::uint64_t number, std::byte* record) = 0;
 };
 

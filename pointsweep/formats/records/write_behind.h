@@ -13,7 +13,7 @@
 
 namespace pointsweep {
 
-/// Passes records to several writers in the background. The next call throws the errors of the writers.
+/// Passes records to several writers in the background. The call after a failure throws the error of the writer.
 class WriteBehind {
  public:
   void add(std::unique_ptr<Writer> writer) { writers_.push_back(std::move(writer)); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Reading points from text, and writing them: .csv with commas, .xyz, .txt, .asc and .pts with spaces.
+/// A reader and a writer of points as text: .csv with commas, .xyz, .txt, .asc and .pts with spaces.
 #pragma once
 
 #include <filesystem>
@@ -14,16 +14,16 @@
 namespace pointsweep {
 
 /// Opens a text file with a row for each line and a float64 field for each column (see TextLayout). Opening reads the
-/// file once to count the rows. A line with too few or too many cells, or a cell that is no number, is an Error with
-/// its line when it is read.
+/// file once to count the rows. A line with too few or too many cells, or a cell that is not a number, causes an Error
+/// that names the line when the line is read.
 std::unique_ptr<Reader> open_text(const std::filesystem::path& path);
 
-/// Opens a text file with the given names of columns, "-" for skipped ones, whose content is ignored. A header is
-/// skipped.
+/// Opens a text file whose columns have the given names. The content of a column with the name "-" is ignored. A header
+/// is skipped.
 std::unique_ptr<Reader> open_text_columns(const std::filesystem::path& path, std::span<const std::string> columns);
 
-/// Returns whether the first lines of the file are rows of points, or a header and such rows. `columns`: stated names;
-/// or empty.
+/// Returns whether the first lines of the file are rows of points, or a header and such rows. `columns`: the names of
+/// columns that the user states; may be empty.
 bool fits_text(const std::filesystem::path& path, std::span<const std::string> columns);
 
 /// Creates a writer that writes each value with the fewest digits that represent it in its type, and coordinates with

@@ -20,18 +20,19 @@ enum class Separator : char { space = ' ', comma = ',', semicolon = ';', bar = '
 Separator separator_of(std::string_view line);
 
 /// Splits a line into cells without surrounding spaces and quotes. With separators other than blanks, cells may be
-/// empty; an empty cell after a last separator is dropped.
+/// empty; an empty cell after the last separator is dropped.
 void split_cells(std::string_view line, Separator separator, std::vector<std::string_view>& cells);
 
 /// Returns whether a line has cells: it is neither blank nor a comment, which begins with `#`, `%` or `//`.
 bool is_text_row(std::string_view line);
-/// Returns whether a line is a row of points in files that have lines with numbers of rows (PTS): it has more than one
-/// cell.
+/// Returns whether a line is a row of points in files in which other lines state a number of rows (PTS): a row has more
+/// than one cell.
 bool is_pts_row(std::string_view line);
 /// Returns the text after the `#`, `%` or `//` of a comment; empty for other lines.
 std::string_view comment_of(std::string_view line);
 
-/// Parses the number in a cell; an empty cell, "na", "n/a" and "null" are NaN. Returns false if the cell is no number.
+/// Parses the number in a cell; an empty cell, "na", "n/a" and "null" are NaN. Returns false if the cell is not a
+/// number.
 bool parse_cell(std::string_view cell, double& value);
 
 /// The name, in --columns, of a column that is skipped.

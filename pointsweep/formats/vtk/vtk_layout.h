@@ -41,7 +41,7 @@ bool starts_as_vtk(std::string_view head);
 /// Reads all of a text file, or the lines between the arrays of a binary file. Throws Error with the place of a fault.
 VtkLayout read_vtk_layout(const InputFile& file);
 
-/// A window of 16 KB on a file that is text between blocks of bytes. Longer words and lines are an Error.
+/// Reads a file of text and blocks of bytes through a window of 16 KB. A longer word or line is an Error.
 class VtkScanner {
  public:
   explicit VtkScanner(const InputFile& file) : file_(&file) {}

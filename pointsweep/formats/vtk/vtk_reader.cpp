@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Reading legacy VTK files: the points of POLYDATA, UNSTRUCTURED_GRID and STRUCTURED_GRID.
+/// A reader of legacy VTK files: the points of POLYDATA, UNSTRUCTURED_GRID and STRUCTURED_GRID.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -242,7 +242,8 @@ std::unique_ptr<InOrderWork> M3c2::start(const InOrderSetup& setup) const {
   return std::make_unique<M3c2Work>(options_, setup);
 }
 
-/// Returns the distance of the rim of a cylinder, which is farthest from its centre, with a margin for rounding.
+/// Returns the distance between the centre of a cylinder and its rim, the farthest part of it, with a margin for
+/// rounding.
 std::optional<Reach> M3c2::reach() const {
   return Reach{.distance = std::hypot(options_.cylinder / 2, options_.depth) * (1 + 1e-6)};
 }

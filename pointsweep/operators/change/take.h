@@ -15,7 +15,7 @@
 
 namespace pointsweep {
 
-/// An attribute that `take` makes; some or all of its components are taken from the other cloud.
+/// An attribute that `take` makes. Some or all of its components come from the other cloud.
 struct TakeTarget {
   Attribute made;
   std::optional<Attribute> old;  ///< previous version, which the operator reads; absent for a new attribute

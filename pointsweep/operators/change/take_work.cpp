@@ -17,7 +17,7 @@ namespace pointsweep {
 namespace {
 
 /// TakeWork finds the nearest points of a block of points, and then reads their values. kFoundAtOnce: about the number
-/// of nearest points of a block. kLeastPlaces: number of points of a block for large k.
+/// of nearest points of a block. kLeastPlaces: least number of points of a block, which large k would make too small.
 constexpr std::uint64_t kFoundAtOnce = 1 << 18, kLeastPlaces = 4096;
 /// Number of points to which a thread gives values at a time.
 constexpr std::size_t kTakenAtOnce = 1024;
@@ -61,7 +61,8 @@ class TakeWork final : public InOrderWork {
   void end(unsigned, Findings&) override { refused_.throw_if_any(); }
 
  private:
-  /// Returns the share of the memory for data of `bytes` per point.
+  /// Returns the memory for data that take `bytes` per point of the other cloud: positions and values share the memory
+  /// in proportion to their sizes.
   std::uint64_t share(const InOrderSetup& setup, std::uint64_t bytes) const {
     const std::uint64_t found = found_bytes(k_, value_bytes_);
     const std::uint64_t left = setup.memory_bytes - std::min(setup.memory_bytes, found);

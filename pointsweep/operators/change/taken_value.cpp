@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-/// The ratio of a colour channel of 16 bits to one of 8 bits.
+/// The factor between a colour channel of 8 bits and a channel of 16 bits with the same brightness: 65535 / 255.
 constexpr int kWideOfNarrow = 257;
 
 template <class Value>

@@ -14,13 +14,13 @@ namespace pointsweep {
 /// of the positions of p_i and its k nearest neighbours about their mean, divided by their sum. The point keeps the k
 /// at which the eigenentropy
 ///   E = -(e1 ln e1 + e2 ln e2 + e3 ln e3)
-/// is least; of several such k, the smallest.
+/// is least. If several k have the least E, the point keeps the smallest.
 ///
 /// Source: M. Weinmann, B. Jutzi, C. Mallet, "Semantic 3D scene interpretation: a framework combining optimal
 /// neighborhood size selection with relevant features", ISPRS Annals II-3 (2014), and Weinmann et al., "Semantic point
 /// cloud interpretation based on optimal neighborhoods, relevant features and efficient classifiers", ISPRS Journal 105
-/// (2015), which replaces by E the entropy of three dimensionality features of Demantké et al., "Dimensionality based
-/// scale selection in 3D lidar point clouds" (2011). The papers let k run from 10 to 100 in steps of 1, as here.
+/// (2015), which uses E instead of the entropy of the three dimensionality features of Demantké et al., "Dimensionality
+/// based scale selection in 3D lidar point clouds" (2011). The papers let k run from 10 to 100 in steps of 1, as here.
 ///
 /// Cases that the papers leave open: e ln e is 0 at e = 0 (points on a plane or a line); a k whose neighbours all
 /// coincide with p_i has no E and is skipped; a point with fewer than `least` neighbours, or without any E, keeps all

@@ -60,7 +60,8 @@ void set_member(std::optional<Member>& member, const OptionValue& value, const C
   set_member(member.emplace(), value, words);
 }
 
-/// The kind of an option whose member is a Member; nullopt for texts and lists of words, whose rows state the kind.
+/// The kind of an option whose member has the type Member; nullopt for texts and lists of words, whose kind is an
+/// argument of option().
 template <class Member>
 inline constexpr std::optional<OptionKind> kKindOf = IsChoice<Member> ? std::optional(OptionKind::choice)
                                                                       : std::nullopt;
@@ -84,8 +85,8 @@ struct OptionRow {
 };
 
 /// Returns the row of the option that `member` holds. `more` has the limits, unit and sample of the option, the kind of
-/// a text or of a list of words, and the words of a choice: for an enumeration in the order of its values, for a truth
-/// value the word of the default first.
+/// a text or of a list of words, and the words of a choice. The words of an enumeration have the order of its values;
+/// the first of the two words of a truth value is the word of the default.
 template <class T, class Member>
 OptionRow<T> option(const char* name, Member T::*member, const char* meaning, OptionDeclaration more = {}) {
   more.name = name;

@@ -31,7 +31,7 @@ TargetRange range_of(const Field& field);
 /// Returns a whole number as a T, the integer type of the range; nullopt for a number outside of the range.
 template <class T>
 std::optional<T> whole_in(const TargetRange& range, double whole) {
-  // The largest 64-bit integer is no double; the next double is too large.
+  // The largest 64-bit integer is not a double, and the nearest double is too large.
   const bool below = range.most < 0x1p53 ? whole <= range.most : whole < range.most;
   if (!(whole >= range.least && below)) return std::nullopt;
   return static_cast<T>(whole);

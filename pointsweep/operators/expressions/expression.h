@@ -24,7 +24,8 @@ struct ExpressionValues {
 /// A type that holds every 64-bit integer, signed or unsigned.
 __extension__ typedef __int128 WholeNumber;
 
-/// A condition, or a number. Grammar, loosest first; blanks count only between words:
+/// A condition, or a number. The grammar begins with the operators that bind most loosely; blanks matter only between
+/// words:
 ///   condition = both {("||" | "or") both}      both = test {("&&" | "and") test}
 ///   test = ("!" | "not") test | "(" condition ")" | sum ("==" | "!=" | "<" | "<=" | ">" | ">=") sum |
 ///          sum ["not"] "in" "(" sum {"," sum} ")" | sum ["not"] "between" sum "and" sum
@@ -32,10 +33,10 @@ __extension__ typedef __int128 WholeNumber;
 ///   factor = "-" factor | number | name | function "(" sum {"," sum} ")" | "(" sum ")"
 ///   name = letter or _ {letter, digit, _ or .}
 /// A word in the place of an operand is a name. The word `not` is a name only before a sign that cannot follow the
-/// operator `not`, as in not == 1. Numbers are float64 and follow IEEE 754: a comparison with NaN is false, != true,
-/// and x / 0 is infinite or NaN. A comparison of a 64-bit integer attribute with another one or with a whole number is
-/// exact; all other operations are in float64, and round 64-bit integers to float64. `in` compares as ==, `between` as
-/// >= and <=.
+/// operator `not`, as in not == 1. Numbers are float64 and follow IEEE 754: a comparison with NaN is false, except that
+/// != is true, and x / 0 is infinite or NaN. A comparison of a 64-bit integer attribute with another one or with a
+/// whole number is exact; all other operations are in float64, and round 64-bit integers to float64. `in` compares like
+/// ==, and `between` like >= and <=.
 class Expression {
  public:
   enum class Form : std::uint8_t { condition, number /**< a sum of the grammar */ };
@@ -59,8 +60,8 @@ class Expression {
 
   /// Evaluates an expression that gives a number: sets values_of_points[i] to its value for point i.
   void evaluate_number(std::span<const ExpressionValues> values, std::span<double> values_of_points) const;
-  /// Returns whether the expression is a single name of 64-bit integers, or a single whole number. Only then may
-  /// evaluate_whole() be called, which is exact.
+  /// Returns whether the expression is a single name whose values are 64-bit integers, or a single whole number. Only
+  /// then may evaluate_whole() be called. It returns exact values.
   bool is_whole(std::span<const ExpressionValues> values) const;
   void evaluate_whole(std::span<const ExpressionValues> values, std::span<WholeNumber> values_of_points) const;
 

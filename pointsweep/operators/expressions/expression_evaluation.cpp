@@ -12,7 +12,8 @@ namespace {
 
 using Arguments = std::span<const double>;
 
-/// Returns the argument that `precedes` all others, the first of equal arguments; NaN if an argument is NaN.
+/// Returns the argument that comes first by the order `precedes`; NaN if an argument is NaN. The first of equal
+/// arguments counts.
 template <class Precedes>
 double first_by(Arguments arguments, Precedes precedes) {
   double first = arguments[0];

@@ -42,7 +42,7 @@ void ExpressionText::skip_blanks() {
 }
 
 void ExpressionText::unexpected(std::string_view wanted) const {
-  if (at_ >= text_.size()) fail_at(at_, fmt::format("{} is expected, but the condition ends", wanted));
+  if (at_ >= text_.size()) fail_at(at_, fmt::format("{} is expected, but the expression ends", wanted));
   fail_at(at_, fmt::format("{} is expected, not '{}'", wanted, text_[at_]));
 }
 

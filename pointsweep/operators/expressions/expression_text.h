@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A reader of the text of an expression: the current position, the next signs and words, and error messages.
+/// A reader of the text of an expression, which finds the next signs and words, and reports errors with their column.
 #pragma once
 
 #include <cstddef>

@@ -12,7 +12,8 @@
 
 namespace pointsweep {
 
-/// A component of a made attribute, or a field of the input, that a name means. Both pointers may be null.
+/// A component of a made attribute, or a field of the input, that a name means. Both pointers are null if the name
+/// means nothing.
 struct MeantValue {
   const Attribute* made = nullptr;
   std::size_t component = 0;     ///< component of `made`
@@ -20,12 +21,12 @@ struct MeantValue {
 };
 
 /// Returns the value that `word` names, in any spelling that files use. A made attribute precedes a field of the input
-/// unless `word` is also the name of another attribute ("curvature") and the exact name of a field of the input.
+/// unless `word` is a spelling of several attributes, as "curvature" is, and the exact name of a field of the input.
 /// Moved positions are never returned: x, y and z mean the fields of the input.
 MeantValue meant_value(const std::string& word, const Schema& input, std::span<const Attribute> made);
 
-/// Returns the value that `word` names in an expression: meant_value(), or, if nothing is named "row", the number of
-/// the row in the inputs (input_row.h) for "row".
+/// Returns the value that `word` names in an expression: meant_value(). If that finds nothing for "row", returns the
+/// number of the row in the inputs (input_row.h).
 MeantValue value_in_expression(const std::string& word, const Schema& input, std::span<const Attribute> made);
 
 /// Returns the type of a field of the input; for packed bits the smallest type that holds them, for scaled numbers

@@ -52,8 +52,8 @@ class NamedValues {
     std::vector<ExpressionValues> values_;
   };
 
-  /// The source of the values of a name: component `component` of reads()[attribute], or of the position if `attribute`
-  /// is negative.
+  /// The source of the values of a name: component `component` of reads()[attribute], or of the position of the point
+  /// if `attribute` is negative.
   struct Source {
     int attribute = -1;
     std::size_t component = 0;

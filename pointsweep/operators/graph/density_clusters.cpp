@@ -13,8 +13,8 @@
 namespace pointsweep {
 namespace {
 
-/// Gives a number to each component that has a core point; the points of other components are noise. The result is one
-/// byte, 1 if there is a core point, else 0.
+/// Gives a number to each component that has a core point; the points of other components are noise. The result of a
+/// component is one byte: 1 if it has a core point, else 0.
 class AnyCore final : public VoteRule {
  public:
   std::size_t ballot_bytes() const override { return 1; }

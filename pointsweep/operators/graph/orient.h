@@ -16,7 +16,7 @@
 
 namespace pointsweep {
 
-/// Returns normal_turned, N u8: 1 if orient() has negated the normal.
+/// Returns normal_turned, N u8: 1 if the operator orient has negated the normal.
 Attribute normal_turned_attribute();
 
 /// Makes normal_turned: the signs along the minimum spanning forest of the graph of neighbours. An edge has the weight

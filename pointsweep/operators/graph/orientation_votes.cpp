@@ -14,7 +14,8 @@ using Whole = __int128;
 
 constexpr double kNormalUnits = 1 << 20, kPlaceUnits = 4294967296.0, kFarthest = 1099511627776.0;
 
-/// Sums over points with signs s, normals n and positions p. `normal` to `first_sign` are negated if all s are.
+/// Sums over points with signs s, normals n and positions p. The members from `normal` to `first_sign` change their
+/// sign if all s do.
 struct Votes {
   std::array<Whole, 3> normal;  ///< Σ s n
   Whole out;                    ///< Σ s n · p

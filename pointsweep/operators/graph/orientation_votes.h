@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The choice between the two consistent orientations of a component of a surface.
+/// The choice between the two consistent orientations of the normals of a component (connected points of a graph).
 #pragma once
 
 #include <cstddef>

@@ -19,7 +19,7 @@ constexpr std::array<std::array<std::size_t, 2>, 6> kEntries = {{{0, 0}, {0, 1},
 
 /// Sums over the positions q of points, in units of 2^-40.
 struct Moments {
-  std::array<Int192, 6> second;  ///< Σ q_a q_b, of kEntries
+  std::array<Int192, 6> second;  ///< Σ q_a q_b for the pairs (a, b) in kEntries
   std::array<Int128, 3> first;   ///< Σ q_a
   std::uint64_t points, placed;  ///< `placed`: number of points with finite places, which alone are in the sums
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The residual of a component: the distance of its points from a plane.
+/// The residual of a component (connected points of a graph): the distance of its points from their best plane.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Segments: parts of a surface across which normals turn little from neighbour to neighbour. Segments are those of
-/// region growing, but independent of seeds and their order (T. Rabbani, F. van den Heuvel, G. Vosselman, "Segmentation
-/// of point clouds using smoothness constraint", 2006).
+/// Segments: parts of a surface across which normals turn little from neighbour to neighbour. Segments resemble the
+/// regions of region growing, but do not depend on seeds or their order (T. Rabbani, F. van den Heuvel, G. Vosselman,
+/// "Segmentation of point clouds using smoothness constraint", 2006).
 #pragma once
 
 #include <cstddef>

@@ -20,8 +20,8 @@ namespace pointsweep {
 Attribute classification_attribute();
 
 /// Makes classification: 2 for ground. Other points keep the class of the input or of an earlier stage, except that
-/// class 2 and a missing class become 1. Only points that take part can be ground: last returns without the classes 7
-/// and 18 (noise), unless the options admit all returns or noise. Attributes that the cloud lacks exclude no point.
+/// class 2 and a missing class become 1. Only points that take part can be ground: last returns whose class is neither
+/// 7 nor 18 (noise). Options admit all returns, or noise. Attributes that the cloud lacks exclude no point.
 class Ground final : public InOrderOperator {
  public:
   /// Throws UsageError for options outside of their ranges.
@@ -36,7 +36,8 @@ class Ground final : public InOrderOperator {
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   InOrderEffort effort(const CloudEstimate& cloud) const override;
 
-  /// Indices of attributes in the values of a point; nullopt if the cloud does not have the attribute.
+  /// Indices of attributes in the values of a point; nullopt for an attribute that the cloud lacks or the options
+  /// ignore.
   struct ValueNumbers {
     std::optional<std::size_t> return_number, number_of_returns, classification;
   };

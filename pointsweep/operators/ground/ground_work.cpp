@@ -7,8 +7,8 @@ namespace pointsweep {
 namespace {
 
 constexpr double kGround = 2, kUnclassified = 1, kLowNoise = 7, kHighNoise = 18;
-/// Number of rows that a point needs before and after its own row: it needs the slopes of the adjacent cells, which
-/// depend on the cells next to them.
+/// Number of rows of cells that a point needs before and after its own row: the slopes of the adjacent cells depend on
+/// the cells next to them.
 constexpr std::size_t kRowsAround = 2;
 
 /// Returns the slope along one axis, from the cell and the cells on both sides of it.

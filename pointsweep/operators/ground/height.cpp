@@ -156,7 +156,7 @@ std::optional<Reach> Height::reach() const {
   return Reach{std::numeric_limits<double>::infinity(), static_cast<std::size_t>(options_.k)};
 }
 
-/// Returns a function that chooses the ground points, among which the nearest are searched.
+/// Returns a function that chooses the ground points, since a point may have its nearest ground points in another part.
 InOrderOperator::ChoosePoints Height::for_other_parts() const {
   return [](const OrderedPoints& points) {
     std::vector<std::uint32_t> ground;

@@ -31,7 +31,8 @@ class ConnectOperator : public Operator {
   /// Returns whether edges have weights and flips; otherwise all edges are equal. With weights, put_values() may read
   /// only the `flips` of a label.
   virtual bool weighted() const { return false; }
-  /// Returns the rule of votes of components. If null, every component gets a number, and no signs are turned.
+  /// Returns the rule by which the points of a component vote. If null, every component gets a number, and no signs are
+  /// turned.
   virtual const VoteRule* votes() const { return nullptr; }
   /// Appends the edges of the points of the batch, at most one for each neighbour. Writes votes()->ballot_bytes() of
   /// each point to `ballots`, point after point. Called from many threads at once.

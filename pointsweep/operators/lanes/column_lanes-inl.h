@@ -52,8 +52,8 @@ HWY_INLINE FloatV Saturated(V v) {
   return hn::DemoteTo(FloatLanes(), hn::Min(hn::Max(v, hn::Neg(most)), most));
 }
 
-/// Stores the numbers of a vector of points. No-op if `column` is empty, which means that it is not wanted, as in
-/// StoreTriples() and StoreDirections().
+/// Stores the numbers of a vector of points. An empty `column` is not wanted: this function, StoreTriples() and
+/// StoreDirections() are then no-ops.
 HWY_INLINE void StoreNumbers(V v, const Points& points, std::span<float> column) {
   if (column.empty()) return;
   const FloatLanes d;

@@ -82,13 +82,13 @@ HWY_INLINE auto WithOwn(const Tile& tile, std::size_t a, std::size_t vector, con
   return use(some);
 }
 
-/// Returns attribute `a` of a vector of points, one number each.
+/// Returns the values of attribute `a`, which is one number, of a vector of points.
 HWY_INLINE V OwnNumbers(const Tile& tile, std::size_t a, std::size_t vector) {
   return WithOwn<float>(tile, a, vector,
                         [](const float* own) HWY_ATTR { return hn::PromoteTo(Lanes(), hn::LoadU(FloatLanes(), own)); });
 }
 
-/// Loads attribute `a`, three numbers each, of a vector of points.
+/// Returns the values of attribute `a`, which is three numbers, of a vector of points.
 HWY_INLINE Vec3Lanes<V> OwnVectors(const Tile& tile, std::size_t a, std::size_t vector) {
   return WithOwn<std::array<float, 3>>(tile, a, vector, [](const std::array<float, 3>* own) HWY_ATTR {
     hn::Vec<FloatLanes> x, y, z;
@@ -110,7 +110,7 @@ template <class OfNeighbor>
 class NeighborVectors {
  public:
   NeighborVectors(const Tile& tile, OfNeighbor of) : tile_(tile), of_(of) { Fetch(0); }
-  /// Loads the vectors from neighbour `from` on, unless they are there. Returns whether it has loaded them.
+  /// Loads the vectors from neighbour `from` on, unless they are already loaded. Returns whether it has loaded them.
   HWY_INLINE bool Hold(std::size_t from) {
     if (from == from_) return false;
     Fetch(from);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Neighbourhoods in vector lanes, a point per lane, with the values that Equations 1 and 2 need before and during
-/// their sums. Included once per instruction set.
+/// Neighbourhoods in vector lanes, a point per lane, with the values that Equations 1 and 2 of the paper (normals.h,
+/// curvature.h) need before and during their sums. Included once per instruction set.
 #if defined(POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_
 #undef POINTSWEEP_OPERATORS_NEIGHBORHOOD_LANES_INL_H_
@@ -32,7 +32,8 @@ struct Extents {
   TileArray coincident;  // 1 if a neighbour lies on p_i, else 0
   TileArray place;       // largest magnitude among the coordinates of p_i
 
-  /// Measures a tile. A point loses its neighbours if all coincide with p_i, or an offset is too large or not finite.
+  /// Measures a tile. Removes the neighbours of a point if all coincide with it, or if an offset is too large or not
+  /// finite.
   HWY_INLINE Extents(Tile& tile, Offsets& offsets) {
     const bool sorted = tile.in.sorted_by_distance();
     for (std::size_t v = 0; v < tile.vectors; ++v) {
@@ -213,7 +214,7 @@ class Weights {
       : tile_(tile), extents_(extents), offsets_(offsets) {
     if (tile.size < tile.stride) std::fill(theta_.of, theta_.of + Tile::kRoom, 0.0f);
   }
-  /// Loads the offsets from neighbour `from` on and computes their weights, unless they are there.
+  /// Loads the offsets from neighbour `from` on and computes their weights, unless it has already done so.
   HWY_INLINE void Hold(std::size_t from) {
     offsets_.Hold(from);
     if (from != from_) Compute(from);

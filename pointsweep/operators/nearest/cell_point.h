@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Points of a searched set, a request for the nearest of them, and the nearest that a search has seen so far.
+/// Points of a searched set, a request for the nearest points, and the nearest points that a search has seen so far.
 #pragma once
 
 #include <algorithm>

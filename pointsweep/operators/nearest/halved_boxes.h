@@ -31,8 +31,8 @@ class HalvedBoxes {
   bool nearest_first(Vec3 place, Worst worst, Use use) const {
     return descend(0, 0, distance2(box(0, 0), place), place, worst, use);
   }
-  /// Calls `use(j)` for all parts of the last level whose boxes, and the boxes that contain them, are `wanted(box)`.
-  /// Ends and returns false when `use` returns false.
+  /// Calls `use(j)` for the parts j of the last level for which `wanted(box)` is true of their own box and of all boxes
+  /// that contain it. Ends and returns false when `use` returns false.
   template <class Wanted, class Use>
   bool all_of(Wanted wanted, Use use, unsigned level = 0, std::size_t j = 0) const {
     if (!wanted(box(level, j))) return true;

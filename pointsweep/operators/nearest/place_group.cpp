@@ -13,8 +13,8 @@
 namespace pointsweep {
 namespace {
 
-/// kFewPlaces: groups of at most so many places are not halved. kFewPoints: so few points are compared with all places
-/// of a part, without halving it.
+/// kFewPlaces: groups of at most so many places are not halved. kFewPoints: a part with at most so many points is not
+/// halved: all of its places are compared with all points.
 constexpr std::size_t kFewPlaces = 8, kFewPoints = 12;
 /// Largest number of points collected for a group; with more, the group is halved first. A collection in vain costs
 /// little, because most of its points belong to cells that are read anyway.
@@ -34,7 +34,7 @@ bool PlaceGroup::answer(PointCells::View& view, const Use& use) {
     const Outcome outcome = one_by_one(0, places_.size(), most_seen(wanted_.k), view, use);
     if (outcome != Outcome::takes_long) return outcome == Outcome::done;
     tree_.emplace(places_, HalvedBoxes::levels_for(places_.size(), kFewPlaces), false);
-    done_.assign(places_.size(), false);  // places have another order now
+    done_.assign(places_.size(), false);  // the tree has reordered the places
     open_ = {{0, 0}};
   }
   for (const Part part : std::exchange(open_, {})) search(part, view, use);

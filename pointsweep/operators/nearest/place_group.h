@@ -16,9 +16,9 @@ namespace pointsweep {
 
 /// A group of places whose nearest points are searched together. Places are searched one by one as long as each search
 /// visits few points. Far away from the points, or in the middle of a sphere of points, nearly all points are as far as
-/// the nearest. Then the points that may be among the nearest of any place are collected from the cells once, the group
-/// is halved repeatedly, and each half keeps the points that may be among the nearest of a place in that half. A group
-/// with too many such points is halved before the collection.
+/// the nearest. In these cases the points that may be among the nearest of any place are collected from the cells once,
+/// the group is halved repeatedly, and each half keeps the points that may be among the nearest of a place in that
+/// half. A group with too many such points is halved before the collection.
 class PlaceGroup {
  public:
   using Use = std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>;
@@ -28,7 +28,8 @@ class PlaceGroup {
       : places_(places), wanted_(wanted), in_plane_(in_plane), done_(places.size()) {}
 
   Vec3 first() const { return places_.front().position; }
-  /// Answers the searches whose cells are in memory. Returns false if cells are missing; call again then.
+  /// Answers the searches whose cells are in memory. Returns false if cells are missing; the caller loads them and
+  /// calls again.
   bool answer(PointCells::View& view, const Use& use);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Searches in a set of points that does not fit in memory: all compact cells of points are in scratch, and the cells
-/// near the current places are in memory.
+/// Searches in a set of points that does not fit in memory: compact cells of points are in temporary storage (Scratch),
+/// and the cells near the current places are in memory, too.
 #pragma once
 
 #include <cstddef>
@@ -41,7 +41,7 @@ class PointCells {
   /// i. Successive places should be near each other.
   void answer_all(std::size_t n, std::size_t at_once, const std::function<Vec3(std::size_t i)>& place,
                   const Answer& answer);
-  /// Passes the nearest points of each place to `use`, nearest first, on all threads; for some places more than once.
+  /// Calls `use`, on all threads, with the nearest points of each place, nearest first; for some places more than once.
   void nearest_of_all(std::span<const Vec3> places, const NearestWanted& wanted,
                       const std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>& use);
 
@@ -51,8 +51,9 @@ class PointCells {
     std::vector<std::size_t> counts;      ///< number of points of each place
     std::vector<CellNeighbor> neighbors;  ///< points of the first place, then of the second, and so on, nearest first
   };
-  /// Passes all points whose squared distance from a place is at most radius * radius to `use`, once for each place, on
-  /// all threads. Memory holds the points of only a few places per thread.
+  /// Finds all points whose squared distance from a place is at most radius * radius. Calls `use`, on all threads, with
+  /// the points of a few places at a time; each place occurs once. Memory holds the points of only a few places per
+  /// thread.
   void nearest_within(std::span<const Vec3> places, double radius, const std::function<void(WithinPlaces)>& use);
 
   /// Returns the least memory with which cells are not read again and again.

@@ -12,7 +12,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kBlockRecords = 4096, kLeastBlocks = 64;
-/// Records that a thread copies at once.
+/// Number of records that a thread copies at once.
 constexpr std::size_t kCopied = 16384;
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Attributes of a set of points that does not fit in memory: stored in scratch, with some blocks in memory.
+/// Attributes of a set of points that does not fit in memory: stored in temporary storage (Scratch), with some blocks
+/// in memory.
 #pragma once
 
 #include <cstddef>

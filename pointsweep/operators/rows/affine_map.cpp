@@ -56,7 +56,7 @@ std::optional<double> number_of(std::string_view word) {
   return number;
 }
 
-/// Returns whether a text is a matrix and no name of a file, which does not begin with two numbers.
+/// Returns whether a text is a matrix, not the name of a file: it then begins with two numbers.
 bool is_matrix_text(const std::vector<Word>& words) {
   return words.size() > 1 && number_of(words[0].text) && number_of(words[1].text);
 }

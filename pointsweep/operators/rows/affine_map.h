@@ -21,7 +21,7 @@ struct AffineMap {
   /// Returns Aᵀ v.
   Vec3 turned_by_transpose(Vec3 v) const;
   /// Returns the map that moves points back. Throws UsageError, beginning with `place`, for a map onto a plane, a line
-  /// or a point: |det| of A with rows of length 1 is at most 1e-12.
+  /// or a point: |det| of A, with its rows scaled to length 1, is at most 1e-12.
   AffineMap inverse(const std::string& place) const;
 };
 

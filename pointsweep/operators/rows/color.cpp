@@ -41,7 +41,7 @@ class Color final : public LocalOperator {
   ColorOptions options_;
   std::string place_;
   NamedValues names_;
-  bool of_input_ = false;  ///< true if the values are those of the input, and no earlier stage has made them
+  bool of_input_ = false;  ///< true if the values come from the input, not from an earlier stage
   Type type_ = Type::u8;
 };
 

@@ -28,8 +28,8 @@ class Crop final : public SelectOperator {
   void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
   /// Returns the options, with the checksum of the file that was read.
   const CropOptions& options() const { return options_; }
-  /// Returns the box of the bounds, or of the polygons if there are no bounds, with z = 0; nullopt with
-  /// CropOptions::outside.
+  /// Returns the box of the bounds in x and y, or, without bounds, the box of the polygons. Its z is 0. Returns nullopt
+  /// with CropOptions::outside.
   std::optional<Box> extent() const override;
 
  private:

@@ -14,9 +14,9 @@
 namespace pointsweep {
 namespace {
 
-/// Keeps a point if the hash of its coordinates, as a fraction of all hashes, is below `share`. The choice does not
-/// depend on other points: tiles give the same points as the merged cloud, in any order. Of points with equal
-/// coordinates, all or none are kept. Points without a finite place are all kept.
+/// Keeps a point if the hash of its coordinates, scaled to [0, 1), is below `share`. The choice does not depend on
+/// other points: tiles give the same points as the merged cloud, in any order. Of points with equal coordinates, all or
+/// none are kept. Points without a finite place are all kept.
 class Decimate final : public SelectOperator {
  public:
   /// Throws UsageError for options out of their ranges.

@@ -23,7 +23,7 @@ namespace {
 constexpr Type kAllTypes[] = {Type::i8,  Type::u8,  Type::i16, Type::u16, Type::i32,
                               Type::u32, Type::i64, Type::u64, Type::f32, Type::f64};
 
-/// Types of new attributes whose names LAS has.
+/// The types of new attributes that have the name of a LAS field: the types of these fields.
 using LasType = std::pair<std::string_view, Type>;
 constexpr LasType kTypesOfLas[] = {{"classification", Type::u8}, {"intensity", Type::u16},
                                    {"return_number", Type::u8},  {"number_of_returns", Type::u8},
@@ -233,7 +233,7 @@ RowSentence SetAttribute::refusal(const std::string& value) const {
                                                        value, moves ? "a finite coordinate" : range_.text(), remedy)};
 }
 
-/// `is_placed`: the point has a finite place, which the assignment must not make infinite.
+/// `is_placed`: true if the point has a finite place, which the assignment must not make infinite.
 template <class T>
 std::optional<T> SetAttribute::stored(double value, bool is_placed) const {
   if constexpr (std::is_floating_point_v<T>) {

@@ -39,7 +39,8 @@ bool is_direction(const Attribute& a) {
   return (a.kind == Kind::normal || a.kind == Kind::vector) && a.fields.size() == 3;
 }
 
-/// Returns the attributes that operators make, which are looked for in the input: files may contain earlier results.
+/// Returns the attributes that operators make. Fields of the input with their names are converted, too: files may
+/// contain earlier results.
 const std::vector<Attribute>& known_attributes() {
   static const std::vector<Attribute> all = [] {
     using namespace operators;

@@ -22,7 +22,7 @@ class Unique final : public InOrderOperator {
   std::optional<Reach> reach() const override { return Reach{}; }
 };
 
-/// Keeps the first of equal points. Points of one place follow one another, the point of the first row first.
+/// Keeps the first of the points at each place. Points at one place arrive one after another, the lowest row first.
 class FirstOfEqual final : public InOrderWork {
  public:
   void add(unsigned, const OrderedPoints& points, Findings& findings) override {

@@ -34,7 +34,7 @@ class NeighborRows : public LocalOperator {
   bool distances_;
 };
 
-/// Returns the declaration for the verb `neighbors`. It is no stage of pipelines, since it needs the k of the
+/// Returns the declaration for the verb `neighbors`. Pipelines have no such stage, since it needs the k of the
 /// neighbourhoods.
 OperatorDeclaration neighbor_rows_declaration();
 

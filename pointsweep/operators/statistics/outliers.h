@@ -15,7 +15,7 @@
 
 namespace pointsweep {
 
-/// The rules in which the definitions differ.
+/// The details in which the definitions of the five programs differ.
 struct OutlierRule {
   bool counts_point = false;          ///< true if the mean includes the point itself, at distance 0
   bool population = false;            ///< true if the deviation is divided by n, not n - 1

@@ -16,9 +16,9 @@ namespace pointsweep {
 namespace {
 
 /// Makes outlier, N u8: 1 if fewer than `min_neighbors` of N_i lie within `radius`, inclusive, of the point, at the
-/// current positions; else 0. N_i must contain the min_neighbors nearest points, or all within the radius: a k of at
-/// least min_neighbors and no smaller radius. Pipelines without such neighbourhoods are refused; C++ code must ensure
-/// it.
+/// current positions; else 0. N_i must contain the min_neighbors nearest points within the radius: its k must be at
+/// least min_neighbors, and its radius not smaller. Pipelines without such neighbourhoods are refused; C++ code must
+/// ensure it.
 class RadiusOutliers final : public LocalOperator {
  public:
   /// Throws UsageError for options out of their ranges.

@@ -10,7 +10,7 @@ namespace pointsweep {
 
 /// Computes curvatures from the covariance of the normals,
 ///   C_i = 1/|N_i| Σ_j n_j n_j^T θ(|p_j - p_i|),  θ as in Equation 1.
-/// n n^T does not see signs: normals need no orientation, and curvatures come without sign.
+/// n n^T does not depend on the sign of n: normals need no orientation, and curvatures have no sign.
 ///
 /// The largest eigenvalue of C_i belongs to the mean normal; the two smaller ones are second moments of the normal
 /// across it. Over a distance s a normal turns by κ s, so
@@ -33,9 +33,9 @@ namespace pointsweep {
 /// (Equation 1), and "normal_eigenvalues", the eigenvalues of C_i with θ as in the paper, ascending. If k1 and k2 are
 /// equal (a sphere, a plane), k1_direction is an arbitrary tangent.
 ///
-/// All are 0, and the point counted as degenerate, where it has no normal, where fewer than three neighbours have one,
-/// or where the neighbours that have one lie on a line to rounding: det <= (1e-12 trace + ρ²) trace of D within the
-/// tangent plane, with ρ = 2^-51 of the largest coordinate of p_i; or where an offset overflows or is not finite.
+/// All are 0, and the point counts as degenerate, where it has no normal, where fewer than three neighbours have a
+/// normal, or where the neighbours with normals lie on a line to rounding: det <= (1e-12 trace + ρ²) trace of D within
+/// the tangent plane, with ρ = 2^-51 of the largest coordinate of p_i; or where an offset overflows or is not finite.
 ///
 /// Bias on dense noiseless surfaces: true normals give none on spheres and cylinders. Normals estimated from the same
 /// neighbourhoods give mean errors of k1 and k2 under 4 % at k = 64 and 8 % at k = 32; see docs/paper.md.

@@ -113,7 +113,7 @@ struct Values {
   }
 };
 
-/// The features from logarithms of the values; 0 ln 0 is 0.
+/// The features that are computed from logarithms of the values; 0 ln 0 is 0.
 struct Logarithms {
   V omnivariance, eigenentropy;
 

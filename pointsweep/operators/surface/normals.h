@@ -15,11 +15,11 @@ namespace pointsweep {
 /// with p_i itself, not the mean, as the centre, |N_i| without p_i, and sums in the order of the neighbours. θ is in
 /// single precision, all else in double: n_i is right to about 2e-7 + 1e-7 λ1 / (λ1 - λ0) radians.
 ///
-/// Makes "normal". It is (0, 0, 0) and counted as degenerate where the data define no plane: fewer than two neighbours;
-/// all of them on p_i; p_i and its neighbours on a line to rounding, that is λ1 <= 1e-12 λ2 (the width is at most a
-/// millionth of the length) or, more exactly, λ1 <= 1e-12 λ2 + ρ² mean_j θ, with ρ = 2^-51 of the largest coordinate of
-/// p_i, the rounding error of coordinates in double; or offsets that overflow or are not finite (next to a point that
-/// was moved to such a place).
+/// Makes "normal". It is (0, 0, 0), and the point counts as degenerate, where the data define no plane: fewer than two
+/// neighbours; all of them on p_i; p_i and its neighbours on a line to rounding, that is λ1 <= 1e-12 λ2 (the width is
+/// at most a millionth of the length) or, more exactly, λ1 <= 1e-12 λ2 + ρ² mean_j θ, with ρ = 2^-51 of the largest
+/// coordinate of p_i, the rounding error of coordinates in double; or offsets that overflow or are not finite (next to
+/// a point that was moved to such a place).
 class Normals : public LocalOperator {
  public:
   /// Messages begin with `place`. Throws UsageError for options out of range or in conflict.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Equation 1 in vector lanes: a point per lane.
+/// Normals by Equation 1 of the paper (normals.h) in vector lanes: a point per lane.
 #pragma once
 
 #include <array>

@@ -123,7 +123,7 @@ HWY_INLINE void StoreSplats(const Ellipse& ellipse, V length, const Points& poin
   points.MarkWithout(found, degenerate);
 }
 
-/// Computes the ellipses of a vector of points, sized to contain the required neighbours.
+/// Stores the ellipses of a vector of points, with the size at which they contain the required neighbours.
 template <class Kept>
 HWY_INLINE void StoreFitted(const Tile& tile, const Extents& extents, Offsets& offsets, std::size_t v,
                             const Ellipse& ellipse, const Vector& normal, const SplatColumns& out,

@@ -14,8 +14,9 @@
 namespace pointsweep {
 
 /// Takes the points in ascending order of the hash of their coordinates, equal hashes by x, y, z, then row. A point is
-/// kept unless a kept point lies within its own radius. So every dropped point has a kept point within its radius, and
-/// of two kept points the later has the other beyond its radius. Points without a finite place are all kept.
+/// kept unless a kept point lies within the point's own radius. So every dropped point has a kept point within its
+/// radius, and the later of two kept points is farther from the other than its own radius. Points without a finite
+/// place are all kept.
 class Poisson final : public InOrderOperator {
  public:
   /// Throws UsageError for options out of their ranges, and if the square of the radius cannot be represented.
@@ -24,8 +25,8 @@ class Poisson final : public InOrderOperator {
   InOrderContract in_order_contract() const override;
   std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
   std::optional<Reach> reach() const override;
-  /// Returns the memory for the points that are undecided at a time (undecided_points.h): all points within the radius
-  /// of the newest point, and the points that wait for one of them.
+  /// Returns the memory for the points that are undecided at a time (undecided_points.h): all points less than a radius
+  /// behind the newest point along the axis, and the points that wait for one of them.
   std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
   /// Throws UsageError if radius_from does not name a single value of each point.
   std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;

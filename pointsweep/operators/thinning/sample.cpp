@@ -86,7 +86,7 @@ std::unique_ptr<InOrderWork> Sample::start(const InOrderSetup&) const {
 
 Vec3 Sample::place_of(Vec3 position) const {
   const double fraction = coordinate_fraction(position, options_.seed);
-  return {fraction, fraction, fraction};  // so that the order is the same along any axis
+  return {fraction, fraction, fraction};  // all equal, so that the order is the same along any axis
 }
 
 }  // namespace pointsweep

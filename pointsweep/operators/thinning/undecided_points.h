@@ -58,8 +58,8 @@ class UndecidedPoints {
  private:
   using Slot = std::uint32_t;
   static constexpr Slot kNone = std::numeric_limits<Slot>::max();
-  /// A point that is held. Two lists hold its slot: its cell, until that forgets decided points, and the list of its
-  /// state:
+  /// A point that is held. Two lists hold its slot: its cell, until the cell forgets its decided points, and the list
+  /// of its state:
   /// - incomplete (incomplete_) until the front is far enough ahead;
   /// - to be decided (to_decide_): the point waits if an undecided lesser point lies within its radius, else it is kept
   ///   or left undecided;

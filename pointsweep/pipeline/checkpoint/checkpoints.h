@@ -28,15 +28,15 @@ namespace pointsweep {
 struct Checkpoint {
   std::uint64_t memory_bytes = 0;           ///< the budget, for a resumed run that states none
   Survey survey;                            ///< survey of the input, from which a resumed run also plans its memory
-  std::uint64_t sweep = 0;                  ///< pass to begin, or to go on with; rows carried into it are complete
+  std::uint64_t sweep = 0;                  ///< pass to begin or to continue; the rows carried into it are complete
   std::uint64_t slab_points = 0;            ///< intended number of points of a slab of `stream`
   std::vector<std::byte> stream;            ///< encoded Stream; empty before the points are in order, and after the
                                             ///< sweep
-  std::vector<Vec3> bucket_places;          ///< places between the buckets of edges of the pass
+  std::vector<Vec3> bucket_places;          ///< Ordered::bucket_places (run/phases.h); empty after the sweep
   std::vector<std::byte> results;           ///< encoded RowStore; empty before the first slab
   std::vector<std::byte> progress;          ///< encoded SweepProgress; empty before the first slab
   std::uint64_t mask = 0;                   ///< pass that begins with the rows of the last select; 0: all rows remain
-  std::vector<std::vector<double>> values;  ///< known values of the whole cloud, by number; empty: not known
+  std::vector<std::vector<double>> values;  ///< values of the whole cloud, by PlannedValue::number; empty: not known
   Statistics counts;                        ///< counts of the finished sweeps, for take_counts()
 
   bool is_in_order() const { return !stream.empty(); }
@@ -46,7 +46,8 @@ struct Checkpoint {
   static Checkpoint decode(Decoder& in);
 };
 
-/// Copies the counts of sweeps and of points of all kinds; copies neither times nor bytes nor series.
+/// Copies the number of sweeps, the counts of points and the degenerate results; copies neither times nor bytes nor
+/// series.
 void take_counts(Statistics& to, const Statistics& from);
 
 /// Saves the checkpoints of a run in its folder.
@@ -58,16 +59,17 @@ class Checkpoints {
   /// Returns the last checkpoint; at first, the checkpoint that an earlier process has left.
   const Checkpoint& last() const { return last_; }
   bool found() const { return found_; }  ///< returns whether an earlier process has left a checkpoint
-  /// Returns the place of the "stream" or "results" of a pass, or of the "rows" carried into it and their "mask".
+  /// Returns the place of a file of the run. `kind`: "stream" or "results" of pass `sweep`, "rows" or "mask" with which
+  /// this pass begins, or "decoded" (RunPlaces::place).
   SpillPlace place(const char* kind, std::uint64_t sweep) const;
   std::optional<SweepProgress> progress() const;
-  /// Throws Error if the stream has slabs of more than `slab_points`, cut for more memory or fewer threads than now.
+  /// Throws Error if the saved stream was cut into slabs of more than `slab_points`, for more memory or fewer threads.
   void require_slabs_of(std::uint64_t slab_points) const;
 
-  /// Sets the survey of later checkpoints. `memory_bytes`: the memory budget of the run.
+  /// Sets the survey and the memory budget of the run, which later checkpoints contain.
   void surveyed(const Survey& survey, std::uint64_t memory_bytes);
   /// Saves a checkpoint, unless last() is in order already. Must be called when the points are in order.
-  /// `bucket_places`: places between the buckets of edges, if the pass connects points.
+  /// `bucket_places`: Ordered::bucket_places.
   void in_order(const Stream& stream, std::uint64_t slab_points, const std::vector<Vec3>& bucket_places);
   /// Saves a checkpoint. Must be called when the sweep of the pass is complete.
   void swept(RowStore& results, const Statistics& counts);

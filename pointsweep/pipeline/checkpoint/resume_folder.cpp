@@ -89,7 +89,7 @@ void ResumeFolder::remove() {
     folder_.flush();
   }
   std::error_code ignored;
-  if (is_saving())  // data that are not on the disk yet need not be written
+  if (is_saving())  // truncates files that the other thread flushes, so that it need not write them
     for (const std::string& name : others_than({})) fs::resize_file(path() / name, 0, ignored);
   if (saving_.valid()) saving_.wait();
   forget();

@@ -26,7 +26,7 @@ class ResumeFolder {
   ResumeFolder(const ResumeFolder&) = delete;
   ResumeFolder& operator=(const ResumeFolder&) = delete;
 
-  /// Name of the file of FinishedTiles, which is of use with a checkpoint only.
+  /// Name of the file that lists the complete tiles (FinishedTiles). The file is useful only with a checkpoint.
   static constexpr const char* kTiles = "tiles";
 
   const std::filesystem::path& path() const { return folder_.path(); }
@@ -52,7 +52,7 @@ class ResumeFolder {
 
   LocalFolder folder_;
   bool holds_work_ = false;
-  std::mutex removal_;     ///< held while a checkpoint gets its name, and by remove()
+  std::mutex removal_;     ///< guards the moment in which a checkpoint gets its name, against remove()
   bool removing_ = false;  ///< true once remove() has begun; no checkpoint gets its name after that
   std::vector<std::byte> saved_;
   std::future<void> saving_;

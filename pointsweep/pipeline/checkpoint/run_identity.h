@@ -9,9 +9,9 @@
 
 namespace pointsweep {
 
-/// Returns lines of text: the build, inputs (with size and time), outputs, options that change outputs, the pipeline
-/// with every option of every stage, passes. Throws Error if an input is not a file, since changes of it could not be
-/// detected.
+/// Returns lines of text: the version of pointsweep and of its checkpoints, inputs (with size and time), outputs,
+/// options that change outputs, the pipeline with every option of every stage, passes, and the fields that are kept.
+/// Throws Error if an input is not a file, since changes of it could not be detected.
 std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
                          const EngineOptions& options);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Pipelines for processes that work in other folders.
+/// Makes the file names in a pipeline absolute, for processes that work in other folders.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The chain of a pipeline whose cloud is known by its facts, and the text of a chain.
+/// Builds the chain of a pipeline from facts about its cloud (Facts), and writes chains as text.
 #pragma once
 
 #include <string>
@@ -14,10 +14,12 @@
 
 namespace pointsweep {
 
-/// Appends stages without knn to a chain; `facts` are about the cloud of the chain.
+/// Appends stages to a chain. `facts`: facts about the cloud of the chain. Throws UsageError for a stage knn, which may
+/// only begin a pipeline.
 void append_to(Chain& chain, const std::vector<StageText>& stages, Facts facts);
 
-/// Builds a chain as build_chain() of the public header, for a cloud that is known by its facts.
+/// Builds a chain like build_chain() of program/pipeline.h, for a cloud that is known by its facts or for an
+/// InputCloud.
 Chain build_chain(const std::vector<StageText>& stages, Facts facts, const std::vector<std::string>& keep,
                   const std::string& prefix);
 Chain build_chain(const std::vector<StageText>& stages, const InputCloud& cloud,
@@ -26,8 +28,9 @@ Chain build_chain(const std::vector<StageText>& stages, const InputCloud& cloud,
 /// Returns a stage in its canonical text (canonical_stages).
 std::string canonical_text(const ChainStage& stage, Presets presets);
 
-/// Returns the neighbourhood as a stage, such as "knn(k=12)", with k if it is limited. A user's own rule without
-/// options is described in words that parse_pipeline() does not read.
+/// Returns the neighbourhood as a stage, such as "knn(k=12)"; k is left out if it is unlimited. If the rule of the
+/// neighbourhood has no options, as a rule of a user may, its meaning follows in words that parse_pipeline() does not
+/// read.
 std::string canonical_text(const Neighborhood& neighborhood, Presets presets);
 
 /// Returns the canonical stages of a plan; "sort" if it has no passes, "convert" if its chain has no stages.

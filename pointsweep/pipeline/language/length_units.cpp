@@ -39,7 +39,8 @@ double metres_per_unit(const InputCloud& cloud) {
   return metres_of_unit(*cloud.crs()).value_or(1);
 }
 
-/// Returns "cell=3.281 (1 m)" for each option of the stage that has its default, or "cell=1" without conversion.
+/// Returns the lengths of the stage that have their defaults, such as "cell=3.281 (1 m)", or "cell=1" if the unit is
+/// the metre.
 std::string default_options(const ChainStage& stage, double metres_per_unit) {
   const OperatorDeclaration* declaration = declaration_of(name_of(stage));
   if (declaration == nullptr) return "";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Lengths that operators take and make, in clouds whose coordinate system states the unit of coordinates.
+/// Converts default lengths of operators to the unit of a cloud, and refuses distances in clouds whose unit is the
+/// degree.
 #pragma once
 
 #include <string>
@@ -18,11 +19,12 @@ Facts facts_of(const InputCloud& cloud);
 /// are converted to that unit.
 std::vector<OptionDeclaration> in_unit(std::vector<OptionDeclaration> options, double metres_per_unit);
 
-/// Throws UsageError if the coordinates are degrees and a stage uses distances, unless CloudOptions::ignore_crs.
+/// Throws UsageError if the coordinates are degrees and a stage uses distances, unless CloudOptions::ignore_crs is set.
 void require_lengths(const InputCloud& cloud, const Chain& chain);
 
-/// Returns one sentence for each stage with default lengths, if the unit of the cloud is not the metre or not stated. A
-/// code of the EPSG registry alone does not state a unit.
+/// Returns one sentence for each stage with default lengths if the coordinate reference system of the cloud has a unit
+/// other than the metre, or states no unit; a code of the EPSG registry alone does not state one. Returns nothing for a
+/// cloud without such a system.
 std::vector<std::string> notes_on_defaults(const InputCloud& cloud, const Chain& chain);
 
 }  // namespace pointsweep

@@ -37,11 +37,11 @@ std::size_t place_of_word(std::string_view option) {
   return option.npos;
 }
 
-/// Recursive descent through
+/// Parses by recursive descent. The grammar is
 ///   pipeline = stage {"|" stage}            stage = name ["(" [option {"," option}] ")"]
 ///   option = [name "="] (value | condition | assignment)  value = bare | quoted | "[" bare {"," bare} "]"
 /// A condition (operators/expressions/expression.h) contains signs that values cannot contain. It ends before a "," or
-/// ")" that is not within parentheses of the condition; so do the assignments of the stage set. The parser accepts
+/// ")" that is not within parentheses of the condition; so do the assignments of the stage `set`. The parser accepts
 /// every option without a name; read_options() refuses it if the operator needs the name.
 class Parser {
  public:
@@ -88,7 +88,7 @@ class Parser {
     return std::string(text_.substr(first, end - first));
   }
 
-  /// Parses NAME = NUMBER [where CONDITION], or an option of set with its name.
+  /// Parses an assignment of the stage `set`, NAME = NUMBER [where CONDITION], or another option of this stage.
   OptionText assignment() {
     skip_space();
     const std::string_view text = text_.substr(at_, end_of_option() - at_);

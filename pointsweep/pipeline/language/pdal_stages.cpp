@@ -96,7 +96,7 @@ std::string lower_case_where(const std::string& assignment) {
   return std::regex_replace(assignment, where, "where");
 }
 
-/// The chain of this library, which grows with each stage of PDAL.
+/// The stages of this library that are equivalent to the stages of PDAL added so far.
 class OurStages {
  public:
   void add(const StageText& text) {

@@ -53,7 +53,7 @@ void read(const std::string& text, const std::string& where, std::vector<std::st
   names = parse_names(where, text);
 }
 
-/// Parses steps. One number applies to all axes.
+/// Parses the steps of integer coordinates. A single number is the step of all axes.
 void read(const std::string& text, const std::string& where, std::optional<Vec3>& steps) {
   double one = 0;
   const bool is_one = parse_number(text, one);
@@ -104,7 +104,8 @@ std::string text_of(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(std::set<std::string>(names.begin(), names.end()), ","));
 }
 
-/// Completes the declaration of an option that `member` of RunOptions holds: a pointer to a member, or a function.
+/// Completes the declaration of an option whose value is `member` of RunOptions: a pointer to a data member, or a
+/// function that returns a reference to the value.
 template <class Member>
 RunOption option(RunOption declared, Member member) {
   declared.set = [member](RunOptions& options, const std::string& text, const std::string& where) {

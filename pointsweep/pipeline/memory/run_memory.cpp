@@ -53,8 +53,8 @@ Effort add_radius(MemoryDemand& demand, const SweepPlan& plan, Estimates& estima
           "a smaller one, or k beside it, takes less"};
 }
 
-/// Adds the points that wait for one another if there are several steps with a limit k, unless half of the budget has
-/// room for all points.
+/// Adds the points that stay in the window because their cells wait for one another, in plans of several steps with a
+/// limit k. Adds none if half of the budget has room for a window that holds all points.
 void add_steps(MemoryDemand& demand, const SweepPlan& plan, std::uint64_t budget, Estimates& estimates) {
   const Neighborhood& n = plan.neighborhood;
   if (n.k == Neighborhood::kUnlimited || plan.step_count() < 2) return;
@@ -90,8 +90,8 @@ void add_in_order(MemoryDemand& demand, const PlannedPass& pass, Estimates& esti
     demand.in_order_bytes += OtherCloud::working_bytes(demand.threads, bytes_of(op->other_reads()));
 }
 
-/// Adds the memory of a spanning forest: for the points of a bucket, for the points that have neighbours in later
-/// buckets, and for the edges that a thread uses at a time.
+/// Adds the memory of a spanning forest: for the points of a bucket (a range along the axis, kBucketPoints), for the
+/// points that have neighbours in later buckets, and for the edges that a thread uses at a time.
 void add_forest(MemoryDemand& demand, const PlannedPass& pass, Estimates& estimates) {
   const Stage* stage = pass.connecting_stage();
   if (stage == nullptr) return;
@@ -150,7 +150,7 @@ SweepPlan unswept(std::uint32_t result_bytes) {
   return none;
 }
 
-/// Returns the memory plan of a pass that reads rows in their order, rows_at_once() at a time.
+/// Returns the memory plan of a pass that reads rows in their order, some at a time (order/parallel_rows.h).
 MemoryPlan plan_rows(std::uint64_t budget, std::uint64_t codec_bytes) {
   MemoryPlan memory;
   memory.expected_bytes = kFixedBytes + codec_bytes;
@@ -158,7 +158,8 @@ MemoryPlan plan_rows(std::uint64_t budget, std::uint64_t codec_bytes) {
   return memory;
 }
 
-/// Returns the bytes of two masks: of the previous select, and of the one being decided.
+/// Returns the bytes of two masks of rows (RowMask): the mask of the previous select, and the mask that is being made.
+/// 0 if no stage drops rows.
 std::uint64_t mask_bytes(const ChainPlan& planned, std::uint64_t points) {
   return planned.selects() ? 2 * RowMask::bytes(points) : 0;
 }
@@ -236,12 +237,12 @@ RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::u
 
 namespace {
 
-/// Number of threads that always work. More threads work only if they leave enough memory for the window and the
-/// recall.
+/// Number of threads that work if they fit into the budget at all. More threads work only if they leave enough memory
+/// for the window and the recall.
 constexpr unsigned kThreadsInAnyCase = 2;
-/// The reciprocal of the share of the memory that grows with the cloud which all threads together may use, if points
-/// may be recalled. With a larger share the window would be so small that many points are recalled in small groups,
-/// which costs more than the threads gain.
+/// All threads together may use one part in kThreadsShare of the budget beyond kFixedBytes, if points may be recalled.
+/// With a larger share the window would be so small that many points are recalled in small groups, which costs more
+/// than the threads gain.
 constexpr std::uint64_t kThreadsShare = 4;
 
 bool is_enough(std::uint64_t budget, const RunMemory& memory) {

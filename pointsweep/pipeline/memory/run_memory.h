@@ -33,13 +33,13 @@ inline constexpr double kLongSeconds = 60;
 struct RunMemory {
   std::vector<MemoryPlan> passes;  ///< memory plan of each pass
   std::size_t ordered_pass = 0;    ///< number of the first pass that puts points in order: first_ordered_pass()
-  /// The plan for `ordered_pass` if a pass of its own distributes its points to slabs (docs/adr/0004). Set if slabs are
-  /// to be made on demand (docs/adr/0011), and used if that turns out to be impossible.
+  /// The plan for `ordered_pass` in which a distribution pass puts the points into slabs (docs/adr/0004). Set if slabs
+  /// are to be made on demand (docs/adr/0011); used if that turns out to be impossible.
   std::optional<MemoryPlan> by_distribution;
   std::string order_text;                   ///< sentence: how `ordered_pass` puts its points in order, and why
   std::vector<std::uint64_t> record_bytes;  ///< for each pass, bytes of a point's record in the stream
   std::vector<Effort> efforts;              ///< effort of each pass
-  MemoryPlan reordering;                    ///< plan for the order of the output, if ChainPlan::reorders
+  MemoryPlan reordering;                    ///< plan for putting the output in order, if ChainPlan::reorders
   bool spill_rows = false;                  ///< true if records carried between passes, and masks of rows, are spilled
   std::uint64_t row_bytes = 0;       ///< most bytes of carried records and masks, in memory or in the temporary folder
   std::uint64_t expected_bytes = 0;  ///< greatest expected memory of the run at any time
@@ -55,7 +55,7 @@ using CodecBytes = std::function<std::uint64_t(unsigned threads)>;
 /// Plans the memory of all passes. Records carried between passes stay in memory only if nothing else is spilled and
 /// they fit. One survey serves all sweeps, since the places of moved points are not known yet. The number of threads is
 /// limited by the options and by the budget; with a limit k, threads beyond the second work only if all of them leave
-/// three quarters of the memory that grows with the cloud to the window and the recall. Throws Error, which states the
+/// three quarters of the budget beyond kFixedBytes to the window and the recall. Throws Error, which states the
 /// least sufficient budget, if the budget is too small for one thread. `output_bytes`: bytes of an output record;
 /// `codecs` may be empty.
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
@@ -69,16 +69,16 @@ std::uint64_t open_input_bytes(const InputCloud& cloud);
 /// Throws Error if `open_bytes`, the result of open_input_bytes(), and kFixedBytes together exceed the budget.
 void require_room_for_inputs(std::uint64_t budget, std::uint64_t open_bytes, const InputCloud& cloud);
 
-/// Returns the number of threads that the user requests; without a request, that of the machine.
+/// Returns the number of threads that the options request; without a request, the number of hardware threads.
 unsigned threads_asked_for(const EngineOptions& options);
 
 /// Returns the number of threads that work until the memory of the passes is planned: the requested number, or fewer if
 /// the budget requires it.
 unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget);
 
-/// Returns the bytes that decoding the inputs for which FileInfo::decode_once is false, and encoding records of
-/// `record_bytes` to these outputs, take on `threads` threads, and the least memory for dividing the output among
-/// files, if it is divided.
+/// Returns the sum of three sizes: the bytes that decoding the inputs for which FileInfo::decode_once is false takes on
+/// `threads` threads; the bytes that encoding records of `record_bytes` to these outputs takes; and, if the output is
+/// divided among files, the least memory for dividing it.
 std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const RunOptions& options,
                           std::uint64_t record_bytes, unsigned threads);
 
@@ -89,8 +89,8 @@ std::uint64_t once_decoder_bytes(const InputCloud& cloud, unsigned threads);
 /// Returns the most bytes that encoding records of `record_bytes` to one of the outputs takes.
 std::uint64_t encoder_bytes(const Outputs& outputs, std::uint64_t record_bytes, unsigned threads);
 
-/// Returns the most bytes that one output stores in scratch for `count` records of `record_bytes`, if encoders may use
-/// `memory` bytes.
+/// Returns the most bytes that one output stores in the temporary folder (OutputPlan::scratch) for `count` records of
+/// `record_bytes`, if encoders may use `memory` bytes.
 std::uint64_t aside_bytes(const Outputs& outputs, std::uint64_t count, std::uint64_t record_bytes, std::uint64_t memory,
                           unsigned threads);
 

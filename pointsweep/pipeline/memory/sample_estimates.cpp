@@ -110,8 +110,8 @@ Offsets nearest_offsets(Vec3 place, const std::vector<Vec3>& others) {
   return offsets;
 }
 
-/// Scales an offset to a cloud whose neighbours are at `scale` times the distance. A coordinate that is smaller than
-/// the scaled distance stays unchanged: noise across a wall does not decrease with more points.
+/// Scales an offset to a cloud in which neighbours are `scale` times as far apart. A coordinate of the offset that is
+/// smaller than the scaled distance stays unchanged: noise across a wall does not decrease with more points.
 Vec3 scaled(Vec3 offset, double scale) {
   const double most = scale * length(offset);
   for (const int c : {0, 1, 2}) offset[c] = std::clamp(offset[c], -most, most);
@@ -189,11 +189,11 @@ std::string about_time_text(double seconds) {
   return "about " + time;
 }
 
-/// Estimates the number of open points: points of which the sweep has passed the first neighbour along the axis and not
-/// the last. Returns the larger of two estimates from the sample. The first places neighbours at the distances expected
-/// in the whole cloud, and subtracts the possible error of its count: it is the larger one if many points are open, as
-/// for a wall across the axis. The second takes the share of the sample that is open, and scales it to the distances in
-/// the whole cloud.
+/// Estimates the number of open points: points whose first neighbour along the axis the sweep has passed, and whose
+/// last neighbour it has not. Returns the larger of two estimates from the sample. The first moves neighbours to the
+/// distances expected in the whole cloud, counts open points, and subtracts the possible error of the count. It is the
+/// larger one if many points are open, as for a wall across the axis. The second takes the share of the sample that is
+/// open, and scales it to the distances in the whole cloud.
 std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, std::uint64_t k) {
   const std::vector<Vec3> others = some_of(survey.sample, kMostOthers), places = some_of(others, kPlaces);
   if (others.size() <= kOffsets) return points;

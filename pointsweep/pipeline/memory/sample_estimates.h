@@ -19,9 +19,9 @@ struct RadiusEstimate {
   double most_neighbors = 0;  ///< number for a point in the densest place of the sample
 };
 
-/// Estimates neighbours within a radius, for a cloud of `points` points. If fewer than 8 points of the sample lie
-/// within the radius, the number follows from the distance of the 8th point and the survey's dimension, within a factor
-/// of about two. Takes at most 0.1 s.
+/// Estimates the numbers of neighbours within a radius, for a cloud of `points` points. If fewer than 8 points of the
+/// sample lie within the radius of a point, the estimate follows from the distance of the 8th nearest one and the
+/// survey's dimension, within a factor of about two. Takes at most 0.1 s.
 RadiusEstimate estimate_radius(const Survey& survey, std::uint64_t points, double radius);
 
 /// Estimates, for a cloud of `points` points, the most points between two planes across the axis, `width` apart.
@@ -42,8 +42,9 @@ std::string about_time_text(double seconds);
 /// 8 nearest neighbours of at most 1,024 of them. Takes at most 0.1 s.
 std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, std::uint64_t k);
 
-/// Returns places of the sample, ascending along the axis, with about kBucketPoints points between successive places,
-/// for any distribution of points. Equal coordinates along the axis are ordered by the other coordinates.
+/// Returns points of the sample, ascending along the axis, that divide a cloud of `points` points into buckets of about
+/// kBucketPoints points each, however the points are distributed. Equal coordinates along the axis are ordered by the
+/// other coordinates.
 std::vector<Vec3> places_between_buckets(const Survey& survey, std::uint64_t points);
 
 /// Estimates from a survey. Each estimate is computed once and remembered, since the planning asks for it many times.

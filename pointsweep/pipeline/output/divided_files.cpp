@@ -33,7 +33,7 @@ DividedFiles::DividedFiles(const Divider& divider, const std::vector<DividedFile
   for (const DividedFile& file : files_) all_ += file.all;
 }
 
-/// Returns a sentence for errors about how many files are complete. Empty if none is complete.
+/// Returns a sentence that tells how many files are complete, to append to an error; empty if none is complete.
 std::string DividedFiles::state() const {
   if (complete_ == 0) return "";
   const auto with_points = std::ranges::count_if(files_, [](const DividedFile& file) { return file.own > 0; });

@@ -22,14 +22,14 @@ namespace pointsweep {
 /// Throws Error if one of the files cannot be written, e.g. because it exists and may not be overwritten.
 void require_files_possible(const Divider& divider, std::span<const DividedFile> files);
 
-/// Writes files one after another, several small ones in parallel. Each file has the layout of the whole output (one
-/// grid, one header except for counts and bounds). A file is complete or absent. A file that has only points in its
-/// buffer is not written.
+/// Writes the files of a divided output: large files one after another, several small files in parallel. Each file has
+/// the layout of the whole output (one grid, one header except for counts and bounds). A file is complete or absent. A
+/// tile that has no points of its own, only points of its buffer (divider.h), is not written.
 class DividedFiles {
  public:
-  /// Borrows the divider and the files. `memory_bytes`: for files that wait to be written, without the memory of their
-  /// encoders. `progress` gets the share of the records that are written or about to be written; it may be empty, and
-  /// may throw.
+  /// Borrows the divider and the files. `memory_bytes`: DivisionRoom::bytes, of which at most a quarter holds small
+  /// files that wait to be written. `progress` gets the share of the records that are written or about to be written;
+  /// it may be empty, and may throw.
   DividedFiles(const Divider& divider, const std::vector<DividedFile>& files, std::uint64_t memory_bytes,
                std::function<void(double share)> progress);
 

@@ -20,8 +20,8 @@ namespace pointsweep {
 /// The records of a divided output, collected file by file.
 class DividedRecords {
  public:
-  /// Borrows the divider. `expected`: number of records. `memory_bytes` and `make_scratch`: for the records
-  /// (GroupedRecords).
+  /// Borrows the divider. `expected`: number of records. `memory_bytes` and `make_scratch` are passed to
+  /// GroupedRecords.
   DividedRecords(const Divider& divider, std::uint64_t expected, std::uint64_t memory_bytes, MakeScratch make_scratch);
 
   /// Adds records to their files, and to the files of tiles that have the points in their buffers. Throws the error of
@@ -33,7 +33,7 @@ class DividedRecords {
     records_.for_each(use);
   }
 
-  /// Returns the files in the order of their first records. A file may have points in its buffer alone.
+  /// Returns the files in the order of their first records. A file may have only points of its buffer.
   const std::vector<DividedFile>& files() const { return files_; }
   std::uint64_t came() const { return came_; }  ///< number of records passed to write()
 

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The first number of the file for points without a finite place; no tile has this number.
+/// FileKey::first of the file for points without a finite x and y; no tile has this number.
 constexpr std::int64_t kUnplaced = std::numeric_limits<std::int64_t>::min();
 
 constexpr int kMostTileDigits = 17;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The division of an output among many files: square tiles, or a file for each value of an attribute.
+/// The division of an output among many files: square tiles, or a file for each value of an attribute. The file of a
+/// tile may also contain a buffer: the points of adjacent tiles near its edges (OutputDivision::tile_buffer).
 #pragma once
 
 #include <array>
@@ -32,7 +33,7 @@ struct FileKeyHash {
 /// A file of a divided output, with its numbers of points.
 struct DividedFile {
   FileKey key;
-  std::uint64_t own = 0, all = 0;  ///< points, without and with the points in its buffer
+  std::uint64_t own = 0, all = 0;  ///< its number of points, without and with the points of its buffer
 };
 
 /// Square tiles in x and y. Tile i of an axis holds [edge(i), edge(i + 1)), its lower edge included. edge(i) = origin +
@@ -59,14 +60,14 @@ class TileGrid {
 /// any rounding by the format. Points without a finite x and y have a file of their own, `unplaced`.
 class Divider {
  public:
-  /// `plan.path` is the path of the files, with a * for the name of each. Throws UsageError for an attribute whose
-  /// values cannot divide points, and for buffers if the points already have an attribute `buffer`.
+  /// `plan.path` is the path of the files, with a * for the name of each. Throws UsageError for an attribute that is
+  /// not one whole number for each point, and for buffers if the points already have an attribute `buffer`.
   Divider(OutputPlan plan, const OutputDivision& division);
   /// Throws the errors of create_writer().
   void require_writable() const;
 
-  /// Returns the plan of all files together. With a buffer, the records of the plan have one attribute more than the
-  /// records that are divided.
+  /// Returns the plan of all files together. With buffers, its records have one attribute more than the records that
+  /// are divided.
   const OutputPlan& plan() const { return plan_; }
   bool has_buffers() const { return division_.tile_buffer > 0; }
   /// Returns the bytes of a record that is divided.
@@ -76,7 +77,8 @@ class Divider {
   FileKey key_of(const std::byte* record) const;
   /// Calls `use` for each other tile that has the point in its buffer. `own` is key_of(record).
   void for_each_buffer(const std::byte* record, const FileKey& own, const std::function<void(FileKey)>& use) const;
-  /// Fills a record of a file: the record that is divided, and the mark of points in a buffer if there are buffers.
+  /// Fills a record of a file: copies `record`, and with buffers appends 0 for a point of the file's own tile, 1 for a
+  /// point of the buffer.
   void copy(const std::byte* record, bool is_own, std::byte* to) const;
 
   std::filesystem::path path_of(const FileKey& key) const;
@@ -97,9 +99,9 @@ class Divider {
   std::size_t record_bytes_;
   std::optional<TileGrid> grid_;  ///< absent: an attribute divides the points
   std::array<Field, 2> xy_;       ///< x and y in the records, for tiles
-  StoredCoordinate stored_;       ///< coordinate after the rounding of the output's format
+  StoredCoordinate stored_;       ///< rounds a coordinate as the output's format does; null: exact
   Field attribute_;               ///< field of the records whose values divide them
-  std::string attribute_name_;    ///< as part of file names
+  std::string attribute_name_;    ///< name of the attribute in file names
 };
 
 }  // namespace pointsweep

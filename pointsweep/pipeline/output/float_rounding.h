@@ -14,7 +14,7 @@
 
 namespace pointsweep {
 
-/// Takes the records of an output, and tells by how much their coordinates may have been rounded to float32.
+/// Finds by how much the coordinates of the records of an output may have been rounded to float32.
 class FloatRounding {
  public:
   /// `input`: fields of the input. `output`: fields of the records. Ignores all records unless the output has float32
@@ -23,9 +23,9 @@ class FloatRounding {
 
   /// Takes whole records of the output.
   void see(std::span<const std::byte> records);
-  /// Returns "x, y and z are stored as float32, which rounds them by at most 0.25; ...": half a step of float32 at the
-  /// coordinate farthest from 0, and a translation that would make this bound at least 16 times smaller, if such a
-  /// translation exists. Empty if nothing is rounded.
+  /// Returns "x, y and z are stored as float32, which rounds them by at most 0.25; ...". The bound is half a step of
+  /// float32 at the coordinate farthest from 0. The sentence proposes a translation if that makes the bound at least 16
+  /// times smaller. Empty if nothing is rounded.
   std::string sentence() const;
 
  private:

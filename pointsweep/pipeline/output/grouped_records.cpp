@@ -59,7 +59,7 @@ class GroupedRecords::Run {
     read_head();
   }
 
-  /// Reads more of the run until `bytes` unread bytes are in memory.
+  /// Reads more of the run unless `bytes` bytes that are not used yet are in memory.
   void require(std::size_t bytes) {
     if (filled_ - at_ >= bytes) return;
     std::copy(held_.begin() + static_cast<std::ptrdiff_t>(at_), held_.begin() + static_cast<std::ptrdiff_t>(filled_),

@@ -18,8 +18,8 @@ namespace pointsweep {
 /// are written and read once, for any number of groups; nothing is written if all records fit.
 class GroupedRecords {
  public:
-  /// `expected`: number of records, exactly or a little more. `memory_bytes`: limit for the memory of this object; with
-  /// many runs, at least 4 kB for each run are used.
+  /// `expected`: about the number of records; memory for so many is reserved first. `memory_bytes`: limit for the
+  /// memory of this object; with many runs, at least 4 kB for each run are used.
   GroupedRecords(std::size_t record_bytes, std::uint64_t expected, std::uint64_t memory_bytes,
                  MakeScratch make_scratch);
 
@@ -38,13 +38,13 @@ class GroupedRecords {
 
   std::size_t record_bytes_;
   std::uint64_t expected_;
-  std::size_t capacity_;  ///< records of a full run
+  std::size_t capacity_;  ///< number of records in a full run
   std::uint64_t memory_bytes_;
   MakeScratch make_scratch_;
   std::vector<std::byte> records_;       ///< records of the run that is being filled
   std::vector<std::uint32_t> group_of_;  ///< group of each record in records_
   std::unique_ptr<Scratch> scratch_;     ///< null until a run is written
-  std::vector<std::uint64_t> run_ends_;  ///< byte after each run in the scratch
+  std::vector<std::uint64_t> run_ends_;  ///< offset in the scratch where each run ends
 };
 
 }  // namespace pointsweep

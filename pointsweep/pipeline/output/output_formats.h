@@ -27,7 +27,7 @@ struct NamingRules {
 struct OutputNames {
   std::vector<Attribute> made;        ///< the made attributes; their fields have the names in the output
   KeptFields kept;                    ///< the kept fields, with the names in the output
-  std::vector<std::string> replaced;  ///< attributes of the input that have exactly the name of a made attribute
+  std::vector<std::string> replaced;  ///< attributes of the input that a made attribute overwrites without `replace`
   /// Returns "replacing nx, ny, nz of the input with computed values."; empty if no attribute is replaced.
   std::string warning() const;
 };
@@ -45,7 +45,7 @@ struct OutputFormat {
   const Format* format;
   std::filesystem::path example;  ///< the first output of that format
 };
-/// Returns each format of the outputs once. Throws UsageError for a file name of a format that is not written.
+/// Returns each format of the outputs once. Throws UsageError for a file name whose format cannot be written.
 std::vector<OutputFormat> output_formats(const Outputs& outputs);
 
 /// Returns the names of made attributes in all outputs (name_outputs()). Throws UsageError if a format refuses a name.
@@ -58,12 +58,12 @@ void require_outputs(const Outputs& outputs);
 /// Throws UsageError for a format whose writer changes the order of points (Format::reorders).
 void require_order_kept(const Outputs& outputs);
 
-/// Throws UsageError for options that need one output of all points if there are tiles, for options of FileLayout that
-/// the format of an output does not support, and for a division among files that is impossible. Throws Error if the
-/// folder of a division holds point files that may not be replaced.
+/// Throws UsageError for tiles together with an output of all points or with Order::sweep, for Order::sweep in a format
+/// that changes the order, for options of FileLayout that the format of an output does not support, and for a division
+/// among files that is impossible. Throws Error if the folder of a division holds point files that may not be replaced.
 void require_outputs_possible(const Outputs& outputs, const EngineOptions& options);
 
-/// Returns the requirements of the outputs on the plan of a chain.
+/// Returns what the outputs require of the plan of a chain.
 OutputNeeds needs_of(const Outputs& outputs, const EngineOptions& options);
 
 /// Returns the name of the output in a sentence: the point file, the folder of tiles or of a divided output, "standard

@@ -51,12 +51,12 @@ class OutputSet {
   void write_records(std::span<const std::byte> records);
   /// Writes records of the input without made attributes. `first_row` is the first of their rows, for messages.
   void write_inputs(std::uint64_t first_row, std::span<const std::byte> records);
-  /// Writes records like write_inputs(), without collecting them into larger pieces. `records` has unspecified content
-  /// afterwards.
+  /// Writes records like write_inputs(), but at once if no earlier records are still being collected into a larger
+  /// piece. `records` has unspecified content afterwards.
   void write_piece(std::uint64_t first_row, std::vector<std::byte>& records);
   /// Waits until all rows written so far are in the files.
   void flush();
-  /// Renames the files to their destinations. Throws Error if an input has changed.
+  /// Completes the files and renames them to their destinations. Throws Error if an input has changed.
   void finish(const InputCloud& cloud);
   std::uint64_t bytes_written() const;
   /// Returns the number of complete point files.
@@ -65,7 +65,7 @@ class OutputSet {
  private:
   struct Array {
     WriteBehind file;
-    std::size_t offset, bytes;  ///< place in a result record
+    std::size_t offset, bytes;  ///< position and size of the attribute in a result record
     std::vector<std::byte> column;
   };
   std::size_t chunk_rows() const;
@@ -76,7 +76,7 @@ class OutputSet {
   OutputLayout layout_;
   std::uint32_t input_stride_;
   FloatRounding rounding_;
-  std::filesystem::path name_;  ///< name of the output in messages; empty: it is no file
+  std::filesystem::path name_;  ///< name of the output in messages; empty if the output is not a file
   std::size_t result_bytes_ = 0;
   WriteBehind points_;
   const DividedWriter* divided_ = nullptr;  ///< element of points_ that divides its output; null if none does
@@ -84,7 +84,7 @@ class OutputSet {
   std::optional<ParallelRows> input_rows_;  ///< reads rows of the cloud; made with the first results
   std::vector<std::byte> inputs_;
   std::vector<std::byte> assembled_;  ///< output records of the next chunk
-  std::size_t filled_ = 0;            ///< bytes of assembled_ that came by write_records()
+  std::size_t filled_ = 0;            ///< bytes of assembled_ that write_records() has filled
 };
 
 }  // namespace pointsweep

@@ -77,7 +77,7 @@ Box bounds_of(InputCloud& cloud) {
   return survey(source_of(cloud, [](std::size_t) {}), std::nullopt, true).bounds;
 }
 
-/// Returns OutputPlan::bounds for the output of one input.
+/// Returns OutputPlan::bounds for the output of one input; none if the format does not need them.
 std::optional<Box> bounds_if_needed(const Format* format, const FileLayout& layout, InputCloud& cloud) {
   const bool needed =
       format != nullptr && format->needs_bounds != nullptr && format->needs_bounds(cloud.schema(), layout);
@@ -241,15 +241,17 @@ void TileSet::wait_for_first() {
   completing_.pop_front();
 }
 
-/// Checks all inputs before the first tile is completed, since results depend on all of them. Later tiles depend only
-/// on their own input.
-void TileSet::require_unchanged_inputs() const {
-  const bool is_first = complete_ == 0 && completing_.empty();
-  is_first ? request_.cloud.require_unchanged() : request_.cloud.require_unchanged(tile_->number);
+/// Before the first tile that this process completes, checks all inputs, since the results were computed from all of
+/// them. Before a later tile, checks only the input of that tile, whose rows were read again.
+void TileSet::require_unchanged_inputs() {
+  if (std::exchange(all_inputs_were_checked_, true))
+    request_.cloud.require_unchanged(tile_->number);
+  else
+    request_.cloud.require_unchanged();
 }
 
-/// Divides the next `rows` rows of the cloud among their tiles. Calls write(tile, row, skip, part) for each tile: `row`
-/// is the first of `part` rows in the tile, and `skip` of the `rows` come before it.
+/// Divides the next `rows` rows of the cloud among their tiles. Calls write(tile, row, skip, part) for each tile: the
+/// tile gets `part` rows, from its row `row` on, after earlier tiles got `skip` of the `rows`.
 void TileSet::for_each_part(std::uint64_t rows, const WriteRows& write) {
   for (std::uint64_t skip = 0; skip < rows;) {
     if (!tile_) open_next();

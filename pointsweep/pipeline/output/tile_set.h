@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The files of a run that writes one output for each input, and the list of complete files of a resumable run.
+/// The files of a run that writes one output, called a tile, for each input, and the list of complete tiles of a
+/// resumable run.
 #pragma once
 
 #include <atomic>
@@ -27,9 +28,10 @@
 
 namespace pointsweep {
 
-/// A list of complete tiles in the folder of checkpoints. A tile is listed twice: by the inode of its unfinished file
-/// just before the file is renamed, and by inode, size and time of change afterwards. So a resumed run recognises each
-/// complete tile, whenever the earlier process ended, and never another file of that name.
+/// The list of complete tiles, a file in the folder of checkpoints. A tile is listed twice: by the inode of its
+/// unfinished file just before the file is renamed, and by inode, size and time of change afterwards. So a resumed run
+/// recognises each complete tile, even if the earlier process ended during the rename, and does not mistake another
+/// file of the same name for it. An object in the network is listed once, by its ETag, size and time of change.
 class FinishedTiles {
  public:
   /// Reads the list of earlier processes. With an empty `resume_folder`, the list stays empty.
@@ -47,7 +49,7 @@ class FinishedTiles {
   struct File {
     std::uint64_t device = 0, inode = 0;
     std::uint64_t bytes = 0;
-    std::int64_t changed = 0;  ///< time of change in ns; 0: listed before the rename
+    std::int64_t changed = 0;  ///< time of change, in ns for files, in s for objects; 0: unknown
   };
   static bool find(const std::filesystem::path& path, File& file);
   void add(std::size_t tile, const File& file);
@@ -87,8 +89,9 @@ struct TileRequest {
 void require_writable_tiles(const TileRequest& request, const FinishedTiles& finished, MadeFolders& folders);
 
 /// Writes one tile for each input. Tiles receive their rows one after another; several are completed in parallel. A
-/// tile has the rows, the fields, the grid and the header of its input, and gets its name when it is complete. Tiles
-/// that an earlier process has finished are skipped.
+/// tile has the kept rows and fields of its input, the made attributes, and the header and grid of its input (moved
+/// points: MovedPoints::grid). It gets its name when it is complete. Tiles that an earlier process has finished are
+/// skipped.
 class TileSet {
  public:
   TileSet(const TileRequest& request, FinishedTiles finished);
@@ -101,7 +104,8 @@ class TileSet {
   /// Completes the remaining tiles. Must be called after the last row.
   void finish();
 
-  /// Waits for background tasks. Returns a sentence for errors about how many outputs are complete; empty if none is.
+  /// Waits for background tasks. Returns a sentence that tells how many outputs are complete, to append to an error;
+  /// empty if none is complete.
   std::string progress();
   std::uint64_t bytes_written() const { return bytes_written_; }
   std::size_t files_written() const { return complete_; }
@@ -117,7 +121,7 @@ class TileSet {
   void complete();
   void finish_files(Tile& tile);
   void wait_for_first();
-  void require_unchanged_inputs() const;
+  void require_unchanged_inputs();
 
   TileRequest request_;
   ManyOutputs outputs_;
@@ -125,12 +129,13 @@ class TileSet {
   std::vector<std::uint64_t> first_row_;   ///< first row of each input, before any select
   std::uint64_t rows_opened_ = 0;          ///< rows of the cloud in the tiles that were opened
   std::size_t next_ = 0;                   ///< next tile to be opened
-  std::atomic<std::size_t> complete_ = 0;  ///< number of complete tiles; background tasks count, too
-  std::unique_ptr<Tile> tile_;             ///< the tile that receives rows
+  std::atomic<std::size_t> complete_ = 0;  ///< number of complete tiles; background tasks increment it
+  bool all_inputs_were_checked_ = false;
+  std::unique_ptr<Tile> tile_;  ///< the tile that receives rows
   std::uint64_t bytes_written_ = 0;
   OutputWarnings warnings_;
   std::vector<std::string> empty_;                ///< names of tiles without rows
-  std::deque<std::unique_ptr<Tile>> completing_;  ///< last, so that tasks end before the members they use
+  std::deque<std::unique_ptr<Tile>> completing_;  ///< last member, so that tasks end before the members that they use
 };
 
 }  // namespace pointsweep

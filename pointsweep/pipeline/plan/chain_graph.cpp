@@ -44,7 +44,7 @@ class GraphBuilder {
     graph_.nodes.push_back(std::move(node));
   }
   /// Throws UsageError for a composite with a Reneighbor that leaves k to the operators (kOfOperators), since the
-  /// contract of the composite does not state it.
+  /// contract of the composite does not state k.
   void operator()(const Reneighbor& update) {
     if (update.neighborhood && update.neighborhood->k == Neighborhood::kOfOperators)
       fail_usage("{}: states no k for the Reneighbor inside it; set Neighborhood::k there.", is_part_of_);
@@ -111,8 +111,8 @@ class GraphBuilder {
     }
   }
 
-  /// Throws UsageError if the cloud has an attribute with the name of a helper: one that the stage makes and drops
-  /// again.
+  /// Throws UsageError if the cloud has an attribute named like one of `helpers`, the attributes that the stage makes
+  /// and drops again.
   void refuse_any(const std::vector<std::string>& helpers, const std::string& stage) const {
     for (const std::string& name : helpers)
       if (visible_.find(name) || std::ranges::find(made_, name, &Attribute::name) != made_.end())
@@ -242,8 +242,8 @@ class GraphBuilder {
     graph_.versions[version].readers.push_back({node, as});
   }
 
-  /// The last Resort decides the order of the output. If points may have moved before it, it makes an attribute with
-  /// their positions in the stream.
+  /// Lets the last Resort, which decides the order of the output, make stream_position_attribute() if points may have
+  /// moved before it.
   void note_stream_position() {
     for (std::size_t n = graph_.nodes.size(); n-- > 0;) {
       if (!graph_.nodes[n].is_order()) continue;
@@ -261,18 +261,18 @@ class GraphBuilder {
 
   const Schema input_;             ///< fields of the input, with the row of each point, which stages may read
   Schema visible_;                 ///< fields that are not dropped
-  std::set<std::string> dropped_;  ///< names of fields
+  std::set<std::string> dropped_;  ///< names of dropped fields
   ChainGraph graph_;
   std::string is_part_of_;  ///< name of the composite whose parts are being added; empty: none
   Neighborhood neighborhood_;
   Attributes made_;                            ///< attributes made and not dropped, in their last versions
-  std::map<std::string, std::size_t> latest_;  ///< version by name of the attribute
+  std::map<std::string, std::size_t> latest_;  ///< current version of each attribute, by name
   std::map<std::pair<std::string, Type>, std::size_t> of_input_;  ///< version of each field of the input, by name and
                                                                   ///< type
   std::map<std::string, std::size_t> versions_made_;
   std::map<std::tuple<std::string, std::vector<std::size_t>, std::size_t>, std::size_t> reduce_nodes_;
   std::size_t drops_rows_ = 0;           ///< number of stages so far that drop rows
-  std::optional<std::size_t> position_;  ///< version of the moved positions
+  std::optional<std::size_t> position_;  ///< version of the moved positions; absent: no stage moves points
 };
 
 }  // namespace

@@ -25,7 +25,7 @@ namespace pointsweep {
 enum class ReadAs : std::uint8_t {
   self,         ///< the value of the point itself
   neighbors,    ///< the values of its neighbours
-  whole_cloud,  ///< the values of all points that are left
+  whole_cloud,  ///< the values of all points that no earlier stage has dropped
 };
 
 struct VersionReader {
@@ -37,7 +37,7 @@ struct VersionReader {
 struct AttributeVersion {
   Attribute attribute;
   std::size_t version = 0;                   ///< 0 for the input's version; versions of nodes count from 1
-  std::optional<std::size_t> producer = {};  ///< the node that makes the version; absent for the input's
+  std::optional<std::size_t> producer = {};  ///< the node that makes the version; absent if the input has it
   std::vector<VersionReader> readers = {};   ///< in the order of the nodes
   bool is_written = false;                   ///< written to the output
 };
@@ -51,8 +51,8 @@ struct GraphNode {
   std::vector<std::size_t> reads = {};  ///< versions, in the order of the contract
   std::vector<std::size_t> reads_neighbors = {};
   std::vector<std::size_t> makes = {};
-  std::vector<std::size_t> values = {};      ///< the reduce nodes whose values the operator needs
-  std::optional<std::size_t> position = {};  ///< version of the position that the node sees; absent: the input's
+  std::vector<std::size_t> values = {};      ///< reduce nodes (with a Reduction) whose values the operator needs
+  std::optional<std::size_t> position = {};  ///< version of the position that the node sees; absent: unmoved
 
   /// Returns the operator; null for other nodes.
   const StageOperator* op() const { return std::get_if<StageOperator>(&what); }
@@ -69,10 +69,11 @@ struct GraphNode {
 struct ChainGraph {
   std::vector<GraphNode> nodes;  ///< the first is the neighbourhood with which the chain begins
   std::vector<AttributeVersion> versions;
-  /// The last version of every made attribute that no later stage drops, in the order first made; without the
-  /// attributes of selects and Resorts.
+  /// The last version of every made attribute that no later stage drops, in the order in which the attributes were
+  /// first made. The attributes that selects and Resorts make are not among them.
   std::vector<std::size_t> made;
-  /// The reduce node that finds the box of the moved positions, if the output needs it before its first record.
+  /// The node whose Reduction finds the box of the moved positions, if the output needs this box before its first
+  /// record.
   std::optional<std::size_t> moved_bounds;
   /// Indices of the input's fields that a stage drops.
   std::set<std::size_t> dropped;
@@ -97,11 +98,13 @@ struct OutputNeeds {
 /// attribute that the cloud does not have, or a Drop names fields that cannot be dropped.
 ChainGraph resolve(const Chain& chain, const Schema& input, OutputNeeds needs);
 
-/// Returns `before` with the newer versions and the new attributes of `made`.
+/// Returns `before`, in which attributes of `made` replace the attributes with the same names. Other attributes of
+/// `made` are appended.
 std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<Attribute>& made);
 
-/// Returns `input` with the fields of `carried`, whose values follow the record of `input` one after another. A carried
-/// field takes the place and the name of the field of `input` with the same name in any spelling (Schema::find()).
+/// Returns `input` with the fields of `carried`: attributes that earlier passes made, whose values follow the record of
+/// `input` one after another. A carried field takes the place and the name of the field of `input` with the same name
+/// in any spelling (Schema::find()).
 Schema with_carried(const Schema& input, const std::vector<Attribute>& carried);
 
 /// Returns the name of the attribute of `carried` that holds `field`; empty if the record of `input` holds the field,

@@ -23,12 +23,12 @@ Attributes only(Attributes attributes, const Names& names) {
 
 bool is_selection(const Attribute& a) { return a.name == selection_attribute().name; }
 
-/// A pass before it is known which of its results are used.
+/// A pass during planning, before the results that nothing uses are removed.
 struct Draft {
   ScheduledPass pass;
-  Attributes carried;  ///< made by earlier passes
-  Attributes makes;    ///< without selections
-  Names needed;        ///< read by later passes or the output
+  Attributes carried;  ///< attributes made by earlier passes
+  Attributes makes;    ///< attributes that the pass makes, without selection_attribute()
+  Names needed;        ///< names of the attributes that later passes read or the output contains
 };
 
 Attributes made_by(const ScheduledPass& pass, const ChainGraph& graph) {
@@ -103,7 +103,7 @@ std::vector<std::string> kept_by(const Draft& draft) {
   return kept;
 }
 
-/// Plans a pass. `carried`: needed attributes that are carried into it.
+/// Plans a pass. `carried`: attributes that earlier passes made and that this or a later pass, or the output, needs.
 PlannedPass planned_pass(const Draft& draft, const ChainGraph& graph, const Attributes& carried,
                          std::size_t first_stage, const Schema& input) {
   PlannedPass pass;
@@ -125,7 +125,7 @@ PlannedPass planned_pass(const Draft& draft, const ChainGraph& graph, const Attr
   return pass;
 }
 
-/// Sorts the attributes made by a pass by `order`, which contains all of them.
+/// Sorts the attributes that a pass makes into the order of `order`, which contains the same attributes.
 void put_in_order(PlannedPass& pass, const Attributes& order) {
   const std::vector<ResultColumn> results = std::move(pass.plan.results);
   const Attributes made = std::move(pass.made);
@@ -141,7 +141,8 @@ void put_in_order(PlannedPass& pass, const Attributes& order) {
   }
 }
 
-/// Keeps the fields of the input that no stage drops.
+/// Sets the written fields of a plan whose stages drop attributes: the fields that Chain::keep names, or all, without
+/// the dropped ones.
 void keep_what_is_not_dropped(ChainPlan& plan, const Schema& input) {
   Schema visible{{}, input.stride};
   std::vector<std::size_t> index;  // indices in the input

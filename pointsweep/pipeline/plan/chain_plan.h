@@ -31,7 +31,7 @@ struct ColumnPlan {
   std::string attribute;
   std::string made_by;  ///< "the file", "a pass before", or the stage as "2 normals"
   std::uint32_t bytes = 0;
-  std::size_t last_step = 0;  ///< the last step that makes or reads the column; the last of the pass if written
+  std::size_t last_step = 0;  ///< the last step that makes or reads the column; the last step of the pass if `written`
   bool written = false;
 };
 
@@ -41,15 +41,15 @@ struct PlannedPass {
   std::vector<std::size_t> nodes;  ///< graph node of each stage of `plan`
   /// The stages, steps and columns. A pass that selects makes the kept attributes and selection_attribute().
   SweepPlan plan;
-  std::vector<ColumnPlan> columns;  ///< by number of column
+  std::vector<ColumnPlan> columns;  ///< the columns of `plan`, by number
   /// For each of plan.file_columns, the names of the fields of `input` that fill the column.
   std::vector<std::vector<std::string>> file_fields;
   /// The last version of every attribute made and kept, in the order first made, which is the order in result records.
   std::vector<Attribute> made;
   /// The fields of the cloud as the pass sees it: first the fields of the input's record, then the carried values.
   Schema input;
-  /// The attributes that the rows have after the pass, made by this or an earlier pass: those that later passes read,
-  /// and those that are kept.
+  /// The attributes that the rows have after the pass, made by this pass or an earlier one: those that later passes
+  /// read, and those that are written.
   std::vector<Attribute> carried;
   bool selects = false;  ///< the pass leaves out some of the rows that it reads
   std::vector<PlannedValue> values;
@@ -60,7 +60,8 @@ struct PlannedPass {
   const InOrderOperator* in_order() const;
   /// Returns whether the points are ordered by places that the operator gives them (Places), not by their positions.
   bool has_places() const;
-  /// Returns the result record of a row for which the pass makes no values: fill bytes.
+  /// Returns the result record of a row for which the pass makes no values. It consists of the fill bytes of the
+  /// attributes (Attribute::fill).
   std::vector<std::byte> fill_record() const;
   /// Returns the stage that emits edges; null if there is none. Its attributes are known when the sweep has ended.
   const Stage* connecting_stage() const;
@@ -68,8 +69,8 @@ struct PlannedPass {
   std::vector<std::size_t> payload() const;
   /// Sets plan.file_columns: replaces the names in `file_fields` by indices of fields of `working_record`.
   void bind(const Schema& working_record);
-  /// Estimates the bytes of the working record of a point in the stream, without its row, with 8 bytes for each field
-  /// of payload().
+  /// Estimates the bytes of the working record of a point in the stream, without its row number. Counts 8 bytes for
+  /// each value of the fields of payload().
   std::uint64_t travelling_bytes() const;
   /// Returns the bytes of a point's carried attributes between this pass and the next.
   std::uint64_t carried_bytes() const;
@@ -86,7 +87,7 @@ struct ChainPlan {
   KeptFields kept;
   /// True if a last phase puts the output in the order of the sweep, because no pass leaves the results in that order.
   bool reorders = false;
-  /// True if the output is ordered by stream_position_attribute(), the last attribute that the last pass carries. False
+  /// True if the output is ordered by stream_position_attribute(), the last attribute that the last pass carries; false
   /// if it is ordered by the positions of the input.
   bool by_moved_positions = false;
 
@@ -95,10 +96,11 @@ struct ChainPlan {
   bool only_copies() const;
   /// Returns whether the output can be opened only after all passes.
   bool opens_late() const { return selects() || graph.moved_bounds.has_value(); }
-  /// Returns whether pass `p` leaves rows that a later phase reads: another pass, the reordering, or a late output. If
-  /// not, its results are written directly.
+  /// Returns whether pass `p` leaves rows that a later phase reads: another pass, the reordering, or an output that is
+  /// opened late. A pass that makes nothing leaves its rows, too. The results of other passes are written directly.
   bool leaves_rows(std::size_t p) const;
-  /// Returns the most bytes that a point takes at once: while a pass ends, its carried bytes before and after the pass.
+  /// Returns the most bytes of carried attributes that a point has at once: at the end of a pass, the bytes carried
+  /// into the pass and the bytes carried out of it.
   std::uint64_t most_carried_bytes() const;
 };
 

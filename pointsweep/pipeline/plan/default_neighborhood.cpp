@@ -9,8 +9,8 @@
 namespace pointsweep {
 namespace {
 
-/// Sets k and the radius of a neighbourhood that leaves them to its operators (kOfOperators): the operators of the
-/// stages from `first` to the next neighbourhood.
+/// Sets k and the radius of a neighbourhood that leaves them to its operators (kOfOperators). Its operators are the
+/// stages from `first` up to the next Reneighbor that states a neighbourhood.
 void close(Neighborhood& open, const std::vector<ChainStage>& stages, std::size_t first) {
   if (open.k != Neighborhood::kOfOperators) return;
   std::size_t k = 0;

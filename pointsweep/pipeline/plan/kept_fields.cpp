@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-/// The fields that names mean. add() takes one name.
+/// Collects the fields that names mean. add() takes one name.
 class Selection {
  public:
   Selection(const std::vector<Attribute>& made, const Schema& input, std::string done = "kept")
@@ -48,8 +48,8 @@ class Selection {
   }
 
  private:
-  /// Adds the made fields that match `fits`, or all fields of the attribute named `attribute`; coordinates only
-  /// together. Returns whether there was a match.
+  /// Adds the made fields that match `fits`, or all fields of the attribute named `attribute`. If one moved coordinate
+  /// matches, adds all three. Returns whether there was a match.
   template <class Fits>
   bool add_made(const std::string& attribute, Fits fits) {
     bool any = false;
@@ -108,8 +108,8 @@ class Selection {
   const std::vector<Attribute>& made_;
   const Schema& input_;
   std::string done_;
-  std::set<std::string> made_fields_;   ///< empty: all fields
-  std::set<std::size_t> input_fields_;  ///< empty: all fields
+  std::set<std::string> made_fields_;   ///< named made fields; empty: all
+  std::set<std::size_t> input_fields_;  ///< named fields of the input; empty: all
   std::vector<std::string> order_;
 };
 

@@ -20,9 +20,9 @@ struct KeptFields {
   std::vector<std::string> order = {};  ///< names of the fields that Chain::keep names, in its order, each once
 };
 
-/// Returns the fields of `schema`, an output with the attributes `made`, in the order of Chain::keep: first fields of
-/// the input that are not named, and x, y and z unless all three are named; last made fields that are not named. Their
-/// offsets do not change.
+/// Returns `schema`, the fields of an output with the made attributes `made`, sorted for Chain::keep: first the fields
+/// of the input that it does not name, and x, y and z unless it names all three; then the named fields, in its order;
+/// last the other made fields. Offsets do not change.
 Schema in_named_order(Schema schema, const KeptFields& kept, const std::vector<Attribute>& made);
 
 /// Returns the fields that `names` keep. A name means the first match of: a made attribute ("normal") or a field of one
@@ -38,7 +38,8 @@ struct NamedFields {
   std::set<std::size_t> input;  ///< indices of the input's fields
 };
 
-/// Returns the fields that `names` mean. Throws UsageError for a name without a match, which "cannot be `done`".
+/// Returns the fields that `names` mean. Throws UsageError for a name without a match; its message says that the name
+/// cannot be `done`, such as "dropped".
 NamedFields named_fields(const std::vector<std::string>& names, const std::vector<Attribute>& made, const Schema& input,
                          const std::string& done);
 

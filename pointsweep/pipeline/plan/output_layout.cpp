@@ -133,8 +133,8 @@ void OutputLayout::retype(const Types& types) {
   for (const Piece& piece : pieces) passed_.add(piece.from, piece.to, piece.bytes);
 }
 
-/// Keeps the fields `kept`. Fields in `types` get that type, the others keep their storage. Bit fields of one byte each
-/// get a copy of the byte.
+/// Keeps the fields `kept`. Fields in `types` get these types, other fields keep their storage. Bit fields that share a
+/// byte no longer share it: each gets its own copy of the byte.
 void OutputLayout::keep_fields(const Schema& input, const std::vector<std::size_t>& kept, const Types& types) {
   schema_ = {};
   passed_ = {};

@@ -29,7 +29,7 @@ void PassPlanner::add_stage(std::size_t number) {
   stage.position = column_moved_to(node);
   for (const std::size_t v : node.reads) stage.reads.push_back(column_of(v));
   for (const std::size_t v : node.reads_neighbors) stage.reads_neighbors.push_back(column_of(v));
-  // Every stage after a stage that moves points reads the moved positions of the neighbours.
+  // A stage that uses neighbours reads their moved positions if an earlier stage has moved the points.
   const bool sees_moved = contract_of(op).default_k > 0 && stage.position >= 0 &&
                           made_in_this_step(static_cast<std::uint16_t>(stage.position));
   const auto is_new = [&](std::uint16_t column) { return made_in_this_step(column); };
@@ -48,7 +48,7 @@ void PassPlanner::add_stage(std::size_t number) {
   plan_.stages.push_back(std::move(stage));
 }
 
-/// Returns the column of the moved positions that a stage sees; -1 if no point has moved since the pass began.
+/// Returns the column of the moved positions that a stage sees; -1 if no earlier stage of the pass moves points.
 int PassPlanner::column_moved_to(const GraphNode& node) const {
   if (!node.position) return -1;
   const auto column = column_of_version_.find(*node.position);

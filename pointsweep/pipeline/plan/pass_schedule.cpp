@@ -9,8 +9,8 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the attributes that a contract reads. Every stage may read its own position, and a stage that reads
-/// neighbours their positions.
+/// Returns the names of the attributes that a contract reads. The position is always among them: every stage may read
+/// the position of the point, and a stage that reads neighbours may read their positions.
 std::vector<std::string> read_by(const Contract& contract) {
   std::vector<std::string> names = {position_attribute().name};
   for (const auto* attributes : {&contract.reads, &contract.reads_neighbors})
@@ -101,7 +101,8 @@ void PassSchedule::begin_segment() {
   used_.clear();
 }
 
-/// Returns the first pass in which all attributes that the stage reads exist, and none that it changes is read later.
+/// Returns the first pass in which all attributes that the stage reads exist, and after which no earlier stage reads an
+/// attribute that the stage changes.
 std::size_t PassSchedule::first_pass_for(const Contract& contract) const {
   std::size_t pass = segment_;
   for (const std::string& name : read_by(contract))
@@ -168,7 +169,8 @@ bool PassSchedule::takes(const ScheduledPass& pass, const StageOperator& op) con
   return pass.kind == PassKind::sweep || (is_pointwise(op) && pass.kind == PassKind::rows);
 }
 
-/// A sweep searches at the positions with which it begins.
+/// Throws UsageError if an earlier pass of the segment moves the points: a sweep searches at the positions with which
+/// it begins, so `pass` would not find the neighbours that the stage needs.
 void PassSchedule::require_search_positions(const StageOperator& op, std::size_t pass) const {
   const auto moved = used_.find(position_attribute().name);
   if (moved == used_.end() || !moved->second.is_made || moved->second.known_from >= pass) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The pass in which each node of a chain runs.
+/// Decides in which pass over the cloud each node of a chain runs.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace pointsweep {
 enum class PassKind : std::uint8_t {
   sweep,  ///< finds neighbourhoods
   rows,   ///< reads the rows in order; its stages read only the point itself
-  order,  ///< puts the points in order, by position or by place, for an InOrderOperator
+  order,  ///< puts the points in order for an InOrderOperator, by position or by a place that it gives (Places)
 };
 
-/// A pass for which only the nodes are known.
+/// A pass as a list of its nodes, without columns and steps.
 struct ScheduledPass {
   PassKind kind = PassKind::sweep;
   std::size_t neighborhood = 0;      ///< the node that defines the neighbourhoods
@@ -28,13 +28,15 @@ struct ScheduledPass {
 };
 
 /// Assigns the nodes of a graph to passes, one after another. Each node goes to the first pass in which every attribute
-/// and value that it reads is known, and no later stage has changed it. So one pass computes several independent
-/// values. A node after a select or a new neighbourhood begins a new segment: it runs in a later pass than the nodes
-/// before. The passes of `normals | sor | curvature | where(outlier == 0) | reneighbor | normals`:
+/// and value that it reads is known, but to no pass before the last one in which an earlier node reads an attribute
+/// that the node changes. So one pass computes several independent values. A stage that drops rows, or a new
+/// neighbourhood, ends a segment: the nodes after it run in later passes than the nodes before it. For example,
+/// these are the passes of
+/// `normals | sor | curvature | where(outlier == 0) | reneighbor | normals`:
 ///
 ///   0, a sweep: normals, mean_distance (a part of sor), curvature; at its end, statistics of mean_distance are known
 ///   1, rows:    outlier (the other part of sor), where
-///   2, a sweep: normals, with the neighbourhoods of the second segment
+///   2, a sweep: normals, with the new neighbourhoods
 class PassSchedule {
  public:
   explicit PassSchedule(const ChainGraph& graph);
@@ -71,7 +73,7 @@ class PassSchedule {
   const ChainGraph& graph_;
   std::size_t neighborhood_ = 0;
   std::vector<ScheduledPass> passes_;
-  std::size_t segment_ = 0;                      ///< first pass after the last select or new neighbourhood
+  std::size_t segment_ = 0;                      ///< first pass of the current segment
   std::map<std::string, Use> used_;              ///< by attribute, in this segment
   std::map<std::size_t, std::size_t> value_of_;  ///< for each reduce node, the pass after which its value is known
 };

@@ -22,8 +22,8 @@ std::vector<Box> first_extents(const ChainPlan& plan) {
   return extents;
 }
 
-/// Returns whether two boxes touch in x and y, or have a gap of at most a step of the file, since programs round the
-/// boxes of nodes.
+/// Returns whether two boxes touch in x and y, or have a gap of at most a step of the grid of the file, since programs
+/// round the boxes of nodes.
 bool meet(const Box& a, const Box& b, Vec3 step) {
   return a.lo.x <= b.hi.x + step.x && b.lo.x <= a.hi.x + step.x && a.lo.y <= b.hi.y + step.y &&
          b.lo.y <= a.hi.y + step.y;

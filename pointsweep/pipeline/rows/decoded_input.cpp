@@ -69,7 +69,7 @@ class DecodedReader final : public Reader {
 struct Piece {
   std::size_t input;
   std::uint64_t first, end;
-  std::uint64_t at;  ///< byte of the temporary file
+  std::uint64_t at;  ///< offset of its records in the temporary file
 };
 
 /// Lists the pieces of all inputs that are decoded once, in order. The records of these inputs follow each other in the
@@ -100,7 +100,7 @@ class Pieces {
  private:
   const InputCloud& cloud_;
   std::size_t input_ = 0;
-  std::uint64_t row_ = 0, begin_ = 0;  ///< next row of input_; byte of the file where its records begin
+  std::uint64_t row_ = 0, begin_ = 0;  ///< next row of input_; offset of its records in the temporary file
 };
 
 /// Decodes pieces for one thread.
@@ -135,7 +135,7 @@ class PieceDecoder {
   std::vector<std::byte> batch_;
 };
 
-/// Returns the number of decoding threads: as many as use at most half of the memory budget.
+/// Returns the number of decoding threads: as many as fit in half of the memory budget, but at least one.
 unsigned decoding_threads(const InputCloud& cloud, const EngineOptions& options) {
   std::uint64_t bytes = kBatchBytes;
   for (const auto& reader : cloud.readers())
@@ -145,7 +145,8 @@ unsigned decoding_threads(const InputCloud& cloud, const EngineOptions& options)
   return static_cast<unsigned>(std::clamp<std::uint64_t>(budget / 2 / bytes, 1, thread_count()));
 }
 
-/// Decodes all inputs that are decoded once, and calls `progress` with the rows that are done, one thread at a time.
+/// Decodes all inputs that are decoded once. Calls `progress` with the number of rows decoded so far, from one thread
+/// at a time.
 void decode_inputs(const InputCloud& cloud, const EngineOptions& options, SpillFile& file,
                    const std::function<void(std::uint64_t rows)>& progress) {
   std::mutex noting;

@@ -12,10 +12,9 @@
 namespace pointsweep {
 
 /// Returns the cloud in which all inputs with FileInfo::decode_once are read from one temporary file at `place`, with
-/// `schema.stride` bytes for each point. Decoding once saves time, since a run reads its input two or three times.
-/// Fills the file on all threads.
-/// Throws Error if an input cannot be decoded or the disk is full; of several such inputs, the error names the first.
-/// Reports the phase "decoding".
+/// FileInfo::schema.stride bytes for each point. Decoding once saves time, since a run reads its input two or three
+/// times. Fills the file on all threads. Throws Error if an input cannot be decoded or the disk is full; of several
+/// such inputs, the error names the first. Reports the phase "decoding".
 InputCloud decoded_input(const InputCloud& cloud, const EngineOptions& options, const SpillPlace& place);
 
 /// Returns the bytes that the temporary file of a run over `cloud` will take.

@@ -19,8 +19,8 @@
 namespace pointsweep {
 namespace {
 
-/// Points that an operator gets at a time. A large batch allows it to search for nearby points together
-/// (operators/nearest/place_group.h).
+/// Largest number of points that an operator gets at a time. A large batch allows it to search for nearby points
+/// together (operators/nearest/place_group.h).
 constexpr std::size_t kOrderedBatch = 32768;
 
 /// Returns a name for the position that no field of a file can have, since library names contain no blank.
@@ -166,7 +166,8 @@ void for_each_batch(const InOrderPass& run, Use use) {
   batch.require_values();
 }
 
-/// Converts the findings of a work to result records, which contain the attributes that the pass keeps, in its order.
+/// Converts the findings of an InOrderWork to result records, which contain the attributes PlannedPass::made, and
+/// stores them in the results.
 class FoundRecords {
  public:
   FoundRecords(const InOrderOperator& op, const InOrderPass& run)

@@ -16,10 +16,10 @@
 
 namespace pointsweep {
 
-/// The points of a source at the places that an operator assigns to them.
+/// The points of a source at the places that an operator assigns to them (InOrderOperator::place_of()).
 struct PlacedSource {
   /// Each place is followed by the position, in the type of `source`, and by the fields `payload` of `source`. A point
-  /// without a finite position has no place. `op` must outlive the placed source.
+  /// without a finite position has no finite place. `op` must outlive the placed source.
   PlacedSource(const PointSource& source, const std::vector<std::size_t>& payload, const InOrderOperator& op);
   PointSource source;
   std::vector<std::size_t> payload;  ///< indices of the fields that follow a place
@@ -29,7 +29,7 @@ struct InOrderPass {
   const Stream& stream;  ///< in canonical order; made from a PlacedSource if the pass has places
   const PlannedPass& pass;
   InOrderSetup setup;
-  bool is_part;              ///< true if the stream has further rows, whose findings are discarded
+  bool is_part;              ///< true if the stream has other rows, too; findings about them are discarded
   std::uint64_t first_row;   ///< row of the stream that is the first row of the results
   std::uint64_t rows;        ///< number of rows of the results
   RowStore& results;         ///< gets a record for each row that is dropped or has values; other rows keep their fill
@@ -42,7 +42,8 @@ struct InOrderPass {
 std::vector<std::uint32_t> for_other_parts(const InOrderOperator::ChoosePoints& choose, const PlannedPass& pass,
                                            const Schema& record, std::span<const std::byte> records);
 
-/// Takes all points with a finite place through the work of the operator.
+/// Passes all points with a finite place to the InOrderWork of the operator, once in each of its rounds, and stores its
+/// findings in `run.results`.
 void run_in_order(const InOrderPass& run);
 
 }  // namespace pointsweep

@@ -17,7 +17,8 @@ bool holds_nonfinite(const std::filesystem::path& output) {
   return format == nullptr || format->real_coordinates;
 }
 
-/// Returns an output that cannot hold all coordinates that its input may have; none if all can.
+/// Returns an output that cannot hold nonfinite coordinates, among tiles only one whose input may have some; none if
+/// there is no such output.
 std::optional<std::filesystem::path> unfit_output(const InputCloud& cloud, const Outputs& outputs) {
   if (outputs.tiles.empty()) return holds_nonfinite(outputs.points) ? std::nullopt : std::optional(outputs.points);
   for (std::size_t t = 0; t < std::min(outputs.tiles.size(), cloud.readers().size()); ++t) {

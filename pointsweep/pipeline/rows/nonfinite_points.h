@@ -15,8 +15,8 @@
 
 namespace pointsweep {
 
-/// Calls `use` for batches of the nonfinite points of the stream, by ascending row, with the number of the first point
-/// and with their working records.
+/// Calls `use` for batches of the nonfinite points of the stream, by ascending row. `first` is the index of the first
+/// point of the batch among all nonfinite points, and `records` are the working records of the batch.
 void for_each_nonfinite(const Stream& stream,
                         const std::function<void(std::uint64_t first, std::span<const std::byte> records)>& use);
 
@@ -38,9 +38,9 @@ struct FiniteInput {
   std::string warning() const;
 };
 
-/// Reads the cloud once if rows may be dropped or refused and its coordinates are not integers. Throws Error with the
-/// first row if nonfinite points are refused, or are to be kept in an output that cannot hold them; also if no other
-/// points are left.
+/// Returns the cloud without the points that nonfinite_rule() drops. Reads the cloud once if rows may be dropped or
+/// refused and its coordinates are not integers. Throws Error with the first row if nonfinite points are refused, or
+/// are to be kept in an output that cannot hold them; also if no other points are left.
 FiniteInput finite_input(const InputCloud& cloud, const Outputs& outputs, const EngineOptions& options);
 
 }  // namespace pointsweep

@@ -8,7 +8,7 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the part of the request that rules out an order on demand; empty if nothing does.
+/// Returns the reason why the request rules out an order on demand (OnDemandOrder::why_not); empty if it does not.
 std::string ruled_out_by_request(const ChainPlan& planned, const EngineOptions& options) {
   const bool forced = options.ordering == Ordering::on_demand;
   if (options.ordering == Ordering::distribution) return "it was asked for";
@@ -25,7 +25,7 @@ std::string ruled_out_by_request(const ChainPlan& planned, const EngineOptions& 
   return "";
 }
 
-/// Returns the property of the inputs that rules out an order on demand; empty if nothing does.
+/// Returns the reason why the inputs rule out an order on demand (OnDemandOrder::why_not); empty if they do not.
 std::string ruled_out_by_inputs(const InputCloud& cloud) {
   if (cloud.selection() != nullptr) return "rows are left out";
   for (const auto& reader : cloud.readers())

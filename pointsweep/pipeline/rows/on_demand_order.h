@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Decides whether the points of a run can be put in order by the boxes of its inputs, without a distribution pass.
+/// Decides whether the points of a run can be put in order on demand: by the boxes of its inputs, without a
+/// distribution pass.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +18,13 @@ namespace pointsweep {
 /// the run counts the points before it relies on their places (Stream::on_demand).
 struct OnDemandOrder {
   std::string why_not;        ///< reason against an order on demand, as the end of a sentence; empty if it is possible
-  std::vector<RowBox> boxes;  ///< boxes that the inputs state; they cover all rows, ascending
+  std::vector<RowBox> boxes;  ///< boxes that the inputs state for all rows, by ascending row
 };
 
 /// Returns the number of the first pass of `planned` that puts points in order; the number of passes if none does.
 std::size_t first_ordered_pass(const ChainPlan& planned);
 
-/// Decides whether slabs on demand are possible in the first pass that puts points in order.
+/// Decides whether the first pass that puts points in order can do so on demand.
 OnDemandOrder on_demand_order(const InputCloud& cloud, const ChainPlan& planned, const EngineOptions& options);
 
 }  // namespace pointsweep

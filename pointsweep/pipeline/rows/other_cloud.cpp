@@ -141,7 +141,7 @@ void OtherCloud::give(const Stream& stream, const std::string& name, const std::
   std::vector<PromisedType> values_of;
   for (const Attribute& a : reads) values_of.emplace_back(schema.fields[schema.find(a.name).value()], a.type);
   const std::size_t value_bytes = bytes_of(reads);
-  FirstRowError none;  // no error possible: the types are those of the values
+  FirstRowError none;  // stays empty, since the fields have the types of the attributes
   std::vector<double> x, y, z;
   std::vector<Vec3> positions;
   std::vector<std::uint64_t> rows;

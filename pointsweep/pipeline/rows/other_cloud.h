@@ -51,7 +51,7 @@ class OtherCloud {
   /// cloud.
   void require_same_types() const;
   std::vector<std::uint64_t> counts() const;  ///< number of points of each file
-  /// Returns the memory of give_in_order(). `value_bytes`: bytes of the attributes read of a point.
+  /// Returns the bytes of memory that give_in_order() needs. `value_bytes`: bytes of the read attributes of one point.
   static std::uint64_t working_bytes(unsigned threads, std::uint64_t value_bytes);
 
  private:

@@ -20,7 +20,7 @@ std::optional<std::size_t> offset_in(const std::vector<Attribute>& attributes, c
   return std::nullopt;
 }
 
-/// Returns whether the positions, or other values that travel with the points, come from the input's record.
+/// Returns whether the positions or the payload of the pass include a field of the input's record.
 bool looks_at_input(const PlannedPass& pass, std::size_t input_stride) {
   std::vector<std::size_t> fields = pass.payload();
   for (const char* axis : {"x", "y", "z"}) fields.push_back(*pass.input.find(axis));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The transition from one pass to the next: made attributes replace those of the input, dropped rows are removed,
-/// attributes are carried on, and values of the whole cloud become known.
+/// The transition from one pass to the next: made attributes replace attributes of the input, dropped rows are removed,
+/// attributes that later passes read are carried on, and values of the whole cloud become known.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +30,7 @@ class RowUpdate {
   RowUpdate(const std::vector<Attribute>& carried, const std::vector<Attribute>& made,
             const std::vector<Attribute>& after);
   std::size_t record_bytes() const { return after_bytes_; }
-  /// `carried` may be null if everything is made.
+  /// Makes `n` records at `after`. `carried` may be null if the pass has made all attributes.
   void run(const std::byte* carried, const std::byte* made, std::size_t n, std::byte* after) const;
 
  private:
@@ -38,7 +38,8 @@ class RowUpdate {
   std::size_t carried_bytes_, made_bytes_, after_bytes_;
 };
 
-/// Successive rows: results of a pass, and the updated rows. Either may have empty records.
+/// Successive rows: the results of a pass (`made`) and the updated rows (`after`). The records of either may have no
+/// bytes.
 struct UpdatedRows {
   std::uint64_t first;
   std::size_t count;
@@ -68,9 +69,10 @@ class PassUpdate {
 
   /// Takes the next rows. Works on all threads.
   void add(const UpdatedRows& rows);
-  /// Returns the carried records of the kept rows; sets the values. Must be called after the last row.
+  /// Returns the carried records of the kept rows, and adds the values of the whole cloud to `values`. Must be called
+  /// after the last row.
   std::unique_ptr<RowFile> finish(CloudValues& values);
-  /// Returns the kept rows of the cloud as a selection of all its rows; none if the pass keeps all rows. Must be called
+  /// Returns the kept rows of the cloud as a selection of all its rows; none if the pass has no select. Must be called
   /// once, after the last row.
   std::optional<RowSelection> take_selection();
   /// Returns PassValues::save() of the rows that are left.
@@ -95,14 +97,14 @@ class PassUpdate {
   };
 
   const InputCloud& cloud_;
-  std::size_t carried_bytes_, made_bytes_, selection_at_ = 0;  ///< offset of the decision in a made record
+  std::size_t carried_bytes_, made_bytes_, selection_at_ = 0;  ///< selection_at_: offset of selection_attribute()
   std::unique_ptr<RowFile> rows_;
   std::optional<RowMask> mask_;
   PassValues values_;
   ParallelRows input_rows_;
   std::vector<std::byte> inputs_;   ///< records of the cloud, if a value needs them
-  std::vector<std::uint8_t> kept_;  ///< not 0 for each kept row passed to add(), if the pass selects
-  std::vector<Room> rooms_;         ///< for each thread
+  std::vector<std::uint8_t> kept_;  ///< not 0 for each kept row passed to add(); empty without a select
+  std::vector<Room> rooms_;         ///< buffers of each thread
   std::uint64_t spilled_bytes_ = 0;
 };
 

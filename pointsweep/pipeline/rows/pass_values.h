@@ -37,7 +37,7 @@ class PassValues {
   struct Sum {
     PlannedValue value;
     std::vector<Component> reads;
-    std::vector<std::unique_ptr<Accumulator>> parts;  ///< for each thread
+    std::vector<std::unique_ptr<Accumulator>> parts;  ///< one accumulator for each thread
 
     std::unique_ptr<Accumulator> all() const;
   };
@@ -49,8 +49,8 @@ class PassValues {
   bool needs_input_ = false;
 };
 
-/// Finishes the values of a pass whose rows several processes have taken: `saved` has the result of PassValues::save()
-/// of each process.
+/// Finishes the values of a pass whose rows are divided among several processes: `saved` has the result of
+/// PassValues::save() of each process.
 void finish_values(const PlannedPass& pass, const std::vector<std::vector<std::vector<std::byte>>>& saved,
                    CloudValues& into);
 

@@ -47,8 +47,8 @@ void copy_positions(const Neighborhoods& in, std::byte* out) {
   }
 }
 
-/// Fills the results of a stage for points without a finite place, if the stage needs neighbours or the order of all
-/// points: their values stay unchanged.
+/// Fills the results of a stage that needs neighbours or the order of all points, for points without a finite place.
+/// Attributes that the stage both reads and makes keep their values; other made attributes are Attribute::fill.
 void leave_unchanged(const Stage& stage, const Batch& batch) {
   const Contract contract = contract_of(stage.op);
   for (std::size_t m = 0; m < stage.makes.size(); ++m) {

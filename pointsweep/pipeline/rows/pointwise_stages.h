@@ -20,7 +20,7 @@ namespace pointsweep {
 /// other made attributes are Attribute::fill.
 class PointwiseStages {
  public:
-  /// `pass` is bound to `records` (PlannedPass::bind). Both must outlive this.
+  /// `pass` is bound to `records` (PlannedPass::bind). Both must outlive this object.
   PointwiseStages(const PlannedPass& pass, const Schema& records);
 
   /// Makes the result records of the points in `records`, whose rows are `rows`, on all threads.
@@ -35,13 +35,13 @@ class PointwiseStages {
   const PlannedPass& pass_;
   const Schema& records_;
   PositionFields position_;
-  std::vector<StageTally> tallies_;  ///< for each thread
+  std::vector<StageTally> tallies_;  ///< one tally for each thread
 };
 
 /// Applies stages that read only the point itself to rows in their order, without a sweep.
 class RowPass {
  public:
-  /// `pass`: of kind rows, bound to its own input (PlannedPass::bind). It must outlive this.
+  /// `pass`: of kind rows, bound to its own input (PlannedPass::bind). It must outlive this object.
   explicit RowPass(const PlannedPass& pass);
 
   /// Reads `source`, records of pass.input, and passes on the result records of its rows in order, rows_at_once() at a

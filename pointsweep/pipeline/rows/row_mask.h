@@ -25,9 +25,9 @@ class RowMask {
   RowSelection finish();
   std::uint64_t spilled_bytes() const { return file_->spilled_bytes(); }
 
-  /// Returns a finished mask that a checkpoint has kept.
+  /// Returns the selection of a finished mask that a checkpoint has stored at `kept`.
   static RowSelection kept(std::uint64_t rows, const SpillPlace& kept);
-  /// Returns the bytes that the bits of `rows` rows take.
+  /// Returns the bytes that a mask of `rows` rows takes, with 8 more for each block.
   static std::uint64_t bytes(std::uint64_t rows);
 
  private:

@@ -49,8 +49,8 @@ void leave_out_connected(SweepPlan& plan, const Stage& stage) {
   });
 }
 
-/// Returns the part of the results that other stages than the connecting one make. Keeps only this part in the results
-/// of `plan`.
+/// Returns the part of the results that all stages except the connecting stage make. Keeps only this part in the
+/// results of `plan`.
 ResultPart take_swept_part(SweepPlan& plan, const Stage& stage) {
   ResultPart part;
   std::vector<ResultColumn> results;
@@ -117,7 +117,8 @@ SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pas
   const SpillPlace spill = &places.folder();
   const MemoryPlan& memory = points.memory;
   const std::uint64_t count = context.cloud.count();
-  // Two of the three stores hold records at the same time: `swept` and `told`, whose rows then move to `results`.
+  // The buffers of `swept` and `told` are in use at the same time, so each has half of the memory. `results` then takes
+  // their records.
   const std::size_t buffer = std::max<std::size_t>(memory.result_buffer_bytes / 2, 1 << 20);
   std::optional<RowStore> swept;
   std::unique_ptr<Sink> sink = std::make_unique<NoSink>();

@@ -50,17 +50,17 @@ struct RunReport {
   Statistics& statistics;
   Observer* observer;  ///< receives progress and sentences; may be null
 
-  /// Adds a sentence that is not empty to Statistics::warnings, and tells the observer of it as a warning.
+  /// Adds `sentence` to Statistics::warnings, and passes it to the observer as a warning. No-op if it is empty.
   void warn(const std::string& sentence) const;
-  /// Adds the sentence to Statistics::warnings and tells the observer of it as a note.
+  /// Adds `sentence` to Statistics::warnings, and passes it to the observer as a note.
   void note(const std::string& sentence) const;
 };
 
-/// One tile of a run whose other tiles are the work of other processes.
+/// One tile of a run in which other processes work on the other tiles.
 struct PartOfRun {
   std::size_t tile = 0, tiles = 0;       ///< number of this tile, counted from 0, and number of all tiles
   bool drops_nonfinite = false;          ///< true if nonfinite points of any tile have been dropped
-  std::vector<std::string> stages = {};  ///< stages for the record of the run
+  std::vector<std::string> stages = {};  ///< recorded_stages() of the whole run, for the processing record
 };
 
 struct Context {
@@ -72,8 +72,8 @@ struct Context {
   const NonfiniteRows& dropped;  ///< nonfinite points that were dropped before the run
   RunPlaces& places;
   const RunReport& report;
-  std::uint64_t input_bytes = 0;       ///< open_input_bytes() before inputs are decoded
-  bool copies_rows = false;            ///< copies_rows() of the request
+  std::uint64_t input_bytes = 0;       ///< result of open_input_bytes() before inputs are decoded
+  bool copies_rows = false;            ///< result of copies_rows() for the request
   std::optional<PartOfRun> part = {};  ///< absent if this process runs over all points
 
   /// Returns the context of a phase that begins with the rows `left`, which must outlive it.
@@ -93,8 +93,8 @@ struct Context {
   std::function<void(std::uint64_t)> progress_of(const char* phase) const;
   /// Converts numbers of selected rows into numbers of rows of the whole cloud.
   std::vector<std::uint64_t> rows_of_cloud(std::vector<std::uint64_t> of_rows) const;
-  /// Returns the error with the row in its input file, instead of the number of the selected row; and with the name of
-  /// the file if there are several inputs.
+  /// Returns the error with the number of the row in its input file instead of the number among the selected rows, and
+  /// with the name of the file if there are several inputs.
   RowError located(const RowError& error) const;
   /// Converts the rows of the degenerate results from index `first` on into rows of the whole cloud.
   void number_degenerate_rows(std::size_t first) const;

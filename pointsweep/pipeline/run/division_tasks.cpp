@@ -32,8 +32,8 @@ namespace {
 
 constexpr std::uint64_t kBytesOfPiece = 1 << 20;
 
-/// The least number of rows of a range, and the largest number of ranges. They bound what all tasks together spend on
-/// opening all inputs, 0.1 ms for each input and task, beside the seconds that a range takes.
+/// The least number of rows of a range, and the largest number of ranges. They bound the time that all tasks together
+/// spend on opening all inputs: 0.1 ms for each input and task, while the work on a range takes seconds.
 constexpr std::uint64_t kRowsOfRange = 4'000'000, kMostRanges = 256;
 /// A cloud has at least as many ranges as input files, up to this number.
 constexpr std::uint64_t kRangesOfFiles = 16;

@@ -26,16 +26,16 @@ struct DivisionRequest {
 /// Returns the number of rows of each range. Throws UsageError for a chain with stages, for inputs from which nonfinite
 /// points must be dropped, and if the layout of the output depends on all points.
 std::vector<std::uint64_t> plan_ranges(const DivisionRequest& request);
-/// Returns the bytes of a point in the scratch. Throws for outputs that cannot be written, as far as this is known
-/// before the work.
+/// Returns the bytes of the record of a point in the pieces. Throws for outputs that cannot be written, as far as this
+/// is known before the work.
 std::uint64_t piece_bytes(const DivisionRequest& request);
 
 struct RowRange {
   std::uint64_t first = 0, rows = 0;
 };
 /// Divides the rows of a range among files. Stores the records under `name`.pieces and their PiecesOfRange under
-/// `name`.cut. The options of cut_range() and write_pieces() must allow files to be replaced: plan_parts() and
-/// join_pieces() refuse files that exist.
+/// `name`.cut in `scratch`, which all processes share. The options of cut_range() and write_pieces() must allow files
+/// to be replaced, since plan_parts() and join_pieces() refuse existing files.
 Statistics cut_range(const DivisionRequest& request, RowRange range, Storage& scratch, const std::string& name);
 
 /// Seals the list of all files and their pieces (FilesOfRanges) under `key`. `names`: names given to cut_range(), in

@@ -22,7 +22,7 @@ struct PointsInOrder {
   const MemoryPlan& memory;
   bool canonical = false;  ///< true if points with equal coordinates must be ordered, too
   bool whole = false;      ///< true to stream whole records instead of the attributes that stages read
-  bool numbered = false;   ///< true if the source has records of a stream, which hold their rows
+  bool numbered = false;   ///< true if the records of `source` end with their row (StreamOptions::numbered)
   std::vector<std::size_t> payload = {};
 };
 
@@ -54,8 +54,8 @@ void note_nonfinite(const Context& context, const Stream& stream) {
   statistics.nonfinite = std::max(statistics.nonfinite, context.dropped.count + count);
 }
 
-/// Returns a stream that makes slabs on demand; none if the plan does not ask for it, or if the points do not lie where
-/// the inputs state or the plan expects. In the second case `why_not` gets the reason.
+/// Returns a stream that makes slabs on demand (docs/adr/0011). Absent if the memory plan has no such stream, or if the
+/// points do not lie where the inputs state or the plan expects. In the second case `why_not` gets the reason.
 std::optional<Stream> stream_on_demand(const Context& context, const WorkPlan& work, PointsInOrder& how,
                                        std::string& why_not) {
   if (!how.memory.on_demand) return std::nullopt;
@@ -150,16 +150,15 @@ Ordered order_places(const Context& context, const WorkPlan& work, std::size_t p
 
 }  // namespace
 
-/// Puts the points of a pass in order. The reference engine always gets canonical order, because its search depends on
-/// the order. If the search is not exact, its results also depend on the axis, so a survey of all points chooses the
-/// axis.
+/// Puts the points of a pass in order. The reference engine always gets canonical order, along an axis that a survey
+/// of all points has chosen, because its search can be approximate; then the results depend on order and axis.
 Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, Surveyed points,
                    OutputFiles& files) {
   if (p == context.plan.passes.size()) return order_output(context, work, rows, std::move(points), files);
   const PlannedPass& pass = context.plan.passes[p];
   const PointSource source = source_of_pass(context, p, rows);
-  // In a part of a cloud, points are put in the order of a sweep here. order_numbered() later puts those of an in-order
-  // pass in the order of its operator.
+  // In a part of a cloud, this function puts points in the order of a sweep. For an in-order pass, order_numbered()
+  // later puts them in the order that the operator needs.
   const bool is_in_order = pass.kind == PassKind::order && !context.part;
   if (pass.has_places() && is_in_order)
     return order_places(context, work, p, source, pass.payload(), false, std::move(points.survey));

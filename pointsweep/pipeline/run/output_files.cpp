@@ -68,7 +68,7 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
   return record;
 }
 
-/// Returns the records of the inputs, then `record`.
+/// Returns the provenance lines of the inputs, then the lines of `record` if RunOptions::provenance is set.
 std::vector<std::string> lines_with(const InputCloud& cloud, const ProvenanceRecord& record, const RunRecord& run) {
   std::vector<std::string> lines;
   for (const auto& reader : cloud.readers()) add_provenance(lines, reader->info().provenance);
@@ -86,7 +86,8 @@ std::vector<std::string> provenance_of(const InputCloud& cloud, const RunRecord&
   return lines_with(cloud, record_of(cloud, run), run);
 }
 
-/// Returns the record for a tile, the output for one input of a run. It names that input and counts the others.
+/// Returns the provenance for a tile, the output for one input of a run. Its record names that input and counts the
+/// others.
 std::vector<std::string> provenance_of_tile(const InputCloud& input, TileNumber number, const RunRecord& run) {
   ProvenanceRecord record = record_of(input, run);
   record.settings.emplace_back("tile", fmt::format("{} of {}", number.tile + 1, number.tiles));
@@ -124,8 +125,8 @@ bool searches_nothing(const Chain& chain) {
   });
 }
 
-/// Returns the names of Chain::keep for a record, in the given order if columns stand in that order, else sorted.
-/// Returns none if the run keeps all attributes in the default order.
+/// Returns the names of Chain::keep for a record: in the given order if the columns of an output have this order, else
+/// sorted. Returns none if the run keeps all attributes in the default order.
 std::vector<std::string> recorded_keep(const Context& context) {
   std::vector<std::string> names = context.plan.chain.keep;
   if (reorders(context)) return names;
@@ -152,7 +153,8 @@ std::shared_ptr<const KnownValues> values_if_needed(const Context& context, cons
       format->values(context.cloud, context.options.layout, context.progress_of("ordering")));
 }
 
-/// Returns the box of the moved points; none if no stage moves points or the output needs no box.
+/// Returns the box of the moved points. Absent if no stage moves points, if the output does not need their box before
+/// its first record, or if no row is left.
 std::optional<Box> moved_bounds(const Context& context, const CloudValues& values) {
   const auto& value = context.plan.graph.moved_bounds;
   return value && !context.is_empty() ? std::optional(box_of(values.at(*value))) : std::nullopt;
@@ -233,8 +235,8 @@ std::string text_of(const Box& box) {
   return fmt::format("x {:.9g} .. {:.9g}, y {:.9g} .. {:.9g}", box.lo.x, box.hi.x, box.lo.y, box.hi.y);
 }
 
-/// Describes the boxes of the polygons and the cloud. A common reason for an empty result is that polygons have another
-/// coordinate system.
+/// Describes the box of the first select that has one (such as polygons), and the box of the input. A common reason for
+/// an empty result is that polygons have another coordinate system.
 std::string boxes_of_crop(const Context& context, Box cloud) {
   for (const auto& reader : context.cloud.readers())
     if (const std::optional<Box>& stated = reader->info().bounds) cloud.include(*stated);

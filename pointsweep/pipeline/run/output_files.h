@@ -16,11 +16,12 @@
 
 namespace pointsweep {
 
-/// Returns whether the bounds of all points must be found before the first record. True if the format stores integers,
-/// the records do not have the same integers already, and the bounds are not known otherwise.
+/// Returns whether the bounds of all points must be found before the first record is written. True if the format stores
+/// integers, the records do not have the same integers already, and the bounds are not known otherwise.
 bool needs_bounds(const Context& context);
 
-/// Returns the stages for the record of a run. A chain that searches no neighbours states no neighbourhood.
+/// Returns the texts of the stages for the processing record of a run (formats/provenance.h). The neighbourhood is the
+/// first text, unless the stages search no neighbours.
 std::vector<std::string> recorded_stages(const ChainPlan& plan);
 
 /// The output of a run that only copies rows (copies_rows()), and memory for dividing it.
@@ -59,7 +60,7 @@ class OutputFiles {
   void finish(const InputCloud& cloud);
   std::vector<std::string> warnings() const { return tiles_ ? tiles_->warnings() : files_->warnings(); }
   std::uint64_t bytes_written() const { return tiles_ ? tiles_->bytes_written() : files_->bytes_written(); }
-  /// Returns a sentence for errors about how many tiles are complete. Empty if none is complete.
+  /// Returns a sentence about the number of complete tiles, which errors append. Empty if none is complete.
   std::string progress() { return tiles_ ? tiles_->progress() : ""; }
 
   /// Returns the number of complete point files.
@@ -69,7 +70,7 @@ class OutputFiles {
   void make_folder(const Context& context);
   void open_files(const Context& context, const WorkPlan& work, const Survey& survey, const Rows& rows);
 
-  MadeFolders folders_;  ///< folders made for many files
+  MadeFolders folders_;  ///< folders made for tiles or for the files of a divided output
   std::optional<OutputSet> files_;
   std::optional<TileSet> tiles_;
 };

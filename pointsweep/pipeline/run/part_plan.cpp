@@ -18,7 +18,8 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kGraphBytes = 160;  ///< bytes of a point in a graph with weights, with ballot and 1.4 edges
+/// Bytes of a point in a graph with weights, including its ballot (VoteRule) and 1.4 edges.
+constexpr std::uint64_t kGraphBytes = 160;
 
 /// Throws UsageError for a run that needs all points in one process, so that it cannot be divided among tiles.
 void require_divisible(const ChainPlan& plan, const Outputs& outputs, const EngineOptions& options) {
@@ -67,8 +68,8 @@ void require_apart(const InputCloud& cloud) {
         covered);
 }
 
-/// Adds a step to the last round if that round needs no join and both take tiles of the input; otherwise to a new
-/// round.
+/// Adds a step to the last round if that round needs no join, and both the round and the step work on tiles of the
+/// input. Otherwise adds it to a new round.
 void add_step(PartPlan& made, PartStep step, PartJoin join) {
   const auto is_own = [](PartRoundKind kind) { return kind != PartRoundKind::look && kind != PartRoundKind::other; };
   const bool begins = made.rounds.empty() || made.rounds.back().join != PartJoin::nothing ||

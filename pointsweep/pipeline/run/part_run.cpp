@@ -144,7 +144,8 @@ class TaskOfTile {
     state.saved_values = std::move(rows_.saved_values);
   }
 
-  /// Ends a task whose sweep has stored a graph: stores the results of the sweep, and the unchanged state of the tile.
+  /// Ends a task whose sweep has stored a graph: stores the results of the sweep, and seals the state of the tile,
+  /// which names this task. For a tile without rows, stores empty lists instead of results.
   void keep_swept(std::size_t p, TileState& state, RowStore* results) {
     const PlannedPass& pass = whole_.plan.passes[p];
     const ConnectOperator& op = *pass.connecting_stage()->connects();

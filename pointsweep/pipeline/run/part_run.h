@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Tasks of a run that many machines perform. The machines share a storage, the scratch, in which each task stores what
 /// later tasks read. The run proceeds in rounds: a task needs only results of earlier rounds, so that the tasks of a
-/// round run in any order on any machine (docs/adr/0021).
+/// round run in any order on any machine (docs/adr/0021). The halo of a tile is the points of other tiles near it.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ enum class PartRoundKind : std::uint8_t {
   look,    ///< counts the points with non-finite coordinates, if these are dropped
   other,   ///< stores the points of a file of the other cloud that a pass reads
   order,   ///< puts the points of a tile in order and stores them for the other tiles
-  sweep,   ///< takes the points of a tile and its halo through the stages of a pass; ends a pass that makes no graph
+  sweep,   ///< takes the points of a tile and its halo through the stages of a pass; ends the pass if it makes no graph
   forest,  ///< grows the spanning forest of a tile's weighted graph, after the borders of all tiles have been found
   label,   ///< ends a pass whose sweep has stored a graph, after the components of all tiles have been joined
   rows,    ///< takes the rows of a tile through the stages of a pass that looks at no neighbour, and ends the pass
@@ -125,8 +125,9 @@ void join_graph(InputCloud& tile, const Chain& chain, const Outputs& outputs, co
                 const PartRound& round, Storage& scratch, const JoinedBefore& before,
                 const std::vector<std::string>& left, const std::string& key);
 
-/// Performs PartJoin::values: seals under `key` the values of the whole cloud: those under the key `before`, unless it
-/// is empty, and those of the round, from the results of tasks with the names `left`. `tile`: any input of the run.
+/// Performs PartJoin::values: computes the values of the whole cloud that the round finds, from the results of tasks
+/// with the names `left`, and seals them under `key` together with the values under the key `before`, unless that key
+/// is empty. `tile`: any input of the run.
 void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
                  const PartRound& round, Storage& scratch, const std::string& before,
                  const std::vector<std::string>& left, const std::string& key);

@@ -66,10 +66,10 @@ struct Surveyed {
 /// The result of an order phase.
 struct Ordered {
   Stream stream;
-  std::vector<Vec3> bucket_places;  ///< places between adjacent buckets of edges, if the pass connects points
+  std::vector<Vec3> bucket_places;  ///< places between buckets of edges (bucket_begins()), if the pass connects points
   Survey survey;                    ///< survey of the positions of the points, without its sample
   MemoryPlan memory;                ///< plan for the sweep
-  std::uint64_t first_row = 0;      ///< row of `stream` that becomes row 0 of the cloud, which may be a part
+  std::uint64_t first_row = 0;      ///< row of `stream` that is row 0 of Context::cloud, which may be one tile
 };
 
 /// Values that earlier passes leave to a pass.
@@ -77,18 +77,20 @@ struct Rows {
   std::shared_ptr<InputCloud> cloud = {};  ///< the rows of the input that no pass has dropped
   std::unique_ptr<RowFile> carried = {};   ///< records carried from the last pass; null before the first pass
   CloudValues values = {};                 ///< known values of the whole cloud
-  /// PassValues::save() of the last pass in a part, from which join_values() makes values of the whole cloud.
+  /// Result of PassValues::save() for the last pass, from which join_values() makes values of the whole cloud. Empty in
+  /// a run over all points.
   std::vector<std::vector<std::byte>> saved_values = {};
 };
 
-/// Returns the cloud with decoded records of inputs that are decoded once. Throws before decoding if the outputs cannot
-/// be written.
+/// Returns the cloud, with a file of decoded records in place of inputs that are slow to decode
+/// (FileInfo::decode_once). Throws before decoding if the outputs cannot be written.
 InputCloud decode_input(const Context& context, OutputFiles& files);
-/// Surveys a sample of the input, or all points if the plan needs it.
+/// Surveys a sample of the input, or all points if the plan needs it. A resumed run gets the survey of its checkpoint;
+/// a run that only copies rows gets an empty survey.
 Survey survey_input(const Context& context);
-/// Plans the memory from the survey, and sets the boxes of `input`.
+/// Plans the layout of the output and the memory from the survey, and sets the boxes of `input`.
 WorkPlan plan_work(const Context& context, Surveyed& input);
-/// Surveys points that are not in order yet. `exact`: all of them instead of a sample.
+/// Surveys points that are not in order yet. `exact`: true to read all points instead of a sample.
 Survey survey_points(const Context& context, const PointSource& source, bool exact);
 
 /// Puts the points of a pass in order. If `p` is the number of passes, puts the records of the output in order, and
@@ -102,11 +104,12 @@ Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, 
 Ordered order_numbered(const Context& context, const WorkPlan& work, std::size_t p, const PointSource& numbered,
                        Survey survey, std::uint64_t first_row);
 
-/// Returns a place for the results of pass `p`. A resumed run finds its kept results there.
+/// Returns a store for the results of pass `p`. In a resumed run, it holds the results that an earlier process has
+/// saved.
 std::unique_ptr<RowStore> results_of_pass(const Context& context, const WorkPlan& work, const MemoryPlan& memory,
                                           std::size_t p);
 
-/// A place in scratch where a task stores the graph of a tile.
+/// The place in the scratch, the storage that all tasks share (part_run.h), where a task stores the graph of a tile.
 struct PlaceOfTile {
   Storage* scratch = nullptr;  ///< null in a run over all points
   std::string name;            ///< beginning of the names of the graph's objects
@@ -116,21 +119,20 @@ struct PlaceOfTile {
 struct PassSupport {
   /// Passes the points of the other cloud, in order along an axis, to `take`. Unused without another cloud.
   std::function<void(int axis, const std::function<void(const OtherPoints&)>& take)> other = {};
-  std::function<bool(Vec3 position, double distance)> may_lack = {};  ///< InOrderSetup::may_lack
+  std::function<bool(Vec3 position, double distance)> may_lack = {};  ///< value of InOrderSetup::may_lack
   /// Receives the number of rows that an in-order operator could not decide, because points of other tiles may be
   /// missing; null in a run over all points.
   std::uint64_t* undecided = nullptr;
-  PlaceOfTile graph = {};  ///< place for the graph that a connecting stage of a part makes
-                           ///< (part/tile_graph.h)
+  PlaceOfTile graph = {};  ///< place for the graph that a connecting stage makes of a tile (part/tile_graph.h)
 };
 
-/// Makes the results of a pass from its points in order.
+/// Returns the results of pass `p`, made from its points in order.
 std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& work, std::size_t p,
                                      std::unique_ptr<Ordered> points, const CloudValues& values,
                                      const PassSupport& support);
 
-/// Performs a pass in which one stage makes edges. Also computes the values of the components of the graph for each
-/// point. Fills `results` for all points in slabs. After an interruption it starts again.
+/// Performs a pass in which one stage makes edges between points. Also computes, for each point, the values of its
+/// component of the graph. Fills `results` for all points in slabs. A resumed run starts this sweep again.
 SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pass, const Ordered& points,
                                   SweepOptions options, RowStore& results);
 /// Performs a pass with a connecting stage in a part of a cloud: stores the graph of the tile, and fills `results`
@@ -161,7 +163,8 @@ void write_output(const Context& context, const WorkPlan& work, std::size_t p, c
 MadeRows made_by_pass(const Context& context, std::size_t p, const Rows& before, RowStore* results);
 /// Returns the update that converts the rows before pass `p` to the rows after the pass.
 RowUpdate update_after(const ChainPlan& plan, std::size_t p);
-/// Returns the cloud as the source of pass `p`. `before` must outlive the source.
+/// Returns the points of the cloud with the attributes that they have before pass `p`. `before` must outlive the
+/// source.
 PointSource source_of_pass(const Context& context, std::size_t p, const Rows& before);
 
 }  // namespace pointsweep

@@ -28,7 +28,7 @@ struct Preview {
   std::optional<int> axis;          ///< axis that the user has stated, if any
   std::uint64_t budget = 0;         ///< memory budget in bytes
   std::uint64_t decoded_bytes = 0;  ///< result of decoded_input_bytes()
-  std::uint64_t aside_bytes = 0;    ///< result of pointsweep::aside_bytes() for all points
+  std::uint64_t aside_bytes = 0;    ///< result of bytes_aside() (request.h)
   RunMemory memory;
 };
 

@@ -25,7 +25,7 @@
 namespace pointsweep {
 namespace {
 
-/// Returns all files that a run names and writes.
+/// Returns the paths of all files that a run writes. Empty paths stand for files that are not requested.
 std::vector<std::filesystem::path> written_files(const Outputs& outputs, const EngineOptions& options) {
   std::vector<std::filesystem::path> written = {outputs.points, options.half_way_states};
   for (const auto& [name, path] : outputs.arrays) written.push_back(path);

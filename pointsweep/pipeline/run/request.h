@@ -19,31 +19,34 @@ struct Request {
   const ChainPlan& plan;
 };
 
-/// Returns whether the run only copies rows: it makes nothing, drops nothing, and its output needs no facts about all
-/// points. Such a run has no survey and decodes no input into a temporary file. False if the decoders of all threads
-/// would take more than half of the memory budget.
+/// Returns whether the run only copies rows: it makes no attributes, drops no rows, and its output needs no facts about
+/// all points. Such a run has no survey and decodes no input into a temporary file. False if the decoders of all
+/// threads would take more than half of the memory budget.
 bool copies_rows(const Request& request);
 
 /// The other clouds that a run reads: one entry for each pass, absent if the pass reads no other cloud.
 using OtherClouds = std::vector<std::optional<OtherCloud>>;
 
-/// Throws UsageError if an output is also an input or another output.
+/// Throws UsageError if an output is also an input or another output, or if the folder of a divided output holds an
+/// input.
 void require_own_files(const Request& request);
 /// Throws Error if the user names a temporary folder that cannot be used, or if the input has no points.
 void require_work(const Request& request);
-/// Returns the statistics of the input, before the first phase.
+/// Returns the statistics that are known before the first phase: counts, warnings of the inputs, threads and memory.
 Statistics first_counts(const Request& request, const NonfiniteRows& dropped);
-/// Throws for errors that can be found before the first point is read. Returns the names of attributes in the outputs.
+/// Throws for errors that can be found before the first point is read, and reports warnings and notes. Returns the
+/// names of attributes in the outputs.
 OutputNames check_request(const Request& request, const RunReport& report);
-/// Throws the errors of the format of the output about records that its files cannot hold, which its writer would throw
-/// later. Does not check the tiles of a folder.
+/// Throws the error that the writer of the output would throw later if files of its format cannot hold the records.
+/// Does not check the tiles of a folder.
 void require_layout(const Request& request, const OutputNames& names);
-/// Returns an estimate of the bytes that the output stores in the temporary folder while it is written.
+/// Returns an estimate of the bytes that the output stores in the temporary folder while it is written; 0 for tiles and
+/// for a divided output.
 std::uint64_t bytes_aside(const Request& request, const OutputNames& names);
 /// Opens the other clouds. Throws UsageError if one of them is an output.
 OtherClouds open_other_clouds(const Request& request, const RunReport& report);
-/// Returns the identity of a run that can be resumed; nothing for any other run. Throws UsageError for a request that
-/// cannot be resumed.
+/// Returns the identity of a run that stores checkpoints; absent for any other run. Throws UsageError for a request
+/// that cannot be resumed.
 std::optional<std::string> identity_of(const Request& request, const OtherClouds& others);
 
 }  // namespace pointsweep

@@ -70,7 +70,8 @@ void give_notice(const RunMemory& memory, Observer* observer) {
   observer->on_note(fmt::format("{} means {}, {}; {}.", most.cause, most.text, about_time_text(seconds), most.remedy));
 }
 
-/// Extends errors by the number of complete tiles. Converts row numbers from selected rows to rows of the input.
+/// Performs `work`. Adds the number of complete tiles to its errors, and converts their row numbers from selected rows
+/// to rows of the input.
 template <class Work>
 void with_progress_of_tiles(const Context& context, OutputFiles& files, Work work) {
   const auto work_on_rows = [&] {
@@ -148,7 +149,8 @@ class Phases {
     write_output(context, work_, p, rows_, ordered_.get(), made.get(), files_);
   }
 
-  /// Returns the results of a sweep, which may be those of an earlier process; null for a pass over rows.
+  /// Returns the results of the sweep of pass `p`, which an earlier process may have made; null if there was no sweep,
+  /// as for a pass over rows.
   std::unique_ptr<RowStore> results(std::size_t p, const Context& context) {
     const bool sweeps = p < context.plan.passes.size() && context.plan.passes[p].kind != PassKind::rows;
     if (results_ == nullptr && sweeps && !context.is_empty())
@@ -160,26 +162,26 @@ class Phases {
   OtherClouds& others_;
   OutputFiles& files_;
   Checkpoints* const checkpoints_;
-  Surveyed points_;                    ///< input of the next order phase
+  Surveyed points_;                    ///< survey for the next order phase, and its boxes
   Rows rows_;                          ///< rows after the last update
   std::unique_ptr<Ordered> ordered_;   ///< made by an order phase, used by the next sweep or write
   std::unique_ptr<RowStore> results_;  ///< made by a sweep, used by the next update or write
 };
 
-/// Renames the outputs to their destinations.
+/// Completes the outputs, renames them to their destinations, and removes the checkpoints.
 void finish(const Context& context, OutputFiles& files) {
   files.finish(context.cloud);
   for (const std::string& warning : files.warnings()) context.report.warn(warning);
   if (context.places.checkpoints() != nullptr) context.places.checkpoints()->finish();
 }
 
-/// Performs a run from the end of its survey to written files.
+/// Performs a run after its survey, until the outputs are complete.
 void perform_phases(const Context& whole, const WorkPlan& work, Surveyed points, OtherClouds& others,
                     OutputFiles& files) {
   Checkpoints* const checkpoints = whole.places.checkpoints();
   Phases phases(whole.cloud, work, others, files, std::move(points), checkpoints);
   const auto with_rows_left = [&](const auto& step) {
-    const std::shared_ptr<InputCloud> left = phases.cloud();  // outlives a phase that replaces it
+    const std::shared_ptr<InputCloud> left = phases.cloud();  // keeps the rows alive while a phase replaces them
     const Context context = whole.over(*left);
     with_progress_of_tiles(context, files, [&] { step(context); });
   };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The first phase: decodes inputs that are decoded once, surveys the input, and makes the WorkPlan.
+/// The first phase: decodes inputs that are slow to decode (FileInfo::decode_once), surveys the input, and makes the
+/// WorkPlan.
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/on_demand_order.h"

@@ -107,7 +107,7 @@ void put_nonfinite(const SweepOfPass& s) {
   });
 }
 
-/// Throws the error of the first refused row, if there is one, with its row number in the cloud.
+/// Throws the error of the lowest row with an error, if there is one. Its row number is counted from `first_row`.
 void throw_refused(const FirstRowError& refused, std::uint64_t first_row) {
   try {
     refused.throw_if_any();

@@ -13,14 +13,14 @@
 
 namespace pointsweep {
 
-/// The state in which a task leaves its tile for the next task. Points of an order round and carried records
-/// (NAME.rows) are objects of their own.
+/// The state in which a task leaves its tile for the next task. The points that an order round stores and the carried
+/// records (NAME.rows) are objects of their own.
 struct TileState {
   Survey survey;                                     ///< survey of the tile's input
   std::vector<std::vector<std::byte>> mask;          ///< blocks of the selection of rows; empty if all rows are left
-  std::string carried;                               ///< name of the task with the carried records; empty if none
+  std::string carried;                               ///< NAME of the carried records; empty if none
   std::vector<std::vector<std::byte>> saved_values;  ///< PassValues::save() of the last pass that has ended
-  std::string swept;                                 ///< name of the task whose sweep has stored a graph; empty if none
+  std::string swept;                                 ///< NAME of the graph that a sweep has stored; empty if none
 
   void encode(Encoder& out) const;
   static TileState decode(Decoder& in);

@@ -23,7 +23,8 @@ void note_rows_pass(const Context& context, const SweepPlan& plan, const StageTa
   context.number_degenerate_rows(before);
 }
 
-/// Returns the rows of a pass without stages, which only computes values from its rows.
+/// Returns rows without made values, for a pass without stages, which only reduces its rows to values of the whole
+/// cloud.
 MadeRows nothing_made(std::uint64_t count) {
   return [count](const auto& use) {
     constexpr std::uint64_t kRows = 1 << 16;

@@ -22,7 +22,7 @@ namespace pointsweep {
 /// which are reopened when they are read.
 class InputFile final : public Source {
  public:
-  /// Throws if the file is missing, a folder, no regular file, or may not be read.
+  /// Throws if the file is missing, is not a regular file, or may not be read.
   explicit InputFile(const std::filesystem::path& path);
   ~InputFile() override;
   InputFile(const InputFile&) = delete;

@@ -16,8 +16,8 @@ namespace pointsweep {
 /// process can use the folder during the lifetime of this object.
 class LocalFolder final : public Storage {
  public:
-  /// Makes the folder if it is missing. Throws Error if the folder cannot be made, or if another process uses it.
-  /// Sentences of errors call an object `object` ("a checkpoint") and name the `option` that chose the folder.
+  /// Makes the folder if it is missing. Throws Error if the folder cannot be made, or if another process uses it. Error
+  /// messages call an object `object` ("a checkpoint") and name the `option` that chose the folder.
   LocalFolder(const std::filesystem::path& path, const std::string& object, const std::string& option);
 
   const std::filesystem::path& path() const { return path_; }
@@ -28,9 +28,9 @@ class LocalFolder final : public Storage {
   /// Removes the file of the object, and the file that a killed process may have left of an unsealed object with this
   /// key.
   void remove(const std::string& key) override;
-  /// Writes the content of a file that was changed in place through to the disk.
+  /// Flushes the content of a file that was changed in place to the disk.
   void flush(const std::string& key) const;
-  /// Writes the names of the files through to the disk. Has no effect on file systems that cannot flush a folder.
+  /// Flushes the names of the files to the disk. Has no effect on file systems that cannot flush a folder.
   void flush() const;
   /// Throws the Error for a write that failed with the errno `error`.
   [[noreturn]] void fail_to_write(int error) const;

@@ -31,9 +31,9 @@ class OutputFile final : public Unsealed {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Throws the errors of the constructor, and makes no file.
+  /// Throws the same errors as the constructor, but makes no file.
   static void require_possible(const std::filesystem::path& destination, bool overwrite);
-  /// Returns the path of an output of this process until it is complete.
+  /// Returns the path of the file that holds an output of this process until the output is complete.
   static std::filesystem::path unfinished_path(const std::filesystem::path& destination);
 
   void append(std::span<const std::byte> bytes) override;

@@ -27,10 +27,10 @@ bool share_folder(const std::filesystem::path& a, const std::filesystem::path& b
 
 /// The properties of a file that change with a write. Replacing the file by another file of this name does not count as
 /// a change: a process that has opened the old file still reads the old file. The state of a URL is the size and the
-/// ETag of its object, or the size and the time.
+/// ETag of its object, or the size and the time of the last change if the server states no ETag.
 class FileState {
  public:
-  /// Reads the state of the file. Input that is no file (an array, standard input) has no known state and counts as
+  /// Reads the state of the file. Input that is not a file (an array, standard input) has no known state and counts as
   /// unchanged. Throws Error for a URL that cannot be opened.
   explicit FileState(const std::filesystem::path& path);
   /// Returns whether the file has changed, by the clock of the file system. A write within one tick of that clock (some

@@ -36,7 +36,7 @@ std::string text_of(int error) { return std::generic_category().message(error); 
       folder.string(), text_of(error));
 }
 
-/// Returns when the next read or write does not wait. Throws Cancelled within a fraction of a second after a request to
+/// Waits until the next read or write does not block. Throws Cancelled within a fraction of a second after a request to
 /// stop.
 void wait_for(int descriptor, short events) {
   constexpr int kMilliseconds = 100;
@@ -100,7 +100,7 @@ void take_standard_input(const fs::path& folder) {
 }
 
 ssize_t write_to_stream(int descriptor, std::span<const std::byte> bytes) {
-  constexpr std::size_t kPieceBytes = 4096;  // PIPE_BUF: a pipe that is ready accepts so many bytes without waiting
+  constexpr std::size_t kPieceBytes = 4096;  // PIPE_BUF: a pipe that is ready accepts this many bytes without waiting
   if (is_regular(descriptor)) return ::write(descriptor, bytes.data(), bytes.size());
   wait_for(descriptor, POLLOUT);
   return ::write(descriptor, bytes.data(), std::min(bytes.size(), kPieceBytes));

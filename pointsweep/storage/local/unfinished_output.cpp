@@ -44,8 +44,8 @@ std::optional<Part> parse_part(std::string_view name) {
   return part;
 }
 
-/// Returns whether no process writes the file: process `owner` has ended, or is this process, whose number an earlier
-/// process may have had, and no process has locked the file.
+/// Returns whether no process writes the file. No process may have locked the file. In addition, process `owner` must
+/// have ended, or have the number of this process, since an earlier process may have had this number.
 bool is_abandoned(const fs::path& part, pid_t owner) {
   if (owner != ::getpid() && (::kill(owner, 0) == 0 || errno != ESRCH)) return false;
   const FileDescriptor file(::open(part.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));

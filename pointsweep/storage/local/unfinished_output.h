@@ -26,10 +26,11 @@ void remove_abandoned_parts(const std::filesystem::path& target);
 /// no-op. Memory: 8 bytes for each output.
 class ManyOutputs {
  public:
-  /// Lists the folders of the outputs, but not for outputs that are also those of another ManyOutputs. destination(i)
-  /// returns the path of output i < `count`.
+  /// Lists the folders of the outputs, except for outputs that another ManyOutputs already has. destination(i) returns
+  /// the path of output i < `count`.
   ManyOutputs(std::size_t count, const std::function<std::filesystem::path(std::size_t i)>& destination);
-  /// Returns the outputs without listing their folders, for a process whose caller lists them for many processes.
+  /// Returns the outputs without listing their folders, for a process whose caller lists the folders for many
+  /// processes.
   static ManyOutputs listed_by_caller(const std::vector<std::filesystem::path>& destinations);
   ~ManyOutputs();
   ManyOutputs(const ManyOutputs&) = delete;

@@ -62,7 +62,7 @@ class RemoteObject {
   // The lock of the cache guards the members below.
   std::map<std::uint64_t, std::shared_ptr<Block>> blocks_;  ///< blocks, without overlap, by their first offset
   std::vector<Run> runs_;
-  std::map<std::uint64_t, std::uint64_t> said_;  ///< ranges of will_read(): the end of each range by its begin
+  std::map<std::uint64_t, std::uint64_t> said_;  ///< ranges of will_read(): the end of each range by its first offset
 };
 
 /// Calls body(i), which sends requests to servers, for each i < count, on up to 16 threads. There may be more threads

@@ -30,7 +30,8 @@ struct RemoteEntry {
   std::uint64_t size;
 };
 
-/// The number of requests that this process has made, without repeated attempts, and of bytes that it has read.
+/// The number of requests that this process has made, not counting repeated attempts, and the number of bytes that it
+/// has read.
 struct RemoteTraffic {
   std::uint64_t requests = 0;
   std::uint64_t bytes_read = 0;

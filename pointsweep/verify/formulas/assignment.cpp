@@ -57,7 +57,8 @@ std::optional<bool> both(std::optional<bool> a, std::optional<bool> b) {
 
 PlainExpression::PlainExpression(std::string_view text) { read(text); }
 
-/// Dijkstra's shunting yard. A function and a list of `in` are operators whose operands stand between parentheses.
+/// Parses the text by Dijkstra's shunting-yard algorithm. A function and a list of `in` are operators whose operands
+/// stand between parentheses.
 void PlainExpression::read(std::string_view text) {
   struct Waiting {
     std::string sign;

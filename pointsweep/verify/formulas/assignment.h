@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The expressions of set() and where(): numbers and conditions, parsed and evaluated by independent code. Values are
-/// known to lie in a range.
+/// The expressions of set() and where(): numbers and conditions, parsed and evaluated by independent code. Each value
+/// is a range that contains the true value.
 #pragma once
 
 #include <cstddef>

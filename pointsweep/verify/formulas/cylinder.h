@@ -9,7 +9,7 @@
 namespace pointsweep::formulas {
 
 /// The points of one cloud in the cylinder around p along n: |a_j| <= depth and a distance from the axis of at most
-/// half the diameter, a_j = (p_j - p) . n / |n|.
+/// half the diameter, with a_j = (p_j - p) . n / |n|.
 class Cylinder {
  public:
   Cylinder(Vector center, const Estimate& normal, Real diameter, Real depth);

@@ -11,7 +11,8 @@
 
 namespace pointsweep::formulas {
 
-/// Returns |q - p|² as exact comparisons of distances use it: ((dx² + dy²) + dz²), every operation rounded to float64.
+/// Returns |q - p|² with the rounding with which distances are compared: ((dx² + dy²) + dz²), every operation rounded
+/// to float64.
 double squared_distance(const Place& p, const Place& q);
 
 /// Returns |q - p|, float64: the square root of the squared distance, rounded. For points that an operator has moved,

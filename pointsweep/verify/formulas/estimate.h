@@ -94,7 +94,7 @@ struct Estimate {
 
 /// Returns whether the value of an estimate is uncertain: it is open or may be undefined.
 inline bool in_doubt(const Estimate& e) { return e.is_open() || e.may_be_undefined; }
-/// Returns the documented value, 0, for data that define none.
+/// Returns the documented value, 0, for data that define no value.
 inline Estimate undefined() { return {}; }
 /// Returns an estimate for data that leave the correct value open.
 inline Estimate open() { return {.value = {}, .error = kInfinity, .either_sign = true, .may_be_undefined = true}; }

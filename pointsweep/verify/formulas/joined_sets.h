@@ -73,15 +73,16 @@ SetLabels labels_of(JoinedSets& sets, std::size_t count, PointsAt points_at, Cou
   return labels;
 }
 
-/// Takes some points twice: first for their centroid, then for their covariance around it.
+/// Measures the distance of points from their best-fitting plane. Takes the points twice: first for their centroid,
+/// then for their covariance around it.
 class Flatness {
  public:
   void measure(Vector p);
   void add(Vector p);
 
   /// Returns the root mean square distance of the points to their best-fitting plane, as float32; 0 for fewer than four
-  /// points. The operator rounds positions to multiples of 2^-40, and its eigenvalues have errors of some roundings of
-  /// the largest.
+  /// points. The operator rounds positions to multiples of 2^-40, and its eigenvalues have errors of a few roundings of
+  /// the largest eigenvalue.
   Estimate residual() const;
 
  private:
@@ -106,7 +107,7 @@ class TurningVotes {
  private:
   Real points_ = 0;
   Vector sum_, low_{kInfinity, kInfinity, kInfinity}, high_{-kInfinity, -kInfinity, -kInfinity};
-  Real up_ = 0, out_ = 0, offsets_ = 0;  ///< `offsets_` is Σ |p - c| over all components
+  Real up_ = 0, out_ = 0, offsets_ = 0;  ///< `offsets_` is the sum of |x| + |y| + |z| over the vectors p - c
   Real facing_ = 0, in_doubt_ = 0;
 };
 

@@ -34,8 +34,8 @@ class EdgesAlongX {
   };
   void list(std::uint32_t edge, std::size_t node, std::size_t first, std::size_t last);
 
-  /// A binary tree over the stretches between neighbouring corners: stretch 2 i is at ends_[i], stretch 2 i + 1 after
-  /// it. An edge is listed in the fewest nodes that make up its extent.
+  /// A binary tree over stretches of the x axis: stretch 2 i is the coordinate ends_[i] of a corner, and stretch 2 i +
+  /// 1 the interval up to the next corner. An edge is listed in the fewest nodes that make up its extent.
   std::vector<double> ends_;
   std::vector<Edge> edges_;
   std::vector<std::vector<std::uint32_t>> listed_;

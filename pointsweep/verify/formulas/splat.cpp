@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Elliptical splats: Section 4.3.3 of the paper, in both variants.
+/// Elliptical splats (Section 4.3.3 of the paper), with axes from positions or from the curvature.
 #include <vector>
 
 #include "pointsweep/verify/formulas/surface.h"

@@ -14,7 +14,7 @@ using Coordinates = std::array<double, 3>;
 /// Returns a hash of the three coordinates in [0, 2^64): three rounds of SplitMix64.
 std::uint64_t hash_of(const Coordinates& p, std::uint64_t seed);
 
-/// Returns whether `hash` / 2^64 < `share`, with 53 bits of the hash, as a float64 has them.
+/// Returns whether `hash` / 2^64 < `share`. Only the first 53 bits of the hash count, as many as a float64 holds.
 bool is_in_share(std::uint64_t hash, double share);
 
 /// Returns ⌊hash * parts / 2^64⌋; `parts` below 2^32.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Neighbours with the weight θ of Equation 1, M_i, and normals.
+/// Equation 1 of the paper: neighbours with their weights θ, the matrix M_i, and normals.
 #pragma once
 
 #include <span>

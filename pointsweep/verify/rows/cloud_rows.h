@@ -31,7 +31,7 @@ class NeedsMemory : public NotTold {
   using NotTold::NotTold;
 };
 
-/// The source of the values of an attribute: exactly one of `in_input`, `in_output` and `made_again`.
+/// The source of the values of an attribute: exactly one of `in_input`, `in_output` and `made_again` is set.
 struct ColumnSource {
   Attribute attribute;
   std::vector<Field> in_input = {};         ///< field of the input for each component

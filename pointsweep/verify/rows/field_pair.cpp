@@ -93,7 +93,7 @@ class PlaceFinder {
   }
 
  private:
-  /// Finds NAME, NAME_0 or NAME[0], cut to the length of LAS.
+  /// Finds NAME, NAME_0 or NAME[0], cut to the longest name that LAS allows.
   std::optional<Place> numbered(const std::string& name, std::uint32_t component) const {
     if (const auto place = exactly(to_, name, component)) return place;
     if (field_.count == 1) return exactly(to_, name.substr(0, kLasNameBytes), component);

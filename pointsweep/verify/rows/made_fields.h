@@ -21,7 +21,7 @@ bool is_field_of(const Schema& schema, const std::string& name);
 /// The function Format::own_field of a format; null for a format that adds no fields.
 using OwnField = std::optional<double> (*)(std::string_view name);
 
-/// Returns the fields among `names` that belong to the format of `out` and hold its default value in all rows.
+/// Returns the fields among `names` that belong to the format of `out` and hold their default values in all rows.
 std::vector<std::string> unfilled_fields(RowSource& out, const std::vector<std::string>& names, OwnField own_field);
 
 }  // namespace pointsweep

@@ -55,7 +55,7 @@ std::optional<std::vector<PossibleRows>> rows_with_values(RowSource& in, RowSour
 
 /// The ways in which the output may store the input's values.
 struct OutputWays {
-  OwnField own_field = nullptr;  ///< fields of the format; the output may lack such a field if all its values are 0
+  OwnField own_field = nullptr;  ///< tells the fields of the format; the output may lack one whose values are all 0
   StoredPlaces places = {};
   bool in_any_order = false;  ///< true if the order of the output's rows is unknown
 };
@@ -72,8 +72,8 @@ Arrivals compare_arrivals(RowSource& in, RowSource& out, const std::vector<bool>
 std::vector<std::uint64_t> sample_rows(std::uint64_t count, std::uint64_t size, std::uint64_t seed);
 
 /// Returns, for each of `rows` of the input, its row in canonical order along `axis`: by the coordinate on the axis,
-/// ties by x, y, z, then row; points that are not finite last, by row. `rows` ascend. Reads the input once more and
-/// counts: O(n log rows).
+/// ties by x, y, z, then row; points that are not finite last, by row. `rows` ascend. Reads the input once more. Time:
+/// O(n log m) for n points and m rows.
 std::vector<std::uint64_t> sweep_rows(RowSource& in, std::span<const std::uint64_t> rows, int axis,
                                       const PhaseProgress& progress);
 

@@ -17,14 +17,16 @@ namespace pointsweep {
 bool has_kept_formula(const Operator& op);
 
 /// Returns the cloud with the rows that all `operators`, which drop rows, keep. Conditions are evaluated row by row;
-/// `unique`, `voxel` and `poisson` sort points in memory, in several turns if `memory_bytes` is too small for all.
-/// Further memory: up to three bits for each row, and for `sample` 16 bytes for each point of its option `number`.
-/// Throws UsageError for an operator whose rows cannot be checked.
+/// `unique`, `voxel` and `poisson` sort points in memory. If `memory_bytes` is too small for all points, the cloud is
+/// read several times, for a part of the points each time. Further memory: up to three bits for each row, and for
+/// `sample` 16 bytes for each point of its option `number`. Throws UsageError for an operator whose rows cannot be
+/// checked.
 InputCloud with_kept_rows(const InputCloud& cloud, const std::vector<StageOperator>& operators,
                           std::uint64_t memory_bytes, const PhaseProgress& progress);
 
-/// Returns for each selected row of `cloud` whether poisson with this radius keeps it. The kept points and a share of
-/// the others are in memory; the number of turns follows from `memory_bytes`. Each turn reads the cloud once.
+/// Returns for each selected row of `cloud` whether poisson with this radius keeps it. Works in turns, whose number
+/// follows from `memory_bytes`. Each turn reads the cloud once. Memory holds the kept points and the other points of
+/// one turn.
 std::vector<bool> rows_of_disks(InputCloud& cloud, double radius, std::uint64_t memory_bytes,
                                 const PhaseProgress& progress);
 

@@ -31,7 +31,7 @@ struct FormulaInput {
   std::vector<std::vector<formulas::Estimate>> of_neighbors;  ///< for each attribute, the value of each neighbour
 };
 
-/// A pure function of a point and its neighbourhood, like the operator, implemented in formulas/.
+/// The formula of an operator: a pure function of a point and its neighbourhood, implemented in formulas/.
 class StageFormula {
  public:
   virtual ~StageFormula() = default;
@@ -75,7 +75,7 @@ std::unique_ptr<StageFormula> formula_made(const FormulaSetup& stage) {
 
 /// Returns whether a formula has the name of the operator.
 bool has_stage_formula(const Operator& op);
-/// Returns the formula of an operator; null without has_stage_formula().
+/// Returns the formula of an operator; null if has_stage_formula() is false.
 std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold = {});
 
 /// A function that returns how many of the found neighbours a rule keeps. `values`: values of the point that the rule
