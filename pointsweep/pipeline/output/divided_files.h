@@ -24,7 +24,7 @@ void require_files_possible(const Divider& divider, std::span<const DividedFile>
 
 /// Writes the files of a divided output: large files one after another, several small files in parallel. Each file has
 /// the layout of the whole output (one grid, one header except for counts and bounds). A file is complete or absent. A
-/// tile that has no points of its own, only points of its buffer (divider.h), is not written.
+/// tile that has no point inside its square, only points of its buffer (divider.h), is not written.
 class DividedFiles {
  public:
   /// Borrows the divider and the files. `memory_bytes`: DivisionRoom::bytes, of which at most a quarter holds small

@@ -127,8 +127,8 @@ Statistics first_counts(const Request& request, const NonfiniteRows& dropped) {
     const auto& warnings = reader->info().warnings;
     counts.warnings.insert(counts.warnings.end(), warnings.begin(), warnings.end());
   }
-  // Where each input has an output of its own, this output lacks what the input lacks, so that a warning about missing
-  // attributes is needed only if a stage reads 0 for them.
+  // If each input has its own output, this output lacks the attributes that the input lacks. Then a warning about
+  // missing attributes is needed only if a stage reads 0 for them.
   const bool fills = request.outputs.tiles.empty() || reads_attributes(request.plan);
   for (const std::string& warning : cloud.warnings())
     if (fills || std::ranges::find(cloud.missing_attributes(), warning) == cloud.missing_attributes().end())
