@@ -12,7 +12,7 @@
 #include "bench/formats/measured.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/order/parallel_rows.h"
-#include "pointsweep/pipeline/rows/cloud_source.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/threads.h"
 
@@ -27,7 +27,7 @@ using namespace pointsweep;
 template <class Look>
 std::uint64_t read_all(const std::string& path, Look look) {
   InputCloud cloud({path});
-  ParallelRows rows(source_of(cloud, [](std::size_t) {}));
+  ParallelRows rows(source_of(cloud));
   const std::size_t stride = cloud.schema().stride;
   std::vector<std::byte> records(std::max<std::size_t>(1, kBlock / stride) * stride);
   for (std::uint64_t row = 0; row < cloud.count();) {

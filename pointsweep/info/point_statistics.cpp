@@ -13,7 +13,7 @@
 #include "pointsweep/info/value_keys.h"
 #include "pointsweep/info/value_moments.h"
 #include "pointsweep/order/parallel_rows.h"
-#include "pointsweep/pipeline/rows/cloud_source.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -178,7 +178,7 @@ class Readings {
     ++reading_;
     const std::size_t stride = cloud_.schema().stride;
     const std::uint64_t count = cloud_.count();
-    ParallelRows rows(source_of(cloud_.inputs(), [](std::size_t) {}));
+    ParallelRows rows(source_of(cloud_.inputs()));
     std::vector<std::byte> records;
     std::vector<std::uint32_t> group_of;
     for (std::uint64_t row = 0; row < count;) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The points and edges of a tile, bucket by bucket, as objects of a storage, from which the tile's forest is grown.
+/// The objects of a storage that hold the graph of a tile with weights: its points and edges, bucket by bucket, from
+/// which the tile's forest is grown; its border; and the spanning forest whose points at the border are open.
+/// spanning_forest.h explains open points and supernodes.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +10,32 @@
 #include <vector>
 
 #include "pointsweep/connect/bucketed_graph.h"
+#include "pointsweep/connect/forest_edge.h"
+#include "pointsweep/connect/spanning_forest.h"
 #include "pointsweep/part/record_list.h"
+#include "pointsweep/storage/encoding.h"
 #include "pointsweep/storage/storage.h"
 
 namespace pointsweep {
+
+/// The border of a tile: its points at which edges between tiles end, and the edges between it and earlier tiles.
+struct TileBorder {
+  struct Point {
+    std::uint64_t row;
+    std::uint64_t last;  ///< number of the last tile among the tile of the point and the tiles to which its edges lead
+  };
+  std::vector<Point> points;      ///< points at which edges between tiles end, ascending by row
+  std::vector<ForestEdge> edges;  ///< edges between this tile and earlier tiles
+
+  void encode(Encoder& out) const;
+  static TileBorder decode(Decoder& in);
+};
+
+/// Appends the encoded forest to `out`.
+void encode(Encoder& out, const OpenForest& forest);
+/// Reads a forest. Throws Error if the forest names a supernode that it does not hold, or if the votes of a supernode
+/// do not have `vote_bytes` bytes.
+OpenForest decode_open_forest(Decoder& in, std::size_t vote_bytes);
 
 /// Stores a graph as four lists: NAME.nodes, its points with their ballots (the values from which votes are made);
 /// NAME.edges; NAME.marks, the OpenUntil marks; NAME.buckets, the numbers of nodes, edges and marks of each bucket.

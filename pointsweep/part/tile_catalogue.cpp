@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <mutex>
-#include <span>
 #include <utility>
 
 #include "pointsweep/fail.h"
@@ -106,6 +105,17 @@ class Grouper {
   std::vector<TileGroup> groups_;
 };
 
+/// Returns the share of the volume of `box` that `other` covers, in [0, 1].
+double covered_share(const Box& box, const Box& other) {
+  double share = 1;
+  for (int a = 0; a < 3 && share > 0; ++a) {
+    const double common = std::min(box.hi[a], other.hi[a]) - std::max(box.lo[a], other.lo[a]);
+    const double length = box.hi[a] - box.lo[a];
+    share *= common < 0 ? 0 : length > 0 ? common / length : 1;
+  }
+  return share;
+}
+
 }  // namespace
 
 std::size_t TileCatalogue::tile_of(std::uint64_t row) const {
@@ -192,6 +202,18 @@ std::shared_ptr<const TileCatalogue> shared_catalogue(const Storage& scratch, co
     kept[1] = std::exchange(kept[0], {std::move(identity), std::move(read)});
   }
   return kept[0].catalogue;
+}
+
+double mean_tiles_of_a_point(std::span<const TileExtent> tiles) {
+  double points = 0, covered = 0;
+  for (const TileExtent& tile : tiles) {
+    if (tile.box.empty()) continue;
+    const auto n = static_cast<double>(tile.points);
+    points += n;
+    for (const TileExtent& other : tiles)
+      if (!other.box.empty()) covered += n * covered_share(tile.box, other.box);
+  }
+  return points > 0 ? covered / points : 1;
 }
 
 }  // namespace pointsweep

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
-/// The catalogue of the tiles of a cloud, which every process of a run on many machines reads.
+/// The catalogue of the tiles of a cloud, which every process of a run on many machines reads, and the overlap of the
+/// boxes of tiles.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "pointsweep/geometry.h"
 #include "pointsweep/math/box.h"
 #include "pointsweep/storage/encoding.h"
 #include "pointsweep/storage/storage.h"
@@ -59,5 +62,15 @@ TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string
 /// the process keeps the two catalogues that were used last and does not decode a kept one again. Catalogues are equal
 /// if their objects have the same size and checksum. Thread-safe. Throws Error like sealed_value().
 std::shared_ptr<const TileCatalogue> shared_catalogue(const Storage& scratch, const std::string& key);
+
+/// The box of a tile, which may be empty, and the number of points of the tile.
+struct TileExtent {
+  Box box;
+  std::uint64_t points = 0;
+};
+
+/// Returns the mean number of tile boxes that contain a point: 1 for tiles side by side. Assumes that the points of a
+/// tile are spread evenly over its box. Cost: some nanoseconds for each pair of tiles.
+double mean_tiles_of_a_point(std::span<const TileExtent> tiles);
 
 }  // namespace pointsweep

@@ -14,7 +14,6 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/part/component_records.h"
-#include "pointsweep/part/open_forest.h"
 #include "pointsweep/part/record_list.h"
 #include "pointsweep/part/stored_graph.h"
 #include "pointsweep/points/sorted_records.h"

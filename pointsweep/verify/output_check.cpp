@@ -18,7 +18,6 @@
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/points/input_row.h"

@@ -14,8 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/pipeline/language/absolute_files.h"
-#include "pointsweep/pipeline/language/length_units.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/run/part_run.h"
 #include "pointsweep/program/process.h"
 #include "pointsweep/storage/local/shared_folder.h"

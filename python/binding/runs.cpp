@@ -21,7 +21,6 @@
 
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/length_units.h"
 #include "pointsweep/program/declaration.h"
 #include "pointsweep/program/pipeline.h"
 #include "pointsweep/program/run_options.h"

@@ -10,7 +10,7 @@
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/order/parallel_rows.h"
-#include "pointsweep/pipeline/rows/cloud_source.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/reader.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
@@ -147,7 +147,7 @@ TEST(Chunks, ADecoderJumpsToAnyRow) {
 }
 
 std::vector<std::byte> decoded_in_parallel(InputCloud& cloud) {
-  ParallelRows rows(source_of(cloud, [](std::size_t) {}));
+  ParallelRows rows(source_of(cloud));
   const std::size_t stride = cloud.schema().stride;
   std::vector<std::byte> decoded(cloud.count() * stride);
   for (std::uint64_t row = 0; row < cloud.count(); row += 33333) {

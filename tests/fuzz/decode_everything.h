@@ -11,7 +11,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/order/local_spacing.h"
 #include "pointsweep/order/survey.h"
-#include "pointsweep/part/open_forest.h"
+#include "pointsweep/part/stored_graph.h"
 #include "pointsweep/part/tile.h"
 #include "pointsweep/part/tile_catalogue.h"
 #include "pointsweep/pipeline/checkpoint/checkpoints.h"

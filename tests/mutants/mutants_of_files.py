@@ -25,7 +25,7 @@ MUTANTS = [
            "header.bounds.hi[axis] = hi_[a] * header.scale[axis];", ("formats",)),
     Mutant("returns are counted without their mask", "formats", FORMATS + "las/las_frame.cpp",
            "& return_mask_];", "& 0x07];", ("formats",)),
-    Mutant("a resumed run takes other columns of a text", "resume", "pointsweep/pipeline/checkpoint/run_identity.cpp",
+    Mutant("a resumed run takes other columns of a text", "resume", "pointsweep/pipeline/checkpoint/checkpoints.cpp",
            'info.asked_for_as.empty() ? ""', 'true ? ""', ("pipeline:Refused.*",)),
     Mutant("the columns of text stay where a column is skipped", "formats", FORMATS + "text/text_reader.cpp",
            "if (layout_.are_stated && layout_.names[i] == kSkippedColumn) continue;",

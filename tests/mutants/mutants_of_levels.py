@@ -42,6 +42,6 @@ MUTANTS = [
            "return chunk.depth <= depth;", "return chunk.depth < depth;", FILES),
     Mutant("rows of chosen chunks are those of the first one", "levels", "pointsweep/formats/chosen_chunks.cpp",
            "all_->read(chosen.chunk.first_row + before, to)", "all_->read(chunks_.chosen_.front().chunk.first_row + before, to)", FILES),
-    Mutant("a crop chooses nodes by where points were before they moved", "levels", "pointsweep/pipeline/rows/cropped_input.cpp",
+    Mutant("a crop chooses nodes by where points were before they moved", "levels", "pointsweep/pipeline/rows/input_source.cpp",
            "if (select == nullptr) break;", "if (select == nullptr) continue;", FILES),
 ]

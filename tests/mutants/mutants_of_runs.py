@@ -32,7 +32,7 @@ MUTANTS = [
            "last_.survey = survey;", "last_.survey = survey;\n  last_.survey.sample = {};", ("pipeline:*ResumeLaw*",)),
     Mutant("another radius counts as the same run", "resume", "pointsweep/points/neighborhood_options.cpp",
            "if (std::isfinite(neighborhood.radius)) options", "if (neighborhood.radius < 0) options", ("pipeline:Resume.*:Refused.*",)),
-    Mutant("a run that keeps other attributes counts as the same run", "resume", PIPELINE + "checkpoint/run_identity.cpp",
+    Mutant("a run that keeps other attributes counts as the same run", "resume", PIPELINE + "checkpoint/checkpoints.cpp",
            "text += kept_text(plan.kept, cloud.schema());",
            "if (text.empty()) text += kept_text(plan.kept, cloud.schema());", ("pipeline:Resume.*:Refused.*",)),
     Mutant("another type of positions counts as the same run", "resume", PIPELINE + "language/run_options.cpp",
@@ -41,7 +41,7 @@ MUTANTS = [
     Mutant("another prefix counts as the same run", "resume", PIPELINE + "language/run_options.cpp",
            "if (option.effect == none)", "if (option.effect == none || option.name == \"prefix\")",
            ("pipeline:Resume.*:Refused.*",)),
-    Mutant("a changed input counts as the same run", "resume", PIPELINE + "checkpoint/run_identity.cpp",
+    Mutant("a changed input counts as the same run", "resume", PIPELINE + "checkpoint/checkpoints.cpp",
            "info.count, state.text(),", "info.count, \"\",", ("pipeline:Resume.*:Refused.*",)),
 
     # Memory
@@ -64,11 +64,11 @@ MUTANTS = [
     # A folder as output
     Mutant("tiles keep the rows that are selected in the first one", "tiles", PIPELINE + "output/tile_set.cpp",
            "kept.has(first + begin + i)", "kept.has(first * 0 + begin + i)", ("pipeline:Tiles.*", "cli:FolderOutputs.*")),
-    Mutant("a tile that was replaced passes for a finished one", "tiles", PIPELINE + "output/finished_tiles.cpp",
+    Mutant("a tile that was replaced passes for a finished one", "tiles", PIPELINE + "checkpoint/resume_folder.cpp",
            "if (listed == files_.end() || !find(output, file)) return false;",
            "if (listed == files_.end() || !find(output, file)) return false;\n  return true;",
            ("pipeline:ResumedTiles.*", "cli:FolderOutputs.*")),
-    Mutant("finished tiles are not listed", "tiles", PIPELINE + "output/finished_tiles.cpp",
+    Mutant("finished tiles are not listed", "tiles", PIPELINE + "checkpoint/resume_folder.cpp",
            "{} {} {} {} {}\\n\", tile, file.device", "{} {} {} {} {}\\n\", tile + 1000, file.device", ("pipeline:ResumedTiles.*",)),
     Mutant("tiles are written from inputs that have changed", "tiles", PIPELINE + "output/tile_set.cpp",
            "request_.cloud.require_unchanged(tile_->number);", "void();", ("pipeline:StoppedTiles.*",)),
@@ -79,9 +79,9 @@ MUTANTS = [
     Mutant("moved positions are float32", "outputs", PIPELINE + "plan/output_layout.cpp",
            "give(position_attribute().fields, *positions);", "give(position_attribute().fields, Type::f32);",
            ("pipeline:Run.*", "pipeline:OutputLayout.*")),
-    Mutant("the line about float32 takes whole coordinates for exact ones", "outputs", PIPELINE + "output/float_rounding.cpp",
+    Mutant("the line about float32 takes whole coordinates for exact ones", "outputs", PIPELINE + "output/output_warnings.cpp",
            "return f.is_plain() && f.type == Type::f32;", "return f.type == Type::f32 || f.type == Type::i32;", ("pipeline:FloatRounding.*",)),
-    Mutant("the line about float32 names half of the rounding", "outputs", PIPELINE + "output/float_rounding.cpp",
+    Mutant("the line about float32 names half of the rounding", "outputs", PIPELINE + "output/output_warnings.cpp",
            "std::numeric_limits<float>::digits - 1)", "std::numeric_limits<float>::digits - 2)", ("pipeline:FloatRounding.*",)),
     Mutant("moved positions keep the input's type where fields are kept by name", "outputs", PIPELINE + "plan/output_layout.cpp",
            "schema_.append(field.name, type->second);", "schema_.append(field.name, field.type);", ("pipeline:Keep*", "pipeline:OutputLayout.*")),
@@ -206,22 +206,22 @@ MUTANTS = [
            "column_bytes_ != nullptr && column_bytes_[column] < sizeof(T)", ("pipeline:Run.*",)),
 
     # Selects
-    Mutant("a second select counts the rows that the first left", "selects", PIPELINE + "rows/row_mask.cpp",
+    Mutant("a second select counts the rows that the first left", "selects", PIPELINE + "rows/pass_update.cpp",
            "while (before_ && next_ < rows_ && !before_->has(next_)) append_any(false);",
            "while (before_ && next_ > rows_ && !before_->has(next_)) append_any(false);",
            ("pipeline:Where.*:Unique.*:Select.*",)),
 
     # What nobody names
-    Mutant("a chain has the neighbours that its first operator wants", "defaults", PIPELINE + "plan/default_neighborhood.cpp",
+    Mutant("a chain has the neighbours that its first operator wants", "defaults", PIPELINE + "plan/chain_plan.cpp",
            "k = std::max(k, contract.default_k),", "k = k != 0 ? k : contract.default_k,",
            ("pipeline:DefaultNeighborhood.*",)),
-    Mutant("a chain has the radius that its first operator wants", "defaults", PIPELINE + "plan/default_neighborhood.cpp",
+    Mutant("a chain has the radius that its first operator wants", "defaults", PIPELINE + "plan/chain_plan.cpp",
            "if (contract.all_within > radius)", "if (contract.all_within > 0 && radius == 0)", ("pipeline:DefaultNeighborhood.*",)),
     Mutant("ranges of several dimensions are joined by or", "pipelines of PDAL", PIPELINE + "language/pdal_stages.cpp",
            'all.empty() ? "(" : " && ("', 'all.empty() ? "(" : " || ("', ("pipeline:PdalStages.*",)),
-    Mutant("degrees are taken for lengths", "defaults", PIPELINE + "language/length_units.cpp",
+    Mutant("degrees are taken for lengths", "defaults", PIPELINE + "language/build_chain.cpp",
            "cloud.crs()->kind != CrsKind::geographic", "cloud.crs()->kind != CrsKind::geocentric", ("cli:Units.*",)),
-    Mutant("defaults in metres are multiplied by the unit", "defaults", PIPELINE + "language/length_units.cpp",
+    Mutant("defaults in metres are multiplied by the unit", "defaults", PIPELINE + "language/build_chain.cpp",
            "option.preset = *metres / metres_per_unit;", "option.preset = *metres * metres_per_unit;", ("cli:Units.*",)),
 
     # Pictures and reports

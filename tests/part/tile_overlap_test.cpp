@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// The mean number of tiles in which a point lies.
-#include "pointsweep/part/tile_overlap.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "pointsweep/part/tile_catalogue.h"
 
 namespace pointsweep {
 namespace {

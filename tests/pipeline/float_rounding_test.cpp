@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// The stated bound on the rounding of coordinates, against the rounding of each coordinate.
-#include "pointsweep/pipeline/output/float_rounding.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "pointsweep/pipeline/output/output_warnings.h"
 #include "pointsweep/pipeline/plan/output_layout.h"
 
 namespace pointsweep {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "pointsweep/pipeline/language/absolute_files.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/program/pipeline.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/refusal.h"

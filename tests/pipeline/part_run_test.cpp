@@ -18,7 +18,6 @@
 #include "pointsweep/operators/thinning/poisson.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/pipeline/language/length_units.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/support/examples.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The state of a run at a checkpoint, the checkpoints of a run, and the checkpoint that an earlier process has left.
+/// The state of a run at a checkpoint, the checkpoints of a run, the checkpoint that an earlier process has left, and
+/// the identity by which a run recognises its own checkpoints.
 #pragma once
 
 #include <chrono>
@@ -15,12 +16,22 @@
 #include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/checkpoint/resume_folder.h"
 #include "pointsweep/pipeline/engine_run.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/storage/encoding.h"
 #include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {
+
+/// Returns lines of text: the version of pointsweep and of its checkpoints, inputs (with size and time), outputs,
+/// options that change outputs, the pipeline with every option of every stage, passes, and the fields that are kept.
+/// Throws Error if an input is not a file, since changes of it could not be detected.
+std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
+                         const EngineOptions& options);
+
+/// Throws Error, which names the first different line, if `checkpoint`, an identity from `folder`, differs from `now`.
+void require_same_run(const std::string& checkpoint, const std::string& now, const std::filesystem::path& folder);
 
 /// The state of a run at a checkpoint. During a pass, `stream` is set first, when the points are in order. During the
 /// sweep, `results` and `progress` are set, too. After the sweep only `results` is set. None of the three is set after

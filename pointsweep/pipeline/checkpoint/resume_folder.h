@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// The folder in which a run stores its progress, so that another process can continue it (docs/adr/0008).
+/// The folder in which a run stores its progress, so that another process can continue it (docs/adr/0008), and the list
+/// of complete tiles in this folder.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <future>
+#include <map>
 #include <mutex>
 #include <set>
 #include <string>
@@ -56,6 +59,36 @@ class ResumeFolder {
   bool removing_ = false;  ///< true once remove() has begun; no checkpoint gets its name after that
   std::vector<std::byte> saved_;
   std::future<void> saving_;
+};
+
+/// The list of complete tiles, a file in the folder of checkpoints. A tile is listed twice: by the inode of its
+/// unfinished file just before the file is renamed, and by inode, size and time of change afterwards. So a resumed run
+/// recognises each complete tile, even if the earlier process ended during the rename, and does not mistake another
+/// file of the same name for it. An object in the network is listed once, by its ETag, size and time of change.
+class FinishedTiles {
+ public:
+  /// Reads the list of earlier processes. With an empty `resume_folder`, the list stays empty.
+  explicit FinishedTiles(const std::filesystem::path& resume_folder);
+
+  /// Returns whether the list has the tile and the file at `output` is the listed file.
+  bool has(std::size_t tile, const std::filesystem::path& output) const;
+  /// Must be called when the unfinished file of `output` is complete, before it is renamed. Throws Error if the list
+  /// cannot be written, like end().
+  void begin(std::size_t tile, const std::filesystem::path& output);
+  /// Must be called after the rename to `output`.
+  void end(std::size_t tile, const std::filesystem::path& output);
+
+ private:
+  struct File {
+    std::uint64_t device = 0, inode = 0;
+    std::uint64_t bytes = 0;
+    std::int64_t changed = 0;  ///< time of change, in ns for files, in s for objects; 0: unknown
+  };
+  static bool find(const std::filesystem::path& path, File& file);
+  void add(std::size_t tile, const File& file);
+
+  std::filesystem::path list_;
+  std::map<std::size_t, File> files_;
 };
 
 }  // namespace pointsweep

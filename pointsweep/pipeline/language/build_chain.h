@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Builds the chain of a pipeline from facts about its cloud (Facts), and writes chains as text.
+/// Builds the chain of a pipeline from facts about its cloud (Facts), above all the unit of its lengths, writes chains
+/// as text, and makes the file names in a pipeline absolute.
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pointsweep/chain.h"
@@ -10,9 +12,25 @@
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operators/kinds/chain_stage.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/program/declaration.h"
 #include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
+
+/// Returns the facts about the cloud that the construction of stages depends on.
+Facts facts_of(const InputCloud& cloud);
+
+/// Returns the declarations for a cloud whose unit has `metres_per_unit` metres: default lengths, declared in metres,
+/// are converted to that unit.
+std::vector<OptionDeclaration> in_unit(std::vector<OptionDeclaration> options, double metres_per_unit);
+
+/// Throws UsageError if the coordinates are degrees and a stage uses distances, unless CloudOptions::ignore_crs is set.
+void require_lengths(const InputCloud& cloud, const Chain& chain);
+
+/// Returns one sentence for each stage with default lengths if the coordinate reference system of the cloud has a unit
+/// other than the metre, or states no unit; a code of the EPSG registry alone does not state one. Returns nothing for a
+/// cloud without such a system.
+std::vector<std::string> notes_on_defaults(const InputCloud& cloud, const Chain& chain);
 
 /// Appends stages to a chain. `facts`: facts about the cloud of the chain. Throws UsageError for a stage knn, which may
 /// only begin a pipeline.
@@ -35,5 +53,10 @@ std::string canonical_text(const Neighborhood& neighborhood, Presets presets);
 
 /// Returns the canonical stages of a plan; "sort" if it has no passes, "convert" if its chain has no stages.
 std::vector<std::string> canonical_stages(const ChainPlan& plan, Presets presets);
+
+/// Returns the pipeline with the absolute names of the files, folders and patterns that its options name. An option
+/// whose file does not exist stays unchanged, since it may be a text, and so does a stage of an unknown name. Throws
+/// the errors of parse_pipeline().
+std::string with_absolute_files(std::string_view pipeline);
 
 }  // namespace pointsweep

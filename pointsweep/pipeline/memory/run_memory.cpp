@@ -14,7 +14,7 @@
 #include "pointsweep/pipeline/output/divided_writer.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
-#include "pointsweep/pipeline/rows/row_mask.h"
+#include "pointsweep/pipeline/rows/pass_update.h"
 #include "pointsweep/storage/remote/remote_object.h"
 #include "pointsweep/storage/remote/url.h"
 #include "pointsweep/sweep/stage_runner.h"

@@ -10,7 +10,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/registry.h"
-#include "pointsweep/pipeline/rows/cloud_source.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
@@ -120,7 +120,7 @@ void OutputSet::write_results(InputCloud& cloud, std::uint64_t first_row, std::s
     if (!points_.empty()) {
       inputs_.resize(n * input_stride_);
       assembled_.resize(n * layout_.schema().stride);
-      if (!input_rows_) input_rows_.emplace(source_of(cloud, [](std::size_t) {}));
+      if (!input_rows_) input_rows_.emplace(source_of(cloud));
       input_rows_->read(first_row + done, inputs_);
       layout_.assemble_all(inputs_.data(), from, n, assembled_.data(), first_row + done);
       write_assembled();

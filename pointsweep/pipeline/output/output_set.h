@@ -13,7 +13,7 @@
 #include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output/divided_writer.h"
-#include "pointsweep/pipeline/output/float_rounding.h"
+#include "pointsweep/pipeline/output/output_warnings.h"
 #include "pointsweep/pipeline/plan/output_layout.h"
 
 namespace pointsweep {

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// The warnings of the writers of many files, without repetition.
+/// Warnings about the files of a run: the warnings of many writers without repetition, and the rounding of coordinates
+/// that an output stores as float32.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
+
+#include "pointsweep/attribute.h"
+#include "pointsweep/geometry.h"
+#include "pointsweep/points/schema.h"
 
 namespace pointsweep {
 
@@ -23,6 +30,26 @@ class OutputWarnings {
     std::size_t others = 0;
   };
   std::map<std::string, Warning> warnings_;  ///< keys: texts after the name of the file
+};
+
+/// Finds by how much the coordinates of the records of an output may have been rounded to float32.
+class FloatRounding {
+ public:
+  /// `input`: fields of the input. `output`: fields of the records. Ignores all records unless the output has float32
+  /// coordinates, and the input has coordinates of another type or a stage moves the points.
+  FloatRounding(const Schema& input, const std::vector<Attribute>& made, const Schema& output);
+
+  /// Takes whole records of the output.
+  void see(std::span<const std::byte> records);
+  /// Returns "x, y and z are stored as float32, which rounds them by at most 0.25; ...". The bound is half a step of
+  /// float32 at the coordinate farthest from 0. The sentence proposes a translation if that makes the bound at least 16
+  /// times smaller. Empty if nothing is rounded.
+  std::string sentence() const;
+
+ private:
+  std::optional<PositionFields> narrowed_;
+  std::size_t stride_;
+  Box box_;  ///< box of the finite coordinates
 };
 
 }  // namespace pointsweep

@@ -11,7 +11,7 @@
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/order/survey.h"
-#include "pointsweep/pipeline/rows/cloud_source.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/storage/local/output_file.h"
 #include "pointsweep/threads.h"
@@ -74,7 +74,7 @@ std::vector<std::string> replaced_in(const Schema& own, const std::vector<std::s
 
 Box bounds_of(InputCloud& cloud) {
   if (cloud.count() == 0) return {Vec3{}, Vec3{}};
-  return survey(source_of(cloud, [](std::size_t) {}), std::nullopt, true).bounds;
+  return survey(source_of(cloud), std::nullopt, true).bounds;
 }
 
 /// Returns OutputPlan::bounds for the output of one input; none if the format does not need them.
@@ -270,8 +270,7 @@ void TileSet::for_each_part(std::uint64_t rows, const WriteRows& write) {
 }
 
 void TileSet::write_results(std::uint64_t, std::span<const std::byte> results) {
-  std::size_t bytes = 0;
-  for (const Attribute& a : request_.names.made) bytes += a.bytes();
+  const std::size_t bytes = bytes_of(request_.names.made);
   for_each_part(results.size() / bytes, [&](Tile& tile, std::uint64_t row, std::uint64_t skip, std::uint64_t rows) {
     tile.files->write_results(tile.cloud, row, results.subspan(skip * bytes, rows * bytes));
   });
@@ -280,7 +279,7 @@ void TileSet::write_results(std::uint64_t, std::span<const std::byte> results) {
 void TileSet::write_inputs(std::uint64_t, std::uint64_t rows) {
   for_each_part(rows, [&](Tile& tile, std::uint64_t row, std::uint64_t, std::uint64_t part) {
     std::vector<std::byte> records(part * tile.cloud.schema().stride);
-    if (!tile.input_rows) tile.input_rows.emplace(source_of(tile.cloud, [](std::size_t) {}));
+    if (!tile.input_rows) tile.input_rows.emplace(source_of(tile.cloud));
     tile.input_rows->read(row, records);
     tile.files->write_inputs(row, records);
   });

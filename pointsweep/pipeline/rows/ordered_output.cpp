@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "pointsweep/order/canonical_order.h"
-#include "pointsweep/pipeline/rows/cloud_source.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/prefetch.h"
 
@@ -20,7 +20,7 @@ constexpr std::size_t kPositionBytes = 3 * sizeof(double);
 Schema position_behind(std::uint32_t before) {
   Schema schema;
   schema.stride = before;
-  for (const char* axis : {"x", "y", "z"}) schema.append(axis, Type::f64);
+  for (const char* axis : kAxisNames) schema.append(axis, Type::f64);
   return schema;
 }
 
@@ -114,7 +114,7 @@ class Reordering::Rows {
 };
 
 Reordering::Reordering(InputCloud& cloud, const RowFile& rows, const OutputLayout& layout, bool by_moved_positions)
-    : input_(source_of(cloud, [](std::size_t) {})),
+    : input_(source_of(cloud)),
       rows_(rows),
       layout_(layout),
       by_moved_positions_(by_moved_positions),

@@ -14,7 +14,7 @@
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/working_record.h"
-#include "pointsweep/pipeline/rows/cloud_source.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/rows/ordered_output.h"
 #include "pointsweep/points/promised_type.h"
 #include "pointsweep/storage/local/place.h"
@@ -112,7 +112,7 @@ void OtherCloud::give_in_order(int axis, const SpillPlace& spill,
 
 Stream OtherCloud::in_order(InputCloud& cloud, const std::string& name, const std::vector<Attribute>& reads, int axis,
                             const SpillPlace& spill, const std::function<void(std::uint64_t rows)>& progress) {
-  const PointSource source = source_of(cloud, [](std::size_t) {});
+  const PointSource source = source_of(cloud);
   return Stream(source, survey(source, axis, false),
                 {.axis = axis,
                  .slab_points = kSlabPoints,

@@ -11,19 +11,16 @@
 namespace pointsweep {
 namespace {
 
-std::optional<std::size_t> offset_in(const std::vector<Attribute>& attributes, const std::string& name) {
-  std::size_t offset = 0;
-  for (const Attribute& a : attributes) {
-    if (a.name == name) return offset;
-    offset += a.bytes();
-  }
-  return std::nullopt;
+std::uint64_t blocks_of(std::uint64_t rows) { return (rows + RowSelection::kBlockRows - 1) / RowSelection::kBlockRows; }
+
+RowSelection selection_in(const std::shared_ptr<RowFile>& file, std::uint64_t rows) {
+  return {rows, [file](std::uint64_t block, std::span<std::byte> bits) { file->read(block, bits); }};
 }
 
 /// Returns whether the positions or the payload of the pass include a field of the input's record.
 bool looks_at_input(const PlannedPass& pass, std::size_t input_stride) {
   std::vector<std::size_t> fields = pass.payload();
-  for (const char* axis : {"x", "y", "z"}) fields.push_back(*pass.input.find(axis));
+  for (const std::size_t f : position_columns(pass.input)) fields.push_back(f);
   return std::ranges::any_of(fields, [&](std::size_t f) { return pass.input.fields[f].offset < input_stride; });
 }
 
@@ -38,6 +35,40 @@ std::uint64_t all_rows(const InputCloud& cloud) {
 }
 
 }  // namespace
+
+RowMask::RowMask(std::uint64_t rows, const RowSelection* before, const SpillPlace& spill)
+    : rows_(rows),
+      file_(std::make_shared<RowFile>(blocks_of(rows), RowSelection::kBlockBytes, spill)),
+      block_(RowSelection::kBlockBytes) {
+  if (before != nullptr) before_.emplace(*before);
+}
+
+void RowMask::append(std::span<const std::uint8_t> kept) {
+  for (const std::uint8_t k : kept) {
+    while (before_ && next_ < rows_ && !before_->has(next_)) append_any(false);
+    append_any(k != 0);
+  }
+}
+
+void RowMask::append_any(bool kept) {
+  const std::uint64_t i = next_++ % RowSelection::kBlockRows;
+  if (kept) block_[i / 8] |= std::byte{1} << i % 8;
+  if (i + 1 < RowSelection::kBlockRows) return;
+  file_->append(block_);
+  std::ranges::fill(block_, std::byte{0});
+}
+
+RowSelection RowMask::finish() {
+  while (next_ < rows_) append_any(false);
+  if (next_ % RowSelection::kBlockRows != 0) file_->append(block_);
+  return selection_in(file_, rows_);
+}
+
+RowSelection RowMask::kept(std::uint64_t rows, const SpillPlace& kept) {
+  return selection_in(std::make_shared<RowFile>(RowFile::kept(blocks_of(rows), RowSelection::kBlockBytes, kept)), rows);
+}
+
+std::uint64_t RowMask::bytes(std::uint64_t rows) { return blocks_of(rows) * (RowSelection::kBlockBytes + 8); }
 
 RowUpdate::RowUpdate(const std::vector<Attribute>& carried, const std::vector<Attribute>& made,
                      const std::vector<Attribute>& after)
@@ -118,10 +149,7 @@ PassUpdate::PassUpdate(const PlannedPass& pass, const InputCloud& cloud, PointSo
       rooms_(thread_count()) {
   if (!pass.selects) return;
   mask_.emplace(all_rows(cloud), cloud.selection().get(), mask);
-  for (const Attribute& a : pass.made) {
-    if (a.name == selection_attribute().name) return;
-    selection_at_ += a.bytes();
-  }
+  selection_at_ = offset_in(pass.made, selection_attribute().name).value();
 }
 
 void PassUpdate::add(const UpdatedRows& rows) {

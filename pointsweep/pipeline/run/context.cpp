@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "pointsweep/pipeline/memory/run_memory.h"
-#include "pointsweep/pipeline/rows/cloud_source.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/storage/local/spill_file.h"
 
 namespace pointsweep {

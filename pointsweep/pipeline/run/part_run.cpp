@@ -20,9 +20,8 @@
 #include "pointsweep/part/tile_forest.h"
 #include "pointsweep/part/tile_graph.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
-#include "pointsweep/pipeline/rows/cloud_source.h"
-#include "pointsweep/pipeline/rows/cropped_input.h"
 #include "pointsweep/pipeline/rows/in_order_pass.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
@@ -63,7 +62,7 @@ PartDone store_other(const ChainPlan& plan, const EngineOptions& options, const 
   const auto progress = [&](std::uint64_t rows) {
     if (options.observer != nullptr) options.observer->on_progress({"ordering", rows, file.count(), 0});
   };
-  const PointSource source = source_of(file, [](std::size_t) {});
+  const PointSource source = source_of(file);
   const int axis = survey(source, std::nullopt, false).axis;
   const Stream stream = OtherCloud::in_order(file, task.other_file, op.other_reads(), axis, &places.folder(), progress);
   file.require_unchanged();
