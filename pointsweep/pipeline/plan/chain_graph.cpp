@@ -299,6 +299,15 @@ Schema with_carried(const Schema& input, const std::vector<Attribute>& carried) 
   return schema;
 }
 
+std::optional<std::size_t> offset_in(const std::vector<Attribute>& attributes, std::string_view name) {
+  std::size_t offset = 0;
+  for (const Attribute& a : attributes) {
+    if (a.name == name) return offset;
+    offset += a.bytes();
+  }
+  return std::nullopt;
+}
+
 std::string carried_with(std::string_view field, const Schema& input, const std::vector<Attribute>& carried) {
   const Schema cloud = with_carried(input, carried);
   const auto at = field_meant(cloud, field);

@@ -107,6 +107,10 @@ std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<
 /// in any spelling (Schema::find()).
 Schema with_carried(const Schema& input, const std::vector<Attribute>& carried);
 
+/// Returns the offset of the attribute `name` in records that hold the values of `attributes` one after another; nullopt
+/// if it is not among them.
+std::optional<std::size_t> offset_in(const std::vector<Attribute>& attributes, std::string_view name);
+
 /// Returns the name of the attribute of `carried` that holds `field`; empty if the record of `input` holds the field,
 /// or nothing does.
 std::string carried_with(std::string_view field, const Schema& input, const std::vector<Attribute>& carried);

@@ -3,15 +3,49 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "pointsweep/chain.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/operators/kinds/chain_stage.h"
 #include "pointsweep/pipeline/plan/pass_planner.h"
 #include "pointsweep/points/input_row.h"
 
 namespace pointsweep {
 namespace {
+
+/// Returns the neighbourhood with the k and the radius of its operators, if it leaves them to these (kOfOperators). Its
+/// operators are the stages from `first` up to the next Reneighbor that states a neighbourhood.
+Neighborhood closed(Neighborhood open, const std::vector<ChainStage>& stages, std::size_t first) {
+  if (open.k != Neighborhood::kOfOperators) return open;
+  std::size_t k = 0;
+  double radius = 0;
+  std::string of_radius, of_k;
+  for (std::size_t s = first; s < stages.size(); ++s) {
+    const auto* next = std::get_if<Reneighbor>(&stages[s]);
+    if (next != nullptr && next->neighborhood) break;
+    const Operator* op = operator_of(stages[s]);
+    const Contract contract = op != nullptr ? op->contract() : Contract{.default_k = 0};
+    if (contract.default_k == 0) continue;
+    if (contract.all_within > radius)
+      radius = contract.all_within, of_radius = name_of(stages[s]);
+    else if (contract.all_within == 0)
+      k = std::max(k, contract.default_k), of_k = name_of(stages[s]);
+  }
+  if (radius > 0 && k > 0)
+    fail_usage(
+        "'{}' needs all neighbours within {}, and '{}' looks at as many as the pipeline says; write knn(radius={}) "
+        "before them.",
+        of_radius, radius, of_k, radius);
+  if (radius > 0) {
+    open.k = Neighborhood::kUnlimited;
+    open.radius = std::min(open.radius, radius);
+  } else {
+    open.k = k == 0 ? Contract().default_k : k;
+  }
+  return open;
+}
 
 using Attributes = std::vector<Attribute>;
 using Names = std::set<std::string>;
@@ -112,16 +146,9 @@ PlannedPass planned_pass(const Draft& draft, const ChainGraph& graph, const Attr
   for (const std::size_t node : draft.pass.reduces)
     pass.values.push_back({std::get<std::shared_ptr<const Reduction>>(graph.nodes[node].what), node});
   pass.input = with_carried(input, carried);
-  PassPlanner planner(graph, carried, first_stage, pass);
-  planner.add_neighborhood(draft.pass.neighborhood);
-  for (const std::size_t node : draft.pass.stages) {
-    planner.add_stage(node);
-    pass.values_of_stages.push_back(graph.nodes[node].values);
-  }
-  planner.finish(kept_by(draft));
-  Attributes made = pass.made;
-  std::erase_if(made, is_selection);
-  pass.carried = only(updated(carried, made), draft.needed);
+  plan_columns(graph, draft.pass, carried, first_stage, kept_by(draft), pass);
+  for (const std::size_t node : draft.pass.stages) pass.values_of_stages.push_back(graph.nodes[node].values);
+  pass.carried = only(updated(carried, pass.made), draft.needed);
   return pass;
 }
 
@@ -141,9 +168,10 @@ void put_in_order(PlannedPass& pass, const Attributes& order) {
   }
 }
 
-/// Sets the written fields of a plan whose stages drop attributes: the fields that Chain::keep names, or all, without
-/// the dropped ones.
-void keep_what_is_not_dropped(ChainPlan& plan, const Schema& input) {
+/// Finds the made attributes and the fields of the input that are written: those that Chain::keep names, or all, without
+/// dropped fields. Notes the written attributes in the graph.
+void find_written(ChainPlan& plan, const Schema& input) {
+  plan.made = plan.graph.made_attributes();
   Schema visible{{}, input.stride};
   std::vector<std::size_t> index;  // indices in the input
   for (std::size_t f = 0; f < input.fields.size(); ++f)
@@ -151,33 +179,20 @@ void keep_what_is_not_dropped(ChainPlan& plan, const Schema& input) {
   if (!plan.chain.keep.empty()) {
     plan.kept = kept_fields(plan.chain.keep, plan.made, visible);
     plan.made = only(plan.made, {plan.kept.attributes.begin(), plan.kept.attributes.end()});
-  } else {
+  } else if (plan.graph.drops) {
     for (const Attribute& a : plan.made) plan.kept.attributes.push_back(a.name);
   }
-  if (!plan.kept.input) {
-    if (!plan.graph.dropped.empty()) plan.kept.input = std::move(index);
-    return;
-  }
-  for (std::size_t& f : *plan.kept.input) f = index[f];
-}
-
-/// Finds the made attributes that are written, and notes them in the graph.
-void find_written(ChainPlan& plan, const Schema& input) {
-  plan.made = plan.graph.made_attributes();
-  if (plan.graph.drops)
-    keep_what_is_not_dropped(plan, input);
-  else if (!plan.chain.keep.empty()) {
-    plan.kept = kept_fields(plan.chain.keep, plan.made, input);
-    plan.made = only(plan.made, {plan.kept.attributes.begin(), plan.kept.attributes.end()});
-  }
+  if (plan.kept.input)
+    for (std::size_t& f : *plan.kept.input) f = index[f];
+  else if (!plan.graph.dropped.empty())
+    plan.kept.input = std::move(index);
   for (const std::size_t v : plan.graph.made)
     plan.graph.versions[v].is_written =
         std::ranges::find(plan.made, plan.graph.versions[v].attribute.name, &Attribute::name) != plan.made.end();
   if (plan.made.empty() && !plan.selects() && !plan.graph.drops && !plan.chain.stages.empty())
     fail_usage(
         "the pipeline computes nothing; add an operator, as in knn(k=8) | normals, or leave the pipeline out to copy "
-        "the "
-        "points.");
+        "the points.");
 }
 
 bool orders_by_moved_positions(const ChainGraph& graph) {
@@ -198,6 +213,16 @@ void find_order(ChainPlan& plan, const Schema& input, bool ordered) {
 
 }  // namespace
 
+Chain with_named_neighborhoods(Chain chain) {
+  chain.neighborhood = closed(std::move(chain.neighborhood), chain.stages, 0);
+  for (std::size_t s = 0; s < chain.stages.size(); ++s) {
+    const auto* next = std::get_if<Reneighbor>(&chain.stages[s]);
+    if (next != nullptr && next->neighborhood)
+      chain.stages[s] = Reneighbor(closed(*next->neighborhood, chain.stages, s + 1));
+  }
+  return chain;
+}
+
 ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs) {
   ChainPlan plan;
   plan.chain = with_named_neighborhoods(chain);
@@ -209,7 +234,7 @@ ChainPlan plan_chain(const Chain& chain, const Schema& input, OutputNeeds needs)
   Names needed;
   for (const Attribute& a : plan.made) needed.insert(a.name);
   if (plan.by_moved_positions) needed.insert(stream_position_attribute().name);
-  std::vector<Draft> drafts = draft_passes(PassSchedule(plan.graph).passes(), plan.graph);
+  std::vector<Draft> drafts = draft_passes(schedule_passes(plan.graph), plan.graph);
   find_needed(drafts, std::move(needed), plan.graph, read);
   if (drafts.empty()) drafts.emplace_back().pass.kind = PassKind::rows;  // the chain is empty or only drops attributes
   if (plan.graph.moved_bounds) drafts.back().pass.reduces.push_back(*plan.graph.moved_bounds);

@@ -173,13 +173,13 @@ class FoundRecords {
   FoundRecords(const InOrderOperator& op, const InOrderPass& run)
       : run_(run), filled_(run.pass.fill_record()), dropped_(filled_) {
     const std::vector<Attribute> made = op.in_order_contract().makes;
-    for (const Attribute& a : made) value_bytes_ += a.bytes();
+    value_bytes_ = bytes_of(made);
     std::size_t to = 0;
     for (const Attribute& kept : run.pass.made) {
       if (kept.name == selection_attribute().name)
         dropped_[to] = std::byte{0};
       else
-        kept_.add(offset_of(kept, made), to, kept.bytes());
+        kept_.add(offset_in(made, kept.name).value(), to, kept.bytes());
       to += kept.bytes();
     }
   }
@@ -196,12 +196,6 @@ class FoundRecords {
   }
 
  private:
-  static std::size_t offset_of(const Attribute& kept, const std::vector<Attribute>& made) {
-    std::size_t at = 0, a = 0;
-    while (made[a].name != kept.name) at += made[a++].bytes();
-    return at;
-  }
-
   /// In a part, removes the findings about rows outside of the results, and numbers the other rows like the results.
   void keep_own_rows(Findings& found) const {
     if (!run_.is_part) return;
@@ -244,7 +238,7 @@ PlacedSource::PlacedSource(const PointSource& from, const std::vector<std::size_
   source = {placement->schema(), from.count, placing(from.read, placement)};
   if (from.for_thread) {
     std::vector<std::size_t> wanted = fields;
-    for (const char* axis : kAxisNames) wanted.push_back(from.schema.find(axis).value());
+    for (const std::size_t axis : position_columns(from.schema)) wanted.push_back(axis);
     source.for_thread = [make = from.for_thread, wanted, placement](const std::vector<std::size_t>&) -> ReadRows {
       ReadRows own = make(wanted);
       return own ? placing(std::move(own), placement) : ReadRows();

@@ -8,8 +8,8 @@
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
-PassValues::PassValues(const PlannedPass& pass, const Schema& input) : input_bytes_(input.stride) {
-  for (const Attribute& a : pass.carried) carried_bytes_ += a.bytes();
+PassValues::PassValues(const PlannedPass& pass, const Schema& input)
+    : carried_bytes_(pass.carried_bytes()), input_bytes_(input.stride) {
   for (const PlannedValue& value : pass.values) {
     Sum& sum = sums_.emplace_back();
     sum.value = value;

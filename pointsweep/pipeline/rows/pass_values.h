@@ -45,7 +45,7 @@ class PassValues {
   Component of_input(const Attribute& attribute, std::size_t c, const Schema& input);
 
   std::vector<Sum> sums_;
-  std::size_t carried_bytes_ = 0, input_bytes_;
+  std::size_t carried_bytes_, input_bytes_;
   bool needs_input_ = false;
 };
 

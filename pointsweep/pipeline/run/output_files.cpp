@@ -175,12 +175,7 @@ std::optional<MovedPoints> moved_points(const Context& context, const Rows& rows
   const std::vector<OutputFormat> written = output_formats(context.outputs);
   const auto on_grid = std::ranges::find_if(written, [](const OutputFormat& o) { return o.format->needs_bounds; });
   const auto values = values_if_needed(context, on_grid->format);
-  const std::string position = position_attribute().name;
-  std::size_t at = 0;
-  for (const Attribute& a : context.plan.passes.back().carried) {
-    if (a.name == position) break;
-    at += a.bytes();
-  }
+  const std::size_t at = offset_in(context.plan.passes.back().carried, position_attribute().name).value();
   return MovedPoints{*bounds, values ? values->grid : std::nullopt, rows.carried.get(), at};
 }
 

@@ -9,11 +9,11 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/survey.h"
-#include "pointsweep/pipeline/language/length_units.h"
+#include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/plan/output_layout.h"
-#include "pointsweep/pipeline/rows/cropped_input.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/run/request.h"
 
@@ -52,9 +52,7 @@ std::string columns_text(const std::vector<ColumnPlan>& columns) {
 
 /// Returns a line such as "12 bytes a point: normal (nx ny nz float32)".
 std::string attributes_text(const std::vector<Attribute>& attributes) {
-  std::size_t bytes = 0;
-  for (const Attribute& a : attributes) bytes += a.bytes();
-  std::string text = fmt::format("{} bytes a point:", bytes);
+  std::string text = fmt::format("{} bytes a point:", bytes_of(attributes));
   for (const Attribute& a : attributes) {
     text += fmt::format(" {} (", a.name);
     for (std::size_t i = 0; i < a.fields.size(); ++i) text += (i == 0 ? "" : " ") + a.fields[i];

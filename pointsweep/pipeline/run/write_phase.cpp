@@ -38,8 +38,7 @@ void write_made(const Context& context, std::size_t p, const Rows& rows, RowStor
 
 /// Writes the rows after the last pass.
 void write_rows(const Context& context, const Rows& rows, OutputFiles& files) {
-  std::size_t bytes = 0;
-  for (const Attribute& a : context.plan.made) bytes += a.bytes();
+  const std::size_t bytes = bytes_of(context.plan.made);
   const std::size_t stride = bytes != 0 ? bytes : context.cloud.schema().stride;
   const std::uint64_t chunk = std::max<std::size_t>(1, (std::size_t{4} << 20) / stride), count = context.cloud.count();
   ParallelRows inputs(context.cloud_source());
