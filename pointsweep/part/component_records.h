@@ -7,16 +7,25 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <vector>
 
 #include "pointsweep/connect/forest_log.h"
 #include "pointsweep/connect/vote_rule.h"
+#include "pointsweep/order/row_store.h"
+#include "pointsweep/part/tile_graph.h"
 #include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
 
+/// The label of a row without a component.
 inline constexpr std::uint64_t kNoLabel = ~std::uint64_t{0};
 inline constexpr Encoding kSegmentsEncoding{"joined components of a tile", 1};
-inline constexpr std::size_t kLabelsAtOnce = 4096;
+
+/// Returns a store with kNoLabel for each row of a tile.
+inline RowStore store_of_labels(std::uint64_t rows, const TileGraphSetup& setup) {
+  const std::vector<std::byte> none(sizeof kNoLabel, std::byte{0xff});
+  return {rows, none, setup.spill, std::max<std::uint64_t>(setup.memory_bytes / 4, 1 << 20)};
+}
 
 /// A vote rule that sums the votes of another rule without concluding them, so that components of several tiles can be
 /// joined later. If the other rule is null, there are no votes. turns() is not forwarded, because edges without weights

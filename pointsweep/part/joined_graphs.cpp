@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <queue>
-#include <tuple>
 #include <utility>
 
 #include "pointsweep/cancellation.h"
@@ -170,25 +169,18 @@ void join_crossings(const Storage& scratch, const TileCatalogue& tiles, const st
   struct From {
     std::uint64_t to;
     Node node;
-    bool operator<(const From& other) const { return std::tie(to, node) < std::tie(other.to, other.node); }
+    auto operator<=>(const From&) const = default;
   };
   const auto crossings_of = [&](std::size_t t) {
-    return std::make_unique<const RecordList>(scratch, names[t] + ".crossings", sizeof(Crossing));
+    return RecordList(scratch, names[t] + ".crossings", sizeof(Crossing));
   };
   std::uint64_t count = 0;
-  for (std::size_t t = 0; t < names.size(); ++t) count += crossings_of(t)->count();
+  for (std::size_t t = 0; t < names.size(); ++t) count += crossings_of(t).count();
   SortedRecords<From, std::less<>> all(setup.make_scratch, setup.memory_bytes, count);
-  for (std::size_t t = 0; t < names.size(); ++t) {
-    const auto opened = crossings_of(t);
-    const RecordList& list = *opened;
-    std::vector<Crossing> crossings;
-    for (std::uint64_t first = 0; first < list.count(); first += crossings.size()) {
-      stop_if_cancelled();
-      crossings.resize(std::min<std::uint64_t>(kLabelsAtOnce, list.count() - first));
-      list.read(first, std::as_writable_bytes(std::span(crossings)));
+  for (std::size_t t = 0; t < names.size(); ++t)
+    for_each_piece<Crossing>(crossings_of(t), [&](std::uint64_t, std::span<const Crossing> crossings) {
       for (const Crossing& c : crossings) all.add({c.from, {t, c.to}});
-    }
-  }
+    });
   all.finish();
   std::size_t tile = names.size();
   std::optional<RecordList> labels;

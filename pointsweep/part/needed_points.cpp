@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -52,7 +53,7 @@ class Chooser {
   std::vector<bool> needed(const std::vector<Box>& boxes, const std::vector<Candidate>& candidates) const {
     std::vector<bool> chosen(candidates.size());
     std::vector<std::size_t> all(candidates.size());
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+    std::iota(all.begin(), all.end(), std::size_t{0});
     if (!boxes.empty()) choose(boxes, 0, boxes.size(), candidates, std::move(all), chosen);
     return chosen;
   }
@@ -179,15 +180,16 @@ class BlockSource {
   std::uint64_t count_ = 0;
 };
 
-PointSource source_of(std::shared_ptr<const BlockSource> blocks, const Schema& schema) {
-  const auto reading = [blocks = std::move(blocks)]() -> ReadRows {
+PointSource source_of(const std::shared_ptr<const BlockSource>& blocks, const Schema& schema) {
+  const auto reading = [blocks]() -> ReadRows {
     return [blocks, block = std::vector<std::byte>()](std::uint64_t row, std::span<std::byte> records) mutable {
       return blocks->read(row, records, block);
     };
   };
-  return {.schema = schema, .count = 0, .read = reading(), .for_thread = [reading](const std::vector<std::size_t>&) {
-            return reading();
-          }};
+  return {.schema = schema,
+          .count = blocks->count(),
+          .read = reading(),
+          .for_thread = [reading](const std::vector<std::size_t>&) { return reading(); }};
 }
 
 std::vector<Box> own_boxes(const TileIndex& tile, const Chooser& chooser) {
@@ -232,8 +234,7 @@ std::function<bool(Vec3, double)> beyond(const TileIndex& own, double reach) {
 
 std::uint64_t points_in(const TileCatalogue& tiles) {
   std::uint64_t points = 0;
-  for (const TileSummary& tile : tiles.tiles)
-    for (const TileRegion& region : tile.regions) points += region.count;
+  for (const TileGroup& group : tiles.groups) points += group.count;
   return points;
 }
 
@@ -272,7 +273,6 @@ NeededPoints needed_points(const Storage& scratch, const TileCatalogue& tiles, s
   const std::uint64_t points = source->count();
   if (own.nonfinite > 0) source->add_nonfinite(own_number);
   NeededPoints needed{source_of(source, schema), tiles.tiles[number].first_row, own.rows - own.nonfinite, points};
-  needed.source.count = source->count();
   if (reach.is_guess && points < points_in(tiles)) needed.may_lack = beyond(own, reach.distance);
   return needed;
 }
@@ -287,9 +287,7 @@ NeededPoints needed_of_other(const Storage& scratch, const TileCatalogue& tiles,
   std::vector<Candidate> blocks = needed_blocks(*reader, other, own_boxes(own, chooser), chooser);
   if (blocks.empty()) blocks = any_block(other);  // operators refuse another cloud without points
   add_blocks(*source, blocks);
-  NeededPoints needed{source_of(source, schema), 0, 0, source->count()};
-  needed.source.count = source->count();
-  return needed;
+  return {source_of(source, schema), 0, 0, source->count()};
 }
 
 }  // namespace pointsweep

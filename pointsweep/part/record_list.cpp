@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/part/record_list.h"
 
-#include <algorithm>
 #include <cstring>
 
 #include "pointsweep/fail.h"

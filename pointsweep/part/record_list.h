@@ -3,6 +3,7 @@
 /// index; each chunk of records has a checksum.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -11,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/storage/storage.h"
 
 namespace pointsweep {
@@ -57,5 +59,19 @@ class RecordList {
   mutable std::uint64_t chunk_number_ = ~std::uint64_t{0};
   mutable std::vector<std::byte> chunk_;  ///< records of the chunk `chunk_number_`, then their checksum
 };
+
+/// Calls use(first, records) for all records of a list in order, some at a time; `first` is the number of the first of
+/// them. Record: a type whose bytes the list stores.
+template <class Record, class Use>
+void for_each_piece(const RecordList& list, const Use& use) {
+  constexpr std::uint64_t kAtOnce = 4096;
+  std::vector<Record> records;
+  for (std::uint64_t first = 0; first < list.count(); first += records.size()) {
+    stop_if_cancelled();
+    records.resize(std::min(kAtOnce, list.count() - first));
+    list.read(first, std::as_writable_bytes(std::span(records)));
+    use(first, std::span<const Record>(records));
+  }
+}
 
 }  // namespace pointsweep

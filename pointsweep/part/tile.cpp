@@ -7,12 +7,10 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <numbers>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 #include "pointsweep/fail.h"
@@ -20,6 +18,7 @@
 #include "pointsweep/points/record_map.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/search/cut.h"
+#include "pointsweep/storage/sealed_value.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -302,14 +301,12 @@ void store_no_points(Storage& scratch, const std::string& name) {
 }
 
 TileIndex tile_index(const Storage& scratch, const std::string& name) {
-  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(scratch, name + ".index");
-  if (!bytes) fail("{}.index: is damaged.", name);
-  return decoded<TileIndex>(*bytes);
+  return sealed_value<TileIndex>(scratch, name + ".index");
 }
 
 double expected_reach(const TileIndex& tile, const Neighborhood& what) {
-  constexpr double kAllowance =
-      4;  // in a tile of uneven density, the lists of most points end within this multiple of the median reach
+  // In a tile of uneven density, the lists of most points end within this multiple of the median reach.
+  constexpr double kAllowance = 4;
   if (what.k == Neighborhood::kUnlimited || tile.blocks.empty()) return what.radius;
   std::vector<double> reaches;
   for (const TileBlock& block : tile.blocks) reaches.push_back(reach_in(block, what.k));

@@ -2,7 +2,6 @@
 #include "pointsweep/part/tile_forest.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <map>
 #include <optional>
@@ -16,7 +15,6 @@
 #include "pointsweep/part/component_records.h"
 #include "pointsweep/part/record_list.h"
 #include "pointsweep/part/stored_graph.h"
-#include "pointsweep/points/sorted_records.h"
 #include "pointsweep/storage/sealed_value.h"
 
 namespace pointsweep {
@@ -56,12 +54,8 @@ struct SignOfPoint {
 };
 
 OpenForest forest_left(const Storage& scratch, const std::string& name, const VoteRule* votes) {
-  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(scratch, name + ".forest");
-  if (!bytes) fail("{}.forest: is damaged.", name);
-  Decoder in(*bytes);
-  OpenForest forest = decode_open_forest(in, votes != nullptr ? votes->bytes() : 0);
-  in.finish();
-  return forest;
+  return sealed_value(scratch, name + ".forest",
+                      [&](Decoder& in) { return decode_open_forest(in, OpenVotes(votes).bytes()); });
 }
 
 void seal_forest(Storage& scratch, const std::string& name, const OpenForest& forest) {
@@ -73,8 +67,6 @@ void seal_forest(Storage& scratch, const std::string& name, const OpenForest& fo
 bool turns(const VoteRule* votes, const std::byte* component) {
   return votes != nullptr && votes->turns(component + sizeof(FinishedComponent));
 }
-
-std::size_t result_bytes_of(const VoteRule* votes) { return votes != nullptr ? votes->result_bytes() : 0; }
 
 /// Seals the signs of the supernodes of each tile under KEY-TILE. `signs` holds one byte for each supernode, tile after
 /// tile; `ends` holds the number of supernodes up to the end of each tile.
@@ -108,20 +100,14 @@ void find_borders(Storage& scratch, const TileCatalogue& tiles, const std::vecto
   for (std::size_t t = 0; t < names.size(); ++t) count += crossings_of(t).count();
   SortedRecords<BorderEnd, std::less<>> ends(setup.make_scratch, setup.memory_bytes / 4, 2 * count);
   SortedRecords<BorderEdge, std::less<>> edges(setup.make_scratch, setup.memory_bytes / 2, count);
-  for (std::size_t t = 0; t < names.size(); ++t) {
-    const RecordList list = crossings_of(t);
-    std::vector<ForestEdge> some;
-    for (std::uint64_t first = 0; first < list.count(); first += some.size()) {
-      stop_if_cancelled();
-      some.resize(std::min<std::uint64_t>(kLabelsAtOnce, list.count() - first));
-      list.read(first, std::as_writable_bytes(std::span(some)));
+  for (std::size_t t = 0; t < names.size(); ++t)
+    for_each_piece<ForestEdge>(crossings_of(t), [&](std::uint64_t, std::span<const ForestEdge> some) {
       for (const ForestEdge& edge : some) {
         const std::uint64_t later = std::max(tiles.tile_of(edge.a.row), tiles.tile_of(edge.b.row));
         edges.add({later, edge});
         for (const std::uint64_t row : {edge.a.row, edge.b.row}) ends.add({row, later});
       }
-    }
-  }
+    });
   ends.finish();
   edges.finish();
   std::optional<BorderEnd> end = ends.next();
@@ -144,19 +130,17 @@ void find_borders(Storage& scratch, const TileCatalogue& tiles, const std::vecto
 void leave_forest(Storage& scratch, const std::string& graph, const std::string& border, RowsOfTile rows,
                   const TileGraphSetup& setup, const std::string& name) {
   const VoteRule* const votes = setup.votes;
-  const StoredGraph edges(scratch, graph, votes != nullptr ? votes->ballot_bytes() : 0);
+  const StoredGraph edges(scratch, graph, OpenVotes(votes).ballot_bytes());
   RowTable<bool> open;
   for (const TileBorder::Point& point : sealed_value<TileBorder>(scratch, border).points) open.add(point.row);
-  ForestLog log(setup.make_scratch, result_bytes_of(votes));
+  ForestLog log(setup.make_scratch, OpenVotes(votes).concluded_bytes());
   SpanningForest forest(true, votes, log);
   const auto stays_open = [&](std::uint64_t row) { return open.find(row) != nullptr; };
   grow(forest, edges, {stays_open, setup.progress});
   const std::uint64_t whole = log.components().count();
   seal_forest(scratch, name, forest.leave());
   log.finish();
-  std::vector<std::byte> none(sizeof kNoLabel);
-  std::memcpy(none.data(), &kNoLabel, sizeof kNoLabel);
-  RowStore labels(rows.count, none, setup.spill, std::max<std::uint64_t>(setup.memory_bytes / 4, 1 << 20));
+  RowStore labels = store_of_labels(rows.count, setup);
   BatchedRows put(labels, sizeof kNoLabel);
   const auto label_of = [&](std::uint64_t component, const std::byte* record) {
     if (component < whole) return ComponentLabel{.number = SignOfPoint::kWhole, .flips = turns(votes, record)};
@@ -178,7 +162,7 @@ void leave_no_forest(Storage& scratch, const std::string& name) { seal_forest(sc
 /// this tile and earlier tiles, and closes the points that have no edges to later tiles.
 void join_forests(Storage& scratch, const std::vector<std::string>& names, const std::string& borders,
                   const TileGraphSetup& setup, const std::string& key) {
-  ForestLog log(setup.make_scratch, result_bytes_of(setup.votes));
+  ForestLog log(setup.make_scratch, OpenVotes(setup.votes).concluded_bytes());
   SpanningForest forest(true, setup.votes, log);
   std::map<std::uint64_t, std::vector<std::uint64_t>> closing;  // for each tile, rows of the points that close after it
   std::vector<std::uint64_t> ends;                              // for each tile, number of supernodes up to its end
@@ -209,28 +193,22 @@ void join_forests(Storage& scratch, const std::vector<std::string>& names, const
 
 void for_each_sign(const Storage& scratch, const std::string& name, const std::string& key, std::size_t tile,
                    const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) {
-  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(scratch, of_tile(key, tile));
-  if (!bytes) fail("{}: is damaged.", of_tile(key, tile));
-  Decoder in(*bytes);
-  in.begin(kSignsEncoding);
-  const std::vector<std::byte> signs = in.get_bytes();
-  in.finish();
-  const RecordList labels(scratch, name + ".labels", sizeof kNoLabel);
-  std::array<std::uint64_t, kLabelsAtOnce> some;
-  for (std::uint64_t first = 0; first < labels.count(); first += some.size()) {
-    stop_if_cancelled();
-    const std::size_t n = std::min<std::uint64_t>(some.size(), labels.count() - first);
-    labels.read(first, std::as_writable_bytes(std::span(some).first(n)));
-    for (std::size_t i = 0; i < n; ++i) {
-      if (some[i] == kNoLabel) continue;
-      SignOfPoint point = SignOfPoint::of(some[i]);
+  const std::vector<std::byte> signs = sealed_value(scratch, of_tile(key, tile), [](Decoder& in) {
+    in.begin(kSignsEncoding);
+    return in.get_bytes();
+  });
+  const RecordList list(scratch, name + ".labels", sizeof kNoLabel);
+  for_each_piece<std::uint64_t>(list, [&](std::uint64_t first, std::span<const std::uint64_t> labels) {
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      if (labels[i] == kNoLabel) continue;
+      SignOfPoint point = SignOfPoint::of(labels[i]);
       if (point.supernode != SignOfPoint::kWhole) {
         if (point.supernode >= signs.size()) fail("{}.labels: is damaged.", name);
         point.flips ^= signs[point.supernode] != std::byte{0};
       }
       use(first + i, {.flips = point.flips});
     }
-  }
+  });
 }
 
 }  // namespace pointsweep

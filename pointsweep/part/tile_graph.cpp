@@ -2,7 +2,6 @@
 #include "pointsweep/part/tile_graph.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <optional>
 
@@ -12,6 +11,7 @@
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/part/component_records.h"
 #include "pointsweep/part/record_list.h"
+#include "pointsweep/storage/sealed_value.h"
 
 namespace pointsweep {
 namespace {
@@ -45,16 +45,13 @@ void write_crossings(SortedCrossings& by_target, Storage& scratch, const std::st
 }
 
 std::vector<Segment> segments_of(const Storage& scratch, const std::string& key) {
-  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(scratch, key);
-  if (!bytes) fail("{}: is damaged.", key);
-  Decoder in(*bytes);
-  in.begin(kSegmentsEncoding);
-  std::vector<Segment> segments = in.get_list<Segment>([&] {
-    const auto first = in.get<std::uint64_t>();
-    return Segment{first, in.get<std::uint64_t>()};
+  return sealed_value(scratch, key, [](Decoder& in) {
+    in.begin(kSegmentsEncoding);
+    return in.get_list<Segment>([&] {
+      const auto first = in.get<std::uint64_t>();
+      return Segment{first, in.get<std::uint64_t>()};
+    });
   });
-  in.finish();
-  return segments;
 }
 
 }  // namespace
@@ -82,9 +79,7 @@ void leave_graph(const EdgeBuckets& own, SortedCrossings& crossings, RowsOfTile 
   const OpenVotes votes(setup.votes);
   const ComponentsSetup of_tile{&votes, setup.make_scratch, setup.memory_bytes / 4, setup.progress};
   const Components components(own, of_tile);
-  std::vector<std::byte> none(sizeof kNoLabel);
-  std::memcpy(none.data(), &kNoLabel, sizeof kNoLabel);
-  RowStore labels(rows.count, none, setup.spill, std::max<std::uint64_t>(setup.memory_bytes / 4, 1 << 20));
+  RowStore labels = store_of_labels(rows.count, setup);
   BatchedRows put(labels, sizeof kNoLabel);
   components.for_each_point([&](std::uint64_t row, const ComponentLabel& label) {
     std::memcpy(put.add(row - rows.first), &label.number, sizeof label.number);
@@ -119,16 +114,12 @@ void for_each_label(const Storage& scratch, const std::string& name, const std::
     std::uint64_t component, row;
     auto operator<=>(const LabelOfRow&) const = default;
   };
-  RecordList labels(scratch, name + ".labels", sizeof(std::uint64_t));
-  SortedRecords<LabelOfRow, std::less<>> sorted(setup.make_scratch, setup.memory_bytes, labels.count());
-  std::array<std::uint64_t, kLabelsAtOnce> some;
-  for (std::uint64_t first = 0; first < labels.count(); first += some.size()) {
-    stop_if_cancelled();
-    const std::size_t n = std::min<std::uint64_t>(some.size(), labels.count() - first);
-    labels.read(first, std::as_writable_bytes(std::span(some).first(n)));
-    for (std::size_t i = 0; i < n; ++i)
-      if (some[i] != kNoLabel) sorted.add({some[i], first + i});
-  }
+  const RecordList list(scratch, name + ".labels", sizeof(std::uint64_t));
+  SortedRecords<LabelOfRow, std::less<>> sorted(setup.make_scratch, setup.memory_bytes, list.count());
+  for_each_piece<std::uint64_t>(list, [&](std::uint64_t first, std::span<const std::uint64_t> labels) {
+    for (std::size_t i = 0; i < labels.size(); ++i)
+      if (labels[i] != kNoLabel) sorted.add({labels[i], first + i});
+  });
   sorted.finish();
   std::vector<std::byte> record(kNumberedBytes + OpenVotes(setup.votes).concluded_bytes());
   RecordList numbers(scratch, key + ".numbers", record.size());

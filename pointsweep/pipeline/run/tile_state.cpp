@@ -2,7 +2,6 @@
 #include "pointsweep/pipeline/run/tile_state.h"
 
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "pointsweep/fail.h"
@@ -59,17 +58,15 @@ void seal_values(Storage& scratch, const std::string& key, const CloudValues& va
 }
 
 CloudValues sealed_values(const Storage& scratch, const std::string& key) {
-  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(scratch, key);
-  if (!bytes) fail("{}: is damaged.", key);
-  CloudValues values;
-  Decoder in(*bytes);
-  in.begin(kValuesEncoding);
-  for (std::uint64_t i = 0, count = in.get_count(); i < count; ++i) {
-    const auto number = in.get<std::uint64_t>();
-    values[number] = in.get_numbers<double>();
-  }
-  in.finish();
-  return values;
+  return sealed_value(scratch, key, [](Decoder& in) {
+    CloudValues values;
+    in.begin(kValuesEncoding);
+    for (std::uint64_t i = 0, count = in.get_count(); i < count; ++i) {
+      const auto number = in.get<std::uint64_t>();
+      values[number] = in.get_numbers<double>();
+    }
+    return values;
+  });
 }
 
 }  // namespace pointsweep
