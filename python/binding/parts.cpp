@@ -52,6 +52,8 @@ struct PartRequest {
       outputs.tiles = std::move(to);
   }
 
+  SharedRequest shared() { return {cloud.inputs(), chain, outputs, options}; }
+
   EngineOptions options;
   Cloud cloud;
   Facts facts;
@@ -103,8 +105,7 @@ nb::tuple planned_parts(const nb::list& source, const nb::list& pipeline, const 
                         const nb::dict& given, std::vector<std::filesystem::path> to) {
   PartRequest request(source, pipeline, keep, given, std::move(to));
   PartPlan planned;
-  call_watched(request,
-               [&] { planned = plan_parts(request.cloud.inputs(), request.chain, request.outputs, request.options); });
+  call_watched(request, [&] { planned = plan_parts(request.shared()); });
   nb::list rounds;
   for (const PartRound& round : planned.rounds) rounds.append(tuple_of(round));
   nb::dict others;
@@ -143,9 +144,7 @@ nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, 
   PartDone done;
   reuse_free_memory();
   call_watched(
-      request,
-      [&] { done = run_part(request.cloud.inputs(), request.chain, request.outputs, request.options, wanted, *place); },
-      progress);
+      request, [&] { done = run_part(request.shared(), wanted, *place); }, progress);
   return nb::make_tuple(done.rows, done.own_points, done.swept_points, to_json(done.statistics));
 }
 
@@ -163,9 +162,7 @@ void join_the_values(const std::filesystem::path& scratch, const nb::list& sourc
   PartRequest request(source, pipeline, keep, given, std::move(to), facts);
   const std::unique_ptr<Storage> place = shared_storage(scratch);
   const PartRound of = round_of(round);
-  call_watched(request, [&] {
-    join_values(request.cloud.inputs(), request.chain, request.outputs, request.options, of, *place, before, left, key);
-  });
+  call_watched(request, [&] { join_values(request.shared(), of, *place, before, left, key); });
 }
 
 void join_the_graph(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
@@ -175,10 +172,7 @@ void join_the_graph(const std::filesystem::path& scratch, const nb::list& source
   PartRequest request(source, pipeline, keep, given, std::move(to), facts);
   const std::unique_ptr<Storage> place = shared_storage(scratch);
   const PartRound of = round_of(round);
-  call_watched(request, [&] {
-    join_graph(request.cloud.inputs(), request.chain, request.outputs, request.options, of, *place,
-               {catalogue, borders}, left, key);
-  });
+  call_watched(request, [&] { join_graph(request.shared(), of, *place, {catalogue, borders}, left, key); });
 }
 
 void join_the_pieces(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
@@ -186,9 +180,7 @@ void join_the_pieces(const std::filesystem::path& scratch, const nb::list& sourc
                      const nb::object& facts, const std::vector<std::string>& left, const std::string& key) {
   PartRequest request(source, pipeline, keep, given, std::move(to), facts);
   const std::unique_ptr<Storage> place = shared_storage(scratch);
-  call_watched(request, [&] {
-    join_cuts(request.cloud.inputs(), request.chain, request.outputs, request.options, *place, left, key);
-  });
+  call_watched(request, [&] { join_pieces(request.shared(), *place, left, key); });
 }
 
 /// Removes incomplete files of the outputs that killed workers have left. Lists each folder once.

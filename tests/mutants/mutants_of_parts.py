@@ -30,7 +30,7 @@ MUTANTS = [
     Mutant("a part forgets which rows are left", "parts", RUN,
            "if (!state.mask.empty()) {", "if (state.mask.size() > 1000000) {", TESTS),
     Mutant("rows of each tile are numbered from 0", "parts", RUN,
-           "input_of_chain(given_tile, plan, task.first_row)", "input_of_chain(given_tile, plan)", TESTS),
+           "input_of_chain(given.cloud, plan, task.first_row)", "input_of_chain(given.cloud, plan)", TESTS),
     Mutant("an operator in order knows the points of its tile alone", "parts", PART + "needed_points.cpp",
            "  add_blocks(*source, blocks);\n  const std::uint64_t points", "  const std::uint64_t points", TESTS),
     Mutant("the nearest of a box are as near as its nearest corner", "parts", PART + "needed_points.cpp",

@@ -261,7 +261,7 @@ void divide_in_tasks(std::vector<fs::path> inputs, const fs::path& out, EngineOp
   InputCloud cloud(inputs);
   const Chain chain;
   const Outputs outputs{.points = out};
-  const DivisionRequest request{cloud, chain, outputs, options};
+  const SharedRequest request{cloud, chain, outputs, options};
   EXPECT_GE(piece_bytes(request), cloud.schema().stride);
   EXPECT_EQ(plan_ranges(request).size(), inputs.size());
   SharedFolder place(scratch);
@@ -269,7 +269,7 @@ void divide_in_tasks(std::vector<fs::path> inputs, const fs::path& out, EngineOp
   const std::uint64_t rows = cloud.count() / tasks;
   EngineOptions allowed = options;
   allowed.overwrite = true;
-  const DivisionRequest of_task{cloud, chain, outputs, allowed};
+  const SharedRequest of_task{cloud, chain, outputs, allowed};
   for (std::size_t task = 0; task <= tasks; ++task) {
     names.push_back(fmt::format("00-{}-a", task));
     const std::uint64_t last = task == tasks ? cloud.count() : (task + 1) * rows;

@@ -37,7 +37,7 @@ class RunInParts {
   void perform() {
     InputCloud all(inputs_);
     facts_ = facts_of(all);
-    const PartPlan plan = plan_parts(all, chain(), {.tiles = outputs(inputs_)}, options_);
+    const PartPlan plan = plan_parts({all, chain(), {.tiles = outputs(inputs_)}, options_});
     options_.nonfinite = plan.nonfinite;
     std::vector<std::string> paths;
     for (const auto& path : inputs_) paths.push_back(path.string());
@@ -70,12 +70,12 @@ class RunInParts {
       if (borders || task.round.join == PartJoin::components) {
         std::string& key = borders ? task.borders : task.components;
         key = "joined-" + std::to_string(r);
-        join_graph(first, chain(), {.tiles = outputs({inputs_.front()})}, options_, task.round, scratch_,
+        join_graph({first, chain(), {.tiles = outputs({inputs_.front()})}, options_}, task.round, scratch_,
                    {task.catalogue, task.borders}, left, key);
       }
       if (task.round.join != PartJoin::values) continue;
       const std::string before = std::exchange(task.values, "values-" + std::to_string(r));
-      join_values(first, chain(), {.tiles = outputs({inputs_.front()})}, options_, task.round, scratch_, before, left,
+      join_values({first, chain(), {.tiles = outputs({inputs_.front()})}, options_}, task.round, scratch_, before, left,
                   task.values);
     }
   }
@@ -105,7 +105,7 @@ class RunInParts {
   }
   PartDone perform(const PartTask& task) {
     InputCloud tile({inputs_[task.tile]});
-    return run_part(tile, chain(), {.tiles = outputs({inputs_[task.tile]})}, options_, task, scratch_);
+    return run_part({tile, chain(), {.tiles = outputs({inputs_[task.tile]})}, options_}, task, scratch_);
   }
 
   std::vector<std::filesystem::path> inputs_;
@@ -441,8 +441,8 @@ TEST_F(PartRun, IsRefusedWhereOneProcessIsNeeded) {
   sweep_order.order = Order::sweep;
   Outputs tiles;
   for (const auto& input : inputs_) tiles.tiles.push_back(folder_ / "parts" / input.filename());
-  EXPECT_THROW(plan_parts(cloud, normals, tiles, sweep_order), UsageError);
-  EXPECT_THROW(plan_parts(cloud, normals, {.points = folder_ / "one.ply"}, options()), UsageError);
+  EXPECT_THROW(plan_parts({cloud, normals, tiles, sweep_order}), UsageError);
+  EXPECT_THROW(plan_parts({cloud, normals, {.points = folder_ / "one.ply"}, options()}), UsageError);
 }
 
 TEST_F(PartRun, IsRefusedWhereTilesCoverEachOther) {
@@ -458,7 +458,7 @@ TEST_F(PartRun, IsRefusedWhereTilesCoverEachOther) {
       tiles.tiles.push_back(folder_ / "parts" / input.filename());
     }
     InputCloud cloud(inputs_);
-    plan_parts(cloud, build_chain(parse_pipeline("normals"), cloud), tiles, options());
+    plan_parts({cloud, build_chain(parse_pipeline("normals"), cloud), tiles, options()});
   };
   EXPECT_NO_THROW(plan(3));
   std::filesystem::remove_all(folder_ / "parts");

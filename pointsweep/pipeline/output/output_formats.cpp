@@ -203,9 +203,7 @@ void require_division_possible(const Outputs& outputs, const EngineOptions& opti
 
 std::string OutputNames::warning() const {
   if (replaced.empty()) return "";
-  std::string names;
-  for (const std::string& name : replaced) names += (names.empty() ? "" : ", ") + name;
-  return fmt::format("replacing {} of the input with computed values.", names);
+  return fmt::format("replacing {} of the input with computed values.", fmt::join(replaced, ", "));
 }
 
 OutputNames name_outputs(const Schema& input, const std::string& input_name, const std::vector<Attribute>& made,
@@ -231,6 +229,16 @@ std::vector<OutputFormat> output_formats(const Outputs& outputs) {
   return formats;
 }
 
+bool needs_bounds(const Format* format, const Schema& schema, const FileLayout& layout) {
+  return format != nullptr && format->needs_bounds != nullptr && format->needs_bounds(schema, layout);
+}
+
+std::shared_ptr<KnownValues> values_if_needed(const Format* format, InputCloud& cloud, const FileLayout& layout,
+                                              const std::function<void(std::uint64_t rows)>& progress) {
+  if (format == nullptr || format->values == nullptr) return nullptr;
+  return std::make_shared<KnownValues>(format->values(cloud, layout, progress));
+}
+
 OutputNames names_in_outputs(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
                              const EngineOptions& options) {
   const std::string name = cloud.readers().empty() ? "The input" : cloud.readers().front()->info().path.string();
@@ -253,8 +261,7 @@ void require_order_kept(const Outputs& outputs) {
     if (output.format->reorders)
       fail_usage(
           "{}: {} has its points in the order of nodes of an octree; write another format, e.g. LAZ, to have them "
-          "along an "
-          "axis.",
+          "along an axis.",
           output.example.string(), output.format->name);
 }
 

@@ -4,13 +4,16 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "pointsweep/attribute.h"
 #include "pointsweep/crs.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/format.h"
+#include "pointsweep/formats/known_values.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
@@ -47,6 +50,15 @@ struct OutputFormat {
 };
 /// Returns each format of the outputs once. Throws UsageError for a file name whose format cannot be written.
 std::vector<OutputFormat> output_formats(const Outputs& outputs);
+
+/// Returns whether the format of an output, which may be null, needs OutputPlan::bounds before records of `schema` are
+/// written.
+bool needs_bounds(const Format* format, const Schema& schema, const FileLayout& layout);
+
+/// Returns the facts about all values that the format of an output needs before the first record; null if it needs none
+/// or `format` is null. `progress`: see Format::values.
+std::shared_ptr<KnownValues> values_if_needed(const Format* format, InputCloud& cloud, const FileLayout& layout,
+                                              const std::function<void(std::uint64_t rows)>& progress);
 
 /// Returns the names of made attributes in all outputs (name_outputs()). Throws UsageError if a format refuses a name.
 OutputNames names_in_outputs(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,

@@ -34,8 +34,8 @@ Schema listed_schema(const Schema& schema, const std::filesystem::path& output, 
   return format != nullptr && format->real_coordinates ? in_named_order(schema, kept, made) : schema;
 }
 
-}  // namespace
-
+/// Returns the type of x, y and z in the records for `output`, for a chain that makes `made`; absent: the type of the
+/// input.
 std::optional<Type> type_of_positions(const std::vector<Attribute>& made, const std::filesystem::path& output,
                                       const EngineOptions& options) {
   const Format* const format = format_of_output(output);
@@ -46,11 +46,18 @@ std::optional<Type> type_of_positions(const std::vector<Attribute>& made, const 
   return moves_points(made) ? std::optional(Type::f64) : std::nullopt;
 }
 
-OutputPlan plan_of_output(const InputCloud& cloud, const Schema& records, const std::vector<Attribute>& made,
-                          const KeptFields& kept, const Outputs& outputs, const EngineOptions& options,
-                          OutputPlace place, std::vector<std::string> provenance) {
+}  // namespace
+
+OutputLayout layout_of_output(const InputCloud& cloud, const OutputNames& names, const Outputs& outputs,
+                              const EngineOptions& options) {
+  return {cloud.schema(), names.made, names.kept, type_of_positions(names.made, outputs.points, options)};
+}
+
+OutputPlan plan_of_output(const InputCloud& cloud, const Schema& records, const OutputNames& names,
+                          const Outputs& outputs, const EngineOptions& options, OutputPlace place,
+                          std::vector<std::string> provenance) {
   return {.path = outputs.points,
-          .schema = listed_schema(records, outputs.points, kept, made),
+          .schema = listed_schema(records, outputs.points, names.kept, names.made),
           .count = cloud.count(),
           .extras = cloud.extras(),
           .overwrite = options.overwrite,
@@ -58,9 +65,9 @@ OutputPlan plan_of_output(const InputCloud& cloud, const Schema& records, const 
           .crs = cloud.crs(),
           .replaces_crs = cloud.replaces_crs(),
           .las = cloud.las(),
-          .values = of_kept_fields(std::move(place.values), kept),
+          .values = of_kept_fields(std::move(place.values), names.kept),
           .other_extras = cloud.other_extras(),
-          .made = made,
+          .made = names.made,
           .provenance = std::move(provenance),
           .layout = options.layout,
           .encoder_bytes = place.encoder_bytes,
@@ -69,15 +76,14 @@ OutputPlan plan_of_output(const InputCloud& cloud, const Schema& records, const 
           .progress = std::move(place.completing)};
 }
 
-OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept,
-                     const Outputs& outputs, const EngineOptions& options, OutputPlace place,
-                     std::vector<std::string> provenance)
-    : layout_(cloud.schema(), made, kept, type_of_positions(made, outputs.points, options)),
+OutputSet::OutputSet(const InputCloud& cloud, const OutputNames& names, const Outputs& outputs,
+                     const EngineOptions& options, OutputPlace place, std::vector<std::string> provenance)
+    : layout_(layout_of_output(cloud, names, outputs, options)),
       input_stride_(cloud.schema().stride),
-      rounding_(cloud.schema(), made, layout_.schema()),
+      rounding_(cloud.schema(), names.made, layout_.schema()),
       name_(options.division.divides() ? folder_of(outputs.points) : outputs.points) {
   const OutputPlan plan =
-      plan_of_output(cloud, layout_.schema(), made, kept, outputs, options, place, std::move(provenance));
+      plan_of_output(cloud, layout_.schema(), names, outputs, options, place, std::move(provenance));
   if (options.division.divides()) {
     auto divided =
         std::make_unique<DividedWriter>(plan, options.division, DivisionRoom{place.division_bytes, place.scratch});
@@ -87,7 +93,7 @@ OutputSet::OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made
     points_.add(create_writer(plan));
   }
   if (outputs.writer) points_.add(outputs.writer(plan));
-  for (const Attribute& attribute : made) {
+  for (const Attribute& attribute : names.made) {
     for (const auto& [name, path] : outputs.arrays) {
       if (name != attribute.name) continue;
       Schema schema;

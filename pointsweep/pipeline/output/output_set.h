@@ -13,6 +13,7 @@
 #include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output/divided_writer.h"
+#include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/output/output_warnings.h"
 #include "pointsweep/pipeline/plan/output_layout.h"
 
@@ -29,18 +30,23 @@ struct OutputPlace {
   std::function<void(std::uint64_t)> completing = {};  ///< OutputPlan::progress
 };
 
-/// Returns the plan of an output whose records have the schema `records`. `made`, `kept` and `provenance`: see
-/// OutputSet().
-OutputPlan plan_of_output(const InputCloud& cloud, const Schema& records, const std::vector<Attribute>& made,
-                          const KeptFields& kept, const Outputs& outputs, const EngineOptions& options,
-                          OutputPlace place, std::vector<std::string> provenance);
+/// Returns the layout of the records of an output. Throws UsageError if options.positions is set for a format that
+/// stores coordinates as integers. Without options.positions, moved positions are passed to every format as float64; a
+/// format that stores integers rounds them once.
+OutputLayout layout_of_output(const InputCloud& cloud, const OutputNames& names, const Outputs& outputs,
+                              const EngineOptions& options);
+
+/// Returns the plan of an output whose records have the schema `records`. `provenance`: see OutputSet().
+OutputPlan plan_of_output(const InputCloud& cloud, const Schema& records, const OutputNames& names,
+                          const Outputs& outputs, const EngineOptions& options, OutputPlace place,
+                          std::vector<std::string> provenance);
 
 class OutputSet {
  public:
-  /// Throws before any work for unknown formats, existing files, missing folders and unknown attributes. The fields of
-  /// `made` and `kept` already have their names in the outputs (OutputNames); `provenance` is OutputPlan::provenance.
-  OutputSet(const InputCloud& cloud, const std::vector<Attribute>& made, const KeptFields& kept, const Outputs& outputs,
-            const EngineOptions& options, OutputPlace place, std::vector<std::string> provenance = {});
+  /// Throws before any work for unknown formats, existing files, missing folders and unknown attributes. `provenance`
+  /// is OutputPlan::provenance.
+  OutputSet(const InputCloud& cloud, const OutputNames& names, const Outputs& outputs, const EngineOptions& options,
+            OutputPlace place, std::vector<std::string> provenance = {});
 
   const OutputLayout& layout() const { return layout_; }
   /// Returns one sentence for each property that the formats of the files cannot hold.

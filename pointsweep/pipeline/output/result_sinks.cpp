@@ -27,11 +27,19 @@ void SweepOrderSink::finished(const Finished& points) {
     open = slabs_[points.slab];
   }
   leave(points.slab, points.size);
-  put(*open, points);
+  const std::size_t stride = stream_.record_schema().stride;
+  std::vector<std::byte> inputs(points.size * input_stride_);
+  std::vector<std::uint64_t> places(points.size);
+  for (std::size_t i = 0; i < points.size; ++i) {
+    const std::uint32_t index = points.index_in_slab[i];
+    std::memcpy(inputs.data() + i * input_stride_, open->records.data() + index * stride, input_stride_);
+    places[i] = stream_.slabs()[points.slab].first + open->rank[index];
+  }
+  store(points, inputs, places);
 }
 
 void SweepOrderSink::recalled(const Finished& points) {
-  std::vector<std::byte> inputs, outputs(points.size * layout_.schema().stride);
+  std::vector<std::byte> inputs;
   std::vector<std::uint64_t> places;
   {
     const std::lock_guard lock(mutex_);
@@ -41,19 +49,13 @@ void SweepOrderSink::recalled(const Finished& points) {
       places.push_back(kept.place);
     }
   }
-  layout_.assemble(inputs.data(), points.results, points.size, outputs.data(), {0, points.rows});
-  store_.put(places, outputs);
+  store(points, inputs, places);
 }
 
-void SweepOrderSink::put(const Open& open, const Finished& points) {
-  const std::size_t stride = stream_.record_schema().stride;
-  std::vector<std::byte> inputs(points.size * input_stride_), outputs(points.size * layout_.schema().stride);
-  std::vector<std::uint64_t> places(points.size);
-  for (std::size_t i = 0; i < points.size; ++i) {
-    const std::uint32_t index = points.index_in_slab[i];
-    std::memcpy(inputs.data() + i * input_stride_, open.records.data() + index * stride, input_stride_);
-    places[i] = stream_.slabs()[points.slab].first + open.rank[index];
-  }
+/// Assembles the output records of points from the records of the input, and stores them at their places.
+void SweepOrderSink::store(const Finished& points, const std::vector<std::byte>& inputs,
+                           const std::vector<std::uint64_t>& places) {
+  std::vector<std::byte> outputs(points.size * layout_.schema().stride);
   layout_.assemble(inputs.data(), points.results, points.size, outputs.data(), {0, points.rows});
   store_.put(places, outputs);
 }

@@ -58,7 +58,7 @@ class SweepOrderSink final : public Sink {
     std::vector<std::uint32_t> rank;  ///< place of each point in the canonical order of its slab
     std::uint64_t left;
   };
-  void put(const Open& open, const Finished& points);
+  void store(const Finished& points, const std::vector<std::byte>& inputs, const std::vector<std::uint64_t>& places);
   void leave(std::uint32_t slab, std::uint64_t points);
 
   RowStore& store_;

@@ -40,8 +40,8 @@ RowSelection selected_rows(std::shared_ptr<const RowSelection> all, std::uint64_
 
 /// Returns the field of one input from which the field `name` of the whole cloud comes.
 std::optional<std::size_t> own_field(const Schema& own, const std::string& name) {
-  for (std::size_t f = 0; f < own.fields.size(); ++f)
-    if (own.fields[f].name == name) return f;
+  const auto same = std::ranges::find(own.fields, name, &Field::name);
+  if (same != own.fields.end()) return static_cast<std::size_t>(same - own.fields.begin());
   return own.find(library_name_of(name));
 }
 
@@ -77,18 +77,6 @@ Box bounds_of(InputCloud& cloud) {
   return survey(source_of(cloud), std::nullopt, true).bounds;
 }
 
-/// Returns OutputPlan::bounds for the output of one input; none if the format does not need them.
-std::optional<Box> bounds_if_needed(const Format* format, const FileLayout& layout, InputCloud& cloud) {
-  const bool needed =
-      format != nullptr && format->needs_bounds != nullptr && format->needs_bounds(cloud.schema(), layout);
-  return needed ? std::optional(bounds_of(cloud)) : std::nullopt;
-}
-
-std::shared_ptr<KnownValues> values_if_needed(const Format* format, const FileLayout& layout, InputCloud& cloud) {
-  if (format == nullptr || format->values == nullptr) return nullptr;
-  return std::make_shared<KnownValues>(format->values(cloud, layout, [](std::uint64_t) { stop_if_cancelled(); }));
-}
-
 /// Returns whether a point of the tile has moved. The rows of the tile begin at `first` in the whole cloud.
 bool has_moved_points(InputCloud& tile, const MovedPoints& moved, std::uint64_t first) {
   constexpr std::uint64_t kRows = 1 << 14;
@@ -113,36 +101,35 @@ bool has_moved_points(InputCloud& tile, const MovedPoints& moved, std::uint64_t 
   return false;
 }
 
-/// Checks one tile for each pair of output format and input schema: opens its file and removes it again.
-class KindsOfTiles {
- public:
-  explicit KindsOfTiles(const TileRequest& request) : request_(request) {}
+/// Returns the names of attributes in the output of one input.
+OutputNames names_of_tile(const TileRequest& request, const InputCloud& tile) {
+  return {request.names.made, kept_of(request.names.kept, request.cloud.schema(), tile.schema()), {}};
+}
 
-  void try_tile(std::size_t tile) {
-    const fs::path& output = request_.outputs.tiles[tile];
-    const Reader& reader = *request_.cloud.readers()[tile];
-    Kind kind{format_of_output(output), reader.info().schema};
-    for (Field& field : kind.schema.fields) field.bias = 0;  // offsets of grids make no difference
-    if (std::ranges::find(tried_, kind) != tried_.end()) return;
-    tried_.push_back(std::move(kind));
-    const InputCloud cloud = cloud_of_input(request_.cloud, tile);
-    const KeptFields kept = kept_of(request_.names.kept, request_.cloud.schema(), cloud.schema());
-    name_outputs(cloud.schema(), reader.info().path.string(), request_.names.made, kept, output,
-                 {"", replaced_in(cloud.schema(), request_.options.replace, request_.names.made)});
-    Box somewhere;
-    somewhere.include(Vec3{});
-    OutputSet(cloud, request_.names.made, kept, {.points = output}, request_.options, {somewhere, nullptr});
-  }
+/// The properties of a tile on which the checks of try_tile() depend.
+struct KindOfTile {
+  const Format* format;
+  Schema schema;  ///< fields of the input, without the offsets of grids
 
- private:
-  struct Kind {
-    const Format* format;
-    Schema schema;
-    friend bool operator==(const Kind&, const Kind&) = default;
-  };
-  const TileRequest& request_;
-  std::vector<Kind> tried_;
+  friend bool operator==(const KindOfTile&, const KindOfTile&) = default;
 };
+
+KindOfTile kind_of(const TileRequest& request, std::size_t tile) {
+  KindOfTile kind{format_of_output(request.outputs.tiles[tile]), request.cloud.readers()[tile]->info().schema};
+  for (Field& field : kind.schema.fields) field.bias = 0;
+  return kind;
+}
+
+/// Checks a tile: opens its file and removes it again.
+void try_tile(const TileRequest& request, std::size_t tile) {
+  const fs::path& output = request.outputs.tiles[tile];
+  const InputCloud cloud = cloud_of_input(request.cloud, tile);
+  const OutputNames names = names_of_tile(request, cloud);
+  name_outputs(cloud.schema(), cloud.readers().front()->info().path.string(), names.made, names.kept, output,
+               {"", replaced_in(cloud.schema(), request.options.replace, names.made)});
+  const Box somewhere{Vec3{}, Vec3{}};
+  OutputSet(cloud, names, {.points = output}, request.options, {somewhere, nullptr});
+}
 
 }  // namespace
 
@@ -151,12 +138,15 @@ void require_writable_tiles(const TileRequest& request, const FinishedTiles& fin
   if (tiles.size() != request.cloud.readers().size())
     fail_usage("{} outputs are named for {} inputs; name one for each.", tiles.size(), request.cloud.readers().size());
   for (const fs::path& tile : tiles) folders.make_for(tile);
-  KindsOfTiles kinds(request);
+  std::vector<KindOfTile> tried;
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     stop_if_cancelled();
     if (finished.has(t, tiles[t])) continue;
     OutputFile::require_possible(tiles[t], request.options.overwrite);
-    kinds.try_tile(t);
+    KindOfTile kind = kind_of(request, t);
+    if (std::ranges::find(tried, kind) != tried.end()) continue;
+    try_tile(request, t);
+    tried.push_back(std::move(kind));
   }
 }
 
@@ -197,18 +187,22 @@ void TileSet::open_next() {
   const std::uint64_t first = std::exchange(rows_opened_, rows_opened_ + cloud.count());
   if (cloud.count() == 0) empty_.push_back(output.string());
   if (finished_.has(t, output)) return void(++complete_);
-  const KeptFields kept = kept_of(request_.names.kept, request_.cloud.schema(), cloud.schema());
   OutputPlace place = place_of_tile(cloud, format_of_output(output), first);
   place.scratch = request_.scratch;
-  tile_->files.emplace(cloud, request_.names.made, kept, Outputs{.points = output}, request_.options, std::move(place),
-                       request_.provenance(cloud, t));
+  tile_->files.emplace(cloud, names_of_tile(request_, cloud), Outputs{.points = output}, request_.options,
+                       std::move(place), request_.provenance(cloud, t));
 }
 
 /// Returns the values that the format needs. Tiles with moved points share one grid; other tiles keep the grid of their
 /// input.
 OutputPlace TileSet::place_of_tile(InputCloud& cloud, const Format* format, std::uint64_t first) const {
-  std::shared_ptr<KnownValues> values = values_if_needed(format, request_.options.layout, cloud);
-  if (!request_.moved || !values) return {bounds_if_needed(format, request_.options.layout, cloud), values};
+  const FileLayout& layout = request_.options.layout;
+  const std::shared_ptr<KnownValues> values =
+      values_if_needed(format, cloud, layout, [](std::uint64_t) { stop_if_cancelled(); });
+  if (!request_.moved || !values) {
+    const bool needed = needs_bounds(format, cloud.schema(), layout);
+    return {needed ? std::optional(bounds_of(cloud)) : std::nullopt, values};
+  }
   if (!has_moved_points(cloud, *request_.moved, first)) return {bounds_of(cloud), values};
   values->grid = request_.moved->grid;
   return {request_.moved->bounds, values};

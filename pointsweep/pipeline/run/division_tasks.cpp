@@ -22,6 +22,7 @@
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/request.h"
+#include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/storage/sealed_value.h"
 #include "pointsweep/threads.h"
@@ -37,14 +38,10 @@ constexpr std::uint64_t kRowsOfRange = 4'000'000, kMostRanges = 256;
 /// A cloud has at least as many ranges as input files, up to this number.
 constexpr std::uint64_t kRangesOfFiles = 16;
 
-ChainPlan plan_of(const DivisionRequest& request) {
-  return plan_chain(request.chain, request.cloud.schema(), needs_of(request.outputs, request.options));
-}
-
 /// A request with all decisions that precede the work of a task.
 class DivisionRun {
  public:
-  explicit DivisionRun(const DivisionRequest& given)
+  explicit DivisionRun(const SharedRequest& given)
       : plan_(plan_of(given)),
         request_{given.cloud, given.outputs, given.options, plan_},
         statistics_(first_counts(request_, {})),
@@ -92,11 +89,10 @@ class DivisionRun {
 
 /// Performs work(run) on the threads that the run has planned.
 template <class Work>
-void with_run(const DivisionRequest& request, const Work& work) {
+void with_run(const SharedRequest& request, const Work& work) {
   const EngineOptions& options = request.options;
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
-  const unsigned threads = survey_threads(request.cloud, options, memory_budget(options.resources.memory_bytes));
-  with_threads(threads, [&] {
+  with_threads(survey_threads(request.cloud, options), [&] {
     DivisionRun run(request);
     with_threads(run.threads(), [&] { work(run); });
   });
@@ -147,7 +143,11 @@ void read_file(const Storage& scratch, const FilesOfRanges& all, std::size_t fil
 
 }  // namespace
 
-std::vector<std::uint64_t> plan_ranges(const DivisionRequest& request) {
+ChainPlan plan_of(const SharedRequest& request) {
+  return plan_chain(request.chain, request.cloud.schema(), needs_of(request.outputs, request.options));
+}
+
+std::vector<std::uint64_t> plan_ranges(const SharedRequest& request) {
   const ChainPlan plan = plan_of(request);
   if (!request.chain.stages.empty())
     fail_usage(
@@ -174,7 +174,7 @@ std::vector<std::uint64_t> plan_ranges(const DivisionRequest& request) {
   return counts;
 }
 
-std::uint64_t piece_bytes(const DivisionRequest& request) {
+std::uint64_t piece_bytes(const SharedRequest& request) {
   MadeFolders folders;
   folders.make_for(request.outputs.points);
   const DivisionRun run(request);
@@ -182,7 +182,7 @@ std::uint64_t piece_bytes(const DivisionRequest& request) {
   return run.divider().plan().schema.stride;
 }
 
-Statistics cut_range(const DivisionRequest& request, RowRange range, Storage& scratch, const std::string& name) {
+Statistics cut_range(const SharedRequest& request, RowRange range, Storage& scratch, const std::string& name) {
   Statistics statistics;
   with_run(request, [&](DivisionRun& run) {
     DividedRecords records(run.divider(), range.rows, run.division_bytes() / 2, run.context().places.scratch());
@@ -202,7 +202,7 @@ Statistics cut_range(const DivisionRequest& request, RowRange range, Storage& sc
   return statistics;
 }
 
-void join_pieces(const DivisionRequest& request, Storage& scratch, const std::vector<std::string>& names,
+void join_pieces(const SharedRequest& request, Storage& scratch, const std::vector<std::string>& names,
                  const std::string& key) {
   std::vector<PiecesOfRange> pieces;
   for (const std::string& name : names) pieces.push_back(sealed_value<PiecesOfRange>(scratch, name + ".cut"));
@@ -215,7 +215,7 @@ void join_pieces(const DivisionRequest& request, Storage& scratch, const std::ve
   seal_bytes(scratch, key, encoded(joined));
 }
 
-Statistics write_pieces(const DivisionRequest& request, std::size_t task, std::size_t tasks, const Storage& scratch,
+Statistics write_pieces(const SharedRequest& request, std::size_t task, std::size_t tasks, const Storage& scratch,
                         const std::string& key) {
   const auto all = sealed_value<FilesOfRanges>(scratch, key);
   const std::vector<std::size_t> numbers = all.of_task(task, tasks);

@@ -68,31 +68,24 @@ ProvenanceRecord record_of(const InputCloud& cloud, const RunRecord& run) {
   return record;
 }
 
-/// Returns the provenance lines of the inputs, then the lines of `record` if RunOptions::provenance is set.
-std::vector<std::string> lines_with(const InputCloud& cloud, const ProvenanceRecord& record, const RunRecord& run) {
+/// Returns the provenance for an output of this run: the records of the inputs, and with RunOptions::provenance the
+/// record of the run. For a tile, the output for one input of a run, this record names that input and counts the
+/// others.
+std::vector<std::string> provenance_of(const InputCloud& cloud, const RunRecord& run,
+                                       std::optional<TileNumber> number = {}) {
   std::vector<std::string> lines;
   for (const auto& reader : cloud.readers()) add_provenance(lines, reader->info().provenance);
   if (!run.options.provenance) return lines;
+  ProvenanceRecord record = record_of(cloud, run);
+  if (number) {
+    record.settings.emplace_back("tile", fmt::format("{} of {}", number->tile + 1, number->tiles));
+    record.more_inputs = number->tiles - 1;
+  }
   // add_provenance() may leave out lines. The record of this run must be complete, even if an input has the same
   // record.
   const std::vector<std::string> own = lines_of(record);
   lines.insert(lines.end(), own.begin(), own.end());
   return lines;
-}
-
-/// Returns the provenance for an output of this run: the records of the inputs, and with RunOptions::provenance the
-/// record of the run.
-std::vector<std::string> provenance_of(const InputCloud& cloud, const RunRecord& run) {
-  return lines_with(cloud, record_of(cloud, run), run);
-}
-
-/// Returns the provenance for a tile, the output for one input of a run. Its record names that input and counts the
-/// others.
-std::vector<std::string> provenance_of_tile(const InputCloud& input, TileNumber number, const RunRecord& run) {
-  ProvenanceRecord record = record_of(input, run);
-  record.settings.emplace_back("tile", fmt::format("{} of {}", number.tile + 1, number.tiles));
-  record.more_inputs = number.tiles - 1;
-  return lines_with(input, record, run);
 }
 
 /// Returns whether the order of columns in Chain::keep differs from the default: fields of the input, then made fields.
@@ -137,7 +130,7 @@ std::vector<std::string> recorded_keep(const Context& context) {
 }
 
 /// Returns the record of the run for its outputs.
-RunRecord said_of(const Context& context, int axis) {
+RunRecord run_record_of(const Context& context, int axis) {
   return {.stages = context.part ? context.part->stages : recorded_stages(context.plan),
           .keep = recorded_keep(context),
           .options = context.options,
@@ -145,12 +138,8 @@ RunRecord said_of(const Context& context, int axis) {
           .drops_nonfinite = context.dropped.count > 0 || (context.part && context.part->drops_nonfinite)};
 }
 
-/// Returns the facts about all values that the format of an output needs before the first record; null if it needs
-/// none.
 std::shared_ptr<const KnownValues> values_if_needed(const Context& context, const Format* format) {
-  if (format == nullptr || format->values == nullptr) return nullptr;
-  return std::make_shared<KnownValues>(
-      format->values(context.cloud, context.options.layout, context.progress_of("ordering")));
+  return values_if_needed(format, context.cloud, context.options.layout, context.progress_of("ordering"));
 }
 
 /// Returns the box of the moved points. Absent if no stage moves points, if the output does not need their box before
@@ -181,9 +170,9 @@ std::optional<MovedPoints> moved_points(const Context& context, const Rows& rows
 
 /// Returns the request for tiles. All objects to which the context refers must outlive the request.
 TileRequest tiles_of(const Context& context, int axis) {
-  const auto provenance = [part = context.part, tiles = context.outputs.tiles.size(), record = said_of(context, axis)](
-                              const InputCloud& input, std::size_t tile) {
-    return provenance_of_tile(input, part ? TileNumber{part->tile, part->tiles} : TileNumber{tile, tiles}, record);
+  const auto provenance = [part = context.part, tiles = context.outputs.tiles.size(),
+                           record = run_record_of(context, axis)](const InputCloud& input, std::size_t tile) {
+    return provenance_of(input, record, part ? TileNumber{part->tile, part->tiles} : TileNumber{tile, tiles});
   };
   return {context.cloud, context.names, context.outputs, context.options, provenance};
 }
@@ -236,8 +225,7 @@ std::string boxes_of_crop(const Context& context, Box cloud) {
   for (const auto& reader : context.cloud.readers())
     if (const std::optional<Box>& stated = reader->info().bounds) cloud.include(*stated);
   for (const GraphNode& node : context.plan.graph.nodes) {
-    const auto* const select =
-        node.op() == nullptr ? nullptr : std::get_if<std::shared_ptr<const SelectOperator>>(node.op());
+    const auto* const select = std::get_if<std::shared_ptr<const SelectOperator>>(node.op());
     const std::optional<Box> extent = select == nullptr ? std::nullopt : (*select)->extent();
     if (!extent) continue;
     const std::string of_input = cloud.empty() ? "" : fmt::format(", the input {}", text_of(cloud));
@@ -256,27 +244,23 @@ std::vector<std::string> recorded_stages(const ChainPlan& plan) {
 
 CopyPlan plan_copy(const Context& context, const WorkPlan& work) {
   const EncoderMemory memory(context, work);
-  return {plan_of_output(context.cloud, work.layout->schema(), context.names.made, context.names.kept, context.outputs,
-                         context.options, place_of_output(context, memory, {}, {}),
-                         provenance_of(context.cloud, said_of(context, 0))),
-          memory.division(context.options)};
+  return {
+      plan_of_output(context.cloud, work.layout->schema(), context.names, context.outputs, context.options,
+                     place_of_output(context, memory, {}, {}), provenance_of(context.cloud, run_record_of(context, 0))),
+      memory.division(context.options)};
 }
 
 bool needs_bounds(const Context& context) {
-  const Format* const format = format_of_output(context.outputs.points);
-  return format != nullptr && format->needs_bounds != nullptr && !context.plan.graph.moved_bounds &&
-         (context.dropped.bounds.empty() || context.cloud.selection()) &&
-         format->needs_bounds(context.cloud.schema(), context.options.layout);
+  return !context.plan.graph.moved_bounds && (context.dropped.bounds.empty() || context.cloud.selection()) &&
+         needs_bounds(format_of_output(context.outputs.points), context.cloud.schema(), context.options.layout);
 }
 
 void OutputFiles::require_writable(const Context& context, const Box& bounds) {
   const FinishedTiles finished(context.options.resume_folder);
   if (!context.outputs.tiles.empty()) return require_writable_tiles(tiles_of(context, 0), finished, folders_);
   make_folder(context);
-  Box somewhere = bounds;
-  if (somewhere.empty()) somewhere.include(Vec3{});
-  OutputSet(context.cloud, context.names.made, context.names.kept, context.outputs, context.options,
-            {somewhere, nullptr});
+  const Box somewhere = bounds.empty() ? Box{Vec3{}, Vec3{}} : bounds;
+  OutputSet(context.cloud, context.names, context.outputs, context.options, {somewhere, nullptr});
 }
 
 void OutputFiles::make_folder(const Context& context) {
@@ -313,15 +297,20 @@ void OutputFiles::open_files(const Context& context, const WorkPlan& work, const
     tiles_.emplace(request, FinishedTiles(context.options.resume_folder));
     return;
   }
-  files_.emplace(context.cloud, context.names.made, context.names.kept, context.outputs, context.options,
+  files_.emplace(context.cloud, context.names, context.outputs, context.options,
                  place_of_output(context, memory, survey, rows.values),
-                 provenance_of(context.cloud, said_of(context, survey.axis)));
+                 provenance_of(context.cloud, run_record_of(context, survey.axis)));
 }
 
 void OutputFiles::write_results(InputCloud& cloud, std::uint64_t first, std::span<const std::byte> results) {
   tiles_ ? tiles_->write_results(first, results) : files_->write_results(cloud, first, results);
 }
 
-void OutputFiles::finish(const InputCloud& cloud) { tiles_ ? tiles_->finish() : files_->finish(cloud); }
+void OutputFiles::finish(const Context& context) {
+  tiles_ ? tiles_->finish() : files_->finish(context.cloud);
+  for (const std::string& warning : tiles_ ? tiles_->warnings() : files_->warnings()) context.report.warn(warning);
+  context.statistics().bytes_written = tiles_ ? tiles_->bytes_written() : files_->bytes_written();
+  context.statistics().files_written = tiles_ ? tiles_->files_written() : files_->files_written();
+}
 
 }  // namespace pointsweep

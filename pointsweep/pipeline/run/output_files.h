@@ -56,15 +56,11 @@ class OutputFiles {
   /// Writes the next whole output records. Must not be called for tiles.
   void write_records(std::span<const std::byte> records) { files_->write_records(records); }
 
-  /// Completes the outputs and renames them to their destinations.
-  void finish(const InputCloud& cloud);
-  std::vector<std::string> warnings() const { return tiles_ ? tiles_->warnings() : files_->warnings(); }
-  std::uint64_t bytes_written() const { return tiles_ ? tiles_->bytes_written() : files_->bytes_written(); }
+  /// Completes the outputs, renames them to their destinations, and reports their warnings, their bytes and the number
+  /// of complete point files.
+  void finish(const Context& context);
   /// Returns a sentence about the number of complete tiles, which errors append. Empty if none is complete.
   std::string progress() { return tiles_ ? tiles_->progress() : ""; }
-
-  /// Returns the number of complete point files.
-  std::size_t files_written() const { return tiles_ ? tiles_->files_written() : files_->files_written(); }
 
  private:
   void make_folder(const Context& context);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The client of a run on many machines, with a tile for each input: refuses runs that cannot be divided, lists the
 /// rounds, and joins the results of all tasks of a round (PartJoin).
-#include "pointsweep/pipeline/run/part_run.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,8 +15,8 @@
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
 #include "pointsweep/pipeline/run/context.h"
-#include "pointsweep/pipeline/run/division_tasks.h"
 #include "pointsweep/pipeline/run/output_files.h"
+#include "pointsweep/pipeline/run/part_run.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/request.h"
 #include "pointsweep/pipeline/run/tile_state.h"
@@ -124,7 +122,7 @@ std::vector<OtherFiles> other_files(const Request& request, const RunReport& rep
 }
 
 /// Plans a run whose output is divided among files. Its tasks take ranges of rows and groups of files instead of tiles.
-PartPlan plan_division(const DivisionRequest& request, const ChainPlan& plan) {
+PartPlan plan_division(const SharedRequest& request, const ChainPlan& plan) {
   const Request own{request.cloud, request.outputs, request.options, plan};
   require_own_files(own);
   PartPlan made;
@@ -141,9 +139,10 @@ PartPlan plan_division(const DivisionRequest& request, const ChainPlan& plan) {
 
 }  // namespace
 
-PartPlan plan_parts(InputCloud& tiles, const Chain& chain, const Outputs& outputs, const EngineOptions& options) {
-  const ChainPlan plan = plan_of_parts(tiles, chain, outputs, options);
-  if (options.division.divides()) return plan_division({tiles, chain, outputs, options}, plan);
+PartPlan plan_parts(const SharedRequest& given) {
+  const auto& [tiles, chain, outputs, options] = given;
+  const ChainPlan plan = plan_of(given);
+  if (options.division.divides()) return plan_division(given, plan);
   InputCloud cloud = cropped_input(tiles, plan);
   require_divisible(plan, outputs, options);
   require_common_grid(cloud, plan, options);
@@ -182,24 +181,22 @@ void join_tiles(Storage& scratch, const std::vector<std::string>& left, const st
   seal_bytes(scratch, key, encoded(tiles));
 }
 
-void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
-                 const PartRound& round, Storage& scratch, const std::string& before,
+void join_values(const SharedRequest& request, const PartRound& round, Storage& scratch, const std::string& before,
                  const std::vector<std::string>& left, const std::string& key) {
   CloudValues values = before.empty() ? CloudValues() : sealed_values(scratch, before);
   std::vector<std::vector<std::vector<std::byte>>> saved;
   for (const std::string& name : left) saved.push_back(TileState::left(scratch, name).saved_values);
-  finish_values(plan_of_parts(tile, chain, outputs, options).passes.at(round.steps.back().pass), saved, values);
+  finish_values(plan_of(request).passes.at(round.steps.back().pass), saved, values);
   seal_values(scratch, key, values);
 }
 
-void join_graph(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
-                const PartRound& round, Storage& scratch, const JoinedBefore& before,
+void join_graph(const SharedRequest& request, const PartRound& round, Storage& scratch, const JoinedBefore& before,
                 const std::vector<std::string>& left, const std::string& key) {
-  const ChainPlan plan = plan_of_parts(tile, chain, outputs, options);
+  const ChainPlan plan = plan_of(request);
   const ConnectOperator& op = *plan.passes.at(round.steps.back().pass).connecting_stage()->connects();
-  RunPlaces places(options, {});
+  RunPlaces places(request.options, {});
   const TileGraphSetup setup{
-      op.votes(), places.scratch(), &places.folder(), memory_budget(options.resources.memory_bytes) / 2, {}};
+      op.votes(), places.scratch(), &places.folder(), memory_budget(request.options.resources.memory_bytes) / 2, {}};
   const auto tiles = sealed_value<TileCatalogue>(scratch, before.catalogue);
   if (round.join == PartJoin::borders)
     find_borders(scratch, tiles, left, setup, key);
@@ -207,11 +204,6 @@ void join_graph(InputCloud& tile, const Chain& chain, const Outputs& outputs, co
     join_forests(scratch, left, before.borders, setup, key);
   else
     join_graphs(scratch, tiles, left, setup, key);
-}
-
-void join_cuts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
-               Storage& scratch, const std::vector<std::string>& left, const std::string& key) {
-  join_pieces({cloud, chain, outputs, options}, scratch, left, key);
 }
 
 void forget(Storage& scratch, const std::string& left) {

@@ -25,7 +25,6 @@
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
-#include "pointsweep/pipeline/run/division_tasks.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/request.h"
@@ -126,10 +125,7 @@ class TaskOfTile {
     files.open(context(), work, of_input, rows_);  // only checks the outputs if they open late
     if (whole_.plan.opens_late()) files.open_late(context(), work, of_input, rows_);
     write_output(context(), work, p, rows_, nullptr, results, files);
-    files.finish(*rows_.cloud);
-    whole_.statistics().bytes_written = files.bytes_written();
-    whole_.statistics().files_written = files.files_written();
-    for (const std::string& warning : files.warnings()) whole_.report.warn(warning);
+    files.finish(context());
   }
 
   void end_pass(std::size_t p, TileState& state, WorkPlan& work, std::unique_ptr<RowStore> results) {
@@ -206,7 +202,7 @@ class TaskOfTile {
   std::unique_ptr<RowFile> carried_rows(const std::string& name) {
     std::size_t last = task_.round.pass();  // the pass that begins with the records
     if (task_.round.kind() == PartRoundKind::write) last = whole_.plan.passes.size();
-    const std::size_t bytes = update_after(whole_.plan, last - 1).record_bytes();
+    const std::size_t bytes = whole_.plan.passes[last - 1].carried_bytes();
     const auto list = std::make_shared<const RecordList>(scratch_, name + ".rows", bytes);
     if (list->count() != rows_.cloud->count()) fail("{}.rows: is damaged.", name);
     return std::make_unique<RowFile>(
@@ -327,25 +323,20 @@ class TaskOfTile {
 
 }  // namespace
 
-ChainPlan plan_of_parts(const InputCloud& cloud, const Chain& chain, const Outputs& outputs,
-                        const EngineOptions& options) {
-  return plan_chain(chain, cloud.schema(), needs_of(outputs, options));
-}
-
-PartDone run_part(InputCloud& given_tile, const Chain& chain, const Outputs& outputs, const EngineOptions& given,
-                  const PartTask& task, Storage& scratch) {
-  EngineOptions options = given;
+PartDone run_part(const SharedRequest& given, const PartTask& task, Storage& scratch) {
+  const Outputs& outputs = given.outputs;
+  EngineOptions options = given.options;
   options.ordering = Ordering::distribution;
   options.overwrite = true;
-  const DivisionRequest division{given_tile, chain, outputs, options};
+  const SharedRequest shared{given.cloud, given.chain, outputs, options};
   if (task.round.kind() == PartRoundKind::cut)
-    return {.statistics = cut_range(division, {task.first_row, task.rows}, scratch, task.after)};
+    return {.statistics = cut_range(shared, {task.first_row, task.rows}, scratch, task.after)};
   if (task.round.kind() == PartRoundKind::gather)
-    return {.statistics = write_pieces(division, task.tile, task.tiles, scratch, task.pieces)};
+    return {.statistics = write_pieces(shared, task.tile, task.tiles, scratch, task.pieces)};
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
-  const ChainPlan plan = plan_of_parts(given_tile, chain, outputs, options);
+  const ChainPlan plan = plan_of(shared);
   if (task.round.kind() == PartRoundKind::other) return store_other(plan, options, task, scratch);
-  auto [tile, dropped] = finite_input(input_of_chain(given_tile, plan, task.first_row), outputs, options);
+  auto [tile, dropped] = finite_input(input_of_chain(given.cloud, plan, task.first_row), outputs, options);
   if (task.round.kind() == PartRoundKind::look) {
     PartDone done;
     done.statistics.dropped = dropped.count;
@@ -362,8 +353,7 @@ PartDone run_part(InputCloud& given_tile, const Chain& chain, const Outputs& out
   Context context{tile, outputs, options, plan, names, dropped, places, report, open_input_bytes(tile)};
   context.part = PartOfRun{task.tile, task.tiles, task.dropped > 0, task.record};
   PartDone done;
-  const unsigned threads = survey_threads(tile, options, memory_budget(options.resources.memory_bytes));
-  with_threads(threads, [&] { done = TaskOfTile(context, task, scratch).perform(); });
+  with_threads(survey_threads(tile, options), [&] { done = TaskOfTile(context, task, scratch).perform(); });
   statistics.peak_rss_bytes = peak_resident_bytes();
   done.statistics = std::move(statistics);
   return done;

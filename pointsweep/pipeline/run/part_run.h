@@ -10,8 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/pipeline/engine_run.h"
-#include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/pipeline/run/division_tasks.h"
 #include "pointsweep/storage/storage.h"
 
 namespace pointsweep {
@@ -65,13 +64,9 @@ struct PartPlan {
   std::vector<std::string> notes;   ///< sentences for the user, which a run of one process reports before its work
 };
 
-/// Resolves the chain against the fields of `cloud`, which may be one tile or all inputs.
-ChainPlan plan_of_parts(const InputCloud& cloud, const Chain& chain, const Outputs& outputs,
-                        const EngineOptions& options);
-
 /// Plans a run with a tile for each input from the headers of the inputs. Throws UsageError for a run that cannot be
-/// divided among tiles, and the errors that run() throws before its work.
-PartPlan plan_parts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options);
+/// divided among tiles, and the errors that run() throws before its work. `request`: all inputs.
+PartPlan plan_parts(const SharedRequest& request);
 
 struct PartTask {
   PartRound round;
@@ -102,10 +97,10 @@ struct PartDone {
   Statistics statistics;
 };
 
-/// Performs a task. `tile`: the input of the tile; any input in a round over another cloud; all inputs if the output is
-/// divided. `outputs.tiles` has one path, whose file may be replaced, or none if the output is divided.
-PartDone run_part(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
-                  const PartTask& task, Storage& scratch);
+/// Performs a task. The cloud of the request is the input of the tile; any input in a round over another cloud; all
+/// inputs if the output is divided. Outputs::tiles has one path, whose file may be replaced, or none if the output is
+/// divided.
+PartDone run_part(const SharedRequest& request, const PartTask& task, Storage& scratch);
 
 /// Performs PartJoin::tiles: seals under `key` the catalogue of the tiles or files that tasks have stored under the
 /// names `left`. `paths`: the paths of these tiles or files, for messages.
@@ -119,23 +114,16 @@ struct JoinedBefore {
 };
 
 /// Performs PartJoin::borders, which finds the borders of the tiles, or PartJoin::components, which joins the
-/// components of the tiles, and seals the result under `key`. `left`: names of the tasks' results. `tile`: any input of
-/// the run.
-void join_graph(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
-                const PartRound& round, Storage& scratch, const JoinedBefore& before,
+/// components of the tiles, and seals the result under `key`. `left`: names of the tasks' results. `request`: any input
+/// of the run.
+void join_graph(const SharedRequest& request, const PartRound& round, Storage& scratch, const JoinedBefore& before,
                 const std::vector<std::string>& left, const std::string& key);
 
 /// Performs PartJoin::values: computes the values of the whole cloud that the round finds, from the results of tasks
 /// with the names `left`, and seals them under `key` together with the values under the key `before`, unless that key
-/// is empty. `tile`: any input of the run.
-void join_values(InputCloud& tile, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
-                 const PartRound& round, Storage& scratch, const std::string& before,
+/// is empty. `request`: any input of the run.
+void join_values(const SharedRequest& request, const PartRound& round, Storage& scratch, const std::string& before,
                  const std::vector<std::string>& left, const std::string& key);
-
-/// Performs PartJoin::pieces: seals under `key` the list of pieces of each file of a divided output, from the results
-/// of tasks with the names `left`. `cloud`: all inputs.
-void join_cuts(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options,
-               Storage& scratch, const std::vector<std::string>& left, const std::string& key);
 
 /// The suffixes of the objects that tasks store in the scratch. A task stores objects with some of them.
 inline constexpr std::array kLeftByTasks{".points",     ".index",     ".state",   ".rows",  ".results", ".labels",

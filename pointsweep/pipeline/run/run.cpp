@@ -20,6 +20,7 @@
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/request.h"
+#include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/threads.h"
 
@@ -46,7 +47,7 @@ Rows restored_rows(const Context& context, std::shared_ptr<InputCloud> all) {
         context.cloud.selected(RowMask::kept(context.cloud.count(), checkpoints->place("mask", last.mask))));
   for (std::size_t v = 0; v < last.values.size(); ++v)
     if (!last.values[v].empty()) rows.values[v] = last.values[v];
-  const std::size_t bytes = update_after(context.plan, last.sweep - 1).record_bytes();
+  const std::size_t bytes = context.plan.passes[last.sweep - 1].carried_bytes();
   rows.carried =
       std::make_unique<RowFile>(RowFile::kept(rows.cloud->count(), bytes, checkpoints->place("rows", last.sweep)));
   return rows;
@@ -168,13 +169,6 @@ class Phases {
   std::unique_ptr<RowStore> results_;  ///< made by a sweep, used by the next update or write
 };
 
-/// Completes the outputs, renames them to their destinations, and removes the checkpoints.
-void finish(const Context& context, OutputFiles& files) {
-  files.finish(context.cloud);
-  for (const std::string& warning : files.warnings()) context.report.warn(warning);
-  if (context.places.checkpoints() != nullptr) context.places.checkpoints()->finish();
-}
-
 /// Performs a run after its survey, until the outputs are complete.
 void perform_phases(const Context& whole, const WorkPlan& work, Surveyed points, OtherClouds& others,
                     OutputFiles& files) {
@@ -191,7 +185,10 @@ void perform_phases(const Context& whole, const WorkPlan& work, Surveyed points,
     with_rows_left([&](const Context& context) { phases.perform(phase, context); });
     return_free_memory_above(work.spare_bytes());
   }
-  with_rows_left([&](const Context& context) { finish(context, files); });
+  with_rows_left([&](const Context& context) {
+    files.finish(context);
+    if (checkpoints != nullptr) checkpoints->finish();
+  });
 }
 
 /// Performs a run. The memory plan after the survey decides the number of threads; all later work runs in an arena of
@@ -210,8 +207,6 @@ void perform(const Context& encoded, OtherClouds& others) {
   with_threads(work->memory.threads, [&] {
     const std::unique_ptr<OutputFiles> open = std::move(files);
     perform_phases(context, *work, std::move(points), others, *open);
-    context.statistics().bytes_written = open->bytes_written();
-    context.statistics().files_written = open->files_written();
   });
 }
 
@@ -247,18 +242,8 @@ Statistics run_plan(const InputCloud& cloud, const Outputs& outputs, const Engin
   const CancellationScope scope(options.observer != nullptr ? &options.observer->token() : nullptr);
   InputCloud input = input_of_chain(cloud, plan);
   Statistics statistics;
-  const unsigned threads = survey_threads(input, options, memory_budget(options.resources.memory_bytes));
-  with_threads(threads, [&] { statistics = run_request({input, outputs, options, plan}); });
+  with_threads(survey_threads(input, options), [&] { statistics = run_request({input, outputs, options, plan}); });
   return statistics;
-}
-
-/// Returns a plan without passes, which only orders the output.
-ChainPlan plan_sort(const Schema& input, const std::vector<std::string>& keep) {
-  ChainPlan plan;
-  plan.chain.keep = keep;
-  if (!keep.empty()) plan.kept = kept_fields(keep, {}, input);
-  plan.reorders = true;
-  return plan;
 }
 
 }  // namespace
