@@ -191,8 +191,7 @@ std::uint64_t decoded_input_bytes(const InputCloud& cloud) {
 
 std::string decoded_input_text(std::uint64_t bytes) {
   if (bytes == 0) return "";
-  return fmt::format("decoding      once, into a temporary file of {:.1f} MB\n",
-                     static_cast<double>(bytes) / (1 << 20));
+  return fmt::format("decoding      once, into a temporary file of {:.1f} MB\n", megabytes(bytes));
 }
 
 }  // namespace pointsweep

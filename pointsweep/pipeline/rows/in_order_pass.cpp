@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/order/working_record.h"

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: MIT
 /// The input of a run as its chain reads it: without the nodes that its first stages crop, with row numbers if a stage
-/// reads them, and as a source of points for streams.
+/// reads them, as a source of points for streams; and whether the boxes of the input allow to put its points in order
+/// on demand, without a distribution pass.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/order/source.h"
+#include "pointsweep/order/survey.h"
+#include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
@@ -24,5 +29,18 @@ InputCloud input_of_chain(const InputCloud& cloud, const ChainPlan& plan, std::u
 /// reading, from any thread.
 PointSource source_of(
     InputCloud& cloud, const std::function<void(std::size_t rows)>& note = [](std::size_t) {});
+
+/// The decision about an order on demand, made before the first pass reads a point. The boxes only serve this decision:
+/// the run counts the points before it relies on their places (Stream::on_demand).
+struct OnDemandOrder {
+  std::string why_not;        ///< reason against an order on demand, as the end of a sentence; empty if it is possible
+  std::vector<RowBox> boxes;  ///< boxes that the inputs state for all rows, by ascending row
+};
+
+/// Returns the number of the first pass of `planned` that puts points in order; the number of passes if none does.
+std::size_t first_ordered_pass(const ChainPlan& planned);
+
+/// Decides whether the first pass that puts points in order can do so on demand.
+OnDemandOrder on_demand_order(const InputCloud& cloud, const ChainPlan& planned, const EngineOptions& options);
 
 }  // namespace pointsweep

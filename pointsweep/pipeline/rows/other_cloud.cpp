@@ -11,7 +11,6 @@
 #include "pointsweep/formats/cloud/common_schema.h"
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/operators/expressions/meant_value.h"
-#include "pointsweep/order/stream.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/working_record.h"
 #include "pointsweep/pipeline/rows/input_source.h"
@@ -23,6 +22,10 @@ namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kSlabPoints = 32768, kBufferBytes = 8u << 20;
+
+StreamOptions stream_options(int axis, const SpillPlace& spill) {
+  return {.axis = axis, .slab_points = kSlabPoints, .canonical = true, .spill = spill, .buffer_bytes = kBufferBytes};
+}
 
 /// Returns the indices of the fields that an operator reads.
 std::vector<std::size_t> fields_of(const std::vector<Attribute>& reads, const Schema& schema, const std::string& name) {
@@ -48,8 +51,7 @@ OtherCloud::OtherCloud(const std::string& name, std::vector<Attribute> reads, co
   if (agreement == CrsAgreement::different && !cloud.ignores_crs())
     fail_usage(
         "{} is in {} and the input in {}: transform one of them first{}, or add --ignore-crs to compare the "
-        "coordinates "
-        "without a transformation.",
+        "coordinates without a transformation.",
         name, short_text(*other), short_text(*mine), way_to_transform(*mine));
   if (agreement == CrsAgreement::undecided)
     warnings_.push_back(fmt::format(
@@ -113,24 +115,16 @@ void OtherCloud::give_in_order(int axis, const SpillPlace& spill,
 Stream OtherCloud::in_order(InputCloud& cloud, const std::string& name, const std::vector<Attribute>& reads, int axis,
                             const SpillPlace& spill, const std::function<void(std::uint64_t rows)>& progress) {
   const PointSource source = source_of(cloud);
-  return Stream(source, survey(source, axis, false),
-                {.axis = axis,
-                 .slab_points = kSlabPoints,
-                 .canonical = true,
-                 .payload = fields_of(reads, source.schema, name),
-                 .spill = spill,
-                 .buffer_bytes = kBufferBytes,
-                 .progress = progress});
+  StreamOptions options = stream_options(axis, spill);
+  options.payload = fields_of(reads, source.schema, name);
+  options.progress = progress;
+  return Stream(source, survey(source, axis, false), options);
 }
 
 Stream OtherCloud::in_order(const PointSource& numbered, int axis, const SpillPlace& spill) {
-  return Stream(numbered, survey(numbered, axis, false),
-                {.axis = axis,
-                 .slab_points = kSlabPoints,
-                 .canonical = true,
-                 .numbered = true,
-                 .spill = spill,
-                 .buffer_bytes = kBufferBytes});
+  StreamOptions options = stream_options(axis, spill);
+  options.numbered = true;
+  return Stream(numbered, survey(numbered, axis, false), options);
 }
 
 void OtherCloud::give(const Stream& stream, const std::string& name, const std::vector<Attribute>& reads,

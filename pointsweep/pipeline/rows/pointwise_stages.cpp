@@ -124,10 +124,9 @@ StageTally PointwiseStages::tally() const {
   return all;
 }
 
-RowPass::RowPass(const PlannedPass& pass) : pass_(pass), stages_(pass, pass.input) {}
-
-void RowPass::run(const PointSource& source,
-                  const std::function<void(std::uint64_t, std::size_t, const std::byte*)>& use) {
+StageTally run_rows(const PlannedPass& pass, const PointSource& source,
+                    const std::function<void(std::uint64_t, std::size_t, const std::byte*)>& use) {
+  PointwiseStages stages(pass, pass.input);
   const std::size_t stride = source.schema.stride, most = rows_at_once(stride);
   ParallelRows input(source);
   std::array<std::vector<std::byte>, 2> buffers;  // records in use, and records read ahead
@@ -147,10 +146,11 @@ void RowPass::run(const PointSource& source,
     const std::span<const std::byte> records = ahead ? ahead->next() : read(turn);
     rows.resize(records.size() / stride);
     std::iota(rows.begin(), rows.end(), turn * most);
-    results.resize(rows.size() * pass_.plan.result_bytes);
-    stages_.run(records.data(), rows, results.data());
+    results.resize(rows.size() * pass.plan.result_bytes);
+    stages.run(records.data(), rows, results.data());
     use(turn * most, rows.size(), results.data());
   }
+  return stages.tally();
 }
 
 }  // namespace pointsweep

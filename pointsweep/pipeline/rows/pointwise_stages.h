@@ -38,21 +38,12 @@ class PointwiseStages {
   std::vector<StageTally> tallies_;  ///< one tally for each thread
 };
 
-/// Applies stages that read only the point itself to rows in their order, without a sweep.
-class RowPass {
- public:
-  /// `pass`: of kind rows, bound to its own input (PlannedPass::bind). It must outlive this object.
-  explicit RowPass(const PlannedPass& pass);
-
-  /// Reads `source`, records of pass.input, and passes on the result records of its rows in order, rows_at_once() at a
-  /// time. Reads ahead if several threads can read the source. Works on all threads.
-  void run(const PointSource& source,
-           const std::function<void(std::uint64_t first_row, std::size_t count, const std::byte* results)>& use);
-  StageTally tally() const { return stages_.tally(); }
-
- private:
-  const PlannedPass& pass_;
-  PointwiseStages stages_;
-};
+/// Applies the stages of a pass of kind rows, which is bound to its own input (PlannedPass::bind), to rows in their
+/// order, without a sweep. Reads `source`, records of pass.input, and passes on the result records of its rows,
+/// rows_at_once() at a time. Reads ahead if several threads can read the source. Works on all threads. Returns the
+/// times and the degenerate rows.
+StageTally run_rows(
+    const PlannedPass& pass, const PointSource& source,
+    const std::function<void(std::uint64_t first_row, std::size_t count, const std::byte* results)>& use);
 
 }  // namespace pointsweep
