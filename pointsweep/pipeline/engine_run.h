@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,11 +43,5 @@ struct EngineOptions : RunOptions {
 Statistics run(InputCloud& cloud, const Chain& chain, const Outputs& outputs, const EngineOptions& options = {});
 Statistics sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options = {},
                 const std::vector<std::string>& keep = {});
-
-/// Returns the type of x, y and z in the records for `output`, for a chain that makes `made`; absent: the type of the
-/// input. Without options.positions, moved positions are passed to every format as float64; a format that stores
-/// integers rounds them once. Throws UsageError if options.positions is set for such a format.
-std::optional<Type> type_of_positions(const std::vector<Attribute>& made, const std::filesystem::path& output,
-                                      const EngineOptions& options);
 
 }  // namespace pointsweep

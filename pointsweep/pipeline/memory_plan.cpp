@@ -205,15 +205,11 @@ class Division {
 
   /// Finds a plan. Prefers memory, then spilling, then thinner slabs.
   MemoryPlan find() {
-    if (fits()) return out_;
-    out_.spill_results = true;
-    out_.result_buffer_bytes = std::max(budget_ / 8, kMega);
-    if (fits()) return out_;
+    if (fits_with_results()) return out_;
     out_.spill_stream = true;
     out_.stream_buffer_bytes = std::max(budget_ / 8, kMega);
     out_.spill_results = false;
-    if (fits()) return out_;
-    out_.spill_results = true;
+    if (fits_with_results()) return out_;
     const std::uint64_t least = least_slab_points(plan_);
     while (!fits() && out_.slab_points > least)
       out_.slab_points = std::max(least, out_.slab_points - out_.slab_points / 8);
@@ -224,14 +220,18 @@ class Division {
   std::optional<MemoryPlan> find_on_demand() {
     out_.on_demand = true;
     out_.stream_buffer_bytes = on_demand_buffer_bytes(out_.slab_points, demand_);
-    if (fits()) return out_;
-    out_.spill_results = true;
-    out_.result_buffer_bytes = std::max(budget_ / 8, kMega);
-    if (fits()) return out_;
-    return {};
+    return fits_with_results() ? std::optional(out_) : std::nullopt;
   }
 
  private:
+  /// Returns whether the plan fits with the results in memory, or else spilled. The plan then has them there.
+  bool fits_with_results() {
+    if (fits()) return true;
+    out_.spill_results = true;
+    out_.result_buffer_bytes = std::max(budget_ / 8, kMega);
+    return fits();
+  }
+
   bool fits() {
     const std::uint64_t threads = std::max(1u, demand_.threads);
     const std::uint64_t stream = demand_.points * demand_.working_record_bytes;
@@ -331,12 +331,6 @@ std::uint64_t window_neighbors(const SweepPlan& plan, std::uint32_t cell_points,
 }
 
 MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
-  MemoryPlan out = try_plan_memory(budget, plan, demand);
-  if (out.needed_bytes != 0) fail_budget(budget, out.needed_bytes);
-  return out;
-}
-
-MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
   MemoryPlan out = divide(budget, plan, demand);
   if (out.expected_bytes > budget) out.needed_bytes = least_budget(plan, demand);
   return out;

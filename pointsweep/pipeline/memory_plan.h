@@ -66,13 +66,13 @@ std::uint64_t whole_window_bytes(const SweepPlan& plan, std::uint64_t points);
 std::uint64_t window_neighbors(const SweepPlan& plan, std::uint32_t cell_points, double dimension);
 
 /// Plans a run. Prefers memory, then spilling, then thinner slabs. A budget larger than a sufficient one also suffices.
-/// Throws Error with the least sufficient budget.
+/// For a budget that is too small, MemoryPlan::needed_bytes states the least sufficient one.
 MemoryPlan plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand);
-
-/// Plans like plan_memory(), but states a budget that is too small in MemoryPlan::needed_bytes instead of throwing.
-MemoryPlan try_plan_memory(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand);
-/// Throws the Error that plan_memory() throws for a budget that is too small.
+/// Throws the Error for a budget that is too small.
 [[noreturn]] void fail_budget(std::uint64_t budget, std::uint64_t needed_bytes);
+
+/// Returns the number of MB, of 2^20 bytes each, for a sentence.
+inline double megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
 /// Returns the memory available to this process, in bytes: MemAvailable, or less inside a control group.
 std::uint64_t available_memory();

@@ -34,25 +34,19 @@ nlohmann::ordered_json buffers(const Statistics& s) {
   return out;
 }
 
-/// Makes the names of the stages of a chain unique: "normals", "normals_2".
-class UniqueNames {
- public:
-  std::string of(const std::string& name) {
-    std::string unique = name;
-    for (int again = 2; !used_.insert(unique).second; ++again) unique = fmt::format("{}_{}", name, again);
-    return unique;
-  }
-
- private:
-  std::set<std::string> used_;
-};
+/// Makes the name of a stage unique among the names `used` of the chain, and adds it: "normals", "normals_2".
+std::string unique_name(const std::string& name, std::set<std::string>& used) {
+  std::string unique = name;
+  for (int again = 2; !used.insert(unique).second; ++again) unique = fmt::format("{}_{}", name, again);
+  return unique;
+}
 
 /// Returns [{"stage": "normals", "count": 2, "rows": [3, 17]}, ...], without stages that have no degenerate points.
 nlohmann::ordered_json degenerate_rows(const Statistics& s) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
-  UniqueNames unique;
+  std::set<std::string> used;
   for (const DegenerateResults& results : s.degenerate_results) {
-    const std::string stage = unique.of(results.stage);
+    const std::string stage = unique_name(results.stage, used);
     if (results.count > 0) out.push_back({{"stage", stage}, {"count", results.count}, {"rows", results.rows}});
   }
   return out;
@@ -65,7 +59,34 @@ nlohmann::ordered_json counts(const ReferenceCounts& r) {
           {"audit_seconds", r.audit_seconds}};
 }
 
+/// Returns the bin of distance 0 if it has counts, and all bins from the first to the last of the others that have
+/// counts.
+std::vector<DistanceBin> bins_of(const NeighborDistances& distances) {
+  const auto bin = [&](std::size_t i) {
+    return DistanceBin{std::sqrt(DistanceHistogram::lower_end2(i)), std::sqrt(DistanceHistogram::lower_end2(i + 1)),
+                       distances.nearest.count(i), distances.farthest.count(i)};
+  };
+  const auto empty = [&](std::size_t i) { return distances.nearest.count(i) + distances.farthest.count(i) == 0; };
+  std::vector<DistanceBin> bins;
+  if (!empty(0)) bins.push_back(bin(0));
+  std::size_t first = 1, end = DistanceHistogram::kBins - 1;
+  while (first < end && empty(first)) ++first;
+  while (first < end && empty(end - 1)) --end;
+  for (std::size_t i = first; i < end; ++i) bins.push_back(bin(i));
+  return bins;
+}
+
 }  // namespace
+
+void add_stages(Statistics& to, const SweepPlan& plan, const std::vector<double>& seconds,
+                const std::vector<DegenerateRows>& degenerate) {
+  for (std::size_t i = 0; i < plan.stages.size(); ++i) {
+    const std::string name = name_of(plan.stages[i].op);
+    to.operator_seconds.emplace_back(name, seconds[i]);
+    to.degenerate_results.push_back({name, degenerate[i].count(), degenerate[i].lowest()});
+    to.degenerate += degenerate[i].count();
+  }
+}
 
 // The least count of certified points over the sweeps is the count of points certified in every sweep: each sweep has
 // only points of the sweep before, unless `set` gives a finite position to a point that had none.
@@ -74,13 +95,7 @@ void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& swe
   to.recalled += sweep.recalled;
   to.recall_seconds += sweep.recall_seconds;
   to.read_seconds += sweep.read_seconds, to.search_seconds += sweep.search_seconds;
-  for (std::size_t i = 0; i < plan.stages.size(); ++i) {
-    to.operator_seconds.emplace_back(name_of(plan.stages[i].op), sweep.stage_seconds[i]);
-    const DegenerateRows& rows = sweep.degenerate[i];
-    to.degenerate_results.push_back({name_of(plan.stages[i].op), rows.count(), rows.lowest()});
-    to.degenerate += rows.count();
-  }
-
+  add_stages(to, plan, sweep.stage_seconds, sweep.degenerate);
   const std::uint64_t read_before = to.series.empty() ? 0 : to.series.back().first;
   const std::uint64_t read = sweep.series.empty() ? 0 : sweep.series.back().first;
   const auto mean = [](double a, std::size_t of_a, double b, std::size_t of_b) {
@@ -106,8 +121,8 @@ std::string to_json(const Statistics& s) {
     distances.push_back({{"from", bin.from}, {"to", bin.to}, {"nearest", bin.nearest}, {"farthest", bin.farthest}});
   }
   nlohmann::ordered_json operators = nlohmann::ordered_json::object();
-  UniqueNames unique;
-  for (const auto& [name, seconds] : s.operator_seconds) operators[unique.of(name)] = seconds;
+  std::set<std::string> used;
+  for (const auto& [name, seconds] : s.operator_seconds) operators[unique_name(name, used)] = seconds;
   nlohmann::ordered_json json = {
       {"points", s.points},
       {"points_written", s.points_written},
@@ -173,21 +188,6 @@ std::uint64_t peak_resident_bytes() {
   rusage usage{};  // includes the peak of the process before exec()
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
-std::vector<DistanceBin> bins_of(const NeighborDistances& distances) {
-  const auto bin = [&](std::size_t i) {
-    return DistanceBin{std::sqrt(DistanceHistogram::lower_end2(i)), std::sqrt(DistanceHistogram::lower_end2(i + 1)),
-                       distances.nearest.count(i), distances.farthest.count(i)};
-  };
-  const auto empty = [&](std::size_t i) { return distances.nearest.count(i) + distances.farthest.count(i) == 0; };
-  std::vector<DistanceBin> bins;
-  if (!empty(0)) bins.push_back(bin(0));
-  std::size_t first = 1, end = DistanceHistogram::kBins - 1;
-  while (first < end && empty(first)) ++first;
-  while (first < end && empty(end - 1)) --end;
-  for (std::size_t i = first; i < end; ++i) bins.push_back(bin(i));
-  return bins;
 }
 
 void write_states(const std::vector<PointState>& states, const std::filesystem::path& path, bool overwrite) {

@@ -15,6 +15,9 @@ namespace pointsweep {
 
 struct SweepPlan;
 
+/// Adds the times and the degenerate results of the stages of a plan.
+void add_stages(Statistics& to, const SweepPlan& plan, const std::vector<double>& seconds,
+                const std::vector<DegenerateRows>& degenerate);
 /// Adds the statistics of a finished sweep.
 void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep);
 
@@ -22,10 +25,6 @@ void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& swe
 std::string machine_description();
 /// Returns the largest resident set of this process so far, in bytes.
 std::uint64_t peak_resident_bytes();
-
-/// Returns the bin of distance 0 if it has counts, and all bins from the first to the last of the others that have
-/// counts.
-std::vector<DistanceBin> bins_of(const NeighborDistances& distances);
 
 /// Writes the state of each point, by input row, as a .npy file of uint8.
 void write_states(const std::vector<PointState>& states, const std::filesystem::path& path, bool overwrite);

@@ -11,7 +11,6 @@
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/plan/output_layout.h"
-#include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {

@@ -92,7 +92,7 @@ std::vector<std::string> copy_points(const std::vector<fs::path>& inputs, const 
     bounds.include(Vec3{value_of(p.x, at), value_of(p.y, at), value_of(p.z, at)});
   EngineOptions options;
   options.overwrite = true;
-  OutputSet files(cloud, {}, {}, {.points = out, .arrays = {}, .writer = {}}, options,
+  OutputSet files(cloud, {}, {.points = out, .arrays = {}, .writer = {}}, options,
                   {bounds, std::make_shared<KnownValues>(las_values(cloud, {}, {}))});
   files.write_records(records);
   std::vector<std::string> warnings = cloud.warnings();

@@ -26,22 +26,29 @@ SweepPlan normals_plan(std::size_t k = 8) {
   return plan;
 }
 
+/// Returns the plan for a budget that must suffice; throws the Error of fail_budget() if it does not.
+MemoryPlan sufficient_plan(std::uint64_t budget, const SweepPlan& plan, const MemoryDemand& demand) {
+  const MemoryPlan out = plan_memory(budget, plan, demand);
+  if (out.needed_bytes != 0) fail_budget(budget, out.needed_bytes);
+  return out;
+}
+
 MemoryDemand twenty_million() {
   return {
       .points = 20'000'000, .working_record_bytes = 16, .result_record_bytes = 12, .slab_points = 71'554, .threads = 2};
 }
 
 TEST(MemoryPlan, KeepsEverythingInMemoryWhereItFits) {
-  const MemoryPlan plan = plan_memory(2000 * kMega, normals_plan(), twenty_million());
+  const MemoryPlan plan = sufficient_plan(2000 * kMega, normals_plan(), twenty_million());
   EXPECT_FALSE(plan.spill_stream);
   EXPECT_FALSE(plan.spill_results);
   EXPECT_EQ(plan.slab_points, 71'554u);
 }
 
 TEST(MemoryPlan, SpillsAsMuchAsTheBudgetAsksFor) {
-  const MemoryPlan some = plan_memory(480 * kMega, normals_plan(), twenty_million());
+  const MemoryPlan some = sufficient_plan(480 * kMega, normals_plan(), twenty_million());
   EXPECT_TRUE(some.spill_stream || some.spill_results);
-  const MemoryPlan all = plan_memory(256 * kMega, normals_plan(), twenty_million());
+  const MemoryPlan all = sufficient_plan(256 * kMega, normals_plan(), twenty_million());
   EXPECT_TRUE(all.spill_stream);
   for (const MemoryPlan& plan : {some, all}) EXPECT_LE(plan.expected_bytes, 480 * kMega);
 }
@@ -52,7 +59,7 @@ TEST(MemoryPlan, ExpectsNoMoreThanTheBudgetForAnyCloud) {
       MemoryDemand demand = twenty_million();
       demand.points = points;
       try {
-        EXPECT_LE(plan_memory(budget, normals_plan(), demand).expected_bytes, budget) << points;
+        EXPECT_LE(sufficient_plan(budget, normals_plan(), demand).expected_bytes, budget) << points;
       } catch (const Error& e) {
         EXPECT_NE(std::string(e.what()).find("--memory"), std::string::npos);
       }
@@ -62,17 +69,17 @@ TEST(MemoryPlan, ExpectsNoMoreThanTheBudgetForAnyCloud) {
 
 /// Lists from which edges are made are shorter, so that lists and edges fit into the memory that lists alone may take.
 TEST(MemoryPlan, ListsLeaveRoomForTheEdgesThatAreMadeOfThem) {
-  const MemoryPlan lists = plan_memory(256 * kMega, normals_plan(), twenty_million());
+  const MemoryPlan lists = sufficient_plan(256 * kMega, normals_plan(), twenty_million());
   MemoryDemand demand = twenty_million();
   demand.listed_edge_bytes = 156;
-  const MemoryPlan edges = plan_memory(256 * kMega, normals_plan(), demand);
+  const MemoryPlan edges = sufficient_plan(256 * kMega, normals_plan(), demand);
   EXPECT_LE(edges.lists_bytes / sizeof(NeighborRef) * (sizeof(NeighborRef) + 156), lists.lists_bytes);
   EXPECT_GE(edges.lists_bytes / sizeof(NeighborRef) * (sizeof(NeighborRef) + 156), lists.lists_bytes / 2);
   demand.most_neighbors = 100'000;  // the lists of a single point must always fit
   SweepPlan radius = normals_plan(Neighborhood::kUnlimited);
-  const std::uint64_t with = plan_memory(1024 * kMega, radius, demand).expected_bytes;
+  const std::uint64_t with = sufficient_plan(1024 * kMega, radius, demand).expected_bytes;
   demand.listed_edge_bytes = 0;
-  EXPECT_GE(with, plan_memory(1024 * kMega, radius, demand).expected_bytes + 2 * 100'000 * 156);
+  EXPECT_GE(with, sufficient_plan(1024 * kMega, radius, demand).expected_bytes + 2 * 100'000 * 156);
 }
 
 SweepPlan three_steps(std::size_t k) {
@@ -86,7 +93,7 @@ SweepPlan three_steps(std::size_t k) {
 
 std::uint64_t named_megabytes(const SweepPlan& plan, const MemoryDemand& demand) {
   try {
-    plan_memory(kMega, plan, demand);
+    sufficient_plan(kMega, plan, demand);
     ADD_FAILURE() << "one megabyte is not enough for anything";
   } catch (const Error& e) {
     const std::string text = e.what();
@@ -107,8 +114,8 @@ TEST(MemoryPlan, NamesTheLeastBudgetThatDoes) {
           demand.slice_points = points / 20;
           const std::uint64_t named = named_megabytes(plan, demand);
           SCOPED_TRACE(fmt::format("k {} of {}, slabs of {}: {}M", k, points, slab, named));
-          EXPECT_NO_THROW(plan_memory(named * kMega, plan, demand));
-          EXPECT_THROW(plan_memory((named - 1) * kMega, plan, demand), Error);
+          EXPECT_NO_THROW(sufficient_plan(named * kMega, plan, demand));
+          EXPECT_THROW(sufficient_plan((named - 1) * kMega, plan, demand), Error);
         }
       }
     }
@@ -122,7 +129,7 @@ TEST(MemoryPlan, NeverFailsWithMoreWhereLessDoes) {
     demand.slab_points = 300'000;
     bool did = false;
     for (std::uint64_t mega = 16; mega < 20'000; mega += 1 + mega / 64) {
-      const bool does = try_plan_memory(mega * kMega, three_steps(k), demand).needed_bytes == 0;
+      const bool does = plan_memory(mega * kMega, three_steps(k), demand).needed_bytes == 0;
       EXPECT_TRUE(does || !did) << mega << "M";
       did = did || does;
     }
@@ -132,9 +139,9 @@ TEST(MemoryPlan, NeverFailsWithMoreWhereLessDoes) {
 
 TEST(MemoryPlan, CountsTheWindowThatARadiusKeeps) {
   MemoryDemand demand = twenty_million();
-  const MemoryPlan thin = try_plan_memory(8192 * kMega, normals_plan(Neighborhood::kUnlimited), demand);
+  const MemoryPlan thin = plan_memory(8192 * kMega, normals_plan(Neighborhood::kUnlimited), demand);
   demand.slice_points = 5'000'000;
-  const MemoryPlan thick = try_plan_memory(8192 * kMega, normals_plan(Neighborhood::kUnlimited), demand);
+  const MemoryPlan thick = plan_memory(8192 * kMega, normals_plan(Neighborhood::kUnlimited), demand);
   EXPECT_GE(thick.window_bytes, thin.window_bytes + 5'000'000 * 40);
 }
 
@@ -143,13 +150,13 @@ TEST(MemoryPlan, CountsThePointsThatWaitForSeveralSteps) {
   MemoryDemand demand = twenty_million();
   demand.slab_points = 1024;
   SweepPlan chain = normals_plan();
-  const std::uint64_t one = plan_memory(4096 * kMega, chain, demand).window_bytes;
+  const std::uint64_t one = sufficient_plan(4096 * kMega, chain, demand).window_bytes;
   chain.steps = {0, 0, 0, 0};
-  const std::uint64_t three = plan_memory(4096 * kMega, chain, demand).window_bytes;
+  const std::uint64_t three = sufficient_plan(4096 * kMega, chain, demand).window_bytes;
   EXPECT_GE(three, 200'000 * window_point_bytes(chain));
   EXPECT_LT(one, three / 4);
   demand.points = 10'000;
-  EXPECT_LT(plan_memory(4096 * kMega, chain, demand).window_bytes, three / 4);
+  EXPECT_LT(sufficient_plan(4096 * kMega, chain, demand).window_bytes, three / 4);
 }
 
 /// Measured for a million points: the window held up to 478,449 points with slabs of 16,384 (three steps, k = 64), and
@@ -163,7 +170,7 @@ TEST(MemoryPlan, CountsThePointsThatUnevenDensityMakesWait) {
     chain.steps = std::move(steps);
     const std::uint64_t neighbors = window_neighbors(chain, 1024, survey.dimension);
     demand.waiting_for_steps = estimate_open_points(survey, demand.points, neighbors);
-    return try_plan_memory(64 * kMega, chain, demand).window_bytes / window_point_bytes(chain);  // in points
+    return plan_memory(64 * kMega, chain, demand).window_bytes / window_point_bytes(chain);  // in points
   };
   EXPECT_GE(window({0, 0, 0, 0}), 478'449u);
   EXPECT_LE(window({0, 0, 0, 0}), 2 * 478'449u);
@@ -176,7 +183,7 @@ TEST(MemoryPlan, CountsWhatEachThreadHasInHand) {
   MemoryDemand demand = twenty_million();
   const auto window = [&](unsigned threads) {
     demand.threads = threads;
-    return try_plan_memory(8192 * kMega, normals_plan(1000), demand).window_bytes;
+    return plan_memory(8192 * kMega, normals_plan(1000), demand).window_bytes;
   };
   const std::uint64_t slab = demand.slab_points * demand.working_record_bytes,
                       lists = 1024 * 1000 * sizeof(NeighborRef);
@@ -187,7 +194,7 @@ TEST(MemoryPlan, ATurnHasEightCellsForEachThreadWhereMemoryIsLeft) {
   MemoryDemand demand = twenty_million();
   const auto at = [&](unsigned threads, std::uint64_t mega) {
     demand.threads = threads;
-    return try_plan_memory(mega * kMega, normals_plan(), demand);
+    return plan_memory(mega * kMega, normals_plan(), demand);
   };
   EXPECT_EQ(at(2, 8192).slabs_per_turn, 1u) << "one slab has many times as many cells";
   for (const unsigned threads : {16u, 64u, 256u}) {

@@ -251,8 +251,8 @@ TEST(RunMemory, FewerThreadsSurveyInASmallBudget) {
   const InputCloud cloud(std::move(readers));
   const auto threads = [&](std::uint64_t mega, unsigned asked) {
     EngineOptions options;
-    options.resources.threads = asked;
-    return survey_threads(cloud, options, mega * kMega);
+    options.resources = {.memory_bytes = mega * kMega, .threads = asked};
+    return survey_threads(cloud, options);
   };
   EXPECT_EQ(threads(1, 64), 1u);
   EXPECT_EQ(threads(32, 64), 4u) << "half a MB each, in a quarter of what is left beside what any run takes";

@@ -18,7 +18,6 @@
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/rows/pass_values.h"
-#include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/storage/encoding.h"
 #include "pointsweep/sweep/sweep.h"
 

@@ -27,14 +27,19 @@ bool is_made_of_lengths(const Attribute& attribute) {
   return attribute.unit.find("length") != attribute.unit.npos && attribute.kind != Kind::position;
 }
 
+/// Returns the declared options of the stage; none if its operator is not declared.
+std::vector<OptionDeclaration> declared_options(const ChainStage& stage) {
+  const OperatorDeclaration* const declaration = declaration_of(name_of(stage));
+  return declaration != nullptr ? declaration->options : std::vector<OptionDeclaration>();
+}
+
 /// Returns whether the stage depends on distances: it searches neighbours, has an option that is a length, or makes an
 /// attribute that is a length.
 bool needs_lengths(const ChainStage& stage) {
   if (operator_of(stage) == nullptr) return false;
   const Contract contract = contract_of(stage);
   if (contract.default_k > 0 || std::ranges::any_of(contract.makes, is_made_of_lengths)) return true;
-  const OperatorDeclaration* declaration = declaration_of(name_of(stage));
-  return declaration != nullptr && std::ranges::any_of(declaration->options, is_length);
+  return std::ranges::any_of(declared_options(stage), is_length);
 }
 
 double metres_per_unit(const InputCloud& cloud) {
@@ -45,11 +50,9 @@ double metres_per_unit(const InputCloud& cloud) {
 /// Returns the lengths of the stage that have their defaults, such as "cell=3.281 (1 m)", or "cell=1" if the unit is
 /// the metre.
 std::string default_options(const ChainStage& stage, double metres_per_unit) {
-  const OperatorDeclaration* declaration = declaration_of(name_of(stage));
-  if (declaration == nullptr) return "";
   const Options values = options_of(stage);
   std::string text;
-  for (const OptionDeclaration& option : declaration->options) {
+  for (const OptionDeclaration& option : declared_options(stage)) {
     const double* metres = default_length(option);
     if (metres == nullptr) continue;
     const double here = *metres / metres_per_unit;
@@ -223,9 +226,7 @@ void append_stage(Chain& chain, const std::string& name, const Options& options,
 }
 
 std::string canonical_text(const ChainStage& stage, Presets presets) {
-  const OperatorDeclaration* declaration = declaration_of(name_of(stage));
-  return stage_text(name_of(stage), options_of(stage),
-                    declaration != nullptr ? declaration->options : std::vector<OptionDeclaration>(), presets);
+  return stage_text(name_of(stage), options_of(stage), declared_options(stage), presets);
 }
 
 std::string canonical_text(const Neighborhood& neighborhood, Presets presets) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/points/lower_case.h"
 #include "pointsweep/points/text_file.h"
 #include "pointsweep/program/pipeline.h"
 
@@ -28,8 +29,7 @@ std::size_t place_of_word(std::string_view option) {
     end = at + 1;
     if (!is_name_character(option[at])) continue;
     while (end < option.size() && is_name_character(option[end])) ++end;
-    std::string word(option.substr(at, end - at));
-    for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const std::string word = in_lower_case(option.substr(at, end - at));
     const std::size_t before = at == 0 ? option.npos : option.find_last_not_of(kSpace, at - 1);
     const bool has_operand = before != option.npos && (option[before] == ')' || is_name_character(option[before]));
     if (has_operand && (word == "in" || word == "between")) return at;

@@ -2,7 +2,6 @@
 /// Translates pipelines of PDAL, stage by stage, into stages of this library.
 #pragma once
 
-#include <string>
 #include <string_view>
 #include <vector>
 

@@ -150,6 +150,13 @@ RunOption words(RunOption declared, Member member, const std::vector<std::pair<s
   return declared;
 }
 
+/// Returns the whole numbers from 0 to `last` with their texts, for words().
+std::vector<std::pair<std::string, std::optional<int>>> whole_numbers_to(int last) {
+  std::vector<std::pair<std::string, std::optional<int>>> numbers;
+  for (int number = 0; number <= last; ++number) numbers.emplace_back(std::to_string(number), number);
+  return numbers;
+}
+
 }  // namespace
 
 const std::vector<RunOption>& run_options() {
@@ -188,18 +195,7 @@ const std::vector<RunOption>& run_options() {
           {"point_format", "--point-format", "",
            "Point format of LAS; attributes without a field there become extra bytes (default: that of the input, or "
            "the shortest that holds all)"},
-          [](auto& options) -> auto& { return options.layout.point_format; },
-          {{"0", 0},
-           {"1", 1},
-           {"2", 2},
-           {"3", 3},
-           {"4", 4},
-           {"5", 5},
-           {"6", 6},
-           {"7", 7},
-           {"8", 8},
-           {"9", 9},
-           {"10", 10}}),
+          [](auto& options) -> auto& { return options.layout.point_format; }, whole_numbers_to(10)),
       words<std::optional<int>>(
           {"las_version", "--las-version", "", "Version of LAS (default: that of the input, or 1.4)"},
           [](auto& options) -> auto& { return options.layout.las_version; },

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <limits>
 #include <thread>
-#include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/waiting_estimate.h"
@@ -105,7 +104,7 @@ void add_forest(MemoryDemand& demand, const PlannedPass& pass, Estimates& estima
 
 MemoryPlan plan(std::uint64_t budget, const SweepPlan& sweep, const MemoryDemand& demand,
                 const EngineOptions& options) {
-  MemoryPlan memory = try_plan_memory(budget, sweep, demand);
+  MemoryPlan memory = plan_memory(budget, sweep, demand);
   if (options.ordering == Ordering::on_demand && demand.waiting_points) {
     memory.on_demand = true;
     memory.spill_stream = false;
@@ -129,14 +128,12 @@ std::optional<std::uint64_t> waiting_points(const OnDemandOrder& order, const Su
   return estimate_waiting(order.boxes, survey.axis, survey.sample, demand.points, demand.slab_points, demand.threads);
 }
 
-double mega(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
-
 /// Describes how the points of the first pass that orders points are put in order, and why.
 std::string order_text(const MemoryPlan& memory, const OnDemandOrder& order, const MemoryDemand& demand) {
   if (!memory.on_demand && !memory.spill_stream) return "by distribution, in memory";
   if (!memory.on_demand && !order.why_not.empty()) return "by distribution: " + order.why_not;
   const std::string waiting = fmt::format("about {} points ({:.1f} MB)", demand.waiting_points.value_or(0),
-                                          mega(demand.waiting_points.value_or(0) * demand.working_record_bytes));
+                                          megabytes(demand.waiting_points.value_or(0) * demand.working_record_bytes));
   if (memory.on_demand)
     return fmt::format("by the boxes of the inputs: at most {} wait in memory; nothing is spilled for it", waiting);
   return fmt::format("by distribution: by the boxes of the inputs {} would have to wait in memory", waiting);
@@ -162,21 +159,6 @@ MemoryPlan plan_rows(std::uint64_t budget, std::uint64_t codec_bytes) {
 /// 0 if no stage drops rows.
 std::uint64_t mask_bytes(const ChainPlan& planned, std::uint64_t points) {
   return planned.selects() ? 2 * RowMask::bytes(points) : 0;
-}
-
-}  // namespace
-
-bool RunMemory::spills() const {
-  if (by_distribution && !in_memory(*by_distribution)) return true;
-  return spill_rows || !in_memory(reordering) || !std::ranges::all_of(passes, in_memory);
-}
-
-namespace {
-
-/// Plans the ordering of whole records of `record_bytes` without a sweep. Does not throw: see MemoryPlan::needed_bytes.
-MemoryPlan plan_ordering_memory(std::uint64_t budget, std::uint64_t record_bytes, std::uint64_t points,
-                                const Survey& survey, const EngineOptions& options, std::uint64_t codec_bytes) {
-  return plan(budget, unswept(0), demand(record_bytes, 0, points, survey, options, codec_bytes), options);
 }
 
 /// Plans like plan_run_memory(), for exactly the threads of the options. Does not throw for a budget that is too small:
@@ -219,8 +201,8 @@ RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::u
   }
   if (planned.reorders) {
     const std::uint64_t position_bytes = planned.passes.empty() ? 0 : kMovedPositionBytes;
-    memory.reordering =
-        plan_ordering_memory(budget, output_bytes + position_bytes, points, survey, options, codec_bytes);
+    const MemoryDemand needs = demand(output_bytes + position_bytes, 0, points, survey, options, codec_bytes);
+    memory.reordering = plan(budget, unswept(0), needs, options);
     memory.expected_bytes = std::max(memory.expected_bytes, memory.reordering.expected_bytes);
   }
   memory.needed_bytes = memory.reordering.needed_bytes;
@@ -264,6 +246,11 @@ std::uint64_t least(std::uint64_t no, std::uint64_t yes, const IsEnough& is_enou
 }
 
 }  // namespace
+
+bool RunMemory::spills() const {
+  if (by_distribution && !in_memory(*by_distribution)) return true;
+  return spill_rows || !in_memory(reordering) || !std::ranges::all_of(passes, in_memory);
+}
 
 RunMemory plan_run_memory(std::uint64_t budget, const ChainPlan& planned, std::uint64_t points, const Survey& survey,
                           const EngineOptions& options, std::uint64_t output_bytes, const CodecBytes& codecs,
@@ -337,13 +324,14 @@ std::uint64_t once_decoder_bytes(const InputCloud& cloud, unsigned threads) {
   return bytes;
 }
 
-unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget) {
+unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options) {
   // Bytes of a thread: its stack, which is not freed, and a block of rows.
   constexpr std::uint64_t kThreadBytes = 512 << 10;
   std::uint64_t decoder = 0;
   for (const auto& reader : cloud.readers())
     if (reader->has_decoders() && !reader->info().decode_once)
       decoder = std::max(decoder, reader->info().decoder_bytes);
+  const std::uint64_t budget = memory_budget(options.resources.memory_bytes);
   const std::uint64_t bytes = budget - std::min(budget, kFixedBytes);
   const std::uint64_t room = std::min(bytes / (kThreadBytes + decoder), bytes / kThreadsShare / kThreadBytes);
   return static_cast<unsigned>(std::clamp<std::uint64_t>(room, 1, threads_asked_for(options)));

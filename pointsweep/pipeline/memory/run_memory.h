@@ -13,7 +13,7 @@
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/pipeline/rows/on_demand_order.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 
 namespace pointsweep {
 
@@ -74,7 +74,7 @@ unsigned threads_asked_for(const EngineOptions& options);
 
 /// Returns the number of threads that work until the memory of the passes is planned: the requested number, or fewer if
 /// the budget requires it.
-unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options, std::uint64_t budget);
+unsigned survey_threads(const InputCloud& cloud, const EngineOptions& options);
 
 /// Returns the sum of three sizes: the bytes that decoding the inputs for which FileInfo::decode_once is false takes on
 /// `threads` threads; the bytes that encoding records of `record_bytes` to these outputs takes; and, if the output is

@@ -10,6 +10,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/connect/forest_edge.h"
 #include "pointsweep/program/pipeline.h"
+#include "pointsweep/program/quantities.h"
 #include "pointsweep/sweep/stage_runner.h"
 #include "pointsweep/threads.h"
 
@@ -72,10 +73,7 @@ double cost_of(const std::string& name) {
 /// Returns the value rounded to two significant digits, with commas: "4,100".
 std::string rounded(double value) {
   const double unit = std::pow(10, std::max(0.0, std::floor(std::log10(std::max(value, 1.0))) - 1));
-  std::string digits = fmt::format("{:.0f}", std::round(value / unit) * unit);
-  for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3)
-    digits.insert(static_cast<std::size_t>(at), ",");
-  return digits;
+  return grouped_text(static_cast<std::uint64_t>(std::round(value / unit) * unit));
 }
 
 std::string counted(double value, const char* unit) {

@@ -65,10 +65,11 @@ class GraphBuilder {
     }
     is_part_of_.clear();
   }
-  void operator()(const std::shared_ptr<const LocalOperator>& op) { add(op); }
-  void operator()(const std::shared_ptr<const SelectOperator>& op) { add(op); }
-  void operator()(const std::shared_ptr<const InOrderOperator>& op) { add(op); }
-  void operator()(const std::shared_ptr<const ConnectOperator>& op) { add(op); }
+  /// Adds an operator of one of the kinds of StageOperator.
+  template <class Kind>
+  void operator()(const std::shared_ptr<const Kind>& op) {
+    add(StageOperator(op));
+  }
 
   ChainGraph finish(OutputNeeds needs) {
     if (needs.stream_order) note_stream_position();

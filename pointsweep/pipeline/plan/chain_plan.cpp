@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <set>
-#include <string>
 #include <utility>
 
-#include "pointsweep/chain.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/kinds/chain_stage.h"
 #include "pointsweep/pipeline/plan/pass_planner.h"
@@ -168,8 +166,8 @@ void put_in_order(PlannedPass& pass, const Attributes& order) {
   }
 }
 
-/// Finds the made attributes and the fields of the input that are written: those that Chain::keep names, or all, without
-/// dropped fields. Notes the written attributes in the graph.
+/// Finds the made attributes and the fields of the input that are written: those that Chain::keep names, or all,
+/// without dropped fields. Notes the written attributes in the graph.
 void find_written(ChainPlan& plan, const Schema& input) {
   plan.made = plan.graph.made_attributes();
   Schema visible{{}, input.stride};

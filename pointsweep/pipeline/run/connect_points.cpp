@@ -88,16 +88,16 @@ void put_both(RowStore& swept, const ResultPart& swept_part, RowStore& connected
               const SpillPlace& spill, std::uint64_t count, RowStore& results, std::size_t bytes) {
   RowFile by_row(count, connected_part.bytes, spill);
   connected.drain([&](std::uint64_t, std::span<const std::byte> records) { by_row.append(records); });
-  std::vector<std::byte> told;
+  std::vector<std::byte> of_graph;
   BatchedRows rows(results, bytes);
   swept.drain([&](std::uint64_t first, std::span<const std::byte> records) {
     const std::size_t n = records.size() / swept_part.bytes;
-    told.resize(n * connected_part.bytes);
-    by_row.read(first, told);
+    of_graph.resize(n * connected_part.bytes);
+    by_row.read(first, of_graph);
     for (std::size_t i = 0; i < n; ++i) {
       std::byte* to = rows.add(first + i);
       swept_part.map.copy(records.data() + i * swept_part.bytes, to);
-      connected_part.map.copy(told.data() + i * connected_part.bytes, to);
+      connected_part.map.copy(of_graph.data() + i * connected_part.bytes, to);
     }
   });
   rows.flush();
@@ -113,12 +113,12 @@ SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pas
   EdgeBuckets edges(bucket_begins(points.stream, points.bucket_places), points.stream.axis(), op.weighted(),
                     op.votes() != nullptr ? op.votes()->ballot_bytes() : 0, places.scratch());
   SweepPlan plan = pass.plan;
-  const ResultPart swept_part = take_swept_part(plan, stage), told_part = connected_part(pass.plan, stage);
+  const ResultPart swept_part = take_swept_part(plan, stage), graph_part = connected_part(pass.plan, stage);
   const SpillPlace spill = &places.folder();
   const MemoryPlan& memory = points.memory;
   const std::uint64_t count = context.cloud.count();
-  // The buffers of `swept` and `told` are in use at the same time, so each has half of the memory. `results` then takes
-  // their records.
+  // The buffers of `swept` and `of_graph` are in use at the same time, so each has half of the memory. `results` then
+  // takes their records.
   const std::size_t buffer = std::max<std::size_t>(memory.result_buffer_bytes / 2, 1 << 20);
   std::optional<RowStore> swept;
   std::unique_ptr<Sink> sink = std::make_unique<NoSink>();
@@ -137,14 +137,14 @@ SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pas
   const Components components(edges, setup);
   const std::size_t bytes = pass.plan.result_bytes;
   if (swept) {
-    RowStore told(count, std::vector<std::byte>(told_part.bytes), spill, buffer);
-    ResultPart whole{.bytes = told_part.bytes};
+    RowStore of_graph(count, std::vector<std::byte>(graph_part.bytes), spill, buffer);
+    ResultPart whole{.bytes = graph_part.bytes};
     whole.map.add(0, 0, whole.bytes);
-    put_values(components, op, whole, told, told_part.bytes);
-    put_both(*swept, swept_part, told, told_part, spill, count, results, bytes);
-    context.statistics().bytes_spilled += swept->spilled_bytes() + 2 * told.spilled_bytes();
+    put_values(components, op, whole, of_graph, graph_part.bytes);
+    put_both(*swept, swept_part, of_graph, graph_part, spill, count, results, bytes);
+    context.statistics().bytes_spilled += swept->spilled_bytes() + 2 * of_graph.spilled_bytes();
   } else {
-    put_values(components, op, told_part, results, bytes);
+    put_values(components, op, graph_part, results, bytes);
   }
   context.statistics().bytes_spilled += edges.bytes() + components.log_bytes();
   done.stage_seconds[static_cast<std::size_t>(&stage - pass.plan.stages.data())] += seconds_since(start);
@@ -193,12 +193,12 @@ void label_points(const Context& context, const PlannedPass& pass, const MemoryP
   const ConnectOperator& op = *stage.connects();
   const ResultPart part = connected_part(pass.plan, stage);
   const std::size_t bytes = pass.plan.result_bytes;
-  const std::size_t told_bytes = 1 + part.bytes;  // the first byte is 1 where the point is in a component
+  const std::size_t label_bytes = 1 + part.bytes;  // the first byte is 1 where the point is in a component
   RunPlaces& places = context.places;
   const TileGraphSetup setup{op.votes(), places.scratch(), &places.folder(), memory.recall_bytes / 2, {}};
-  RowStore told(context.cloud.count(), std::vector<std::byte>(told_bytes), setup.spill,
-                std::max<std::size_t>(memory.result_buffer_bytes / 2, 1 << 20));
-  BatchedRows put(told, told_bytes);
+  RowStore labels(context.cloud.count(), std::vector<std::byte>(label_bytes), setup.spill,
+                  std::max<std::size_t>(memory.result_buffer_bytes / 2, 1 << 20));
+  BatchedRows put(labels, label_bytes);
   const auto use = [&](std::uint64_t row, const ComponentLabel& label) {
     std::byte* const record = put.add(row);
     *record = std::byte{1};
@@ -211,13 +211,13 @@ void label_points(const Context& context, const PlannedPass& pass, const MemoryP
   put.flush();
   std::vector<std::byte> records;
   BatchedRows rows(results, bytes);
-  told.drain([&](std::uint64_t first, std::span<const std::byte> some) {
-    const std::size_t n = some.size() / told_bytes;
+  labels.drain([&](std::uint64_t first, std::span<const std::byte> some) {
+    const std::size_t n = some.size() / label_bytes;
     records.resize(n * bytes);
     tile.swept.read(first, records);
     for (std::size_t i = 0; i < n; ++i) {
       std::byte* const record = records.data() + i * bytes;
-      const std::byte* const from = some.data() + i * told_bytes;
+      const std::byte* const from = some.data() + i * label_bytes;
       if (*from == std::byte{1}) part.map.copy(from + 1, record);
       std::memcpy(rows.add(first + i), record, bytes);
     }

@@ -11,7 +11,7 @@
 #include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
-#include "pointsweep/pipeline/plan/output_layout.h"
+#include "pointsweep/pipeline/output/output_set.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
@@ -60,8 +60,6 @@ std::string attributes_text(const std::vector<Attribute>& attributes) {
   }
   return text + "\n";
 }
-
-double megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
 std::string neighborhood_text(const Neighborhood& n) {
   const bool limited = n.k != Neighborhood::kUnlimited, near = std::isfinite(n.radius);
@@ -147,6 +145,12 @@ std::string memory_text(const Preview& p) {
   return text + "\n";
 }
 
+/// Surveys a sample of the cloud with one reader, which needs the least memory.
+Survey survey_sample(InputCloud& cloud, const EngineOptions& options) {
+  const auto read = [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); };
+  return survey(PointSource{cloud.schema(), cloud.count(), read}, options.axis, false);
+}
+
 }  // namespace
 
 Preview preview(const InputCloud& input, const Chain& chain, const EngineOptions& options, const Outputs& outputs) {
@@ -175,15 +179,12 @@ Preview preview(const InputCloud& input, const Chain& chain, const EngineOptions
   out.budget = memory_budget(options.resources.memory_bytes);
   const std::uint64_t inputs = open_input_bytes(cloud);
   require_room_for_inputs(out.budget, inputs, cloud);
-  const PointSource source{cloud.schema(), cloud.count(),
-                           [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
-  const OutputLayout layout(cloud.schema(), out.names.made, out.names.kept,
-                            type_of_positions(out.names.made, outputs.points, options));
+  const std::uint64_t record = layout_of_output(cloud, out.names, outputs, options).schema().stride;
   out.memory = plan_run_memory(
-      out.budget, out.planned, out.points, survey(source, options.axis, false), options, layout.schema().stride,
+      out.budget, out.planned, out.points, survey_sample(cloud, options), options, record,
       [&](unsigned threads) {
         return inputs + (copies ? once_decoder_bytes(cloud, threads) : 0) +
-               codec_bytes(cloud, outputs, options, layout.schema().stride, threads);
+               codec_bytes(cloud, outputs, options, record, threads);
       },
       on_demand_order(cloud, out.planned, options));
   out.aside_bytes = bytes_aside({cloud, outputs, options, out.planned}, out.names);
@@ -193,11 +194,6 @@ Preview preview(const InputCloud& input, const Chain& chain, const EngineOptions
 
 std::string plan_text(Cloud& cloud, const Chain& chain, const Outputs& outputs, const RunOptions& options) {
   return to_text(preview(cloud.inputs(), chain, EngineOptions(options), outputs));
-}
-
-std::string sort_plan_text(Cloud& cloud, const std::filesystem::path& output, const RunOptions& options,
-                           const std::vector<std::string>& keep) {
-  return to_text(preview_sort(cloud.inputs(), output, EngineOptions(options), keep));
 }
 
 std::string to_text(const Preview& p) {
@@ -225,44 +221,29 @@ std::string to_text(const Preview& p) {
   return text + memory_text(p);
 }
 
-SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options,
-                         const std::vector<std::string>& keep) {
-  require_order_kept({.points = output});
+std::string sort_plan_text(Cloud& cloud, const std::filesystem::path& output, const RunOptions& given,
+                           const std::vector<std::string>& keep) {
   const Outputs outputs{.points = output};
-  ChainPlan only_sorts;
-  only_sorts.reorders = true;
-  require_work({cloud, outputs, options, only_sorts});
-  const KeptFields kept = keep.empty() ? KeptFields() : kept_fields(keep, {}, cloud.schema());
-  const PointSource source{cloud.schema(), cloud.count(),
-                           [&](std::uint64_t row, std::span<std::byte> records) { return cloud.read(row, records); }};
-  const Survey seen = survey(source, options.axis, false);
-  SortPreview out;
-  out.points = cloud.count();
-  out.decoded_bytes = decoded_input_bytes(cloud);
-  out.budget = memory_budget(options.resources.memory_bytes);
-  out.axis = seen.axis;
-  out.record_bytes = cloud.schema().stride;
-  out.output_bytes = OutputLayout(cloud.schema(), {}, kept).schema().stride;
-  RunMemory memory = plan_run_memory(out.budget, only_sorts, out.points, seen, options, out.record_bytes,
-                                     [&, inputs = open_input_bytes(cloud)](unsigned threads) {
-                                       return inputs + codec_bytes(cloud, outputs, options, out.output_bytes, threads);
-                                     });
-  out.memory = memory.reordering;
-  out.note = std::move(memory.threads_note);
-  return out;
-}
-
-std::string to_text(const SortPreview& p) {
-  const std::uint64_t slab_points = std::max<std::uint64_t>(p.memory.slab_points, 1);
-  std::string text = fmt::format("points        {}\n", p.points) + decoded_input_text(p.decoded_bytes);
-  text += fmt::format("order         ascending along {}, ties by x, y, z, then input row\n", "xyz"[p.axis]);
-  text += fmt::format("slabs         about {} of {} points, {} bytes a point on the way, {}\n",
-                      (p.points + slab_points - 1) / slab_points, slab_points, p.record_bytes,
-                      p.memory.spill_stream ? "spilled" : "in memory");
-  text += fmt::format("results       {} bytes a point, unchanged\n", p.output_bytes);
-  if (!p.note.empty()) text += "note          " + p.note + "\n";
-  return text + fmt::format("memory        {:.1f} MB expected of {:.1f} MB\n", megabytes(p.memory.expected_bytes),
-                            megabytes(p.budget));
+  require_order_kept(outputs);
+  const EngineOptions options(given);
+  InputCloud& input = cloud.inputs();
+  const ChainPlan plan = plan_sort(input.schema(), keep);
+  require_work({input, outputs, options, plan});
+  const Survey seen = survey_sample(input, options);
+  const std::uint64_t points = input.count(), budget = memory_budget(options.resources.memory_bytes);
+  const std::uint32_t before = input.schema().stride,
+                      after = OutputLayout(input.schema(), {}, plan.kept).schema().stride;
+  const auto codecs = [&, inputs = open_input_bytes(input)](unsigned threads) {
+    return inputs + codec_bytes(input, outputs, options, after, threads);
+  };
+  const RunMemory memory = plan_run_memory(budget, plan, points, seen, options, before, codecs);
+  std::string text = fmt::format("points        {}\n", points) + decoded_input_text(decoded_input_bytes(input));
+  text += fmt::format("order         ascending along {}, ties by x, y, z, then input row\n", "xyz"[seen.axis]);
+  text += slabs_text(memory.reordering, points, before);
+  text += fmt::format("results       {} bytes a point, unchanged\n", after);
+  if (!memory.threads_note.empty()) text += "note          " + memory.threads_note + "\n";
+  return text + fmt::format("memory        {:.1f} MB expected of {:.1f} MB\n",
+                            megabytes(memory.reordering.expected_bytes), megabytes(budget));
 }
 
 }  // namespace pointsweep

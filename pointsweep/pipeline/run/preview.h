@@ -3,14 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
-#include "pointsweep/pipeline/memory_plan.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 
@@ -40,24 +38,5 @@ Preview preview(const InputCloud& cloud, const Chain& chain, const EngineOptions
 /// Returns lines of text about each pass (stages, steps, buffers, columns, carried attributes, slabs), about the record
 /// of results and about memory.
 std::string to_text(const Preview& preview);
-
-/// A description of a sort(), made without running it.
-struct SortPreview {
-  std::uint64_t points = 0;
-  std::uint64_t budget = 0;  ///< memory budget in bytes
-  int axis = 0;
-  std::uint32_t record_bytes = 0, output_bytes = 0;  ///< bytes per point in input and unencoded output
-  std::uint64_t decoded_bytes = 0;                   ///< result of decoded_input_bytes()
-  MemoryPlan memory;
-  std::string note;  ///< sentence for the user if fewer threads work than requested; otherwise empty
-};
-
-/// Plans a sort from a sample of the cloud, without writing. Throws the errors that sort() to `output` throws before
-/// the work.
-SortPreview preview_sort(InputCloud& cloud, const std::filesystem::path& output, const EngineOptions& options,
-                         const std::vector<std::string>& keep = {});
-
-/// Returns lines of text about points, order, slabs, records and memory.
-std::string to_text(const SortPreview& preview);
 
 }  // namespace pointsweep

@@ -63,9 +63,8 @@ void note_neighborhoods(const Request& request, const RunReport& report) {
 /// Returns whether the format of the output needs bounds or values of the points before the first record.
 bool needs_points_before(const InputCloud& cloud, const Outputs& outputs, const FileLayout& layout) {
   const Format* const format = format_of_output(outputs.points);
-  if (format == nullptr) return false;
-  return (format->needs_bounds != nullptr && format->needs_bounds(cloud.schema(), layout)) ||
-         (format->values_need_points != nullptr && format->values_need_points(cloud, layout));
+  return needs_bounds(format, cloud.schema(), layout) ||
+         (format != nullptr && format->values_need_points != nullptr && format->values_need_points(cloud, layout));
 }
 
 /// Throws Error unless the temporary folder has room for bytes_aside() and for decoded inputs. Does not check the room
@@ -80,12 +79,19 @@ void require_room_aside(const Request& request, const OutputNames& names) {
   if (error || space.available >= needed) return;
   fail(
       "{}: has {} bytes free, and about {} are needed there for temporary files while {} is written; free some there, "
-      "or "
-      "name another folder with --temp-dir.",
+      "or name another folder with --temp-dir.",
       folder.string(), space.available, needed, request.outputs.points.string());
 }
 
 }  // namespace
+
+ChainPlan plan_sort(const Schema& input, const std::vector<std::string>& keep) {
+  ChainPlan plan;
+  plan.chain.keep = keep;
+  if (!keep.empty()) plan.kept = kept_fields(keep, {}, input);
+  plan.reorders = true;
+  return plan;
+}
 
 bool copies_rows(const Request& request) {
   const auto& [cloud, outputs, options, plan] = request;
@@ -161,22 +167,18 @@ void require_layout(const Request& request, const OutputNames& names) {
   const auto& [cloud, outputs, options, plan] = request;
   const Format* const format = format_of_output(outputs.points);
   if (format == nullptr || format->stored_coordinate == nullptr) return;
-  const OutputLayout layout(cloud.schema(), names.made, names.kept,
-                            type_of_positions(names.made, outputs.points, options));
-  Box somewhere;
-  somewhere.include(Vec3{});
-  format->stored_coordinate(plan_of_output(cloud, layout.schema(), names.made, names.kept, outputs, options,
-                                           {.bounds = somewhere, .values = nullptr}, {}));
+  const OutputLayout layout = layout_of_output(cloud, names, outputs, options);
+  const Box somewhere{Vec3{}, Vec3{}};
+  format->stored_coordinate(
+      plan_of_output(cloud, layout.schema(), names, outputs, options, {.bounds = somewhere, .values = nullptr}, {}));
 }
 
 std::uint64_t bytes_aside(const Request& request, const OutputNames& names) {
   const auto& [cloud, outputs, options, plan] = request;
   // Files that are written one after another do not need this space at the same time.
   if (!outputs.tiles.empty() || options.division.divides()) return 0;
-  const OutputLayout layout(cloud.schema(), names.made, names.kept,
-                            type_of_positions(names.made, outputs.points, options));
-  return aside_bytes(outputs, cloud.count(), layout.schema().stride, memory_budget(options.resources.memory_bytes),
-                     threads_asked_for(options));
+  return aside_bytes(outputs, cloud.count(), layout_of_output(cloud, names, outputs, options).schema().stride,
+                     memory_budget(options.resources.memory_bytes), threads_asked_for(options));
 }
 
 OtherClouds open_other_clouds(const Request& request, const RunReport& report) {

@@ -19,6 +19,9 @@ struct Request {
   const ChainPlan& plan;
 };
 
+/// Returns the plan of a sort(): no passes, only the order of the output.
+ChainPlan plan_sort(const Schema& input, const std::vector<std::string>& keep);
+
 /// Returns whether the run only copies rows: it makes no attributes, drops no rows, and its output needs no facts about
 /// all points. Such a run has no survey and decodes no input into a temporary file. False if the decoders of all
 /// threads would take more than half of the memory budget.

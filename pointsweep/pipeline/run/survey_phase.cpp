@@ -3,7 +3,7 @@
 /// WorkPlan.
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/rows/decoded_input.h"
-#include "pointsweep/pipeline/rows/on_demand_order.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/sweep_engine.h"
@@ -55,9 +55,7 @@ WorkPlan plan_work(const Context& context, Surveyed& input) {
   const RunReport& report = context.report;
   WorkPlan work{.layout = {}, .budget = report.statistics.memory_budget_bytes, .memory = {}};
   OnDemandOrder on_demand = on_demand_order(cloud, plan, context.options);
-  if (!plan.passes.empty())
-    work.layout.emplace(cloud.schema(), context.names.made, context.names.kept,
-                        type_of_positions(context.names.made, context.outputs.points, context.options));
+  if (!plan.passes.empty()) work.layout = layout_of_output(cloud, context.names, context.outputs, context.options);
   const std::uint64_t record = work.layout ? work.layout->schema().stride : cloud.schema().stride;
   const auto codecs = [&](unsigned threads) { return context.codec_bytes(record, threads); };
   work.memory =

@@ -7,19 +7,14 @@
 #include "pointsweep/pipeline/rows/pass_update.h"
 #include "pointsweep/pipeline/rows/pointwise_stages.h"
 #include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/pipeline/statistics.h"
 
 namespace pointsweep {
 namespace {
 
 void note_rows_pass(const Context& context, const SweepPlan& plan, const StageTally& tally) {
-  Statistics& statistics = context.statistics();
-  const std::size_t before = statistics.degenerate_results.size();
-  for (std::size_t i = 0; i < plan.stages.size(); ++i) {
-    const std::string name = name_of(plan.stages[i].op);
-    statistics.operator_seconds.emplace_back(name, tally.seconds[i]);
-    statistics.degenerate_results.push_back({name, tally.degenerate[i].count(), tally.degenerate[i].lowest()});
-    statistics.degenerate += tally.degenerate[i].count();
-  }
+  const std::size_t before = context.statistics().degenerate_results.size();
+  add_stages(context.statistics(), plan, tally.seconds, tally.degenerate);
   context.number_degenerate_rows(before);
 }
 
@@ -49,9 +44,7 @@ MadeRows made_by_pass(const Context& context, std::size_t p, const Rows& before,
   if (planned.kind == PassKind::rows)
     return [&context, &planned, &before, p](const auto& use) {
       const PlannedPass pass = ready_pass(planned, before.values, planned.input);
-      RowPass rows(pass);
-      rows.run(source_of_pass(context, p, before), use);
-      note_rows_pass(context, pass.plan, rows.tally());
+      note_rows_pass(context, pass.plan, run_rows(pass, source_of_pass(context, p, before), use));
     };
   return [results, bytes = planned.plan.result_bytes](const auto& use) {
     results->drain(
