@@ -18,7 +18,7 @@
 
 #include <random>
 
-#include "pointsweep/operators/surface/normals_kernel.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/search/leaf_query-inl.h"
 
 #if HWY_TARGET != HWY_SCALAR

@@ -1,19 +1,35 @@
 // SPDX-License-Identifier: MIT
-/// Points in a scratch (points/scratch.h), for repeated reads: all points of a cloud in Morton order, and lists of some
-/// points.
+/// Scratches (points/scratch.h) in memory or in files, and points in them for repeated reads: all points of a cloud in
+/// Morton order, and lists of some points.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/levels/level_grid.h"
-#include "pointsweep/levels/scratch_room.h"
 #include "pointsweep/points/scratch.h"
 
 namespace pointsweep {
+
+/// A source of scratches that lie in memory up to a number of bytes in all, then in the temporary folder.
+class ScratchRoom {
+ public:
+  /// Without `files`, all scratches are in memory.
+  ScratchRoom(std::uint64_t memory_bytes, MakeScratch files) : memory_(memory_bytes), files_(std::move(files)) {}
+
+  /// Makes a scratch for about `expected` bytes.
+  std::unique_ptr<Scratch> make(std::uint64_t expected);
+  bool has_files() const { return files_ != nullptr; }
+  const MakeScratch& files() const { return files_; }
+
+ private:
+  std::uint64_t memory_;  ///< bytes that are left
+  MakeScratch files_;
+};
 
 /// The points of a cloud in Morton order.
 class CurvePoints {

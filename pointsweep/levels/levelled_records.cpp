@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/levels/levelled_records.h"
 
-#include "pointsweep/levels/leaf_finder.h"
-
 namespace pointsweep {
 namespace {
 

@@ -13,7 +13,6 @@
 #include "pointsweep/levels/curve_records.h"
 #include "pointsweep/levels/level_choice.h"
 #include "pointsweep/levels/level_grid.h"
-#include "pointsweep/levels/scratch_room.h"
 #include "pointsweep/points/scratch.h"
 
 namespace pointsweep {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/raster/ground_surface.h"
 
+#include <algorithm>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -118,6 +120,20 @@ std::unique_ptr<RowStream> ground_surface(const CellBand& lowest, const GroundRu
   for (std::size_t r = 1; r <= rule.radius; ++r)
     filters.add(r, rule.slope * (rule.cell * static_cast<double>(r)), Opens::surface);
   return std::make_unique<FilledRows>(std::make_unique<MarkedRows>(lowest, filters.finish()), rule.reach());
+}
+
+void SurfaceWindow::move_to(std::uint64_t row) {
+  while (!ended_ && first_ + rows_ <= row + around_) {
+    ended_ = !from_->next(block_);
+    values_.insert(values_.end(), block_.values.begin(), block_.values.end());
+    rows_ += block_.rows;
+    const std::uint64_t keep = row < around_ ? 0 : row - around_;
+    if (keep <= first_) continue;
+    const std::size_t old = std::min<std::size_t>(rows_, static_cast<std::size_t>(keep - first_));
+    values_.erase(values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(old * from_->columns()));
+    first_ += old;
+    rows_ -= old;
+  }
 }
 
 }  // namespace pointsweep

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "pointsweep/points/scratch.h"
 #include "pointsweep/raster/cell_axis.h"
@@ -50,5 +52,29 @@ std::unique_ptr<RowStream> ground_surface(const CellBand& lowest, const GroundRu
 void require_ground_memory(const GroundRule& rule, std::size_t columns, std::uint64_t memory_bytes);
 /// Returns the least memory that suffices for `columns` columns, in bytes.
 std::uint64_t least_ground_bytes(const GroundRule& rule, std::size_t columns);
+
+/// The few rows of a surface around the row of the current points.
+class SurfaceWindow {
+ public:
+  /// Keeps the row of move_to(), and the rows up to `around` before and after it, in memory.
+  SurfaceWindow(std::unique_ptr<RowStream> from, std::size_t around) : from_(std::move(from)), around_(around) {}
+  /// Moves the window to a row, which must not be earlier than the row of the last call.
+  void move_to(std::uint64_t row);
+  /// Returns the value of a cell; kNoCell outside of the raster or of the rows in memory.
+  double at(std::uint64_t row, std::size_t column) const {
+    const std::size_t columns = from_->columns();
+    if (row < first_ || row - first_ >= rows_ || column >= columns) return kNoCell;
+    return values_[static_cast<std::size_t>(row - first_) * columns + column];
+  }
+
+ private:
+  std::unique_ptr<RowStream> from_;
+  std::size_t around_;
+  std::uint64_t first_ = 0;  ///< number of the first row in memory
+  std::size_t rows_ = 0;
+  bool ended_ = false;
+  std::vector<double> values_;
+  CellRows block_;
+};
 
 }  // namespace pointsweep

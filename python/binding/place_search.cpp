@@ -37,7 +37,7 @@ class PlaceSearch::Work final : public InOrderWork {
         cells_(PointCells::Space::all, setup.axis, setup.memory_bytes, setup.make_scratch()) {}
 
   void add(unsigned, const OrderedPoints& points, Findings&) override {
-    for (std::size_t i = 0; i < points.rows.size(); ++i) cells_.add(points.positions[i], points.rows[i]);
+    cells_.add(points.positions, points.rows);
   }
 
   void end(unsigned, Findings&) override {

@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "pointsweep/operators.h"
-#include "pointsweep/operators/kinds/chain_stage.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/overloaded.h"
 
 namespace pointsweep {

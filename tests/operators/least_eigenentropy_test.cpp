@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/declare/least_eigenentropy.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -9,6 +7,7 @@
 #include <random>
 
 #include "pointsweep/error.h"
+#include "pointsweep/operators.h"
 #include "tests/operators/chosen.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/instruction_sets.h"
@@ -58,7 +57,7 @@ std::vector<Vec3> scene(std::size_t n, unsigned seed) {
 TEST(LeastEigenentropy, ChoosesTheSizeThatAPlainEvaluationChooses) {
   const std::vector<Vec3> points = scene(800, 1);
   const Lists lists = brute_force_neighbors(points, 60);
-  const std::vector<std::uint32_t> found = chosen(LeastEigenentropy(10), points, lists);
+  const std::vector<std::uint32_t> found = chosen(*operators::least_eigenentropy(10), points, lists);
   std::vector<std::size_t> seen(61, 0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::size_t best = 10;
@@ -80,30 +79,34 @@ TEST(LeastEigenentropy, ChoosesTheSizeThatAPlainEvaluationChooses) {
 TEST(LeastEigenentropy, TakesTheSmallestOfEqualSizes) {
   std::vector<Vec3> line;
   for (int x = 0; x < 30; ++x) line.push_back({double(x), 0, 0});
-  for (const std::uint32_t k : chosen(LeastEigenentropy(5), line, brute_force_neighbors(line, 20))) EXPECT_EQ(k, 5u);
+  for (const std::uint32_t k : chosen(*operators::least_eigenentropy(5), line, brute_force_neighbors(line, 20)))
+    EXPECT_EQ(k, 5u);
 }
 
 TEST(LeastEigenentropy, FewNeighborsAreAllKept) {
   const std::vector<Vec3> points = scene(40, 2);
   for (const std::size_t k : {0u, 1u, 9u, 10u})
-    for (const std::uint32_t kept : chosen(LeastEigenentropy(10), points, brute_force_neighbors(points, k)))
+    for (const std::uint32_t kept :
+         chosen(*operators::least_eigenentropy(10), points, brute_force_neighbors(points, k)))
       EXPECT_EQ(kept, k);
 }
 
 TEST(LeastEigenentropy, PointsInOnePlaceKeepAllAndDuplicatesAreNoObstacle) {
   const std::vector<Vec3> one_place(40, Vec3{5e6, 4e6, 100});
-  for (const std::uint32_t kept : chosen(LeastEigenentropy(4), one_place, brute_force_neighbors(one_place, 20)))
+  for (const std::uint32_t kept :
+       chosen(*operators::least_eigenentropy(4), one_place, brute_force_neighbors(one_place, 20)))
     EXPECT_EQ(kept, 20u);
   std::vector<Vec3> points = scene(60, 3);
   points.insert(points.end(), 12, points.front());
-  const auto kept = chosen(LeastEigenentropy(4), points, brute_force_neighbors(points, 30));
+  const auto kept = chosen(*operators::least_eigenentropy(4), points, brute_force_neighbors(points, 30));
   EXPECT_GT(kept.front(), 12u) << "twelve are in the same place and show no shape";
 }
 
 TEST(LeastEigenentropy, DoesNotDependOnScalePlaceBatchOrInstructionSet) {
   const std::vector<Vec3> points = scene(300, 4);
   const Lists lists = brute_force_neighbors(points, 40);
-  const LeastEigenentropy rule(10);
+  const SharedRule shared = operators::least_eigenentropy(10);
+  const NeighborhoodRule& rule = *shared;
   const auto found = chosen(rule, points, lists);
   for (const double scale : {0x1p-500, 0x1p-30, 0x1p40, 0x1p500}) {
     std::vector<Vec3> scaled;
@@ -114,7 +117,7 @@ TEST(LeastEigenentropy, DoesNotDependOnScalePlaceBatchOrInstructionSet) {
   for_each_instruction_set([&] { EXPECT_EQ(chosen(rule, points, lists), found); });
 }
 
-TEST(LeastEigenentropy, RefusesALeastKThatSpansNoVolume) { EXPECT_THROW(LeastEigenentropy(2), UsageError); }
+TEST(LeastEigenentropy, RefusesALeastKThatSpansNoVolume) { EXPECT_THROW(operators::least_eigenentropy(2), UsageError); }
 
 }  // namespace
 }  // namespace pointsweep

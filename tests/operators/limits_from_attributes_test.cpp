@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/declare/limits_from_attributes.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <random>
 
 #include "pointsweep/error.h"
+#include "pointsweep/operators.h"
 #include "tests/operators/chosen.h"
 #include "tests/support/brute_force.h"
 
@@ -28,7 +27,7 @@ struct Line {
   std::uint32_t kept(const AttributeLimits& limits, const std::vector<double>& values) const {
     std::vector<std::vector<double>> attributes;
     for (const double value : values) attributes.emplace_back(points.size(), value);
-    return chosen(LimitsFromAttributes(limits), points, lists, attributes)[10];
+    return chosen(*operators::limits_from_attributes(limits), points, lists, attributes)[10];
   }
 };
 
@@ -58,7 +57,7 @@ TEST(LimitsFromAttributes, ValuesThatAreNoSizeAllowNoNeighbors) {
 TEST(LimitsFromAttributes, ARadiusOfZeroKeepsThePointsInTheSamePlace) {
   const std::vector<Vec3> points{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 4}};
   const auto lists = brute_force_neighbors(points, 3);
-  EXPECT_EQ(chosen(LimitsFromAttributes({.radius = "r"}), points, lists, {{0, 0, 0, 0}}),
+  EXPECT_EQ(chosen(*operators::limits_from_attributes({.radius = "r"}), points, lists, {{0, 0, 0, 0}}),
             (std::vector<std::uint32_t>{2, 2, 2, 0}));
 }
 
@@ -81,7 +80,7 @@ TEST(LimitsFromAttributes, ASquaredDistanceIsComparedWithTheRoundedSquareOfTheRa
     --expected[i];
   }
   EXPECT_GT(below, 200u);
-  EXPECT_EQ(chosen(LimitsFromAttributes({.radius = "r"}), points, lists, {radius}), expected);
+  EXPECT_EQ(chosen(*operators::limits_from_attributes({.radius = "r"}), points, lists, {radius}), expected);
 }
 
 TEST(LimitsFromAttributes, BothLimitsHoldTogether) {
@@ -99,14 +98,17 @@ TEST(LimitsFromAttributes, WhatIsKeptIsTheNeighborhoodOfThatSize) {
   std::vector<double> k(points.size()), radius(points.size());
   for (double& v : k) v = 80 * uniform(random);
   for (double& v : radius) v = 0.4 * uniform(random);
-  const auto kept = chosen(LimitsFromAttributes({.k = "k", .radius = "r"}), points, lists, {k, radius}, 64);
+  const auto kept =
+      chosen(*operators::limits_from_attributes({.k = "k", .radius = "r"}), points, lists, {k, radius}, 64);
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const auto most = std::min<std::size_t>(static_cast<std::size_t>(k[i]), 60);
     EXPECT_EQ(kept[i], brute_force_neighbors_of(points, i, most, radius[i]).size()) << i;
   }
 }
 
-TEST(LimitsFromAttributes, NeedsTheNameOfAnAttribute) { EXPECT_THROW(LimitsFromAttributes({}), UsageError); }
+TEST(LimitsFromAttributes, NeedsTheNameOfAnAttribute) {
+  EXPECT_THROW(operators::limits_from_attributes({}), UsageError);
+}
 
 }  // namespace
 }  // namespace pointsweep

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
-#include "pointsweep/operators/statistics/neighborhood_size.h"
 #include "pointsweep/operators/surface/curvature.h"
 #include "pointsweep/operators/surface/fair.h"
 #include "pointsweep/operators/surface/normals.h"
@@ -196,7 +196,8 @@ TEST(MovedPoints, TheirNormalsEqualEquation1) {
 
 TEST(MovedPoints, TheirNeighborRadiusIsThatOfTheFarthest) {
   for_each_neighborhood([](const MovedCloud& cloud) {
-    const InCoreResult found = cloud.apply(NeighborhoodSize());
+    const InCoreResult found =
+        cloud.apply(*std::get<std::shared_ptr<const LocalOperator>>(operators::neighborhood_size()));
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
       ASSERT_EQ(found.column<std::uint32_t>(0)[i], cloud.lists[i].size());
       ASSERT_NEAR(found.column<double>(1)[i], double(std::sqrt(Sizes(cloud, i).farthest2)), 1e-14) << i;
@@ -365,7 +366,8 @@ TEST(MovedPoints, NextToAPlaceThatIsNotFiniteNothingIsDefined) {
         for (std::size_t b = 0, width = made.size() / cloud.points.size(); b < width; ++b)
           ASSERT_EQ(made[i * width + b], std::byte{0});
   }
-  EXPECT_TRUE(std::isnan(cloud.apply(NeighborhoodSize()).column<double>(1)[0]));
+  EXPECT_TRUE(std::isnan(cloud.apply(*std::get<std::shared_ptr<const LocalOperator>>(operators::neighborhood_size()))
+                             .column<double>(1)[0]));
   const auto rows = cloud.apply(NeighborRows(8, cloud.points.size(), false)).column<std::uint32_t>(0);
   EXPECT_EQ(rows[7], lost);
 }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/surface/normals_kernel.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "pointsweep/operator.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/points/degenerate_points.h"
 #include "tests/operators/equation1.h"
 #include "tests/operators/mixed_cloud.h"

@@ -2,8 +2,8 @@
 // Operators after a move of the points have the neighbourhoods of the search and the moved positions.
 #include <fmt/format.h>
 
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
-#include "pointsweep/operators/statistics/neighborhood_size.h"
 #include "pointsweep/operators/surface/fair.h"
 #include "tests/oracles/clouds.h"
 #include "tests/oracles/oracle.h"

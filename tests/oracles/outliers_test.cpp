@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "pointsweep/operators.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/oracles/clouds.h"
 #include "tests/oracles/grid_neighbors.h"
@@ -78,7 +79,7 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 
 Chain sor_chain(Neighborhood neighborhood, double multiplier,
                 OutlierDefinition definition = OutlierDefinition::pointsweep) {
-  return {std::move(neighborhood), {std::make_shared<StatisticalOutliers>(SorOptions{multiplier, definition})}};
+  return {std::move(neighborhood), {operators::sor({multiplier, definition})}};
 }
 
 constexpr OutlierDefinition kAllDefinitions[] = {OutlierDefinition::pointsweep, OutlierDefinition::pdal,
@@ -139,7 +140,7 @@ TEST(Outliers, BehindAMoverAreThoseOfMovedPositionsInTheOldLists) {
   const Throw mover(0.1);
   std::vector<Vec3> moved;
   for (std::size_t i = 0; i < points.size(); ++i) moved.push_back(mover.moved(points[i], i));
-  const auto sor = std::make_shared<StatisticalOutliers>();
+  const auto sor = operators::sor();
   expect_plain(run_in_memory(points, {{.k = 7}, {thrown(0.1), sor}}, tiny(90)),
                PlainOutliers(moved, brute_force_neighbors(points, 7, kFar), 2));
   expect_plain(run_in_memory(points, {{.k = 7}, {thrown(0.1), reneighbor(5), sor}}, tiny(90, true)),

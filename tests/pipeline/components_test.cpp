@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "pointsweep/error.h"
-#include "pointsweep/operators/graph/connected_components.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/brute_components.h"
@@ -161,7 +161,7 @@ TEST(Components, AskForListsThatHoldWhatTheyJoin) {
   EXPECT_EQ(
       refusal([&] { run_text(input, "knn(k=8) | components(distance=2)", tiny(100)); }),
       "pipeline, column 12: components: needs more neighbours than the 8 nearest; write knn(radius=2) before it.");
-  EXPECT_THROW(ConnectedComponents({-1.0}), UsageError);
+  EXPECT_THROW(operators::components({-1.0}), UsageError);
   for (const char* pipeline : {"components", "knn(radius=1) | components(distance=0.5)"}) {
     const Labels one = run_components(with_attributes({{3, 4, 5}}), pipeline, tiny(100));
     EXPECT_EQ(one.component, std::vector<double>{0});

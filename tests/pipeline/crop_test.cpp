@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// The operator crop keeps the points that a plain loop finds inside.
-#include "pointsweep/operators/rows/crop.h"
-
 #include <gtest/gtest.h>
 
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/attribute_cloud.h"
@@ -102,18 +102,18 @@ TEST(Crop, ItsRecordHasTheChecksumOfTheFile) {
   const TemporaryFolder folder;
   const std::string path = (folder / "area.wkt").string(), text = "POLYGON ((0 0, 10 0, 10 10, 0 0))";
   folder.write("area.wkt", text);
-  const Crop crop({.polygon = path});
-  EXPECT_EQ(crop.options().checksum, "baf74575be7585e0");
-  EXPECT_NO_THROW(Crop({.polygon = path, .checksum = "baf74575be7585e0"}));
+  const auto checksum = [&] { return options_of(operators::crop({.polygon = path})).back(); };
+  EXPECT_EQ(checksum(), (Option{"checksum", "baf74575be7585e0"}));
+  EXPECT_NO_THROW(operators::crop({.polygon = path, .checksum = "baf74575be7585e0"}));
   folder.write("area.wkt", text + " ");
-  EXPECT_NE(Crop({.polygon = path}).options().checksum, crop.options().checksum);
+  EXPECT_NE(checksum(), (Option{"checksum", "baf74575be7585e0"}));
   try {
-    Crop({.polygon = path, .checksum = "baf74575be7585e0"});
+    operators::crop({.polygon = path, .checksum = "baf74575be7585e0"});
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("their checksum is"), std::string::npos) << error.what();
   }
-  EXPECT_THROW(Crop({.polygon = (folder / "none.wkt").string()}), Error);
+  EXPECT_THROW(operators::crop({.polygon = (folder / "none.wkt").string()}), Error);
 }
 
 TEST(Crop, TellsWhatIsWrong) {

@@ -12,8 +12,7 @@
 #include <tuple>
 
 #include "pointsweep/error.h"
-#include "pointsweep/operators/graph/density_clusters.h"
-#include "pointsweep/operators/graph/segments.h"
+#include "pointsweep/operators.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/brute_components.h"
 #include "tests/pipeline/refusal.h"
@@ -78,7 +77,7 @@ TEST(Dbscan, SeesThePointsWhereTheyAreNow) {
   const auto moved = [&](std::vector<ChainStage> stages) {
     InputCloud cloud = input.cloud();
     stages.insert(stages.begin(), thrown(0.02));
-    stages.push_back(std::make_shared<DensityClusters>(DbscanOptions{.eps = 0.07}));
+    stages.push_back(operators::dbscan({.eps = 0.07}));
     return run_in_memory(cloud, {.neighborhood = {.k = Neighborhood::kUnlimited, .radius = 0.2}, .stages = stages},
                          tiny(300));
   };
@@ -97,8 +96,8 @@ TEST(Dbscan, AsksForListsWithinEps) {
   const Records input = with_attributes({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
   EXPECT_EQ(refusal([&] { run_text(input, "knn(k=8) | dbscan(eps=2)", tiny(100)); }),
             "pipeline, column 12: dbscan: needs more neighbours than the 8 nearest; write knn(radius=2) before it.");
-  EXPECT_THROW(DensityClusters({.eps = 0}), UsageError);
-  EXPECT_THROW(DensityClusters({.eps = 1, .min_points = 0}), UsageError);
+  EXPECT_THROW(operators::dbscan({.eps = 0}), UsageError);
+  EXPECT_THROW(operators::dbscan({.eps = 1, .min_points = 0}), UsageError);
   const RunResult got = run_text(input, "knn(radius=3) | dbscan(eps=1, min_points=3) | where(core == 0)", tiny(100));
   EXPECT_EQ(got.field("x"), (std::vector<double>{0, 2}));
   EXPECT_EQ(got.field("cluster"), (std::vector<double>{0, 0}));
@@ -165,9 +164,9 @@ TEST(Segments, DivideFacesAtTheirEdgesAndHoldWhatIsRound) {
 }
 
 TEST(Segments, RefuseAnglesThatJoinNothing) {
-  EXPECT_THROW(Segments({.angle = 0}), UsageError);
-  EXPECT_THROW(Segments({.angle = 91}), UsageError);
-  EXPECT_THROW(Segments({.distance = -1.0}), UsageError);
+  EXPECT_THROW(operators::segments({.angle = 0}), UsageError);
+  EXPECT_THROW(operators::segments({.angle = 91}), UsageError);
+  EXPECT_THROW(operators::segments({.distance = -1.0}), UsageError);
 }
 
 }  // namespace

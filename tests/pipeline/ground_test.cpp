@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The operator ground in pipelines, and properties of the input that must not change its classes.
 /// tests/numpy/ground_test.py compares the classes with filters of whole rasters.
-#include "pointsweep/operators/ground/ground.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <random>
 
 #include "pointsweep/error.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"
@@ -63,8 +62,7 @@ TEST(Ground, OfATiltedPlaneIsWhatLiesWithinTheThresholdAndTheScalarTimesTheSlope
           add(10 + x, 9 + y, above);
           expected.push_back(above < 0.75 ? 2 : 1);
         }
-    const auto ground =
-        std::make_shared<Ground>(GroundOptions{.cell = 1, .slope = 1, .window = 3, .threshold = 0.25, .scalar = 1});
+    const auto ground = operators::ground({.cell = 1, .slope = 1, .window = 3, .threshold = 0.25, .scalar = 1});
     for (const EngineOptions& options : ways_to_run())
       EXPECT_EQ(classes(run_in_memory(points, {{}, {ground}}, options)), expected);
   }
@@ -83,7 +81,7 @@ TEST(Ground, BlocksNarrowerThanTheWindowAndPitsAreNotGround) {
     }
   for (const EngineOptions& options : ways_to_run()) {
     const auto got = [&](double window) {
-      return classes(run_in_memory(points, {{}, {std::make_shared<Ground>(GroundOptions{.window = window})}}, options));
+      return classes(run_in_memory(points, {{}, {operators::ground({.window = window})}}, options));
     };
     EXPECT_EQ(got(5), expected);
     EXPECT_EQ(got(1), with_narrow_window);
@@ -139,8 +137,7 @@ TEST(Ground, DoesNotDependOnTheOrderOfRows) {
   std::vector<Vec3> points = hills(sized(5000), 2);
   const auto found = [&] {
     std::vector<std::pair<double, double>> ground;
-    const RunResult got =
-        run_in_memory(points, {{}, {std::make_shared<Ground>(GroundOptions{.window = 9})}}, tiny(500));
+    const RunResult got = run_in_memory(points, {{}, {operators::ground({.window = 9})}}, tiny(500));
     const std::vector<double> x = got.field("x"), c = classes(got);
     for (std::size_t i = 0; i < x.size(); ++i) ground.emplace_back(x[i], c[i]);
     std::ranges::sort(ground);
@@ -207,7 +204,7 @@ TEST(Ground, SeesMovedPositions) {
   const Throw mover(0.5);
   std::vector<Vec3> moved;
   for (std::size_t i = 0; i < points.size(); ++i) moved.push_back(mover.moved(points[i], i));
-  const auto ground = std::make_shared<Ground>(GroundOptions{.window = 9});
+  const auto ground = operators::ground({.window = 9});
   const RunResult expected = run_in_memory(moved, {{}, {ground}}, tiny(300));
   for (const EngineOptions& options : ways_to_run())
     EXPECT_EQ(classes(run_in_memory(points, {{.k = 5}, {thrown(0.5), ground}}, options)), classes(expected));
@@ -217,7 +214,7 @@ TEST(Ground, APointWithoutAFinitePlaceIsUnclassified) {
   std::vector<Vec3> points = hills(500, 9);
   points[3].z = std::nan("");
   points[7].x = HUGE_VAL;
-  const RunResult got = run_in_memory(points, {{}, {std::make_shared<Ground>()}}, tiny(100));
+  const RunResult got = run_in_memory(points, {{}, {operators::ground()}}, tiny(100));
   EXPECT_EQ(classes(got)[3], 1);
   EXPECT_EQ(classes(got)[7], 1);
 }
@@ -233,7 +230,7 @@ TEST(Ground, TheReferenceEngineGetsTheSameClasses) {
 /// The raster would have 1e9 columns if empty rows and columns were stored.
 TEST(Ground, APointFarAwayChangesNoOtherPoint) {
   std::vector<Vec3> points = hills(sized(3000), 11);
-  const auto ground = std::make_shared<Ground>(GroundOptions{.window = 9});
+  const auto ground = operators::ground({.window = 9});
   std::vector<double> expected = classes(run_in_memory(points, {{}, {ground}}, tiny(300)));
   points.push_back({1e9, -1e9, 0});
   expected.push_back(2);
@@ -244,7 +241,7 @@ TEST(Ground, APointFarAwayChangesNoOtherPoint) {
 /// A single raster of all points would have more than 1e9 cells, nearly all of them empty.
 TEST(Ground, ManyPointsFarFromEachOtherCostLittleAndChangeNoOtherPoint) {
   std::vector<Vec3> points = hills(sized(1500), 11);
-  const auto ground = std::make_shared<Ground>(GroundOptions{.window = 9});
+  const auto ground = operators::ground({.window = 9});
   std::vector<double> expected = classes(run_in_memory(points, {{}, {ground}}, tiny(300)));
   for (int i = 1; i <= 500; ++i) points.push_back({1e4 * i, -2e4 * i, 10.0 * (i % 7)});
   expected.resize(points.size(), 2);
@@ -264,7 +261,7 @@ TEST(Ground, DoesNotDependOnPointsBeyondItsReach) {
           points.push_back(along_x ? p : Vec3{p.y, p.x, p.z});
         }
     };
-    const auto ground = std::make_shared<Ground>(GroundOptions{.window = 2});
+    const auto ground = operators::ground({.window = 2});
     std::vector<Vec3> near;
     add_sheet(near, 0, 20, 0);
     const std::vector<double> alone = classes(run_in_memory(near, {{}, {ground}}, tiny(700)));
@@ -284,7 +281,7 @@ TEST(Ground, TellsWhatIsWrong) {
                             "ground(window=1e6)", "ground(returns=first)", "ground(size=1)"})
     EXPECT_NE(refusal([&] { run_ground(input, wrong, tiny(100)); }), "") << wrong;
   for (const double wrong : {0.0, -1.0, std::nan(""), HUGE_VAL})
-    EXPECT_NE(refusal([&] { Ground g({.cell = wrong}); }).find("ground: cell is a number, above 0, not "),
+    EXPECT_NE(refusal([&] { operators::ground({.cell = wrong}); }).find("ground: cell is a number, above 0, not "),
               std::string::npos);
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/kinds/chain_stage.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/operators/surface/curvature.h"
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/operators/surface/splats.h"

@@ -4,10 +4,9 @@
 
 #include <algorithm>
 
-#include "pointsweep/operators/declare/least_eigenentropy.h"
-#include "pointsweep/operators/declare/limits_from_attributes.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
-#include "pointsweep/operators/statistics/neighborhood_size.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/pipeline/run/preview.h"
@@ -64,7 +63,7 @@ class LargestCount final : public LocalOperator {
  public:
   std::string name() const override { return "largest_count"; }
   Contract contract() const override {
-    const Attribute count = NeighborhoodSize().contract().makes[0];
+    const Attribute count = contract_of(operators::neighborhood_size()).makes[0];
     return {{count}, {count}, {scalar("largest", Type::u32, "1", "largest count around")}};
   }
   void apply(const Neighborhoods& in, Columns& out) const override {
@@ -101,7 +100,7 @@ void expect_everywhere(const Attributed& input, const Neighborhood& what, const 
                        std::uint64_t& recalled) {
   const std::size_t n = input.points.size();
   const Chain chain{what,
-                    {std::make_shared<NeighborRows>(kWritten, n, false), std::make_shared<NeighborhoodSize>(),
+                    {std::make_shared<NeighborRows>(kWritten, n, false), operators::neighborhood_size(),
                      std::make_shared<LargestCount>()}};
   for (const auto& [slab, cell, threads] :
        {std::tuple<std::uint64_t, std::uint32_t, unsigned>{60, 16, 1}, {250, 64, 2}, {100000, 1024, 4}}) {
@@ -116,7 +115,7 @@ void expect_everywhere(const Attributed& input, const Neighborhood& what, const 
 }
 
 Neighborhood limited(std::size_t k, double radius, const AttributeLimits& limits) {
-  return {.k = k, .radius = radius, .rule = std::make_shared<LimitsFromAttributes>(limits)};
+  return {.k = k, .radius = radius, .rule = operators::limits_from_attributes(limits)};
 }
 
 /// Returns a radius within which most points of the cloud have a few neighbours.
@@ -147,7 +146,7 @@ TEST(NeighborhoodRules, OfAttributesEqualBruteForceOnHostileClouds) {
 
 TEST(NeighborhoodRules, OfLeastEigenentropyEqualThoseOfTheWholeCloudInMemory) {
   std::uint64_t recalled = 0;
-  const auto rule = std::make_shared<LeastEigenentropy>(6);
+  const auto rule = operators::least_eigenentropy(6);
   for (const auto& [name, shape] : hostile_shapes()) {
     SCOPED_TRACE(name);
     const Attributed input(shape, 1200, 1, 1, 22);
@@ -162,7 +161,7 @@ TEST(NeighborhoodRules, OfLeastEigenentropyEqualThoseOfTheWholeCloudInMemory) {
 
 TEST(NeighborhoodRules, ThatKeepAllGiveTheBytesOfNoRule) {
   const Attributed input(hostile_shapes()[0].second, 3000, 1, 1, 23);
-  const auto rule = std::make_shared<LimitsFromAttributes>(AttributeLimits{.k = "all"});
+  const auto rule = operators::limits_from_attributes({.k = "all"});
   const std::vector<double> all(input.points.size(), 1e9);
   const auto records = [&](const Neighborhood& what) {
     auto reader = std::make_unique<ArrayReader>(std::span<const double>(input.xyz));

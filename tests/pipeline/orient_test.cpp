@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// The operator orient against Kruskal's algorithm in memory, and on surfaces whose outside is known.
-#include "pointsweep/operators/graph/orient.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -13,6 +11,7 @@
 #include <tuple>
 
 #include "pointsweep/error.h"
+#include "pointsweep/operators.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/brute_components.h"
 #include "tests/pipeline/refusal.h"
@@ -191,7 +190,7 @@ TEST(OrientedNormals, LeaveTheFirstPointAsItIsWhereNothingDecides) {
 TEST(OrientedNormals, NeedNormalsAndAFiniteViewpoint) {
   const Records input = with_attributes({{0, 0, 0}, {1, 0, 0}});
   EXPECT_NE(refusal([&] { run_text(input, "orient", tiny(100)); }).find("needs 'normal'"), std::string::npos);
-  EXPECT_THROW(OrientedNormals({.viewpoint = Vec3{0, 0, std::numeric_limits<double>::infinity()}}), UsageError);
+  EXPECT_THROW(operators::orient({.viewpoint = Vec3{0, 0, std::numeric_limits<double>::infinity()}}), UsageError);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/in_order_operator.h"
 #include "pointsweep/math/mix.h"
-#include "pointsweep/operators/thinning/poisson.h"
+#include "pointsweep/operators/thinning/undecided_points.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/formats/temporary_folder.h"

@@ -7,7 +7,6 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/operators.h"
-#include "pointsweep/operators/statistics/outliers.h"
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
@@ -144,7 +143,7 @@ TEST(ChainPlan, IsMadeOnceForARunHoweverManyPassesItHas) {
   EngineOptions options;
   options.order = Order::sweep;
   const Chain chain{{.k = 3},
-                    {std::make_shared<CountsBindings>(count), std::make_shared<StatisticalOutliers>(), Reneighbor(),
+                    {std::make_shared<CountsBindings>(count), operators::sor(), Reneighbor(),
                      std::make_shared<Normals>(), operators::unique()}};
   run_in_memory(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}}, chain, options);
   EXPECT_EQ(count, 1);

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// The operator poisson against the sequential greedy loop over the whole cloud.
-#include "pointsweep/operators/thinning/poisson.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,6 +13,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/thinning/undecided_points.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "tests/pipeline/attribute_cloud.h"
@@ -76,7 +75,7 @@ TEST(Poisson, AnyOrderOfRowsAndAnyAxisGiveTheGreedyChoice) {
       const auto places = [&](int axis) {
         EngineOptions options = tiny(3000);
         options.axis = axis;
-        const RunResult got = run_in_memory(points, {{}, {std::make_shared<Poisson>(PoissonOptions{radius})}}, options);
+        const RunResult got = run_in_memory(points, {{}, {operators::poisson({radius})}}, options);
         const std::vector<double> x = got.field("x"), y = got.field("y"), z = got.field("z");
         std::multiset<std::tuple<double, double, double>> all;
         for (std::size_t i = 0; i < x.size(); ++i) all.emplace(x[i], y[i], z[i]);
@@ -110,8 +109,7 @@ TEST(Poisson, AChainThroughTheWholeCloudIsDecidedExactly) {
     for (std::size_t i = 0; i < points.size(); ++i)
       if (keep[i]) expected.push_back(points[i].x);
     for (const EngineOptions& options : ways_to_run(Order::input))
-      EXPECT_EQ(run_in_memory(points, {{}, {std::make_shared<Poisson>(PoissonOptions{radius})}}, options).field("x"),
-                expected);
+      EXPECT_EQ(run_in_memory(points, {{}, {operators::poisson({radius})}}, options).field("x"), expected);
   }
 }
 
@@ -187,7 +185,7 @@ TEST(Poisson, SeesMovedPositions) {
     if (keep[i]) kept.push_back(moved[i]);
   const RunResult expected = run_in_memory(kept, {{.k = 5}, {normals()}}, tiny(100));
   for (const EngineOptions& options : ways_to_run(Order::input)) {
-    const Chain chain{{.k = 5}, {thrown(0.5), std::make_shared<Poisson>(PoissonOptions{0.2}), normals()}};
+    const Chain chain{{.k = 5}, {thrown(0.5), operators::poisson({0.2}), normals()}};
     const RunResult got = run_in_memory(points, chain, options);
     for (const char* field : {"x", "nx", "ny", "nz"}) EXPECT_TRUE(same_bytes(got.field(field), expected.field(field)));
   }
@@ -215,10 +213,10 @@ TEST(Poisson, TellsWhatIsWrong) {
   EXPECT_NE(refusal([&] { run_text(input, "poisson(1, radius_from=gian)", tiny(100)); }).find("radius_from=gian: "),
             std::string::npos);
   for (const double radius : {0.0, -1.0, std::nan(""), HUGE_VAL})
-    EXPECT_NE(refusal([&] { Poisson p({radius}); }).find("poisson: radius is a number, above 0, not "),
+    EXPECT_NE(refusal([&] { operators::poisson({radius}); }).find("poisson: radius is a number, above 0, not "),
               std::string::npos);
   for (const double radius : {1e-170, 1e170})
-    EXPECT_NE(refusal([&] { Poisson p({radius}); }).find("scale the coordinates"), std::string::npos);
+    EXPECT_NE(refusal([&] { operators::poisson({radius}); }).find("scale the coordinates"), std::string::npos);
 }
 
 /// A radius as long as the cloud needs memory for the whole cloud. It is refused before the work, with the least memory

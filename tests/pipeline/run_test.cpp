@@ -7,7 +7,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "pointsweep/operators/declare/least_eigenentropy.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/operators/surface/normals.h"
 #include "tests/pipeline/hostile_clouds.h"
@@ -257,7 +257,7 @@ TEST(Run, ChainsThatLookAtNeighborsAttributesEqualTheEvaluationOfTheWholeCloud) 
 }
 
 TEST(Run, NeighborhoodsFoundAgainAreThoseKept) {
-  const auto adaptive = std::make_shared<LeastEigenentropy>(4);
+  const auto adaptive = operators::least_eigenentropy(4);
   const std::vector<Neighborhood> neighborhoods = {
       {.k = 8}, {.k = 70}, {.k = 12, .radius = 0.1}, {.k = 12, .rule = adaptive}};
   for (const auto& [name, shape] : hostile_shapes()) {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// The operators set and drop against plain loops over the records.
-#include "pointsweep/operators/rows/set.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,8 @@
 #include <functional>
 #include <tuple>
 
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"
@@ -316,9 +316,10 @@ TEST(Set, IsTheSameInTextJsonAndItsCanonicalForm) {
   EXPECT_EQ(records("set(classification = 7 where z > 0.5, a = max(x, y) where z in (0, 1) or z between 0 and 1)"),
             records(R"json([{"type": "set", "assign": ["classification = 7 where z > 0.5",
                                                       "a = max(x, y) where z == 0 || z >= 0 && z <= 1"]}])json"));
-  EXPECT_EQ(Set("b=min(c,2) where c in(2,3),d = 1", {}).declared_options(),
+  EXPECT_EQ(options_of(operators::set("b=min(c,2) where c in(2,3),d = 1", {})),
             (Options{{"assign", "b = min(c, 2) where c in (2, 3), d = 1"}}));
-  EXPECT_EQ(Set("b=1 where c<2,d = - e", {}).declared_options(), (Options{{"assign", "b = 1 where c < 2, d = -e"}}));
+  EXPECT_EQ(options_of(operators::set("b=1 where c<2,d = - e", {})),
+            (Options{{"assign", "b = 1 where c < 2, d = -e"}}));
 }
 
 std::vector<std::string> names_in(const Schema& schema) {

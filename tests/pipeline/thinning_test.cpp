@@ -11,7 +11,6 @@
 #include <tuple>
 
 #include "pointsweep/operators.h"
-#include "pointsweep/operators/thinning/voxel.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/run/preview.h"
 #include "tests/pipeline/attribute_cloud.h"
@@ -178,14 +177,14 @@ TEST(Voxel, SeesMovedPositions) {
   ASSERT_LT(kept.size(), points.size());
   const RunResult expected = run_in_memory(kept, {{.k = 5}, {normals()}}, tiny(100));
   for (const EngineOptions& options : ways_to_run(Order::input)) {
-    const Chain chain{{.k = 5}, {thrown(0.5), std::make_shared<Voxel>(VoxelOptions{0.25}), normals()}};
+    const Chain chain{{.k = 5}, {thrown(0.5), operators::voxel({0.25}), normals()}};
     const RunResult got = run_in_memory(points, chain, options);
     for (const char* field : {"x", "nx", "ny", "nz"}) EXPECT_TRUE(same_bytes(got.field(field), expected.field(field)));
   }
 }
 
 std::vector<double> kept_x(const std::vector<Vec3>& points, double size) {
-  return run_in_memory(points, {{}, {std::make_shared<Voxel>(VoxelOptions{size})}}, tiny(100)).field("x");
+  return run_in_memory(points, {{}, {operators::voxel({size})}}, tiny(100)).field("x");
 }
 
 TEST(Voxel, TheGridIsThatOfTheCoordinatesAndAFaceBelongsToTheVoxelAbove) {
@@ -203,7 +202,8 @@ TEST(Voxel, NumbersBeyondThoseOfIntegersAndOfDoublesAreNoError) {
   EXPECT_EQ(kept_x({{1e17, 0, 0}, {1e17 + 16, 0, 0}, {1e17, 0, 0}}, 1e-3), (std::vector<double>{1e17, 1e17 + 16}));
   EXPECT_EQ(kept_x({{1e305, 0, 0}, {1e305, 0, 0}}, 1e-9).size(), 1u);
   for (const double size : {0.0, -1.0, std::nan(""), HUGE_VAL})
-    EXPECT_NE(refusal([&] { Voxel v({size}); }).find("voxel: size is a number, above 0, not "), std::string::npos);
+    EXPECT_NE(refusal([&] { operators::voxel({size}); }).find("voxel: size is a number, above 0, not "),
+              std::string::npos);
   for (const char* wrong : {"voxel", "voxel(0)", "voxel(1, keep=first)", "voxel(size=1, 2)"})
     EXPECT_NE(refusal([&] { chain_of(wrong); }), "") << wrong;
 }

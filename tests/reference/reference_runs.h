@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "pointsweep/math/box.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
-#include "pointsweep/operators/statistics/neighborhood_size.h"
 #include "pointsweep/shapes/registry.h"
 #include "tests/pipeline/hostile_clouds.h"
 #include "tests/pipeline/in_memory.h"
@@ -105,7 +105,7 @@ inline NeighborRun neighbor_run(InputCloud& cloud, const std::vector<Vec3>& poin
                                 std::size_t width, const EngineOptions& options) {
   NeighborRun run;
   Chain chain{neighborhood,
-              {std::make_shared<NeighborhoodSize>(), std::make_shared<NeighborRows>(width, points.size(), false)},
+              {operators::neighborhood_size(), std::make_shared<NeighborRows>(width, points.size(), false)},
               {"neighbor_count", "neighbors"}};
   if (options.engine == Engine::reference)
     chain.stages.insert(chain.stages.begin(), std::make_shared<Passing>(run.entered));

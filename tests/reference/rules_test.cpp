@@ -7,8 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pointsweep/operators/declare/least_eigenentropy.h"
-#include "pointsweep/operators/declare/limits_from_attributes.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/surface/normals.h"
 #include "tests/reference/reference_runs.h"
 #include "tests/support/brute_force.h"
@@ -61,7 +60,7 @@ struct Attributed {
 };
 
 Neighborhood limited(std::size_t k, double radius, const AttributeLimits& limits) {
-  return {.k = k, .radius = radius, .rule = std::make_shared<LimitsFromAttributes>(limits)};
+  return {.k = k, .radius = radius, .rule = operators::limits_from_attributes(limits)};
 }
 
 /// Expects the exact lists from the reference engine, counted as exact, in both orders, with equal records.
@@ -101,7 +100,7 @@ TEST(ReferenceRules, ARadiusForEachPointIsExactWithinARadiusForAll) {
 }
 
 TEST(ReferenceRules, LeastEigenentropyChoosesAsInTheExactEngineWhereTheAuditSaysSo) {
-  const auto rule = std::make_shared<LeastEigenentropy>(6);
+  const auto rule = operators::least_eigenentropy(6);
   for (const auto& [name, shape] : trying_shapes()) {
     SCOPED_TRACE(name);
     const Attributed input(shape, 700);
@@ -114,12 +113,11 @@ TEST(ReferenceRules, ChainsGiveTheEnginesBytesWithinARadius) {
   const Attributed input(trying_shapes()[0].second, 3000);
   const auto chain = [](const SharedRule& rule) {
     return Chain{{.k = Neighborhood::kUnlimited, .radius = 0.12, .rule = rule},
-                 {std::make_shared<NeighborhoodSize>(), std::make_shared<Normals>()},
+                 {operators::neighborhood_size(), std::make_shared<Normals>()},
                  {}};
   };
   for (const SharedRule& rule :
-       {SharedRule(std::make_shared<LeastEigenentropy>(6)),
-        SharedRule(std::make_shared<LimitsFromAttributes>(AttributeLimits{.k = "size", .radius = "range"}))}) {
+       {operators::least_eigenentropy(6), operators::limits_from_attributes({.k = "size", .radius = "range"})}) {
     for (const Order order : kOrders) {
       InputCloud a = input.cloud(), b = input.cloud();
       const RunResult exact = run_in_memory(a, chain(rule), by(Engine::exact, order));

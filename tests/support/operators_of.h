@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "pointsweep/operators/kinds/chain_stage.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/overloaded.h"
 
 namespace pointsweep {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,37 +14,18 @@
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
+#include "pointsweep/operators/kinds/results.h"
 #include "pointsweep/operators/nearest/point_cells.h"
 
 namespace pointsweep {
 namespace {
-
-/// Makes cloud_distance: the distance to the nearest point of another cloud, sqrt((dx² + dy²) + dz²) in float64.
-class DistanceTo final : public InOrderOperator {
- public:
-  /// Throws UsageError for options outside of their ranges.
-  explicit DistanceTo(DistanceToOptions options);
-
-  std::string name() const override { return "distance_to"; }
-  InOrderContract in_order_contract() const override;
-  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
-  std::optional<Reach> reach() const override { return Reach{}; }
-  std::optional<Reach> other_reach() const override;
-  std::string other_cloud() const override { return options_.cloud; }
-  std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
-
- private:
-  DistanceToOptions options_;
-};
 
 /// Stores the other cloud in cells before the first point comes.
 class DistanceToWork final : public InOrderWork {
  public:
   DistanceToWork(double most, const InOrderSetup& setup)
       : most2_(most * most), other_(PointCells::Space::all, setup.axis, setup.memory_bytes, setup.make_scratch()) {
-    setup.other_points([&](const OtherPoints& points) {
-      for (std::size_t i = 0; i < points.rows.size(); ++i) other_.add(points.positions[i], points.rows[i]);
-    });
+    setup.other_points([&](const OtherPoints& points) { other_.add(points.positions, points.rows); });
     other_.finish();
   }
 
@@ -53,9 +35,7 @@ class DistanceToWork final : public InOrderWork {
                           [&](std::size_t i, const std::vector<CellNeighbor>& nearest) {
                             if (!nearest.empty()) distances[i] = std::sqrt(nearest.front().distance2);
                           });
-    findings.rows.insert(findings.rows.end(), points.rows.begin(), points.rows.end());
-    const auto bytes = std::as_bytes(std::span(distances));
-    findings.values.insert(findings.values.end(), bytes.begin(), bytes.end());
+    add_findings(points.rows, std::as_bytes(std::span(distances)), findings);
   }
 
  private:
@@ -73,6 +53,34 @@ const OptionTable<DistanceToOptions>& distance_to_options() {
   return table;
 }
 
+/// Makes cloud_distance: the distance to the nearest point of another cloud, sqrt((dx² + dy²) + dz²) in float64.
+class DistanceTo final : public InOrderOperator {
+ public:
+  /// Throws UsageError for options outside of their ranges.
+  explicit DistanceTo(DistanceToOptions options) : options_(std::move(options)) {
+    distance_to_options().declare(*this, options_);
+  }
+
+  std::string name() const override { return "distance_to"; }
+  InOrderContract in_order_contract() const override {
+    return {.makes = {nan_scalar("cloud_distance", "length", "distance to the nearest point of another cloud")},
+            .places = Places::of_operator,
+            .arrival = "beside those of the other cloud"};
+  }
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override {
+    return std::make_unique<DistanceToWork>(most(), setup);
+  }
+  std::optional<Reach> reach() const override { return Reach{}; }
+  std::optional<Reach> other_reach() const override { return Reach{.distance = most(), .nearest = 1}; }
+  std::string other_cloud() const override { return options_.cloud; }
+  std::uint64_t least_bytes(const CloudEstimate&) const override { return PointCells::least_bytes(); }
+
+ private:
+  double most() const { return options_.most.value_or(std::numeric_limits<double>::infinity()); }
+
+  DistanceToOptions options_;
+};
+
 }  // namespace
 
 OperatorDeclaration distance_to_declaration() {
@@ -88,33 +96,13 @@ OperatorDeclaration distance_to_declaration() {
       .undefined = "NaN where no point of the other cloud is within `most`, and for points without a finite place.",
       .cost =
           "a pass that puts the points in order along an axis; the other cloud is put in the same order in the "
-          "temporary "
-          "folder (32 bytes a point, and as much while it is ordered), and memory holds what is near the front",
+          "temporary folder (32 bytes a point, and as much while it is ordered), and memory holds what is near the "
+          "front",
       .attributes = {{.name = "cloud_distance",
                       .meaning = "distance to the nearest point of the other cloud; undefined: NaN"}},
       .example = "distance_to(before.las, most=5) | where(cloud_distance > 0.1)"};
 }
 
 ChainStage operators::distance_to(const DistanceToOptions& options) { return std::make_shared<DistanceTo>(options); }
-
-DistanceTo::DistanceTo(DistanceToOptions options) : options_(std::move(options)) {
-  distance_to_options().declare(*this, options_);
-}
-
-InOrderContract DistanceTo::in_order_contract() const {
-  Attribute distance = scalar("cloud_distance", Type::f64, "length", "distance to the nearest point of another cloud");
-  distance.fill = std::byte{0xff};  // NaN
-  return {.makes = {distance}, .places = Places::of_operator, .arrival = "beside those of the other cloud"};
-}
-
-std::unique_ptr<InOrderWork> DistanceTo::start(const InOrderSetup& setup) const {
-  return std::make_unique<DistanceToWork>(options_.most.value_or(std::numeric_limits<double>::infinity()), setup);
-}
-
-std::optional<Reach> DistanceTo::other_reach() const {
-  return Reach{.distance = options_.most.value_or(std::numeric_limits<double>::infinity()), .nearest = 1};
-}
-
-std::uint64_t DistanceTo::least_bytes(const CloudEstimate&) const { return PointCells::least_bytes(); }
 
 }  // namespace pointsweep

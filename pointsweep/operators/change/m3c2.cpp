@@ -16,30 +16,11 @@
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
+#include "pointsweep/operators/kinds/results.h"
 #include "pointsweep/operators/nearest/point_cells.h"
 
 namespace pointsweep {
 namespace {
-
-/// Compares two clouds by M3C2: D. Lague, N. Brodu and J. Leroux, "Accurate 3D comparison of complex topography with
-/// terrestrial laser scanner" (ISPRS Journal of Photogrammetry and Remote Sensing 82, 2013), Section 3, with every
-/// point as a core point and the normals of an earlier stage or of the input.
-class M3c2 final : public InOrderOperator {
- public:
-  /// Throws UsageError for options outside of their ranges.
-  explicit M3c2(M3c2Options options);
-
-  std::string name() const override { return "m3c2"; }
-  InOrderContract in_order_contract() const override;
-  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
-  std::optional<Reach> reach() const override;
-  std::optional<Reach> other_reach() const override { return reach(); }
-  std::string other_cloud() const override { return options_.cloud; }
-  std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
-
- private:
-  M3c2Options options_;
-};
 
 /// Number of points that a thread compares with one PointCells::View.
 constexpr std::size_t kPointsAtOnce = 256;
@@ -102,16 +83,13 @@ class M3c2Work final : public InOrderWork {
  public:
   M3c2Work(const M3c2Options& options, const InOrderSetup& setup)
       : options_(options), own_(cells(setup)), other_(cells(setup)) {
-    setup.other_points([&](const OtherPoints& points) {
-      for (std::size_t i = 0; i < points.rows.size(); ++i) other_.add(points.positions[i], points.rows[i]);
-    });
+    setup.other_points([&](const OtherPoints& points) { other_.add(points.positions, points.rows); });
     other_.finish();
   }
   unsigned rounds() const override { return 2; }
 
   void add(unsigned round, const OrderedPoints& points, Findings& findings) override {
-    if (round == 1) return compare(points, findings);
-    for (std::size_t i = 0; i < points.rows.size(); ++i) own_.add(points.positions[i], points.rows[i]);
+    round == 0 ? own_.add(points.positions, points.rows) : compare(points, findings);
   }
   void end(unsigned round, Findings&) override {
     if (round == 0) own_.finish();
@@ -128,9 +106,7 @@ class M3c2Work final : public InOrderWork {
     const std::vector<Section> own = sections(points, own_), other = sections(points, other_);
     std::vector<Values> values;
     for (std::size_t i = 0; i < own.size(); ++i) values.push_back(values_of(own[i], other[i]));
-    findings.rows.insert(findings.rows.end(), points.rows.begin(), points.rows.end());
-    const auto bytes = std::as_bytes(std::span(values));
-    findings.values.insert(findings.values.end(), bytes.begin(), bytes.end());
+    add_findings(points.rows, std::as_bytes(std::span(values)), findings);
   }
 
   std::vector<Section> sections(const OrderedPoints& points, PointCells& cloud) const {
@@ -179,6 +155,42 @@ const OptionTable<M3c2Options>& m3c2_options() {
   return table;
 }
 
+/// Compares two clouds by M3C2: D. Lague, N. Brodu and J. Leroux, "Accurate 3D comparison of complex topography with
+/// terrestrial laser scanner" (ISPRS Journal of Photogrammetry and Remote Sensing 82, 2013), Section 3, with every
+/// point as a core point and the normals of an earlier stage or of the input.
+class M3c2 final : public InOrderOperator {
+ public:
+  /// Throws UsageError for options outside of their ranges.
+  explicit M3c2(M3c2Options options) : options_(std::move(options)) { m3c2_options().declare(*this, options_); }
+
+  std::string name() const override { return "m3c2"; }
+  InOrderContract in_order_contract() const override {
+    return {.reads = {normal_attribute()},
+            .makes = {nan_scalar("m3c2_distance", "length", "change to another cloud along the normal"),
+                      nan_scalar("m3c2_lod", "length", "level of detection at 95 %"),
+                      nan_scalar("m3c2_spread1", "length", "deviation along the normal, this cloud"),
+                      nan_scalar("m3c2_spread2", "length", "deviation along the normal, other cloud"),
+                      nan_scalar("m3c2_samples1", "1", "points in the cylinder, this cloud"),
+                      nan_scalar("m3c2_samples2", "1", "points in the cylinder, other cloud")},
+            .places = Places::of_operator,
+            .arrival = "beside those of the other cloud"};
+  }
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override {
+    return std::make_unique<M3c2Work>(options_, setup);
+  }
+  /// Returns the distance between the centre of a cylinder and its rim, the farthest part of it, with a margin for
+  /// rounding.
+  std::optional<Reach> reach() const override {
+    return Reach{.distance = std::hypot(options_.cylinder / 2, options_.depth) * (1 + 1e-6)};
+  }
+  std::optional<Reach> other_reach() const override { return reach(); }
+  std::string other_cloud() const override { return options_.cloud; }
+  std::uint64_t least_bytes(const CloudEstimate&) const override { return 2 * PointCells::least_bytes(); }
+
+ private:
+  M3c2Options options_;
+};
+
 }  // namespace
 
 OperatorDeclaration m3c2_declaration() {
@@ -209,45 +221,14 @@ OperatorDeclaration m3c2_declaration() {
                                  "on the side of the normal; undefined: NaN"},
                      {.name = "m3c2_lod", .meaning = "smallest change that is significant at 95 %; undefined: NaN"},
                      {.name = "m3c2_spread1",
-                      .meaning = "standard deviation along the normal in this cloud; "
-                                 "undefined: NaN"},
+                      .meaning = "standard deviation along the normal in this cloud; undefined: NaN"},
                      {.name = "m3c2_spread2",
-                      .meaning = "standard deviation along the normal in the other cloud; "
-                                 "undefined: NaN"},
+                      .meaning = "standard deviation along the normal in the other cloud; undefined: NaN"},
                      {.name = "m3c2_samples1", .meaning = "points of this cloud in the cylinder"},
                      {.name = "m3c2_samples2", .meaning = "points of the other cloud in the cylinder"}},
       .example = "knn(radius=1) | normals(orient=up) | m3c2(after.las, cylinder=0.5, depth=2)"};
 }
 
 ChainStage operators::m3c2(const M3c2Options& options) { return std::make_shared<M3c2>(options); }
-
-M3c2::M3c2(M3c2Options options) : options_(std::move(options)) { m3c2_options().declare(*this, options_); }
-
-InOrderContract M3c2::in_order_contract() const {
-  InOrderContract contract{
-      .reads = {normal_attribute()},
-      .makes = {scalar("m3c2_distance", Type::f64, "length", "change to another cloud along the normal"),
-                scalar("m3c2_lod", Type::f64, "length", "level of detection at 95 %"),
-                scalar("m3c2_spread1", Type::f64, "length", "deviation along the normal, this cloud"),
-                scalar("m3c2_spread2", Type::f64, "length", "deviation along the normal, other cloud"),
-                scalar("m3c2_samples1", Type::f64, "1", "points in the cylinder, this cloud"),
-                scalar("m3c2_samples2", Type::f64, "1", "points in the cylinder, other cloud")},
-      .places = Places::of_operator,
-      .arrival = "beside those of the other cloud"};
-  for (Attribute& a : contract.makes) a.fill = std::byte{0xff};  // NaN
-  return contract;
-}
-
-std::unique_ptr<InOrderWork> M3c2::start(const InOrderSetup& setup) const {
-  return std::make_unique<M3c2Work>(options_, setup);
-}
-
-/// Returns the distance between the centre of a cylinder and its rim, the farthest part of it, with a margin for
-/// rounding.
-std::optional<Reach> M3c2::reach() const {
-  return Reach{.distance = std::hypot(options_.cylinder / 2, options_.depth) * (1 + 1e-6)};
-}
-
-std::uint64_t M3c2::least_bytes(const CloudEstimate&) const { return 2 * PointCells::least_bytes(); }
 
 }  // namespace pointsweep

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/change/take.h"
-
+/// Attributes taken from another cloud.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/in_order_operator.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/change/take_work.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/kinds/results.h"
 #include "pointsweep/operators/rows/transform.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/program/nearest_names.h"
@@ -19,6 +26,7 @@ namespace pointsweep {
 namespace {
 
 constexpr double kMostPoints = 1000;
+constexpr const char* kTakenMeaning = "taken from another cloud";
 
 const OptionTable<TakeOptions>& take_options() {
   static const OptionTable<TakeOptions> table = {
@@ -40,8 +48,6 @@ const OptionTable<TakeOptions>& take_options() {
   return table;
 }
 
-bool is_real(Type type) { return type == Type::f32 || type == Type::f64; }
-
 bool is_channel(const std::string& name) {
   const std::string word = library_name_of(name);
   return word == "red" || word == "green" || word == "blue";
@@ -62,6 +68,44 @@ bool is_coordinate(const std::string& name) {
   const std::string word = library_name_of(name);
   return std::ranges::find(kAxisNames, word) != kAxisNames.end();
 }
+
+/// Gives points the attributes of the nearest points of another cloud.
+class Take final : public InOrderOperator {
+ public:
+  /// Messages about options in conflict begin with `place`. Throws UsageError for options out of range or in conflict,
+  /// and for an attribute that is a coordinate or named twice.
+  explicit Take(TakeOptions options, std::string place = "take");
+
+  std::string name() const override { return "take"; }
+  InOrderContract in_order_contract() const override;
+  std::string other_cloud() const override { return rules_.options.cloud; }
+  std::vector<Attribute> other_reads() const override {
+    std::vector<Attribute> reads;
+    for (const TakenAttribute& taken : rules_.taken) reads.push_back(taken.source);
+    return reads;
+  }
+  std::optional<Reach> reach() const override { return Reach{}; }
+  std::optional<Reach> other_reach() const override {
+    return Reach{rules_.options.most.value_or(std::numeric_limits<double>::infinity()),
+                 static_cast<std::size_t>(rules_.options.k)};
+  }
+  /// Throws UsageError for an attribute that the other cloud lacks, with the most similar names, and for a field that
+  /// is an array or named twice.
+  std::shared_ptr<const InOrderOperator> bound_to_other(const Schema& other) const override;
+  /// Throws UsageError if the type of an attribute cannot hold `missing`, or if the type of a new attribute has no
+  /// value for points without a result.
+  std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override { return start_taking(rules_, setup); }
+  std::uint64_t least_bytes(const CloudEstimate&) const override {
+    return least_taking_bytes(rules_.options.k, bytes_of(other_reads()));
+  }
+
+ private:
+  void find_target(TakenAttribute& taken, const Schema& input, std::span<const Attribute> made);
+  void require_missing_value(const TakenAttribute& taken) const;
+
+  TakeRules rules_;
+};
 
 }  // namespace
 
@@ -90,70 +134,61 @@ OperatorDeclaration take_declaration() {
       .cost =
           "a pass that puts the points in order along an axis; the other cloud is put in the same order in the "
           "temporary folder (32 bytes a point and those of its attributes, and as much while it is ordered), and "
-          "memory "
-          "holds what is near the front",
+          "memory holds what is near the front",
       .makes_named = true,
       .example = "take(labelled.las, attributes=classification, k=5)"};
 }
 
 ChainStage operators::take(const TakeOptions& options) { return std::make_shared<Take>(options); }
 
-Take::Take(TakeOptions options, std::string place) : options_(std::move(options)), place_(std::move(place)) {
-  take_options().declare(*this, options_);
-  for (const std::string& name : options_.attributes) {
-    if (is_coordinate(name)) fail_usage("{}: '{}' is a coordinate; the points keep their places.", place_, name);
-    if (std::ranges::count(options_.attributes, name) > 1) fail_usage("{}: '{}' is named twice.", place_, name);
-    taken_.push_back({.name = name, .source = scalar(name, Type::f64, "1", "")});
-    Attribute made = scalar(name, Type::f64, "1", "taken from another cloud");
-    made.fill = std::byte{0xff};  // NaN
-    targets_.push_back({made, {}});
+Take::Take(TakeOptions options, std::string place) : rules_{std::move(options), std::move(place)} {
+  const TakeOptions& given = rules_.options;
+  take_options().declare(*this, given);
+  for (const std::string& name : given.attributes) {
+    if (is_coordinate(name)) fail_usage("{}: '{}' is a coordinate; the points keep their places.", rules_.place, name);
+    if (std::ranges::count(given.attributes, name) > 1) fail_usage("{}: '{}' is named twice.", rules_.place, name);
+    rules_.taken.push_back({.name = name, .source = scalar(name, Type::f64, "1", "")});
+    rules_.targets.push_back({nan_scalar(name, "1", kTakenMeaning), {}});
   }
-  if (options_.vote == TakeVote::nearest && options_.k > 1)
-    fail_usage("{}: vote=nearest takes the value of one point; leave out k={}, or let the points vote.", place_,
-               options_.k);
-  if (options_.missing && !options_.most)
-    fail_usage("{}: missing is used only with most: without it every point has a nearest one.", place_);
+  if (given.vote == TakeVote::nearest && given.k > 1)
+    fail_usage("{}: vote=nearest takes the value of one point; leave out k={}, or let the points vote.", rules_.place,
+               given.k);
+  if (given.missing && !given.most)
+    fail_usage("{}: missing is used only with most: without it every point has a nearest one.", rules_.place);
 }
 
 InOrderContract Take::in_order_contract() const {
   InOrderContract contract{.places = Places::of_operator, .arrival = "beside those of the other cloud"};
-  for (const TakeTarget& target : targets_) {
+  for (const TakeTarget& target : rules_.targets) {
     if (target.old) contract.reads.push_back(*target.old);
     contract.makes.push_back(target.made);
   }
   return contract;
 }
 
-std::optional<Reach> Take::other_reach() const {
-  return Reach{options_.most.value_or(std::numeric_limits<double>::infinity()), static_cast<std::size_t>(options_.k)};
-}
-
-std::vector<Attribute> Take::other_reads() const {
-  std::vector<Attribute> reads;
-  for (const TakenAttribute& taken : taken_) reads.push_back(taken.source);
-  return reads;
-}
-
 std::shared_ptr<const InOrderOperator> Take::bound_to_other(const Schema& other) const {
   auto bound = std::make_shared<Take>(*this);
+  const std::string &place = rules_.place, &cloud = rules_.options.cloud;
   std::size_t from = 0;
-  for (TakenAttribute& taken : bound->taken_) {
+  for (TakenAttribute& taken : bound->rules_.taken) {
     const auto at = field_meant(other, taken.name);
     if (!at) {
       std::vector<std::string> names;
       for (const Field& field : other.fields)
         if (!is_coordinate(field.name)) names.push_back(field.name);
-      if (names.empty()) fail_usage("{}: {} has no attributes to take, only positions.", place_, options_.cloud);
-      fail_usage("{}: {} has no attribute '{}'; the nearest it has {} {}.", place_, options_.cloud, taken.name,
-                 names.size() == 1 ? "is" : "are", nearest_names(taken.name, names));
+      if (names.empty())
+        fail_usage("{}: {} has no attributes to take, only positions.", place, cloud);
+      fail_usage("{}: {} has no attribute '{}'; the nearest it has {} {}.", place, cloud,
+                 taken.name, names.size() == 1 ? "is" : "are", nearest_names(taken.name, names));
     }
     const Field& field = other.fields[*at];
     if (field.count != 1)
-      fail_usage("{}: '{}' of {} is an array of {}, not a single value.", place_, field.name, options_.cloud,
-                 field.count);
-    for (const TakenAttribute& before : std::span(bound->taken_.data(), &taken))
+      fail_usage("{}: '{}' of {} is an array of {}, not a single value.", place, field.name,
+                 cloud, field.count);
+    for (const TakenAttribute& before : std::span(bound->rules_.taken.data(), &taken))
       if (before.source.name == field.name)
-        fail_usage("{}: '{}' and '{}' are the same attribute of {}.", place_, before.name, taken.name, options_.cloud);
+        fail_usage("{}: '{}' and '{}' are the same attribute of {}.", place, before.name, taken.name,
+                   cloud);
     taken.source = scalar(field.name, type_of_values(field), "1", "");
     taken.is_color = has_colors(other) && is_channel(taken.name);
     taken.from = from;
@@ -164,12 +199,12 @@ std::shared_ptr<const InOrderOperator> Take::bound_to_other(const Schema& other)
 
 std::shared_ptr<const InOrderOperator> Take::bound(const Schema& input, std::span<const Attribute> made) const {
   auto bound = std::make_shared<Take>(*this);
-  bound->targets_.clear();
-  for (TakenAttribute& taken : bound->taken_) bound->find_target(taken, input, made);
-  for (TakenAttribute& taken : bound->taken_) {
-    const Attribute& a = bound->targets_[taken.target].made;
+  bound->rules_.targets.clear();
+  for (TakenAttribute& taken : bound->rules_.taken) bound->find_target(taken, input, made);
+  for (TakenAttribute& taken : bound->rules_.taken) {
+    const Attribute& a = bound->rules_.targets[taken.target].made;
     taken.to = taken.component * size_of(a.type);
-    for (std::size_t t = 0; t < taken.target; ++t) taken.to += bound->targets_[t].made.bytes();
+    for (std::size_t t = 0; t < taken.target; ++t) taken.to += bound->rules_.targets[t].made.bytes();
     bound->require_missing_value(taken);
   }
   return bound;
@@ -178,46 +213,42 @@ std::shared_ptr<const InOrderOperator> Take::bound(const Schema& input, std::spa
 /// Finds or makes the target of a taken value. Several components of an existing attribute share a target.
 void Take::find_target(TakenAttribute& taken, const Schema& input, std::span<const Attribute> made) {
   TakeTarget target;
-  if (std::optional<AssignedTarget> known = target_of(taken.name, input, made, place_)) {
+  if (std::optional<AssignedTarget> known = target_of(taken.name, input, made, rules_.place)) {
     target = {std::move(known->made), std::move(known->old)};
     taken.component = known->component, taken.range = known->range;
   } else {
-    const bool is_mean = options_.vote == TakeVote::mean && !taken.is_color;
+    const bool is_mean = rules_.options.vote == TakeVote::mean && !taken.is_color;
     taken.range = range_of(is_mean ? Type::f64 : taken.source.type);
-    target.made = scalar(taken.name, taken.range.type, "1", "taken from another cloud");
+    target.made = taken.range.is_whole ? scalar(taken.name, taken.range.type, "1", kTakenMeaning)
+                                       : nan_scalar(taken.name, "1", kTakenMeaning, taken.range.type);
     if (is_channel(taken.name)) target.made.kind = Kind::color;
-    if (is_real(target.made.type)) target.made.fill = std::byte{0xff};  // NaN
   }
   // Lengths from another cloud must be scaled, too, if a later stage scales the points.
-  if (target.made.unit == "1" && is_real(target.made.type)) target.made.unit = unit_of_made(taken.name);
-  const auto same = std::ranges::find(targets_, target.made.name, [](const TakeTarget& t) { return t.made.name; });
-  taken.target = static_cast<std::size_t>(same - targets_.begin());
-  if (same == targets_.end()) targets_.push_back(std::move(target));
-  for (const TakenAttribute& before : std::span(taken_.data(), &taken))
+  if (target.made.unit == "1" && !range_of(target.made.type).is_whole) target.made.unit = unit_of_made(taken.name);
+  const auto same =
+      std::ranges::find(rules_.targets, target.made.name, [](const TakeTarget& t) { return t.made.name; });
+  taken.target = static_cast<std::size_t>(same - rules_.targets.begin());
+  if (same == rules_.targets.end()) rules_.targets.push_back(std::move(target));
+  for (const TakenAttribute& before : std::span(rules_.taken.data(), &taken))
     if (before.target == taken.target && before.component == taken.component)
-      fail_usage("{}: '{}' and '{}' are the same attribute of the points.", place_, before.name, taken.name);
+      fail_usage("{}: '{}' and '{}' are the same attribute of the points.", rules_.place, before.name, taken.name);
 }
 
 void Take::require_missing_value(const TakenAttribute& taken) const {
   const TargetRange& range = taken.range;
-  const bool fits = !range.is_whole || !options_.missing ||
-                    (std::nearbyint(*options_.missing) == *options_.missing && *options_.missing >= range.least &&
-                     *options_.missing <= range.most);
-  if (!fits) fail_usage("{}: missing={} is not {}, as '{}' is.", place_, *options_.missing, range.text(), taken.name);
-  const bool is_new = !targets_[taken.target].old.has_value();
-  if (options_.most && !options_.missing && is_new && range.is_whole)
+  const auto &missing = rules_.options.missing, &most = rules_.options.most;
+  const bool fits = !range.is_whole || !missing ||
+                    (std::nearbyint(*missing) == *missing &&
+                     *missing >= range.least && *missing <= range.most);
+  if (!fits)
+    fail_usage("{}: missing={} is not {}, as '{}' is.", rules_.place, *missing, range.text(),
+               taken.name);
+  const bool is_new = !rules_.targets[taken.target].old.has_value();
+  if (most && !missing && is_new && range.is_whole)
     fail_usage(
         "{0}: '{1}' is new, and {2} cannot say that a point has no other within most={3}; give missing=NUMBER for such "
         "points, or leave out most.",
-        place_, taken.name, name_of(range.type), *options_.most);
-}
-
-std::unique_ptr<InOrderWork> Take::start(const InOrderSetup& setup) const {
-  return start_taking({options_, place_, taken_, targets_}, setup);
-}
-
-std::uint64_t Take::least_bytes(const CloudEstimate&) const {
-  return least_taking_bytes(options_.k, bytes_of(other_reads()));
+        rules_.place, taken.name, name_of(range.type), *most);
 }
 
 }  // namespace pointsweep

@@ -1,22 +1,42 @@
 // SPDX-License-Identifier: MIT
-/// The run of `take` over the points of a cloud.
+/// The rules of `take`, bound to the points and to the other cloud, and its run over the points.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "pointsweep/operators/change/take.h"
+#include "pointsweep/in_order_operator.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/expressions/meant_value.h"
 
 namespace pointsweep {
 
-/// The options and the bound attributes of a Take.
+/// An attribute that `take` gives to the points.
+struct TakenAttribute {
+  std::string name;           ///< name in the user's spelling
+  Attribute source;           ///< attribute of the other cloud, with the name and the type of its field
+  bool is_color = false;      ///< true for red, green or blue of 8 or 16 bits, if the other cloud has all three
+  std::size_t target = 0;     ///< index in TakeRules::targets
+  std::size_t component = 0;  ///< component of the made attribute
+  TargetRange range = {};
+  std::size_t from = 0, to = 0;  ///< offsets in the records read from the other cloud, and in the made records
+};
+
+/// An attribute that `take` makes. Some or all of its components come from the other cloud.
+struct TakeTarget {
+  Attribute made;
+  std::optional<Attribute> old;  ///< previous version, which the operator reads; absent for a new attribute
+};
+
 struct TakeRules {
   TakeOptions options;
   std::string place;  ///< beginning of messages
-  std::vector<TakenAttribute> taken;
-  std::vector<TakeTarget> targets;
+  std::vector<TakenAttribute> taken = {};
+  std::vector<TakeTarget> targets = {};
 };
 
 /// Reads the other cloud and returns the work. Throws Error if the other cloud has no point with a finite place.

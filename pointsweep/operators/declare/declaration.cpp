@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/kinds/chain_stage.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 
 namespace pointsweep {
 namespace {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// The list of all operators of the library. The source of the operator `name` defines name_declaration().
+/// The list of all operators of the library, and a check for their declarations. The source of the operator `name`
+/// defines name_declaration().
 #pragma once
+
+#include <cstddef>
+#include <string>
 
 #include "pointsweep/program/declaration.h"
 
@@ -19,5 +23,10 @@ namespace pointsweep {
 #define POINTSWEEP_DECLARE(name) OperatorDeclaration name##_declaration();
 POINTSWEEP_OPERATORS(POINTSWEEP_DECLARE)
 #undef POINTSWEEP_DECLARE
+
+/// Throws UsageError, beginning with `where`, unless the neighbourhoods in effect contain the `k` nearest points within
+/// `radius`, or all points within `radius` if k is Neighborhood::kUnlimited. Accepts neighbourhoods that are unknown,
+/// and neighbourhoods whose k is the default of the operators. For operators that count neighbours within a distance.
+void require_complete_lists(const Facts& facts, std::size_t k, double radius, const std::string& where);
 
 }  // namespace pointsweep

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
+/// The declaration of `knn`, its neighbourhoods, and a check of these for operators that count neighbours.
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/declare/least_eigenentropy.h"
-#include "pointsweep/operators/declare/limits_from_attributes.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
@@ -76,7 +77,7 @@ SharedRule limits_of(const OptionValues& options) {
     require_most(options, "radius_from", true);
     limits.radius = options.word("radius_from");
   }
-  return std::make_shared<LimitsFromAttributes>(limits);
+  return operators::limits_from_attributes(limits);
 }
 
 SharedRule adaptive_rule(const OptionValues& options) {
@@ -85,7 +86,7 @@ SharedRule adaptive_rule(const OptionValues& options) {
   if (least > most)
     fail_usage("{}: k_min is {}, but k, the most there may be, is {}; give k_min of at most k.", options.where(), least,
                most);
-  return std::make_shared<LeastEigenentropy>(least);
+  return operators::least_eigenentropy(least);
 }
 
 SharedRule rule_of(const OptionValues& options) {
@@ -115,6 +116,22 @@ Neighborhood make_neighborhood(const OptionValues& options) {
   if (options.given("radius")) neighborhood.radius = options.number("radius");
   neighborhood.rule = rule_of(options);
   return neighborhood;
+}
+
+void require_complete_lists(const Facts& facts, std::size_t k, double radius, const std::string& where) {
+  if (!facts.neighborhood) return;
+  const Neighborhood& has = *facts.neighborhood;
+  const std::string remedy = k == Neighborhood::kUnlimited
+                                 ? fmt::format("write knn(radius={}) before it", radius)
+                                 : fmt::format("write knn(k={}) or knn(radius={}) before it", k, radius);
+  if (has.rule)
+    fail_usage("{}: counts the neighbours within {}, but each point keeps {}; {}.", where, radius, has.rule->meaning(),
+               remedy);
+  if (!(has.radius >= radius))
+    fail_usage("{}: counts the neighbours within {}, but those within {} are known; {}.", where, radius, has.radius,
+               remedy);
+  if (has.k == Neighborhood::kOfOperators) return;
+  if (has.k < k) fail_usage("{}: needs more neighbours than the {} nearest; {}.", where, has.k, remedy);
 }
 
 }  // namespace pointsweep

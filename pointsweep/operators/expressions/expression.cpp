@@ -7,7 +7,6 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/expressions/expression_node.h"
-#include "pointsweep/operators/expressions/expression_text.h"
 
 namespace pointsweep {
 namespace {
@@ -17,6 +16,71 @@ constexpr std::pair<std::string_view, Operation> kComparisons[] = {
     {">=", Operation::greater_equal}, {"<", Operation::less},     {">", Operation::greater}};
 
 using Node = Expression::Node;
+
+bool begins_name(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// A reader of the text of an expression, which finds the next signs and words, and reports errors with their column.
+class ExpressionText {
+ public:
+  /// Messages begin with `where`.
+  ExpressionText(std::string_view text, std::string_view where) : text_(text), where_(where) {}
+
+ protected:
+  /// Skips blanks, then `sign` if it comes next. Returns whether `sign` came next.
+  bool take(std::string_view sign) {
+    skip_blanks();
+    if (!text_.substr(at_).starts_with(sign)) return false;
+    at_ += sign.size();
+    return true;
+  }
+  /// Skips blanks, then `word` if it comes next as a whole word. `word` is in lower case; the text may have any case.
+  /// Returns whether `word` came next.
+  bool take_word(std::string_view word) {
+    skip_blanks();
+    const std::string_view rest = text_.substr(at_);
+    const auto is_letter = [](char letter, char c) {
+      return c == letter || (c >= 'A' && c <= 'Z' && c - 'A' + 'a' == letter);
+    };
+    if (rest.size() < word.size() || !std::equal(word.begin(), word.end(), rest.begin(), is_letter)) return false;
+    if (rest.size() > word.size() && continues_name(rest[word.size()])) return false;
+    at_ += word.size();
+    return true;
+  }
+  /// Takes the word `not` like take_word(), unless it is the name of an attribute.
+  bool take_not() {
+    const std::size_t first = at_;
+    if (!take_word("not")) return false;
+    skip_blanks();
+    const std::string_view rest = text_.substr(at_);
+    const bool begins_test = !rest.empty() && !rest.starts_with("!=") &&
+                             (continues_name(rest[0]) || rest[0] == '(' || rest[0] == '-' || rest[0] == '!');
+    if (!begins_test) at_ = first;
+    return begins_test;
+  }
+  void skip_blanks() {
+    while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n')) ++at_;
+  }
+
+  /// Adds an operator with blanks around it to the canonical text.
+  void note_binary(std::string_view sign) { canonical_.append(" ").append(sign).append(" "); }
+
+  [[noreturn]] void unexpected(std::string_view wanted) const {
+    if (at_ >= text_.size()) fail_at(at_, fmt::format("{} is expected, but the expression ends", wanted));
+    fail_at(at_, fmt::format("{} is expected, not '{}'", wanted, text_[at_]));
+  }
+  [[noreturn]] void fail_at(std::size_t at, std::string_view what) const {
+    while (at < text_.size() && text_[at] == ' ') ++at;
+    fail_usage("{}: '{}', column {}: {}.", where_, text_, at + 1, what);
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;     ///< index of the first character that has not been read
+  std::string canonical_;  ///< canonical form of the text that has been read
+
+ private:
+  std::string_view where_;
+};
 
 /// A parser by recursive descent through the grammar in the header.
 class ExpressionParser : private ExpressionText {
@@ -51,8 +115,7 @@ class ExpressionParser : private ExpressionText {
       Node left = condition(std::move(node), first);
       const std::size_t second = at_;
       Node right = condition(part(), second);
-      node = {.operation = operation};
-      node.parts = {std::move(left), std::move(right)};
+      node = {.operation = operation, .parts = {std::move(left), std::move(right)}};
     }
     return node;
   }
@@ -74,24 +137,21 @@ class ExpressionParser : private ExpressionText {
       note_binary(sign);
       left = number(std::move(left), first);
       const std::size_t second = at_;
-      Node node{.operation = operation}, right = number(sum(), second);
-      node.parts = {std::move(left), std::move(right)};
-      return node;
+      Node right = number(sum(), second);
+      return {.operation = operation, .parts = {std::move(left), std::move(right)}};
     }
     const std::size_t second = at_;
     const bool is_negated = take_word("not");
     if (take_word("in")) {
       note_binary(is_negated ? "not in" : "in");
       if (!take("(")) unexpected("a list of numbers such as (2, 9)");
-      Node node{.operation = Operation::among};
-      node.parts = {number(std::move(left), first)};
+      Node node{.operation = Operation::among, .parts = {number(std::move(left), first)}};
       arguments(node.parts);
       return is_negated ? negated_test(std::move(node)) : node;
     }
     if (take_word("between")) {
       note_binary(is_negated ? "not between" : "between");
-      Node node{.operation = Operation::between};
-      node.parts = {number(std::move(left), first), bound()};
+      Node node{.operation = Operation::between, .parts = {number(std::move(left), first), bound()}};
       if (!take_word("and")) unexpected("'and' with the upper bound, as in between 2 and 5,");
       note_binary("and");
       node.parts.push_back(bound());
@@ -103,11 +163,7 @@ class ExpressionParser : private ExpressionText {
     return left;
   }
 
-  static Node negated_test(Node part) {
-    Node node{.operation = Operation::no};
-    node.parts = {std::move(part)};
-    return node;
-  }
+  static Node negated_test(Node part) { return {.operation = Operation::no, .parts = {std::move(part)}}; }
 
   Node bound() {
     const std::size_t first = at_;
@@ -143,8 +199,7 @@ class ExpressionParser : private ExpressionText {
       Node left = number(std::move(node), first);
       const std::size_t second = at_;
       Node right = number(part(), second);
-      node = {.operation = is_first ? operation : other};
-      node.parts = {std::move(left), std::move(right)};
+      node = {.operation = is_first ? operation : other, .parts = {std::move(left), std::move(right)}};
     }
   }
 
@@ -174,9 +229,7 @@ class ExpressionParser : private ExpressionText {
       if (part.whole) part.whole = -*part.whole;
       return part;
     }
-    Node node{.operation = Operation::negate};
-    node.parts = {std::move(part)};
-    return node;
+    return {.operation = Operation::negate, .parts = {std::move(part)}};
   }
 
   Node name() {
@@ -244,14 +297,16 @@ class ExpressionParser : private ExpressionText {
   int depth_ = 0;
 };
 
+}  // namespace
+
+bool continues_name(char c) { return begins_name(c) || is_digit(c) || c == '.'; }
+
 std::string_view without_outer_blanks(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r\n";
   const std::size_t first = text.find_first_not_of(kBlanks);
   if (first == text.npos) return {};
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
-
-}  // namespace
 
 Expression::Expression(std::string_view text, std::string_view where, Form form) : text_(without_outer_blanks(text)) {
   if (text_.empty() && form == Form::number)

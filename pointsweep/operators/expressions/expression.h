@@ -24,6 +24,11 @@ struct ExpressionValues {
 /// A type that holds every 64-bit integer, signed or unsigned.
 __extension__ typedef __int128 WholeNumber;
 
+/// Returns whether a name may continue with the character: a letter, a digit, _ or `.`.
+bool continues_name(char c);
+/// Returns the text without blanks and ends of lines at both ends.
+std::string_view without_outer_blanks(std::string_view text);
+
 /// A condition, or a number. The grammar begins with the operators that bind most loosely; blanks matter only between
 /// words:
 ///   condition = both {("||" | "or") both}      both = test {("&&" | "and") test}
@@ -50,6 +55,8 @@ class Expression {
   };
   /// Returns the names of the attributes that the expression reads, each once, in the order of their first occurrence.
   const std::vector<Name>& names() const { return names_; }
+  /// Returns whether the expression is a single name and nothing else.
+  bool is_name() const { return names_.size() == 1 && canonical_ == names_[0].text; }
   const std::string& text() const { return text_; }  ///< the text as given, without blanks at both ends
   /// Returns a text that is equal for conditions that differ only in blanks and in "and", "or", "not" for "&&", "||",
   /// "!": "a < 2 && !(b == 3)".

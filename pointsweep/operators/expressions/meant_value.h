@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The values that names mean: a name that a user writes for a single value, in conditions, assignments and options
-/// that name an attribute, and the exact name of an attribute that an operator reads.
+/// that name an attribute, and the exact name of an attribute that an operator reads. Assignments also need the values
+/// that an attribute can hold.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +10,7 @@
 #include <string>
 
 #include "pointsweep/attribute.h"
+#include "pointsweep/operators/expressions/expression.h"
 
 namespace pointsweep {
 
@@ -36,5 +38,47 @@ Type type_of_values(const Field& field);
 /// Returns the attribute `name` if an earlier stage makes it and it has one value, else the field `name` of the input
 /// as float64; nullopt if there is none.
 std::optional<Attribute> single_value(const char* name, const Schema& input, std::span<const Attribute> made);
+
+/// The values that an attribute can hold.
+struct TargetRange {
+  Type type = Type::f64;
+  double least = 0, most = 0;  ///< range of whole numbers
+  bool is_whole = false;
+
+  /// Returns the range as text: "uint8, 0 to 255" or "float32".
+  std::string text() const;
+};
+
+TargetRange range_of(Type type);
+/// Returns the range of a field of the input; for packed bits, the range of the bits.
+TargetRange range_of(const Field& field);
+
+/// Returns a whole number as a T, the integer type of the range; nullopt for a number outside of the range.
+template <class T>
+std::optional<T> whole_in(const TargetRange& range, double whole) {
+  // The largest 64-bit integer is not a double, and the nearest double is too large.
+  const bool below = range.most < 0x1p53 ? whole <= range.most : whole < range.most;
+  if (!(whole >= range.least && below)) return std::nullopt;
+  return static_cast<T>(whole);
+}
+template <class T>
+std::optional<T> whole_in(const TargetRange& range, WholeNumber whole) {
+  const auto number = static_cast<T>(whole);
+  const bool fits = WholeNumber{number} == whole && (range.most >= 0x1p53 || static_cast<double>(number) <= range.most);
+  return fits ? std::optional(number) : std::nullopt;
+}
+
+/// An existing attribute as the target of an assignment.
+struct AssignedTarget {
+  Attribute made;             ///< new version of an attribute that was made before, or of a field of the input
+  std::size_t component = 0;  ///< component that the name means
+  TargetRange range;
+  Attribute old;  ///< the previous version in a type that can be read exactly
+};
+
+/// Returns the target that `name` means: an attribute that was made before, or a field of the input; nullopt if there
+/// is none. `name` must not be a coordinate. Throws UsageError, beginning with `place`, if `name` means several values.
+std::optional<AssignedTarget> target_of(const std::string& name, const Schema& input, std::span<const Attribute> made,
+                                        const std::string& place);
 
 }  // namespace pointsweep

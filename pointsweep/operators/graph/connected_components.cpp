@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
+/// Connected components of the graph of neighbours.
 #include "pointsweep/operators/graph/connected_components.h"
 
 #include <cstring>
 #include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
 
-#include "pointsweep/operators/declare/complete_lists.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
+#include "pointsweep/operators/kinds/connect_operator.h"
 
 namespace pointsweep {
 namespace {
@@ -18,6 +23,45 @@ const OptionTable<ComponentsOptions>& components_options() {
              {.unit = "length", .sample = 0.5, .is_radius = true})};
   return table;
 }
+
+/// Makes component and component_size. Points i and j are joined if one is a neighbour of the other, and their distance
+/// does not exceed ComponentsOptions::distance, if it is set. Components are numbered from 0 by their first point: the
+/// least x, then y, then z, then row.
+class ConnectedComponents final : public ConnectOperator {
+ public:
+  /// With a distance, N_i must contain all points within it. Pipelines without such neighbourhoods are refused; C++
+  /// code must ensure it. `points`: number of points of the cloud for has_short_numbers(). Throws UsageError for
+  /// options outside of their ranges.
+  explicit ConnectedComponents(const ComponentsOptions& options, std::uint64_t points = 0)
+      : distance_(options.distance), points_(points) {
+    components_options().declare(*this, options);
+  }
+  std::string name() const override { return "components"; }
+  Contract contract() const override {
+    return {.makes = {component_number("component", "number of the connected component; -1 without a place", points_),
+                      component_size("component_size", "points of the connected component", points_)},
+            .all_within = distance_.value_or(0)};
+  }
+  /// With a distance, the two ends of an edge are neighbours of each other, so only the end with the lower row emits
+  /// it.
+  void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte*) const override {
+    for (std::uint32_t i = 0; i < in.size(); ++i) {
+      const NeighborRef* neighbors = in.neighbors(i);
+      for (std::size_t j = 0; j < in.count(i); ++j) {
+        if (distance_ && (in.neighbor_row(i, j) < in.row(i) || !(in.distance2(i, j) <= *distance_ * *distance_)))
+          continue;
+        edges.push_back({i, neighbors[j]});
+      }
+    }
+  }
+  void put_values(const ComponentLabel& label, std::byte* values) const override {
+    put_component(label, has_short_numbers(points_), values);
+  }
+
+ private:
+  std::optional<double> distance_;
+  std::uint64_t points_;
+};
 
 ChainStage make_components(const OptionValues& values, const Facts& facts) {
   const ComponentsOptions options = components_options().read(values);
@@ -72,33 +116,6 @@ void put_component(const ComponentLabel& label, bool is_short, std::byte* values
     put(static_cast<std::uint32_t>(label.number), static_cast<std::uint32_t>(label.points));
   else
     put(label.number, label.points);
-}
-
-Contract ConnectedComponents::contract() const {
-  return {.makes = {component_number("component", "number of the connected component; -1 without a place", points_),
-                    component_size("component_size", "points of the connected component", points_)},
-          .all_within = distance_.value_or(0)};
-}
-
-ConnectedComponents::ConnectedComponents(const ComponentsOptions& options, std::uint64_t points)
-    : distance_(options.distance), points_(points) {
-  components_options().declare(*this, options);
-}
-
-/// With a distance, the two ends of an edge are neighbours of each other, so only the end with the lower row emits it.
-void ConnectedComponents::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte*) const {
-  for (std::uint32_t i = 0; i < in.size(); ++i) {
-    const NeighborRef* neighbors = in.neighbors(i);
-    for (std::size_t j = 0; j < in.count(i); ++j) {
-      if (distance_ && (in.neighbor_row(i, j) < in.row(i) || !(in.distance2(i, j) <= *distance_ * *distance_)))
-        continue;
-      edges.push_back({i, neighbors[j]});
-    }
-  }
-}
-
-void ConnectedComponents::put_values(const ComponentLabel& label, std::byte* values) const {
-  put_component(label, has_short_numbers(points_), values);
 }
 
 }  // namespace pointsweep

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/graph/density_clusters.h"
-
-#include <cstring>
+/// DBSCAN: clusters of points that have many neighbours (M. Ester, H.-P. Kriegel, J. Sander, X. Xu, "A density-based
+/// algorithm for discovering clusters in large spatial databases with noise", KDD 1996).
+#include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 #include <tuple>
+#include <vector>
 
-#include "pointsweep/operators/declare/complete_lists.h"
+#include "pointsweep/chain.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/graph/connected_components.h"
+#include "pointsweep/operators/kinds/connect_operator.h"
 
 namespace pointsweep {
 namespace {
@@ -36,12 +42,6 @@ const OptionTable<DbscanOptions>& dbscan_options() {
   return table;
 }
 
-ChainStage make_dbscan(const OptionValues& values, const Facts& facts) {
-  const DbscanOptions options = dbscan_options().read(values);
-  require_complete_lists(facts, Neighborhood::kUnlimited, options.eps, values.where());
-  return std::make_shared<DensityClusters>(options, facts.points);
-}
-
 /// Returns the nearest core point within eps, at equal distances the first by x, y, z, row; nullopt if there is none.
 std::optional<NeighborRef> nearest_core(const Neighborhoods& in, std::size_t i, double eps2) {
   using Key = std::tuple<double, double, double, double, std::uint64_t>;
@@ -55,6 +55,103 @@ std::optional<NeighborRef> nearest_core(const Neighborhoods& in, std::size_t i, 
     if (!nearest || key < least) nearest = in.neighbors(i)[j], least = key;
   }
   return nearest;
+}
+
+/// Returns core, N u8: 1 for core points.
+Attribute core_attribute() { return scalar("core", Type::u8, "1", "1: at least min_points points within eps"); }
+
+/// Makes core: 1 where at least `min_points` points, the point itself included, lie within `eps` of it.
+class CorePoints final : public LocalOperator {
+ public:
+  explicit CorePoints(const DbscanOptions& options) : options_(options) { dbscan_options().declare(*this, options); }
+  std::string name() const override { return "core"; }
+  Contract contract() const override { return {{}, {}, {core_attribute()}}; }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const std::span<std::uint8_t> core = out.column<std::uint8_t>(0);
+    const double eps2 = options_.eps * options_.eps;
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      std::uint64_t near = is_finite(in.position(i)) ? 1 : 0;
+      for (std::size_t j = 0; j < in.count(i) && near < options_.min_points; ++j) near += in.distance2(i, j) <= eps2;
+      core[i] = near >= options_.min_points;
+    }
+  }
+
+ private:
+  DbscanOptions options_;
+};
+
+/// Makes cluster and cluster_size: the components of core points within `eps` of each other. Any other point belongs to
+/// the cluster of the nearest core point within `eps`; a point without such a core point is noise.
+class ClustersOfCores final : public ConnectOperator {
+ public:
+  ClustersOfCores(const DbscanOptions& options, std::uint64_t points) : eps_(options.eps), points_(points) {
+    dbscan_options().declare(*this, options);
+  }
+  std::string name() const override { return "clusters"; }
+  Contract contract() const override {
+    return {{core_attribute()},
+            {core_attribute()},
+            {component_number("cluster", "number of the cluster; -1: noise", points_),
+             component_size("cluster_size", "points of the cluster; 0: noise", points_)}};
+  }
+  const VoteRule* votes() const override { return &any_core_; }
+  /// The core point with the lower row emits the edge between two core points. Other points emit at most one edge each,
+  /// so that they join no clusters.
+  void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override {
+    const double eps2 = eps_ * eps_;
+    for (std::uint32_t i = 0; i < in.size(); ++i) {
+      const bool is_core = in.value<std::uint8_t>(0, i) != 0;
+      ballots[i] = std::byte(is_core);
+      if (!is_core) {
+        if (const auto core = nearest_core(in, i, eps2)) edges.push_back({i, *core});
+        continue;
+      }
+      for (std::size_t j = 0; j < in.count(i); ++j)
+        if (in.row(i) < in.neighbor_row(i, j) && in.distance2(i, j) <= eps2 &&
+            in.neighbor_value<std::uint8_t>(0, i, j) != 0)
+          edges.push_back({i, in.neighbors(i)[j]});
+    }
+  }
+  void put_values(const ComponentLabel& label, std::byte* values) const override {
+    ComponentLabel cluster = label;
+    if (label.number == ComponentLabel::kNone) cluster.points = 0;
+    put_component(cluster, has_short_numbers(points_), values);
+  }
+
+ private:
+  double eps_;
+  std::uint64_t points_;
+  AnyCore any_core_;
+};
+
+/// `dbscan`: CorePoints, then ClustersOfCores. N_i must contain all points within eps. Pipelines without such
+/// neighbourhoods are refused; C++ code must ensure it.
+class DensityClusters final : public CompositeOperator {
+ public:
+  /// Throws UsageError for options out of their ranges. `points`: points of the cloud for has_short_numbers().
+  explicit DensityClusters(const DbscanOptions& options, std::uint64_t points = 0)
+      : options_(options), points_(points) {
+    dbscan_options().declare(*this, options);
+  }
+  std::string name() const override { return "dbscan"; }
+  Contract contract() const override {
+    Contract contract = ClustersOfCores(options_, points_).contract();
+    contract.makes.insert(contract.makes.begin(), core_attribute());
+    return {.makes = contract.makes, .all_within = options_.eps};
+  }
+  std::vector<ChainStage> parts() const override {
+    return {std::make_shared<CorePoints>(options_), std::make_shared<ClustersOfCores>(options_, points_)};
+  }
+
+ private:
+  DbscanOptions options_;
+  std::uint64_t points_;
+};
+
+ChainStage make_dbscan(const OptionValues& values, const Facts& facts) {
+  const DbscanOptions options = dbscan_options().read(values);
+  require_complete_lists(facts, Neighborhood::kUnlimited, options.eps, values.where());
+  return std::make_shared<DensityClusters>(options, facts.points);
 }
 
 }  // namespace
@@ -86,75 +183,5 @@ OperatorDeclaration dbscan_declaration() {
 }
 
 ChainStage operators::dbscan(const DbscanOptions& options) { return std::make_shared<DensityClusters>(options); }
-
-Attribute core_attribute() { return scalar("core", Type::u8, "1", "1: at least min_points points within eps"); }
-
-CorePoints::CorePoints(const DbscanOptions& options) : options_(options) { dbscan_options().declare(*this, options); }
-
-void CorePoints::apply(const Neighborhoods& in, Columns& out) const {
-  const std::span<std::uint8_t> core = out.column<std::uint8_t>(0);
-  const double eps2 = options_.eps * options_.eps;
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    std::uint64_t near = is_finite(in.position(i)) ? 1 : 0;
-    for (std::size_t j = 0; j < in.count(i) && near < options_.min_points; ++j) near += in.distance2(i, j) <= eps2;
-    core[i] = near >= options_.min_points;
-  }
-}
-
-ClustersOfCores::ClustersOfCores(const DbscanOptions& options, std::uint64_t points)
-    : eps_(options.eps), points_(points) {
-  dbscan_options().declare(*this, options);
-}
-
-Contract ClustersOfCores::contract() const {
-  return {{core_attribute()},
-          {core_attribute()},
-          {component_number("cluster", "number of the cluster; -1: noise", points_),
-           component_size("cluster_size", "points of the cluster; 0: noise", points_)}};
-}
-
-const VoteRule* ClustersOfCores::votes() const {
-  static const AnyCore rule;
-  return &rule;
-}
-
-/// The core point with the lower row emits the edge between two core points. Other points emit at most one edge each,
-/// so that they join no clusters.
-void ClustersOfCores::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const {
-  const double eps2 = eps_ * eps_;
-  for (std::uint32_t i = 0; i < in.size(); ++i) {
-    const bool is_core = in.value<std::uint8_t>(0, i) != 0;
-    ballots[i] = std::byte(is_core);
-    if (!is_core) {
-      if (const auto core = nearest_core(in, i, eps2)) edges.push_back({i, *core});
-      continue;
-    }
-    for (std::size_t j = 0; j < in.count(i); ++j)
-      if (in.row(i) < in.neighbor_row(i, j) && in.distance2(i, j) <= eps2 &&
-          in.neighbor_value<std::uint8_t>(0, i, j) != 0)
-        edges.push_back({i, in.neighbors(i)[j]});
-  }
-}
-
-void ClustersOfCores::put_values(const ComponentLabel& label, std::byte* values) const {
-  ComponentLabel cluster = label;
-  if (label.number == ComponentLabel::kNone) cluster.points = 0;
-  put_component(cluster, has_short_numbers(points_), values);
-}
-
-DensityClusters::DensityClusters(const DbscanOptions& options, std::uint64_t points)
-    : options_(options), points_(points) {
-  dbscan_options().declare(*this, options);
-}
-
-Contract DensityClusters::contract() const {
-  Contract contract = ClustersOfCores(options_, points_).contract();
-  contract.makes.insert(contract.makes.begin(), core_attribute());
-  return {.makes = contract.makes, .all_within = options_.eps};
-}
-
-std::vector<ChainStage> DensityClusters::parts() const {
-  return {std::make_shared<CorePoints>(options_), std::make_shared<ClustersOfCores>(options_, points_)};
-}
 
 }  // namespace pointsweep

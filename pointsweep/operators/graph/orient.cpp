@@ -1,14 +1,27 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/graph/orient.h"
-
+/// Consistent signs of normals over a whole surface (H. Hoppe, T. DeRose, T. Duchamp, J. McDonald, W. Stuetzle,
+/// "Surface reconstruction from unorganized points", SIGGRAPH 1992, Section 3.3).
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "pointsweep/chain.h"
+#include "pointsweep/connect/vote_rule.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
+#include "pointsweep/operators/kinds/connect_operator.h"
+#include "pointsweep/operators/surface/facing_normals.h"
+#include "pointsweep/operators/surface/normals.h"
 
 namespace pointsweep {
 namespace {
@@ -31,6 +44,203 @@ const OptionTable<OrientOptions>& orient_options() {
              {.kind = OptionKind::word, .sample = "baf74575be7585e0"})};
   return table;
 }
+
+using Whole = __int128;
+
+constexpr double kNormalUnits = 1 << 20, kPlaceUnits = 4294967296.0, kFarthest = 1099511627776.0;
+
+/// Sums over points with signs s, normals n and positions p. The members from `normal` to `first_sign` change their
+/// sign if all s do.
+struct Votes {
+  std::array<Whole, 3> normal;  ///< Σ s n
+  Whole out;                    ///< Σ s n · p
+  std::int64_t facing;          ///< Σ sign(s n · (v - p))
+  std::int64_t highest_sign;    ///< sign of s n_z of the highest point
+  std::int64_t first_sign;      ///< s of the first point
+
+  std::array<Whole, 3> place;  ///< Σ p
+  std::int64_t points;
+  Box box;
+  PointKey highest, first;
+};
+
+Votes votes_at(const std::byte* bytes) {
+  Votes votes;
+  std::memcpy(&votes, bytes, sizeof votes);
+  return votes;
+}
+
+std::int64_t sign_of(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
+
+bool is_higher(const PointKey& a, const PointKey& b) {
+  return a.position.z != b.position.z ? a.position.z > b.position.z : a < b;
+}
+
+std::array<Whole, 3> whole_place(Vec3 p) {
+  std::array<Whole, 3> place;
+  for (int a = 0; a < 3; ++a)
+    place[a] = static_cast<Whole>(std::nearbyint(std::clamp(p[a], -kFarthest, kFarthest) * kPlaceUnits));
+  return place;
+}
+
+/// Returns `out` of OrientationVotes in the units of Votes::normal; 0 if the points have no extent.
+long double outwards(const Votes& v) {
+  const Vec3 extent = v.box.extent();
+  const long double mean = (static_cast<long double>(extent.x) + extent.y + extent.z) / 3;
+  if (mean == 0) return 0;
+  long double out = static_cast<long double>(v.out);
+  for (int a = 0; a < 3; ++a)
+    out -= static_cast<long double>(v.place[a]) / static_cast<long double>(v.points) *
+           static_cast<long double>(v.normal[a]);
+  return out / (kPlaceUnits * mean);
+}
+
+/// Decides the signs of a component by votes of all its points, so that the noise of a single normal does not decide.
+/// Normals n count in steps of 2^-20 and positions p in steps of 2^-32, up to 2^40 in magnitude, so that sums over the
+/// points are exact integers. With signs s and the centroid c of the component:
+///   up  = Σ s n_z
+///   out = Σ s n · (p - c) / e, e the mean extent of the component: positive if normals point out of a closed surface
+/// The sum with the larger absolute value must be positive. With a viewpoint v, the sum is Σ sign(s n · (v - p))
+/// instead. If the sum is 0, the normal of the highest point must point up (Hoppe et al. 1992); if that normal is
+/// horizontal, the first point keeps its normal.
+class OrientationVotes final : public VoteRule {
+ public:
+  explicit OrientationVotes(std::optional<Vec3> viewpoint) : viewpoint_(viewpoint) {}
+  /// A ballot is a normal, three float32.
+  std::size_t ballot_bytes() const override { return 3 * sizeof(float); }
+  std::size_t bytes() const override { return sizeof(Votes); }
+  void start(std::byte* bytes, const PointKey& point, const std::byte* ballot) const override {
+    std::array<float, 3> n;
+    std::memcpy(n.data(), ballot, sizeof n);
+    const Vec3 normal{n[0], n[1], n[2]};
+    Votes v{};
+    v.place = whole_place(point.position);
+    for (int a = 0; a < 3; ++a) {
+      if (is_finite(normal)) v.normal[a] = std::llrint(std::clamp(normal[a], -1.0, 1.0) * kNormalUnits);
+      v.out += v.normal[a] * v.place[a];
+    }
+    if (viewpoint_) v.facing = sign_of(dot(normal, *viewpoint_ - point.position));
+    v.highest_sign = sign_of(normal.z);
+    v.first_sign = 1;
+    v.points = 1;
+    v.box = {point.position, point.position};
+    v.highest = v.first = point;
+    std::memcpy(bytes, &v, sizeof v);
+  }
+  void merge(std::byte* into, const std::byte* from, bool flips) const override {
+    Votes v = votes_at(into);
+    const Votes w = votes_at(from);
+    const int sign = flips ? -1 : 1;
+    for (int a = 0; a < 3; ++a) {
+      v.normal[a] += sign * w.normal[a];
+      v.place[a] += w.place[a];
+    }
+    v.out += sign * w.out;
+    v.facing += sign * w.facing;
+    v.points += w.points;
+    v.box.include(w.box);
+    if (is_higher(w.highest, v.highest)) v.highest = w.highest, v.highest_sign = sign * w.highest_sign;
+    if (w.first < v.first) v.first = w.first, v.first_sign = sign * w.first_sign;
+    std::memcpy(into, &v, sizeof v);
+  }
+  /// Returns the size of the result: one byte, not 0 if the signs must be flipped.
+  std::size_t result_bytes() const override { return 1; }
+  void conclude(const std::byte* votes, std::byte* result) const override {
+    const Votes v = votes_at(votes);
+    const long double up = static_cast<long double>(v.normal[2]), out = outwards(v);
+    const long double vote = viewpoint_ ? v.facing : std::abs(up) >= std::abs(out) ? up : out;
+    const bool turned = vote != 0 ? vote < 0 : v.highest_sign != 0 ? v.highest_sign < 0 : v.first_sign < 0;
+    *result = std::byte(turned);
+  }
+  bool turns(const std::byte* result) const override { return *result != std::byte{0}; }
+
+ private:
+  std::optional<Vec3> viewpoint_;
+};
+
+/// Returns normal_turned, N u8: 1 if the operator orient has negated the normal.
+Attribute normal_turned_attribute() {
+  return scalar("normal_turned", Type::u8, "1", "1: orient has turned the normal");
+}
+
+/// Makes normal_turned: the signs along the minimum spanning forest of the graph of neighbours. An edge has the weight
+/// 1 - |n_i . n_j| and asks for equal signs if n_i . n_j >= 0. OrientationVotes decides which components to turn.
+class NormalSigns final : public ConnectOperator {
+ public:
+  explicit NormalSigns(const OrientOptions& options) : votes_(options.viewpoint) {
+    orient_options().declare(*this, options);
+  }
+  std::string name() const override { return "normal_signs"; }
+  Contract contract() const override {
+    return {{normal_attribute()}, {normal_attribute()}, {normal_turned_attribute()}};
+  }
+  bool weighted() const override { return true; }
+  const VoteRule* votes() const override { return &votes_; }
+  void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const override {
+    for (std::uint32_t i = 0; i < in.size(); ++i) {
+      const auto normal = in.value<std::array<float, 3>>(0, i);
+      std::memcpy(ballots + i * sizeof normal, &normal, sizeof normal);
+      const Vec3 n = in.vector(0, i);
+      const NeighborRef* neighbors = in.neighbors(i);
+      for (std::size_t j = 0; j < in.count(i); ++j) {
+        const double along = dot(n, in.vector_of(0, neighbors[j]));
+        edges.push_back({i, neighbors[j], std::isnan(along) ? 1 : 1 - std::abs(along), along < 0});
+      }
+    }
+  }
+  void put_values(const ComponentLabel& label, std::byte* values) const override { *values = std::byte(label.flips); }
+
+ private:
+  OrientationVotes votes_;
+};
+
+/// Makes `normal`: the existing normal, negated if `normal_turned` is 1.
+class TurnedNormals final : public LocalOperator {
+ public:
+  std::string name() const override { return "turned_normals"; }
+  Contract contract() const override {
+    return {.reads = {normal_attribute(), normal_turned_attribute()}, .makes = {normal_attribute()}, .default_k = 0};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const auto normals = out.column<std::array<float, 3>>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const auto n = in.value<std::array<float, 3>>(0, i);
+      normals[i] = in.value<std::uint8_t>(1, i) != 0 ? flipped(n) : n;
+    }
+  }
+};
+
+/// `orient`: NormalSigns, then TurnedNormals; or FacingNormals if the method is `trajectory`.
+class OrientedNormals final : public CompositeOperator {
+ public:
+  /// Reads the trajectory, if the method needs one. Messages begin with `place`. Throws UsageError for options out of
+  /// range or in conflict, and Error for a file that cannot be read.
+  explicit OrientedNormals(OrientOptions options, const std::string& place = "orient") : options_(std::move(options)) {
+    const bool facing = options_.method == OrientMethod::trajectory;
+    if (facing && (options_.trajectory.empty() || options_.viewpoint))
+      fail_usage("{}: method=trajectory needs trajectory=FILE and no viewpoint.", place);
+    if (!facing && !(options_.trajectory.empty() && options_.checksum.empty()))
+      fail_usage("{}: a trajectory needs method=trajectory.", place);
+    if (facing) {
+      facing_ = std::make_shared<FacingNormals>(options_.trajectory, options_.checksum);
+      options_.checksum = facing_->checksum();
+    }
+    orient_options().declare(*this, options_);
+  }
+  std::string name() const override { return "orient"; }
+  Contract contract() const override {
+    if (facing_) return facing_->contract();
+    return {.reads = {normal_attribute()}, .makes = {normal_turned_attribute(), normal_attribute()}, .default_k = 16};
+  }
+  std::vector<ChainStage> parts() const override {
+    if (facing_) return {facing_};
+    return {std::make_shared<NormalSigns>(options_), std::make_shared<TurnedNormals>()};
+  }
+
+ private:
+  OrientOptions options_;  ///< options, with the checksum of the trajectory that was read
+  std::shared_ptr<const FacingNormals> facing_;
+};
 
 }  // namespace
 
@@ -63,61 +273,5 @@ OperatorDeclaration orient_declaration() {
 }
 
 ChainStage operators::orient(const OrientOptions& options) { return std::make_shared<OrientedNormals>(options); }
-
-Attribute normal_turned_attribute() {
-  return scalar("normal_turned", Type::u8, "1", "1: orient has turned the normal");
-}
-
-NormalSigns::NormalSigns(const OrientOptions& options) : votes_(options.viewpoint) {
-  orient_options().declare(*this, options);
-}
-
-void NormalSigns::connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte* ballots) const {
-  for (std::uint32_t i = 0; i < in.size(); ++i) {
-    const auto normal = in.value<std::array<float, 3>>(0, i);
-    std::memcpy(ballots + i * sizeof normal, &normal, sizeof normal);
-    const Vec3 n = in.vector(0, i);
-    const NeighborRef* neighbors = in.neighbors(i);
-    for (std::size_t j = 0; j < in.count(i); ++j) {
-      const double along = dot(n, in.vector_of(0, neighbors[j]));
-      edges.push_back({i, neighbors[j], std::isnan(along) ? 1 : 1 - std::abs(along), along < 0});
-    }
-  }
-}
-
-void NormalSigns::put_values(const ComponentLabel& label, std::byte* values) const { *values = std::byte(label.flips); }
-
-/// Computes 0 - n, which is never -0, instead of -n.
-void TurnedNormals::apply(const Neighborhoods& in, Columns& out) const {
-  const auto normals = out.column<std::array<float, 3>>(0);
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    const auto n = in.value<std::array<float, 3>>(0, i);
-    const bool turned = in.value<std::uint8_t>(1, i) != 0;
-    normals[i] = turned ? std::array{0.0f - n[0], 0.0f - n[1], 0.0f - n[2]} : n;
-  }
-}
-
-OrientedNormals::OrientedNormals(OrientOptions options, const std::string& place) : options_(std::move(options)) {
-  const bool facing = options_.method == OrientMethod::trajectory;
-  if (facing && (options_.trajectory.empty() || options_.viewpoint))
-    fail_usage("{}: method=trajectory needs trajectory=FILE and no viewpoint.", place);
-  if (!facing && !(options_.trajectory.empty() && options_.checksum.empty()))
-    fail_usage("{}: a trajectory needs method=trajectory.", place);
-  if (facing) {
-    facing_ = std::make_shared<FacingNormals>(options_.trajectory, options_.checksum);
-    options_.checksum = facing_->checksum();
-  }
-  orient_options().declare(*this, options_);
-}
-
-Contract OrientedNormals::contract() const {
-  if (facing_) return facing_->contract();
-  return {.reads = {normal_attribute()}, .makes = {normal_turned_attribute(), normal_attribute()}, .default_k = 16};
-}
-
-std::vector<ChainStage> OrientedNormals::parts() const {
-  if (facing_) return {facing_};
-  return {std::make_shared<NormalSigns>(options_), std::make_shared<TurnedNormals>()};
-}
 
 }  // namespace pointsweep

@@ -1,20 +1,30 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/ground/ground.h"
-
+/// Ground points, found by a filter of the raster of the lowest points (T. J. Pingel, K. C. Clarke and W. A. McBride,
+/// "An improved simple morphological filter for the terrain classification of airborne LIDAR data", ISPRS Journal of
+/// Photogrammetry and Remote Sensing 77, 2013).
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/in_order_operator.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/ground/ground_work.h"
+#include "pointsweep/raster/cell_axis.h"
+#include "pointsweep/raster/ground_surface.h"
 
 namespace pointsweep {
 namespace {
@@ -77,6 +87,95 @@ RasterSize raster_of(std::span<const Vec3> sample, int axis, double cell, AxisRu
   return size;
 }
 
+/// Makes classification: 2 for ground. Other points keep the class of the input or of an earlier stage, except that
+/// class 2 and a missing class become 1. Only points that take part can be ground: last returns whose class is neither
+/// 7 nor 18 (noise). Options admit all returns, or noise. Attributes that the cloud lacks exclude no point.
+class Ground final : public InOrderOperator {
+ public:
+  /// Throws UsageError for options outside of their ranges.
+  explicit Ground(const GroundOptions& options) : options_(options) {
+    ground_options().declare(*this, options);
+    if (options.window / options.cell > kMostCells)
+      fail_usage("ground: the window {} is more than {} cells of {}; choose larger cells or a smaller window.",
+                 options.window, kMostCells, options.cell);
+  }
+  std::string name() const override { return "ground"; }
+  InOrderContract in_order_contract() const override {
+    return {.reads = reads_,
+            .makes = {classification_attribute()},
+            .places = Places::in_plane,
+            .arrival = "those of a row of cells together"};
+  }
+  std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override {
+    auto bound = std::make_shared<Ground>(*this);
+    bound->reads_.clear();
+    const auto read = [&](const char* name) -> std::optional<std::size_t> {
+      const std::optional<Attribute> value = single_value(name, input, made);
+      if (!value) return {};
+      bound->reads_.push_back(*value);
+      return bound->reads_.size() - 1;
+    };
+    bound->numbers_.classification = read("classification");
+    if (options_.all_returns) return bound;
+    bound->numbers_.return_number = read("return_number");
+    bound->numbers_.number_of_returns = read("number_of_returns");
+    return bound;
+  }
+  Vec3 place_of(Vec3 position) const override {
+    constexpr double kMost = std::numeric_limits<double>::max();
+    const auto number = [&](double c) { return std::clamp(std::floor(c / options_.cell), -kMost, kMost); };
+    return {number(position.x), number(position.y), 0};
+  }
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override {
+    return std::make_unique<GroundWork>(options_, rule(), numbers_, reads_.size(), setup);
+  }
+  /// Returns the reach in cells. The surface at a point depends on the two nearest cells along each axis and their
+  /// slopes; a hole in the surface is filled from cells at most 3R + 3 away; and disks of all radii up to R, one after
+  /// another, open a raster whose holes were filled from 3R + 3 cells away.
+  std::optional<Reach> reach() const override {
+    const auto radius = static_cast<double>(rule().radius);
+    return Reach{.distance = radius * (radius + 1) + 2 * (3 * radius + 3) + 4};
+  }
+  /// Returns a function that chooses the points that other parts of the cloud need: in each cell, the lowest point that
+  /// takes part.
+  ChoosePoints for_other_parts() const override {
+    return [this](const OrderedPoints& points) {
+      std::map<std::pair<double, double>, std::uint32_t> lowest;
+      const std::size_t values = reads_.size();
+      for (std::uint32_t i = 0; i < points.rows.size(); ++i) {
+        if (!takes_part_in_ground(options_, numbers_, points.values.data() + i * values)) continue;
+        const Vec3 cell = place_of(points.positions[i]);
+        const auto [known, is_new] = lowest.try_emplace({cell.x, cell.y}, i);
+        if (!is_new && points.positions[i].z < points.positions[known->second].z) known->second = i;
+      }
+      std::vector<std::uint32_t> chosen;
+      for (const auto& [cell, i] : lowest) chosen.push_back(i);
+      return chosen;
+    };
+  }
+  std::uint64_t least_bytes(const CloudEstimate& cloud) const override {
+    const std::size_t columns = raster_of(cloud.sample, cloud.axis, options_.cell, rule().axis_rule()).columns;
+    return least_ground_bytes(rule(), columns + columns / 8);
+  }
+  InOrderEffort effort(const CloudEstimate& cloud) const override {
+    const auto radius = static_cast<double>(rule().radius);
+    const double cells = raster_of(cloud.sample, cloud.axis, options_.cell, rule().axis_rule()).cells;
+    return {.seconds = kCellSeconds * cells * radius * radius,
+            .cause = "The window",
+            .text = fmt::format("disks of up to {} cells over a raster of about {:.2g} cells", radius, cells),
+            .remedy = "larger cells or a smaller window take less"};
+  }
+
+ private:
+  GroundRule rule() const {
+    return {options_.cell, options_.slope, static_cast<std::size_t>(std::ceil(options_.window / options_.cell))};
+  }
+
+  GroundOptions options_;
+  std::vector<Attribute> reads_;
+  GroundValues numbers_;
+};
+
 }  // namespace
 
 OperatorDeclaration ground_declaration() {
@@ -119,95 +218,5 @@ OperatorDeclaration ground_declaration() {
 }
 
 ChainStage operators::ground(const GroundOptions& options) { return std::make_shared<Ground>(options); }
-
-Attribute classification_attribute() {
-  Attribute a = scalar("classification", Type::u8, "1", "class of LAS: 2 for ground");
-  a.fill = std::byte{1};
-  return a;
-}
-
-Ground::Ground(const GroundOptions& options) : options_(options) {
-  ground_options().declare(*this, options);
-  if (options.window / options.cell > kMostCells)
-    fail_usage("ground: the window {} is more than {} cells of {}; choose larger cells or a smaller window.",
-               options.window, kMostCells, options.cell);
-}
-
-GroundRule Ground::rule() const {
-  return {options_.cell, options_.slope, static_cast<std::size_t>(std::ceil(options_.window / options_.cell))};
-}
-
-InOrderContract Ground::in_order_contract() const {
-  return {.reads = reads_,
-          .makes = {classification_attribute()},
-          .places = Places::in_plane,
-          .arrival = "those of a row of cells together"};
-}
-
-std::shared_ptr<const InOrderOperator> Ground::bound(const Schema& input, std::span<const Attribute> made) const {
-  auto bound = std::make_shared<Ground>(*this);
-  bound->reads_.clear();
-  const auto read = [&](const char* name) -> std::optional<std::size_t> {
-    const std::optional<Attribute> value = single_value(name, input, made);
-    if (!value) return {};
-    bound->reads_.push_back(*value);
-    return bound->reads_.size() - 1;
-  };
-  bound->numbers_.classification = read("classification");
-  if (options_.all_returns) return bound;
-  bound->numbers_.return_number = read("return_number");
-  bound->numbers_.number_of_returns = read("number_of_returns");
-  return bound;
-}
-
-Vec3 Ground::place_of(Vec3 position) const {
-  constexpr double kMost = std::numeric_limits<double>::max();
-  const auto number = [&](double c) { return std::clamp(std::floor(c / options_.cell), -kMost, kMost); };
-  return {number(position.x), number(position.y), 0};
-}
-
-std::unique_ptr<InOrderWork> Ground::start(const InOrderSetup& setup) const {
-  return std::make_unique<GroundWork>(options_, rule(), numbers_, reads_.size(), setup);
-}
-
-/// Returns the reach in cells. The surface at a point depends on the two nearest cells along each axis and their
-/// slopes; a hole in the surface is filled from cells at most 3R + 3 away; and disks of all radii up to R, one after
-/// another, open a raster whose holes were filled from 3R + 3 cells away.
-std::optional<Reach> Ground::reach() const {
-  const auto radius = static_cast<double>(rule().radius);
-  return Reach{.distance = radius * (radius + 1) + 2 * (3 * radius + 3) + 4};
-}
-
-/// Returns a function that chooses the points that other parts of the cloud need: in each cell, the lowest point that
-/// takes part.
-InOrderOperator::ChoosePoints Ground::for_other_parts() const {
-  return [this](const OrderedPoints& points) {
-    std::map<std::pair<double, double>, std::uint32_t> lowest;
-    const std::size_t values = reads_.size();
-    for (std::uint32_t i = 0; i < points.rows.size(); ++i) {
-      if (!takes_part_in_ground(options_, numbers_, points.values.data() + i * values)) continue;
-      const Vec3 cell = place_of(points.positions[i]);
-      const auto [known, is_new] = lowest.try_emplace({cell.x, cell.y}, i);
-      if (!is_new && points.positions[i].z < points.positions[known->second].z) known->second = i;
-    }
-    std::vector<std::uint32_t> chosen;
-    for (const auto& [cell, i] : lowest) chosen.push_back(i);
-    return chosen;
-  };
-}
-
-std::uint64_t Ground::least_bytes(const CloudEstimate& cloud) const {
-  const std::size_t columns = raster_of(cloud.sample, cloud.axis, options_.cell, rule().axis_rule()).columns;
-  return least_ground_bytes(rule(), columns + columns / 8);
-}
-
-InOrderEffort Ground::effort(const CloudEstimate& cloud) const {
-  const auto radius = static_cast<double>(rule().radius);
-  const double cells = raster_of(cloud.sample, cloud.axis, options_.cell, rule().axis_rule()).cells;
-  return {.seconds = kCellSeconds * cells * radius * radius,
-          .cause = "The window",
-          .text = fmt::format("disks of up to {} cells over a raster of about {:.2g} cells", radius, cells),
-          .remedy = "larger cells or a smaller window take less"};
-}
 
 }  // namespace pointsweep

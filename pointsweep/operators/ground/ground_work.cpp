@@ -37,7 +37,13 @@ double bilinear(const double (&corners)[2][2], double x, double y) {
 
 }  // namespace
 
-bool takes_part_in_ground(const GroundOptions& options, const Ground::ValueNumbers& numbers, const double* values) {
+Attribute classification_attribute() {
+  Attribute a = scalar("classification", Type::u8, "1", "class of LAS: 2 for ground");
+  a.fill = std::byte{1};
+  return a;
+}
+
+bool takes_part_in_ground(const GroundOptions& options, const GroundValues& numbers, const double* values) {
   if (numbers.classification && !options.noise) {
     const double c = values[*numbers.classification];
     if (c == kLowNoise || c == kHighNoise) return false;
@@ -46,7 +52,7 @@ bool takes_part_in_ground(const GroundOptions& options, const Ground::ValueNumbe
   return !(values[*numbers.return_number] < values[*numbers.number_of_returns]);
 }
 
-GroundWork::GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& numbers,
+GroundWork::GroundWork(const GroundOptions& options, const GroundRule& rule, const GroundValues& numbers,
                        std::size_t values, const InOrderSetup& setup)
     : options_(options),
       rule_(rule),

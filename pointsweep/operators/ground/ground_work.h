@@ -1,25 +1,36 @@
 // SPDX-License-Identifier: MIT
-/// The work of Ground on points in order: first it finds the lowest point of each cell, then it compares all points
+/// The work of `ground` on points in order: first it finds the lowest point of each cell, then it compares all points
 /// with the surface.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
-#include "pointsweep/operators/ground/ground.h"
-#include "pointsweep/raster/cell_rows.h"
+#include "pointsweep/in_order_operator.h"
+#include "pointsweep/operators.h"
+#include "pointsweep/raster/cell_axis.h"
+#include "pointsweep/raster/ground_surface.h"
 #include "pointsweep/raster/lowest_cells.h"
 
 namespace pointsweep {
 
+/// Returns classification, N u8, classes of LAS: 2 ground, 1 unclassified.
+Attribute classification_attribute();
+
+/// Indices of attributes in the values of a point; nullopt for an attribute that the cloud lacks or the options ignore.
+struct GroundValues {
+  std::optional<std::size_t> return_number, number_of_returns, classification;
+};
+
 /// Returns whether a point with these values can be ground.
-bool takes_part_in_ground(const GroundOptions& options, const Ground::ValueNumbers& numbers, const double* values);
+bool takes_part_in_ground(const GroundOptions& options, const GroundValues& numbers, const double* values);
 
 class GroundWork final : public InOrderWork {
  public:
   /// `values`: number of values of each point. `numbers`: indices of the attributes in these values.
-  GroundWork(const GroundOptions& options, const GroundRule& rule, const Ground::ValueNumbers& numbers,
-             std::size_t values, const InOrderSetup& setup);
+  GroundWork(const GroundOptions& options, const GroundRule& rule, const GroundValues& numbers, std::size_t values,
+             const InOrderSetup& setup);
   unsigned rounds() const override { return 2; }
   void add(unsigned round, const OrderedPoints& points, Findings& findings) override;
   void end(unsigned round, Findings& findings) override;
@@ -48,7 +59,7 @@ class GroundWork final : public InOrderWork {
 
   GroundOptions options_;
   GroundRule rule_;
-  Ground::ValueNumbers numbers_;
+  GroundValues numbers_;
   std::size_t values_;
   InOrderSetup setup_;
   LowestCells lowest_;

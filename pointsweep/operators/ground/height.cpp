@@ -2,9 +2,9 @@
 /// Height above the ground: above the nearest points of the ground in the plane.
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,39 +13,12 @@
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/meant_value.h"
-#include "pointsweep/operators/ground/ground.h"
+#include "pointsweep/operators/ground/ground_work.h"
+#include "pointsweep/operators/kinds/results.h"
 #include "pointsweep/operators/nearest/point_cells.h"
 
 namespace pointsweep {
 namespace {
-
-/// Returns height, N f64, in length units: z above the ground; NaN if the cloud has no ground.
-Attribute height_attribute() {
-  Attribute a = scalar("height", Type::f64, "length", "z above the nearest points of the ground; NaN without any");
-  a.fill = std::byte{0xff};  // NaN
-  return a;
-}
-
-/// Makes height: z - Σ w_j z_j / Σ w_j over the k points of class 2 that are nearest in x and y, w_j = 1 / d_j², summed
-/// nearest first; if d_1 = 0, height is z - z_1. Equal distances are ordered by x, y, z, row. All ground
-/// points of the cloud are searched, however far away.
-class Height final : public InOrderOperator {
- public:
-  /// Throws UsageError for options outside of their ranges.
-  explicit Height(const HeightOptions& options = {});
-  std::string name() const override { return "height"; }
-  InOrderContract in_order_contract() const override;
-  std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
-  Vec3 place_of(Vec3 position) const override { return {position.x, position.y, 0}; }
-  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
-  std::optional<Reach> reach() const override;
-  ChoosePoints for_other_parts() const override;
-  std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
-
- private:
-  HeightOptions options_;
-  Attribute class_;
-};
 
 constexpr double kGroundClass = 2;
 
@@ -83,14 +56,11 @@ class HeightWork final : public InOrderWork {
   }
 
   void measure(const OrderedPoints& points, Findings& findings) {
-    const std::size_t n = points.rows.size();
-    std::vector<double> heights(n);
+    std::vector<double> heights(points.rows.size());
     ground_.nearest_of_all(points.positions, {.k = k_}, [&](std::size_t i, const std::vector<CellNeighbor>& ground) {
       heights[i] = height_above(points.positions[i].z, ground);
     });
-    findings.rows.insert(findings.rows.end(), points.rows.begin(), points.rows.end());
-    const auto bytes = std::as_bytes(std::span(heights));
-    findings.values.insert(findings.values.end(), bytes.begin(), bytes.end());
+    add_findings(points.rows, std::as_bytes(std::span(heights)), findings);
   }
 
   std::size_t k_;
@@ -104,6 +74,51 @@ const OptionTable<HeightOptions>& height_options() {
              {.least = 1, .most = 1024})};
   return table;
 }
+
+/// Makes height: z - Σ w_j z_j / Σ w_j over the k points of class 2 that are nearest in x and y, w_j = 1 / d_j², summed
+/// nearest first; if d_1 = 0, height is z - z_1. Equal distances are ordered by x, y, z, row. All ground
+/// points of the cloud are searched, however far away.
+class Height final : public InOrderOperator {
+ public:
+  /// Throws UsageError for options outside of their ranges.
+  explicit Height(const HeightOptions& options) : options_(options) { height_options().declare(*this, options); }
+  std::string name() const override { return "height"; }
+  InOrderContract in_order_contract() const override {
+    return {.reads = {class_},
+            .makes = {nan_scalar("height", "length", "z above the nearest points of the ground; NaN without any")},
+            .places = Places::in_plane,
+            .arrival = "beside those of the ground"};
+  }
+  std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override {
+    const std::optional<Attribute> found = single_value("classification", input, made);
+    if (!found) return nullptr;
+    auto bound = std::make_shared<Height>(*this);
+    bound->class_ = *found;
+    return bound;
+  }
+  Vec3 place_of(Vec3 position) const override { return {position.x, position.y, 0}; }
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override {
+    return std::make_unique<HeightWork>(static_cast<std::size_t>(options_.k), setup);
+  }
+  std::optional<Reach> reach() const override {
+    return Reach{std::numeric_limits<double>::infinity(), static_cast<std::size_t>(options_.k)};
+  }
+  /// Returns a function that chooses the ground points, since a point may have its nearest ground points in another
+  /// part.
+  ChoosePoints for_other_parts() const override {
+    return [](const OrderedPoints& points) {
+      std::vector<std::uint32_t> ground;
+      for (std::uint32_t i = 0; i < points.rows.size(); ++i)
+        if (points.values[i] == kGroundClass) ground.push_back(i);
+      return ground;
+    };
+  }
+  std::uint64_t least_bytes(const CloudEstimate&) const override { return PointCells::least_bytes(); }
+
+ private:
+  HeightOptions options_;
+  Attribute class_ = classification_attribute();
+};
 
 }  // namespace
 
@@ -128,44 +143,5 @@ OperatorDeclaration height_declaration() {
 }
 
 ChainStage operators::height(const HeightOptions& options) { return std::make_shared<Height>(options); }
-
-Height::Height(const HeightOptions& options) : options_(options), class_(classification_attribute()) {
-  height_options().declare(*this, options);
-}
-
-InOrderContract Height::in_order_contract() const {
-  return {.reads = {class_},
-          .makes = {height_attribute()},
-          .places = Places::in_plane,
-          .arrival = "beside those of the ground"};
-}
-
-std::shared_ptr<const InOrderOperator> Height::bound(const Schema& input, std::span<const Attribute> made) const {
-  const std::optional<Attribute> found = single_value("classification", input, made);
-  if (!found) return nullptr;
-  auto bound = std::make_shared<Height>(*this);
-  bound->class_ = *found;
-  return bound;
-}
-
-std::unique_ptr<InOrderWork> Height::start(const InOrderSetup& setup) const {
-  return std::make_unique<HeightWork>(static_cast<std::size_t>(options_.k), setup);
-}
-
-std::optional<Reach> Height::reach() const {
-  return Reach{std::numeric_limits<double>::infinity(), static_cast<std::size_t>(options_.k)};
-}
-
-/// Returns a function that chooses the ground points, since a point may have its nearest ground points in another part.
-InOrderOperator::ChoosePoints Height::for_other_parts() const {
-  return [](const OrderedPoints& points) {
-    std::vector<std::uint32_t> ground;
-    for (std::uint32_t i = 0; i < points.rows.size(); ++i)
-      if (points.values[i] == kGroundClass) ground.push_back(i);
-    return ground;
-  };
-}
-
-std::uint64_t Height::least_bytes(const CloudEstimate&) const { return PointCells::least_bytes(); }
 
 }  // namespace pointsweep

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// The operators that run in a pass, one for each kind.
+/// The kinds of stages: the operators that run in a pass, and the entries of a chain.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <variant>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/in_order_operator.h"
 #include "pointsweep/operator.h"
 #include "pointsweep/operators/kinds/connect_operator.h"
@@ -16,6 +17,7 @@ namespace pointsweep {
 /// decides the order of the output.
 struct NotePosition {};
 
+/// An operator that runs in a pass.
 using StageOperator =
     std::variant<std::shared_ptr<const LocalOperator>, std::shared_ptr<const SelectOperator>,
                  std::shared_ptr<const InOrderOperator>, std::shared_ptr<const ConnectOperator>, NotePosition>;
@@ -38,5 +40,16 @@ bool is_pointwise(const StageOperator& stage);
 /// Fills the columns of a batch. In-order and connecting stages do not work on batches: they leave the columns
 /// unchanged.
 void apply(const StageOperator& stage, const Neighborhoods& in, Columns& out);
+
+/// Returns the operator of a stage; null for Drop, Reneighbor and Resort.
+const Operator* operator_of(const ChainStage& stage);
+/// Returns the contract of the operator of a stage; for Drop, Reneighbor and Resort an empty contract with default_k 0.
+Contract contract_of(const ChainStage& stage);
+/// Returns the name of a stage in pipelines.
+std::string name_of(const ChainStage& stage);
+/// Returns all options that distinguish a stage from other stages with the same name.
+Options options_of(const ChainStage& stage);
+/// Returns whether a stage, or a part of a composite, drops rows.
+bool drops_rows(const ChainStage& stage);
 
 }  // namespace pointsweep

@@ -30,6 +30,9 @@ class PointCells {
   ~PointCells();
   /// Adds a point. Points come in ascending order along the axis, all of them before the first search.
   void add(Vec3 position, std::uint64_t row);
+  void add(std::span<const Vec3> positions, std::span<const std::uint64_t> rows) {
+    for (std::size_t i = 0; i < rows.size(); ++i) add(positions[i], rows[i]);
+  }
   /// Ends the set. Must be called after the last point and before the first search.
   void finish();
 

@@ -20,31 +20,6 @@
 namespace pointsweep {
 namespace {
 
-/// Makes "color": red, green and blue.
-class Color final : public LocalOperator {
- public:
-  /// Messages begin with `place`. Throws UsageError for a range that is not two ascending numbers, and for a range with
-  /// ColorMap::classes.
-  explicit Color(ColorOptions options, std::string place = "color");
-  std::string name() const override { return "color"; }
-  Contract contract() const override;
-  void apply(const Neighborhoods& in, Columns& out) const override;
-  std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
-  std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
-
- private:
-  /// Returns the source of the values that are coloured. Must be called after bound().
-  NamedValues::Source source() const { return names_.sources().front(); }
-  template <class T>
-  void fill(std::span<const ExpressionValues> values, Columns& out) const;
-
-  ColorOptions options_;
-  std::string place_;
-  NamedValues names_;
-  bool of_input_ = false;  ///< true if the values come from the input, not from an earlier stage
-  Type type_ = Type::u8;
-};
-
 const OptionTable<ColorOptions>& color_options() {
   static const OptionTable<ColorOptions> table = {
       option("by", &ColorOptions::by,
@@ -118,6 +93,34 @@ Attribute color_attribute(Type type) {
   return {"color", type, Kind::color, {"red", "green", "blue"}, "1", "colour of an attribute's value"};
 }
 
+/// Makes "color": red, green and blue.
+class Color final : public LocalOperator {
+ public:
+  /// Messages begin with `place`. Throws UsageError for a range that is not two ascending numbers, and for a range with
+  /// ColorMap::classes.
+  explicit Color(ColorOptions options, std::string place = "color");
+  std::string name() const override { return "color"; }
+  Contract contract() const override;
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const NamedValues::Batch batch(names_, in);
+    type_ == Type::u16 ? fill<std::uint16_t>(batch.values(), out) : fill<std::uint8_t>(batch.values(), out);
+  }
+  std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
+  std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
+
+ private:
+  /// Returns the source of the values that are coloured. Must be called after bound().
+  NamedValues::Source source() const { return names_.sources().front(); }
+  template <class T>
+  void fill(std::span<const ExpressionValues> values, Columns& out) const;
+
+  ColorOptions options_;
+  std::string place_;
+  NamedValues names_;
+  bool of_input_ = false;  ///< true if the values come from the input, not from an earlier stage
+  Type type_ = Type::u8;
+};
+
 }  // namespace
 
 OperatorDeclaration color_declaration() {
@@ -162,7 +165,7 @@ Contract Color::contract() const {
 std::shared_ptr<const LocalOperator> Color::bound(const Schema& input, std::span<const Attribute> made) const {
   auto bound = std::make_shared<Color>(*this);
   const Expression by(options_.by, place_, Expression::Form::number);
-  if (by.names().size() != 1 || by.canonical() != by.names()[0].text)
+  if (!by.is_name())
     fail_usage("{}: '{}' is not the name of an attribute; make one before by set(NAME = ...).", place_, options_.by);
   bound->names_ = NamedValues(by, place_, input, made);
   const int attribute = bound->source().attribute;
@@ -206,11 +209,6 @@ void Color::fill(std::span<const ExpressionValues> values, Columns& out) const {
     to[i] = {static_cast<T>(color.red * kWiden), static_cast<T>(color.green * kWiden),
              static_cast<T>(color.blue * kWiden)};
   }
-}
-
-void Color::apply(const Neighborhoods& in, Columns& out) const {
-  const NamedValues::Batch batch(names_, in);
-  type_ == Type::u16 ? fill<std::uint16_t>(batch.values(), out) : fill<std::uint8_t>(batch.values(), out);
 }
 
 }  // namespace pointsweep

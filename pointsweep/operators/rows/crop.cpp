@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/rows/crop.h"
-
+/// Keeping the points inside a box or polygons.
+#include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/points/lower_case.h"
 #include "pointsweep/points/text_file.h"
+#include "pointsweep/polygons/polygon_index.h"
 #include "pointsweep/polygons/polygon_text.h"
 
 namespace pointsweep {
@@ -32,6 +40,33 @@ const OptionTable<CropOptions>& crop_options() {
           {.kind = OptionKind::word, .sample = "baf74575be7585e0"})};
   return table;
 }
+
+/// Keeps a point if it lies in the box and in a polygon; with CropOptions::outside, keeps all other points instead.
+/// Edges and faces count as inside in both cases. A point is in no box or polygon if a coordinate needed for the test
+/// is not finite.
+class Crop final : public SelectOperator {
+ public:
+  /// Reads the file with polygons, if there is one. Throws Error if it cannot be read or does not match
+  /// CropOptions::checksum, and UsageError, beginning with `place`, if no option states a region or the bounds are
+  /// invalid.
+  explicit Crop(CropOptions options, std::string place = "crop");
+  std::string name() const override { return "crop"; }
+  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override {
+    for (std::size_t i = 0; i < points.size(); ++i) kept[i] = is_inside(points.position(i)) != options_.outside;
+  }
+  /// Returns the box of the bounds in x and y, or, without bounds, the box of the polygons. Its z is 0. Returns nullopt
+  /// with CropOptions::outside.
+  std::optional<Box> extent() const override;
+
+ private:
+  void read_polygons();
+  bool is_inside(Vec3 p) const;
+
+  CropOptions options_;  ///< options, with the checksum of the file that was read
+  std::string place_;
+  std::vector<Polygon> polygons_;
+  std::optional<PolygonIndex> index_;
+};
 
 }  // namespace
 
@@ -105,10 +140,6 @@ std::optional<Box> Crop::extent() const {
     for (const Ring& ring : polygon.rings)
       for (const Point2& p : ring) box.include(Vec3{p.x, p.y, 0});
   return box;
-}
-
-void Crop::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {
-  for (std::size_t i = 0; i < points.size(); ++i) kept[i] = is_inside(points.position(i)) != options_.outside;
 }
 
 }  // namespace pointsweep

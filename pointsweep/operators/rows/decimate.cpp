@@ -14,20 +14,6 @@
 namespace pointsweep {
 namespace {
 
-/// Keeps a point if the hash of its coordinates, scaled to [0, 1), is below `share`. The choice does not depend on
-/// other points: tiles give the same points as the merged cloud, in any order. Of points with equal coordinates, all or
-/// none are kept. Points without a finite place are all kept.
-class Decimate final : public SelectOperator {
- public:
-  /// Throws UsageError for options out of their ranges.
-  explicit Decimate(const DecimateOptions& options);
-  std::string name() const override { return "decimate"; }
-  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
-
- private:
-  DecimateOptions options_;
-};
-
 const OptionTable<DecimateOptions>& decimate_options() {
   static const OptionTable<DecimateOptions> table = {
       option("share", &DecimateOptions::share, "keep about this fraction of the points",
@@ -37,6 +23,25 @@ const OptionTable<DecimateOptions>& decimate_options() {
              "part of a larger one")};
   return table;
 }
+
+/// Keeps a point if the hash of its coordinates, scaled to [0, 1), is below `share`. The choice does not depend on
+/// other points: tiles give the same points as the merged cloud, in any order. Of points with equal coordinates, all or
+/// none are kept. Points without a finite place are all kept.
+class Decimate final : public SelectOperator {
+ public:
+  /// Throws UsageError for options out of their ranges.
+  explicit Decimate(const DecimateOptions& options) : options_(options) { decimate_options().declare(*this, options); }
+  std::string name() const override { return "decimate"; }
+  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3 p = points.position(i);
+      kept[i] = coordinate_fraction(p, options_.seed) < options_.share || !is_finite(p);
+    }
+  }
+
+ private:
+  DecimateOptions options_;
+};
 
 }  // namespace
 
@@ -58,14 +63,5 @@ OperatorDeclaration decimate_declaration() {
 }
 
 ChainStage operators::decimate(const DecimateOptions& options) { return std::make_shared<Decimate>(options); }
-
-Decimate::Decimate(const DecimateOptions& options) : options_(options) { decimate_options().declare(*this, options); }
-
-void Decimate::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec3 p = points.position(i);
-    kept[i] = coordinate_fraction(p, options_.seed) < options_.share || !is_finite(p);
-  }
-}
 
 }  // namespace pointsweep

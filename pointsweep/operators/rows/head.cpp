@@ -15,26 +15,29 @@
 namespace pointsweep {
 namespace {
 
-/// Keeps the points whose rows are below HeadOptions::number. Rows are numbered over all inputs, like `row` in
-/// conditions, independently of rows that earlier stages have dropped.
-class Head final : public SelectOperator {
- public:
-  /// Throws UsageError for a number of 0.
-  explicit Head(const HeadOptions& options);
-  std::string name() const override { return "head"; }
-  std::vector<Attribute> reads() const override;
-  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
-
- private:
-  HeadOptions options_;
-};
-
 const OptionTable<HeadOptions>& head_options() {
   static const OptionTable<HeadOptions> table = {
       option("number", &HeadOptions::number, "keep the points of so many rows, or all points of a cloud that has fewer",
              {.least = 1, .required = true, .positional = true, .sample = std::uint64_t{1000}})};
   return table;
 }
+
+/// Keeps the points whose rows are below HeadOptions::number. Rows are numbered over all inputs, like `row` in
+/// conditions, independently of rows that earlier stages have dropped.
+class Head final : public SelectOperator {
+ public:
+  /// Throws UsageError for a number of 0.
+  explicit Head(const HeadOptions& options) : options_(options) { head_options().declare(*this, options); }
+  std::string name() const override { return "head"; }
+  std::vector<Attribute> reads() const override { return {scalar(kInputRow, Type::u64, "", "")}; }
+  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override {
+    const std::uint64_t* const rows = points.values<std::uint64_t>(0);
+    for (std::size_t i = 0; i < points.size(); ++i) kept[i] = rows[i] < options_.number;
+  }
+
+ private:
+  HeadOptions options_;
+};
 
 }  // namespace
 
@@ -53,14 +56,5 @@ OperatorDeclaration head_declaration() {
 }
 
 ChainStage operators::head(const HeadOptions& options) { return std::make_shared<Head>(options); }
-
-Head::Head(const HeadOptions& options) : options_(options) { head_options().declare(*this, options); }
-
-std::vector<Attribute> Head::reads() const { return {scalar(kInputRow, Type::u64, "", "")}; }
-
-void Head::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {
-  const std::uint64_t* const rows = points.values<std::uint64_t>(0);
-  for (std::size_t i = 0; i < points.size(); ++i) kept[i] = rows[i] < options_.number;
-}
 
 }  // namespace pointsweep

@@ -15,20 +15,6 @@
 namespace pointsweep {
 namespace {
 
-/// Makes part, N u16: ⌊h n / 2^64⌋ with the hash h of the coordinates and n parts. Points of equal coordinates are in
-/// the same part; points without a finite place are in part 0.
-class Parts final : public LocalOperator {
- public:
-  /// Throws UsageError for options out of their ranges.
-  explicit Parts(const PartsOptions& options);
-  std::string name() const override { return "parts"; }
-  Contract contract() const override;
-  void apply(const Neighborhoods& in, Columns& out) const override;
-
- private:
-  PartsOptions options_;
-};
-
 /// A number that is added to the seed. Without it, a sample or decimate with the same seed would take all its points
 /// from few parts.
 constexpr std::uint64_t kPartsSeed = 0x7061727473;  // "parts" in ASCII
@@ -40,6 +26,29 @@ const OptionTable<PartsOptions>& parts_options() {
       option("seed", &PartsOptions::seed, "seed of the random choice: another seed makes other parts")};
   return table;
 }
+
+/// Makes part, N u16: ⌊h n / 2^64⌋ with the hash h of the coordinates and n parts. Points of equal coordinates are in
+/// the same part; points without a finite place are in part 0.
+class Parts final : public LocalOperator {
+ public:
+  /// Throws UsageError for options out of their ranges.
+  explicit Parts(const PartsOptions& options) : options_(options) { parts_options().declare(*this, options); }
+  std::string name() const override { return "parts"; }
+  Contract contract() const override {
+    return {.makes = {scalar("part", Type::u16, "1", "number of the part, from 0")}, .default_k = 0};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const std::span<std::uint16_t> part = out.column<std::uint16_t>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const Vec3 p = in.position(i);
+      const WholeNumber hash = coordinate_hash(p, options_.seed + kPartsSeed);
+      part[i] = is_finite(p) ? static_cast<std::uint16_t>(hash * WholeNumber{options_.number} >> 64) : 0;
+    }
+  }
+
+ private:
+  PartsOptions options_;
+};
 
 }  // namespace
 
@@ -58,20 +67,5 @@ OperatorDeclaration parts_declaration() {
 }
 
 ChainStage operators::parts(const PartsOptions& options) { return std::make_shared<Parts>(options); }
-
-Parts::Parts(const PartsOptions& options) : options_(options) { parts_options().declare(*this, options); }
-
-Contract Parts::contract() const {
-  return {.makes = {scalar("part", Type::u16, "1", "number of the part, from 0")}, .default_k = 0};
-}
-
-void Parts::apply(const Neighborhoods& in, Columns& out) const {
-  const std::span<std::uint16_t> part = out.column<std::uint16_t>(0);
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    const Vec3 p = in.position(i);
-    const WholeNumber hash = coordinate_hash(p, options_.seed + kPartsSeed);
-    part[i] = is_finite(p) ? static_cast<std::uint16_t>(hash * WholeNumber{options_.number} >> 64) : 0;
-  }
-}
 
 }  // namespace pointsweep

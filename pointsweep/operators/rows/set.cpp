@@ -3,17 +3,21 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <cstring>
+#include <memory>
+#include <span>
 #include <utility>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/operator.h"
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/meant_value.h"
-#include "pointsweep/operators/kinds/chain_stage.h"
+#include "pointsweep/operators/expressions/named_values.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/points/with_type.h"
 #include "pointsweep/row_error.h"
 
@@ -37,22 +41,11 @@ std::vector<std::string> names_of_types() {
   return names;
 }
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-bool continues_word(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.';
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 /// Returns the index of the word `where` in the text; npos if the text does not contain it.
 std::size_t place_of_where(std::string_view text) {
   for (std::size_t at = text.find("where"); at != text.npos; at = text.find("where", at + 1)) {
-    const bool begins = at > 0 && !continues_word(text[at - 1]);
-    if (begins && (at + 5 == text.size() || !continues_word(text[at + 5]))) return at;
+    const bool begins = at > 0 && !continues_name(text[at - 1]);
+    if (begins && (at + 5 == text.size() || !continues_name(text[at + 5]))) return at;
   }
   return text.npos;
 }
@@ -69,11 +62,11 @@ std::size_t end_of_assignment(std::string_view text, std::size_t begin) {
 
 Assignment assignment_of(std::string_view text, const std::string& place) {
   const std::size_t equals = text.find('=');
-  const std::string_view name = trimmed(text.substr(0, equals));
-  const bool is_word = !name.empty() && std::ranges::all_of(name, continues_word);
+  const std::string_view name = without_outer_blanks(text.substr(0, equals));
+  const bool is_word = !name.empty() && std::ranges::all_of(name, continues_name);
   if (equals == text.npos || !is_word || text.substr(equals + 1).starts_with('='))
     fail_usage("{}: '{}' assigns nothing; write NAME = NUMBER, as in classification = 7 where outlier == 1.", place,
-               trimmed(text));
+               without_outer_blanks(text));
   const std::string_view rest = text.substr(equals + 1);
   const std::size_t where = place_of_where(rest);
   Assignment assignment{std::string(name), Expression(rest.substr(0, where), place, Expression::Form::number), {}};
@@ -103,6 +96,74 @@ const OptionTable<SetOptions>& set_options() {
   return table;
 }
 
+/// Makes a new version of one attribute, or a new attribute. Values of whole-number types are rounded to the nearest,
+/// halves to even.
+class SetAttribute final : public LocalOperator {
+ public:
+  /// `type`: type of a new attribute, or of an attribute of the input that is assigned without a condition. If absent,
+  /// a new attribute gets the type of the LAS field with its name, else float64.
+  SetAttribute(Assignment assignment, std::optional<Type> type, std::string place)
+      : assignment_(std::move(assignment)), type_(type), place_(std::move(place)) {
+    target_ = scalar(assignment_.name, Type::f64, "1", "assigned");
+    set_options().declare(*this, {assignment_.canonical(), type});
+  }
+  std::string name() const override { return "set"; }
+  Contract contract() const override;
+  /// Throws RowError naming the lowest row with a value that the type of the attribute cannot hold.
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    with_type(target_.type, [&]<class T>() { assign<T>(in, out); });
+  }
+  std::array<bool, 3> changes_system() const override { return {component_ == 0, component_ == 1, component_ == 2}; }
+  std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
+
+ private:
+  void find_target(const Schema& input, std::span<const Attribute> made);
+  /// Returns the index, in contract().reads, of the first attribute that the condition reads. The attributes that the
+  /// value reads come before it.
+  std::size_t first_of_condition() const { return value_names_.reads().size(); }
+  RowSentence refusal(const std::string& value) const;
+  template <class T>
+  void assign(const Neighborhoods& in, Columns& out) const;
+  /// Returns the value in the type of the attribute; nullopt if the type cannot hold the value.
+  template <class T>
+  std::optional<T> stored(double value, bool is_placed) const;
+
+  Assignment assignment_;
+  std::optional<Type> type_;
+  std::string place_;
+  NamedValues value_names_, condition_names_;
+  Attribute target_;
+  std::size_t component_ = 0;
+  TargetRange range_;
+  bool is_retyped_ = false;  ///< true if the attribute of the input has another type than target_
+  std::optional<Attribute> old_;
+  std::optional<std::size_t> old_value_;
+};
+
+/// Several assignments in order: each uses the results of the previous ones.
+class Set final : public CompositeOperator {
+ public:
+  Set(std::string_view assignments, std::optional<Type> type, const std::string& place = "set") {
+    std::string canonical;
+    for (const Assignment& a : assignments_of(assignments, place)) {
+      parts_.push_back(std::make_shared<SetAttribute>(a, type, place));
+      canonical += (canonical.empty() ? "" : ", ") + a.canonical();
+    }
+    set_options().declare(*this, {canonical, type});
+  }
+  std::string name() const override { return "set"; }
+  Contract contract() const override {
+    Contract contract{.default_k = 0};
+    for (const auto& part : parts_)
+      for (const Attribute& a : contract_of(part).makes) contract.makes.push_back(a);
+    return contract;
+  }
+  std::vector<ChainStage> parts() const override { return parts_; }
+
+ private:
+  std::vector<ChainStage> parts_;
+};
+
 ChainStage make_set(const OptionValues& values, const Facts&) {
   const SetOptions options = set_options().read(values);
   return std::make_shared<Set>(options.assign, options.as, values.where());
@@ -118,16 +179,14 @@ OperatorDeclaration set_declaration() {
       .make = make_set,
       .formula =
           "Numbers are evaluated in float64, as by where, and those of whole numbers of 64 bits exactly. A "
-          "whole-number "
-          "type gets the nearest one, halves to even.\n"
+          "whole-number type gets the nearest one, halves to even.\n"
           "An attribute that exists keeps its type (one of the input gets the type of 'as' if no condition is given), "
           "and its value where the condition does not hold; a new attribute is 0 there. Assigning to x, y or z moves "
           "the points.",
       .undefined =
           "A value that the type cannot hold ends the run with an error that names the row, and so does a NaN or "
-          "infinite "
-          "coordinate for a point that has a finite place. Points without a finite place are assigned to like all "
-          "others.",
+          "infinite coordinate for a point that has a finite place. Points without a finite place are assigned to like "
+          "all others.",
       .cost = "a pass over the rows, without a search; none where other stages search anyway",
       .makes_named = true,
       .example = "knn(k=12) | sor | set(classification = 7 where outlier == 1)"};
@@ -150,27 +209,6 @@ std::vector<Assignment> assignments_of(std::string_view text, const std::string&
     begin = end + 1;
   }
   return assignments;
-}
-
-Set::Set(std::string_view assignments, std::optional<Type> type, const std::string& place)
-    : assignments_(assignments_of(assignments, place)) {
-  for (const Assignment& a : assignments_) parts_.push_back(std::make_shared<SetAttribute>(a, type, place));
-  std::string canonical;
-  for (const Assignment& a : assignments_) canonical += (canonical.empty() ? "" : ", ") + a.canonical();
-  set_options().declare(*this, {canonical, type});
-}
-
-Contract Set::contract() const {
-  Contract contract{.default_k = 0};
-  for (const auto& part : parts_)
-    for (const Attribute& a : contract_of(part).makes) contract.makes.push_back(a);
-  return contract;
-}
-
-SetAttribute::SetAttribute(Assignment assignment, std::optional<Type> type, std::string place)
-    : assignment_(std::move(assignment)), type_(type), place_(std::move(place)) {
-  target_ = scalar(assignment_.name, Type::f64, "1", "assigned");
-  set_options().declare(*this, {assignment_.canonical(), type});
 }
 
 Contract SetAttribute::contract() const {
@@ -298,10 +336,6 @@ void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
     }
   }
   refused.throw_if_any();
-}
-
-void SetAttribute::apply(const Neighborhoods& in, Columns& out) const {
-  with_type(target_.type, [&]<class T>() { assign<T>(in, out); });
 }
 
 }  // namespace pointsweep

@@ -10,7 +10,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/kinds/chain_stage.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/row_error.h"
 

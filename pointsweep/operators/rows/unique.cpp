@@ -11,17 +11,6 @@
 namespace pointsweep {
 namespace {
 
-/// Keeps one of the points with equal current coordinates: the one with the lowest row. Coordinates are equal if all
-/// three are equal numbers (-0 and 0 are); points without a finite place are all kept. Needs no neighbourhoods: the
-/// points are put in order once.
-class Unique final : public InOrderOperator {
- public:
-  std::string name() const override { return "unique"; }
-  InOrderContract in_order_contract() const override { return {.drops_rows = true, .arrival = "equal ones together"}; }
-  std::unique_ptr<InOrderWork> start(const InOrderSetup&) const override;
-  std::optional<Reach> reach() const override { return Reach{}; }
-};
-
 /// Keeps the first of the points at each place. Points at one place arrive one after another, the lowest row first.
 class FirstOfEqual final : public InOrderWork {
  public:
@@ -36,6 +25,17 @@ class FirstOfEqual final : public InOrderWork {
   std::optional<Vec3> last_;
 };
 
+/// Keeps one of the points with equal current coordinates: the one with the lowest row. Coordinates are equal if all
+/// three are equal numbers (-0 and 0 are); points without a finite place are all kept. Needs no neighbourhoods: the
+/// points are put in order once.
+class Unique final : public InOrderOperator {
+ public:
+  std::string name() const override { return "unique"; }
+  InOrderContract in_order_contract() const override { return {.drops_rows = true, .arrival = "equal ones together"}; }
+  std::unique_ptr<InOrderWork> start(const InOrderSetup&) const override { return std::make_unique<FirstOfEqual>(); }
+  std::optional<Reach> reach() const override { return Reach{}; }
+};
+
 }  // namespace
 
 OperatorDeclaration unique_declaration() {
@@ -48,7 +48,5 @@ OperatorDeclaration unique_declaration() {
 }
 
 ChainStage operators::unique() { return std::make_shared<Unique>(); }
-
-std::unique_ptr<InOrderWork> Unique::start(const InOrderSetup&) const { return std::make_unique<FirstOfEqual>(); }
 
 }  // namespace pointsweep

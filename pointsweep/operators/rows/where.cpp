@@ -17,25 +17,6 @@
 namespace pointsweep {
 namespace {
 
-/// Keeps the rows for which `condition` holds, e.g. classification == 2 && z < 100. Points without a finite place are
-/// tested like all others: x, y or z is then NaN or infinite, and made attributes have the documented value for
-/// undefined results.
-class Where final : public SelectOperator {
- public:
-  /// Messages begin with `place`, e.g. "pipeline, column 12: where". Throws UsageError for a text that is no condition.
-  explicit Where(std::string_view condition, std::string place = "where");
-  std::string name() const override { return "where"; }
-  std::vector<Attribute> reads() const override { return names_.reads(); }
-  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override;
-  /// Throws UsageError for an unknown name, with the known names.
-  std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
-
- private:
-  Expression condition_;
-  std::string place_;
-  NamedValues names_;  ///< empty before bound()
-};
-
 struct WhereOptions {
   std::string condition = {};
 };
@@ -50,6 +31,37 @@ const OptionTable<WhereOptions>& where_options() {
              {.kind = OptionKind::condition, .required = true, .positional = true, .sample = "z > 0"})};
   return table;
 }
+
+/// Keeps the rows for which `condition` holds, e.g. classification == 2 && z < 100. Points without a finite place are
+/// tested like all others: x, y or z is then NaN or infinite, and made attributes have the documented value for
+/// undefined results.
+class Where final : public SelectOperator {
+ public:
+  /// Messages begin with `place`, e.g. "pipeline, column 12: where". Throws UsageError for a text that is no condition.
+  /// The declared option is the canonical text, so that conditions that differ only in blanks are equal.
+  explicit Where(std::string_view condition, std::string place = "where")
+      : condition_(condition, place), place_(std::move(place)) {
+    where_options().declare(*this, {condition_.canonical()});
+  }
+  std::string name() const override { return "where"; }
+  std::vector<Attribute> reads() const override { return names_.reads(); }
+  void keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const override {
+    assert(names_.sources().size() == condition_.names().size());
+    const NamedValues::Batch batch(names_, points);
+    condition_.evaluate(batch.values(), kept);
+  }
+  /// Throws UsageError for an unknown name, with the known names.
+  std::shared_ptr<const SelectOperator> bound(const Schema& input, std::span<const Attribute> made) const override {
+    auto bound = std::make_shared<Where>(*this);
+    bound->names_ = NamedValues(condition_, place_, input, made);
+    return bound;
+  }
+
+ private:
+  Expression condition_;
+  std::string place_;
+  NamedValues names_;  ///< empty before bound()
+};
 
 ChainStage make_where(const OptionValues& values, const Facts&) {
   return std::make_shared<Where>(where_options().read(values).condition, values.where());
@@ -69,22 +81,5 @@ OperatorDeclaration where_declaration() {
 }
 
 ChainStage operators::where(std::string_view condition) { return std::make_shared<Where>(condition); }
-
-/// The declared option is the canonical text, so that conditions that differ only in blanks are equal.
-Where::Where(std::string_view condition, std::string place) : condition_(condition, place), place_(std::move(place)) {
-  where_options().declare(*this, {condition_.canonical()});
-}
-
-void Where::keep(const Neighborhoods& points, std::span<std::uint8_t> kept) const {
-  assert(names_.sources().size() == condition_.names().size());
-  const NamedValues::Batch batch(names_, points);
-  condition_.evaluate(batch.values(), kept);
-}
-
-std::shared_ptr<const SelectOperator> Where::bound(const Schema& input, std::span<const Attribute> made) const {
-  auto bound = std::make_shared<Where>(*this);
-  bound->names_ = NamedValues(condition_, place_, input, made);
-  return bound;
-}
 
 }  // namespace pointsweep

@@ -5,36 +5,17 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "pointsweep/operator.h"
 #include "pointsweep/operators.h"
-#include "pointsweep/operators/declare/complete_lists.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
 namespace {
-
-/// Makes "surface_density" m / (π R²), points for each unit of area of a plane through the point, which cuts a disc of
-/// radius R out of the ball; and "volume_density" m / (4/3 π R³). N f32 each.
-///   Without a radius: R is the distance to the farthest neighbour and m = |N_i|; the point itself is not counted.
-///   With a radius: R is the radius, m the number of points within it, inclusive, the point itself counted, as in
-///   CloudCompare.
-/// Positions are the current ones. Without a radius, both densities are 0 and the point counts as degenerate if R is 0,
-/// there is no neighbour, or a neighbour has no finite place.
-class Density final : public LocalOperator {
- public:
-  /// Throws UsageError for options out of their ranges.
-  explicit Density(const DensityOptions& options = {});
-  std::string name() const override { return "density"; }
-  Contract contract() const override;
-  void apply(const Neighborhoods& in, Columns& out) const override;
-
- private:
-  DensityOptions options_;
-};
 
 const OptionTable<DensityOptions>& density_options() {
   static const OptionTable<DensityOptions> table = {option(
@@ -42,12 +23,6 @@ const OptionTable<DensityOptions>& density_options() {
       "radius of the ball in which points are counted; without this option, the distance to the farthest neighbour",
       {.least = kAboveZero, .unit = "length", .sample = 0.5, .is_radius = true})};
   return table;
-}
-
-ChainStage make_density(const OptionValues& values, const Facts& facts) {
-  const DensityOptions options = density_options().read(values);
-  if (options.radius) require_complete_lists(facts, Neighborhood::kUnlimited, *options.radius, values.where());
-  return std::make_shared<Density>(options);
 }
 
 /// Converts to float32. A quotient beyond the range of float32 becomes the largest float32.
@@ -62,6 +37,51 @@ Ball ball_of(const Neighborhoods& in, std::size_t i, std::optional<double> radiu
   std::size_t near = 1;
   for (std::size_t j = 0; j < in.count(i); ++j) near += in.distance2(i, j) <= *radius * *radius;
   return {static_cast<double>(near), *radius};
+}
+
+/// Makes "surface_density" m / (π R²), points for each unit of area of a plane through the point, which cuts a disc of
+/// radius R out of the ball; and "volume_density" m / (4/3 π R³). N f32 each.
+///   Without a radius: R is the distance to the farthest neighbour and m = |N_i|; the point itself is not counted.
+///   With a radius: R is the radius, m the number of points within it, inclusive, the point itself counted, as in
+///   CloudCompare.
+/// Positions are the current ones. Without a radius, both densities are 0 and the point counts as degenerate if R is 0,
+/// there is no neighbour, or a neighbour has no finite place.
+class Density final : public LocalOperator {
+ public:
+  /// Throws UsageError for options out of their ranges.
+  explicit Density(const DensityOptions& options) : options_(options) { density_options().declare(*this, options); }
+  std::string name() const override { return "density"; }
+  Contract contract() const override {
+    return {.makes = {scalar("surface_density", Type::f32, "1/length^2", "points for each unit of area"),
+                      scalar("volume_density", Type::f32, "1/length^3", "points for each unit of volume")},
+            .default_k = 32,
+            .all_within = options_.radius.value_or(0)};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const std::span<float> surface = out.column<float>(0), volume = out.column<float>(1);
+    constexpr double pi = std::numbers::pi;
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const Ball ball = ball_of(in, i, options_.radius);
+      const double r = ball.radius;
+      if (!(r > 0 && std::isfinite(r))) {
+        surface[i] = volume[i] = 0;
+        out.mark_degenerate(i);
+        continue;
+      }
+      // Dividing step by step keeps powers of R from overflow and underflow.
+      surface[i] = single(ball.points / r / r / pi);
+      volume[i] = single(ball.points / r / r / r / (4 * pi / 3));
+    }
+  }
+
+ private:
+  DensityOptions options_;
+};
+
+ChainStage make_density(const OptionValues& values, const Facts& facts) {
+  const DensityOptions options = density_options().read(values);
+  if (options.radius) require_complete_lists(facts, Neighborhood::kUnlimited, *options.radius, values.where());
+  return std::make_shared<Density>(options);
 }
 
 }  // namespace
@@ -92,31 +112,5 @@ OperatorDeclaration density_declaration() {
 }
 
 ChainStage operators::density(const DensityOptions& options) { return std::make_shared<Density>(options); }
-
-Density::Density(const DensityOptions& options) : options_(options) { density_options().declare(*this, options); }
-
-Contract Density::contract() const {
-  return {.makes = {scalar("surface_density", Type::f32, "1/length^2", "points for each unit of area"),
-                    scalar("volume_density", Type::f32, "1/length^3", "points for each unit of volume")},
-          .default_k = 32,
-          .all_within = options_.radius.value_or(0)};
-}
-
-void Density::apply(const Neighborhoods& in, Columns& out) const {
-  const std::span<float> surface = out.column<float>(0), volume = out.column<float>(1);
-  constexpr double pi = std::numbers::pi;
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    const Ball ball = ball_of(in, i, options_.radius);
-    const double r = ball.radius;
-    if (!(r > 0 && std::isfinite(r))) {
-      surface[i] = volume[i] = 0;
-      out.mark_degenerate(i);
-      continue;
-    }
-    // Dividing step by step keeps powers of R from overflow and underflow.
-    surface[i] = single(ball.points / r / r / pi);
-    volume[i] = single(ball.points / r / r / r / (4 * pi / 3));
-  }
-}
 
 }  // namespace pointsweep

@@ -12,17 +12,12 @@
 #include "pointsweep/operator.h"
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
+#include "pointsweep/operators/kinds/results.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-Attribute with_nan(std::string name, std::string unit, std::string meaning) {
-  Attribute a = scalar(std::move(name), Type::f64, std::move(unit), std::move(meaning));
-  a.fill = std::byte{0xff};  // NaN
-  return a;
-}
 
 double finite_or_none(double v) { return std::isfinite(v) ? v : kNone; }
 
@@ -44,20 +39,22 @@ double quotient(double r, double by) { return std::isinf(r) && std::isinf(by) ? 
 
 /// The attributes of the operators below, N f64 each. They are NaN for points without neighbours, and if a neighbour
 /// has no finite place.
-Attribute k_distance_attribute() { return with_nan("k_distance", "length", "distance to the farthest neighbour"); }
+Attribute k_distance_attribute() { return nan_scalar("k_distance", "length", "distance to the farthest neighbour"); }
 
 Attribute reachability_density_attribute() {
-  return with_nan("reachability_density", "1/length", "inverse of the mean reachability distance");
+  return nan_scalar("reachability_density", "1/length", "inverse of the mean reachability distance");
 }
 
-Attribute lof_attribute() { return with_nan("lof", "1", "local outlier factor"); }
+Attribute lof_attribute() { return nan_scalar("lof", "1", "local outlier factor"); }
 
 /// Makes k_distance: the distance to the farthest neighbour.
 class KDistance final : public LocalOperator {
  public:
   std::string name() const override { return "k_distance"; }
   Contract contract() const override { return {{}, {}, {k_distance_attribute()}}; }
-  void apply(const Neighborhoods& in, Columns& out) const override;
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    fill_column(in, out, [&](std::size_t i) { return finite_or_none(std::sqrt(in.farthest_distance2(i))); });
+  }
 };
 
 /// Makes reachability_density: |N_i| / Σ_j max(k_distance_j, |p_j - p_i|), in the order of the neighbours; infinite if
@@ -66,7 +63,14 @@ class ReachabilityDensity final : public LocalOperator {
  public:
   std::string name() const override { return "reachability_density"; }
   Contract contract() const override { return {{}, {k_distance_attribute()}, {reachability_density_attribute()}}; }
-  void apply(const Neighborhoods& in, Columns& out) const override;
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    fill_column(in, out, [&](std::size_t i) {
+      double sum = 0;
+      for (std::size_t j = 0; j < in.count(i); ++j)
+        sum += larger(in.neighbor_value<double>(0, i, j), std::sqrt(in.distance2(i, j)));
+      return static_cast<double>(in.count(i)) / finite_or_none(sum);
+    });
+  }
 };
 
 /// Makes lof: 1/|N_i| Σ_j r_j / r_i with reachability densities r, in the order of the neighbours. The quotient of two
@@ -77,7 +81,14 @@ class DensityRatio final : public LocalOperator {
   Contract contract() const override {
     return {{reachability_density_attribute()}, {reachability_density_attribute()}, {lof_attribute()}};
   }
-  void apply(const Neighborhoods& in, Columns& out) const override;
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    fill_column(in, out, [&](std::size_t i) {
+      const double own = in.value<double>(0, i);
+      double sum = 0;
+      for (std::size_t j = 0; j < in.count(i); ++j) sum += quotient(in.neighbor_value<double>(0, i, j), own);
+      return sum / static_cast<double>(in.count(i));
+    });
+  }
 };
 
 /// `lof`: KDistance, ReachabilityDensity and DensityRatio, in order.
@@ -87,7 +98,9 @@ class LocalOutlierFactor final : public CompositeOperator {
   Contract contract() const override {
     return {.makes = {k_distance_attribute(), reachability_density_attribute(), lof_attribute()}, .default_k = 32};
   }
-  std::vector<ChainStage> parts() const override;
+  std::vector<ChainStage> parts() const override {
+    return {std::make_shared<KDistance>(), std::make_shared<ReachabilityDensity>(), std::make_shared<DensityRatio>()};
+  }
 };
 
 }  // namespace
@@ -121,31 +134,5 @@ OperatorDeclaration lof_declaration() {
 }
 
 ChainStage operators::lof() { return std::make_shared<LocalOutlierFactor>(); }
-
-void KDistance::apply(const Neighborhoods& in, Columns& out) const {
-  fill_column(in, out, [&](std::size_t i) { return finite_or_none(std::sqrt(in.farthest_distance2(i))); });
-}
-
-void ReachabilityDensity::apply(const Neighborhoods& in, Columns& out) const {
-  fill_column(in, out, [&](std::size_t i) {
-    double sum = 0;
-    for (std::size_t j = 0; j < in.count(i); ++j)
-      sum += larger(in.neighbor_value<double>(0, i, j), std::sqrt(in.distance2(i, j)));
-    return static_cast<double>(in.count(i)) / finite_or_none(sum);
-  });
-}
-
-void DensityRatio::apply(const Neighborhoods& in, Columns& out) const {
-  fill_column(in, out, [&](std::size_t i) {
-    const double own = in.value<double>(0, i);
-    double sum = 0;
-    for (std::size_t j = 0; j < in.count(i); ++j) sum += quotient(in.neighbor_value<double>(0, i, j), own);
-    return sum / static_cast<double>(in.count(i));
-  });
-}
-
-std::vector<ChainStage> LocalOutlierFactor::parts() const {
-  return {std::make_shared<KDistance>(), std::make_shared<ReachabilityDensity>(), std::make_shared<DensityRatio>()};
-}
 
 }  // namespace pointsweep

@@ -107,8 +107,6 @@ const OptionTable<StatisticsOptions>& statistics_options() {
   return table;
 }
 
-bool is_whole(Type type) { return type != Type::f32 && type != Type::f64; }
-
 /// Returns whether a statistic is a value of the attribute and so has its type.
 bool is_value(Statistic what) {
   return what == Statistic::min || what == Statistic::max || what == Statistic::majority;
@@ -190,7 +188,7 @@ Attribute NeighborhoodStatistics::attribute_of(const Result& result) const {
              source.attribute.empty()
                  ? "number of neighbours that count"
                  : fmt::format("{} {}", kStatistics[static_cast<std::size_t>(result.what)].meaning, source.attribute));
-  if (!is_whole(type)) a.fill = std::byte{0xff};  // NaN
+  if (!range_of(type).is_whole) a.fill = std::byte{0xff};  // NaN
   return a;
 }
 
@@ -210,8 +208,7 @@ std::shared_ptr<const LocalOperator> NeighborhoodStatistics::bound(const Schema&
   for (Source& source : bound->sources_) {
     if (source.attribute.empty()) continue;
     const Expression value(source.attribute, place_, Expression::Form::number);
-    if (value.names().size() != 1 || value.canonical() != value.names()[0].text)
-      fail_usage("{}: '{}' is not the name of an attribute.", place_, source.attribute);
+    if (!value.is_name()) fail_usage("{}: '{}' is not the name of an attribute.", place_, source.attribute);
     source.names = NamedValues(value, place_, input, made);
     source.first_read = reads;
     reads += source.names.reads().size();

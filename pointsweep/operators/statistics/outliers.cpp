@@ -2,15 +2,20 @@
 #include "pointsweep/operators/statistics/outliers.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
+#include "pointsweep/chain.h"
 #include "pointsweep/math/exact_sum.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
+#include "pointsweep/operators/kinds/results.h"
 #include "pointsweep/storage/encoding.h"
 
 namespace pointsweep {
@@ -92,8 +97,6 @@ class DistanceMoments final : public Accumulator {
   OutlierRule rule_;
 };
 
-}  // namespace
-
 const OptionTable<SorOptions>& sor_options() {
   static const OptionTable<SorOptions> table = {
       option("multiplier", &SorOptions::multiplier,
@@ -117,6 +120,96 @@ OutlierRule rule_of(OutlierDefinition definition) {
   }
   return {};
 }
+
+/// Makes mean_distance: Σ_j |p_j - p_i| / |N_i|, or, if the rule counts the point, / (|N_i| + 1), summed in double in
+/// the order of the neighbours, at the positions the stage sees. Points without a mean distance count as degenerate.
+class MeanDistance final : public LocalOperator {
+ public:
+  explicit MeanDistance(const SorOptions& options) : counts_point_(rule_of(options.definition).counts_point) {
+    sor_options().declare(*this, options);
+  }
+  std::string name() const override { return "mean_distance"; }
+  Contract contract() const override { return {{}, {}, {mean_distance_attribute()}}; }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const std::span<double> mean = out.column<double>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      double sum = 0;
+      for (std::size_t j = 0; j < in.count(i); ++j) sum += std::sqrt(in.distance2(i, j));
+      const double distance = sum / (static_cast<double>(in.count(i)) + (counts_point_ ? 1 : 0));
+      const bool none = in.count(i) == 0 || !std::isfinite(distance);
+      mean[i] = none ? std::numeric_limits<double>::quiet_NaN() : distance;
+      if (none) out.mark_degenerate(i);
+    }
+  }
+
+ private:
+  bool counts_point_;
+};
+
+/// Makes outlier: 1 for points without a mean distance, and where mean_distance > mean + multiplier * deviation over
+/// all points with a mean distance, or >= if the rule has `threshold_is_outlier`; 1 also where mean_distance is 0 if
+/// the rule has `zero_is_outlier`; else 0.
+class Outlier final : public LocalOperator {
+ public:
+  explicit Outlier(const SorOptions& options, double threshold = std::numeric_limits<double>::quiet_NaN())
+      : options_(options), threshold_(threshold) {
+    sor_options().declare(*this, options);
+  }
+  std::string name() const override { return "outlier"; }
+  Contract contract() const override {
+    Contract contract{.reads = {mean_distance_attribute()}, .makes = {outlier_attribute()}, .default_k = 0};
+    contract.values = {std::make_shared<MeanAndDeviation>(mean_distance_attribute(), rule_of(options_.definition))};
+    return contract;
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const OutlierRule rule = rule_of(options_.definition);
+    const std::span<std::uint8_t> outlier = out.column<std::uint8_t>(0);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const double d = in.value<double>(0, i);
+      const bool within = rule.threshold_is_outlier ? d < threshold_ : d <= threshold_;
+      outlier[i] = !within || (rule.zero_is_outlier && d == 0);
+    }
+  }
+  std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override {
+    return std::make_shared<Outlier>(options_, values[0][0] + options_.multiplier * values[0][1]);
+  }
+
+ private:
+  SorOptions options_;
+  double threshold_;  ///< mean + multiplier * deviation
+};
+
+/// `sor`: MeanDistance and Outlier, in order.
+class StatisticalOutliers final : public CompositeOperator {
+ public:
+  /// Throws UsageError for options out of their ranges.
+  explicit StatisticalOutliers(const SorOptions& options) : options_(options) { sor_options().declare(*this, options); }
+  std::string name() const override { return "sor"; }
+  Contract contract() const override { return {{}, {}, {mean_distance_attribute(), outlier_attribute()}}; }
+  std::vector<ChainStage> parts() const override {
+    return {std::make_shared<MeanDistance>(options_), std::make_shared<Outlier>(options_)};
+  }
+
+ private:
+  SorOptions options_;
+};
+
+/// `denoise`: sor, a condition that drops outliers, and a drop of the attributes that sor makes.
+class Denoise final : public CompositeOperator {
+ public:
+  explicit Denoise(const SorOptions& options) : options_(options) { sor_options().declare(*this, options); }
+  std::string name() const override { return "denoise"; }
+  Contract contract() const override { return {.makes = {selection_attribute()}}; }
+  std::vector<ChainStage> parts() const override {
+    return {std::make_shared<MeanDistance>(options_), std::make_shared<Outlier>(options_),
+            operators::where("outlier == 0"), Drop{{mean_distance_attribute().name, outlier_attribute().name}}};
+  }
+
+ private:
+  SorOptions options_;
+};
+
+}  // namespace
 
 OperatorDeclaration sor_declaration() {
   return {.name = "sor",
@@ -143,8 +236,7 @@ OperatorDeclaration sor_declaration() {
           .degenerate = "have no neighbours with a place; their mean_distance is NaN and outlier is 1",
           .cost =
               "one more pass over the rows, in which the outliers are marked; it is the writing of the output "
-              "where no later "
-              "stage needs neighbours",
+              "where no later stage needs neighbours",
           .attributes = {{.name = "mean_distance",
                           .meaning = "mean distance to the neighbours at the positions the stage sees; undefined: NaN"},
                          {.name = "outlier",
@@ -153,12 +245,25 @@ OperatorDeclaration sor_declaration() {
           .example = "knn(k=8) | sor(multiplier=2) | where(outlier == 0)"};
 }
 
+OperatorDeclaration denoise_declaration() {
+  return {.name = "denoise",
+          .meaning = "leaves out statistical outliers: sor, without the attributes that it makes",
+          .options = sor_options().declarations(),
+          .make = sor_options().maker<Denoise>(),
+          .formula = "sor | where(outlier == 0) | drop(mean_distance, outlier)",
+          .source = "that of sor",
+          .undefined =
+              "Without neighbours, or if one has no finite place, a point is left out. Attributes mean_distance and "
+              "outlier of the input are refused.",
+          .cost = "that of sor",
+          .example = "knn(k=8) | denoise(multiplier=2)"};
+}
+
 ChainStage operators::sor(const SorOptions& options) { return std::make_shared<StatisticalOutliers>(options); }
+ChainStage operators::denoise(const SorOptions& options) { return std::make_shared<Denoise>(options); }
 
 Attribute mean_distance_attribute() {
-  Attribute a = scalar("mean_distance", Type::f64, "length", "mean distance to the neighbours; NaN without any");
-  a.fill = std::byte{0xff};  // NaN
-  return a;
+  return nan_scalar("mean_distance", "length", "mean distance to the neighbours; NaN without any");
 }
 
 Attribute outlier_attribute() {
@@ -167,60 +272,11 @@ Attribute outlier_attribute() {
   return a;
 }
 
-MeanDistance::MeanDistance(const SorOptions& options) : counts_point_(rule_of(options.definition).counts_point) {
-  sor_options().declare(*this, options);
-}
-
-void MeanDistance::apply(const Neighborhoods& in, Columns& out) const {
-  const std::span<double> mean = out.column<double>(0);
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    double sum = 0;
-    for (std::size_t j = 0; j < in.count(i); ++j) sum += std::sqrt(in.distance2(i, j));
-    const double distance = in.count(i) == 0 ? std::numeric_limits<double>::quiet_NaN()
-                                             : sum / (static_cast<double>(in.count(i)) + (counts_point_ ? 1 : 0));
-    const bool none = !std::isfinite(distance);
-    mean[i] = none ? std::numeric_limits<double>::quiet_NaN() : distance;
-    if (none) out.mark_degenerate(i);
-  }
-}
-
 std::string MeanAndDeviation::text() const {
   return (rule_.population ? "mean and deviation (n) of " : "mean and deviation of ") + of_.name +
          (rule_.zero_is_outlier ? " without squares of 0" : "");
 }
 
 std::unique_ptr<Accumulator> MeanAndDeviation::start() const { return std::make_unique<DistanceMoments>(rule_); }
-
-Outlier::Outlier(const SorOptions& options, double threshold) : options_(options), threshold_(threshold) {
-  sor_options().declare(*this, options);
-}
-
-Contract Outlier::contract() const {
-  Contract contract{.reads = {mean_distance_attribute()}, .makes = {outlier_attribute()}, .default_k = 0};
-  contract.values = {std::make_shared<MeanAndDeviation>(mean_distance_attribute(), rule_of(options_.definition))};
-  return contract;
-}
-
-void Outlier::apply(const Neighborhoods& in, Columns& out) const {
-  const OutlierRule rule = rule_of(options_.definition);
-  const std::span<std::uint8_t> outlier = out.column<std::uint8_t>(0);
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    const double d = in.value<double>(0, i);
-    const bool within = rule.threshold_is_outlier ? d < threshold_ : d <= threshold_;
-    outlier[i] = !within || (rule.zero_is_outlier && d == 0);
-  }
-}
-
-std::shared_ptr<const LocalOperator> Outlier::with_values(std::span<const std::vector<double>> values) const {
-  return std::make_shared<Outlier>(options_, values[0][0] + options_.multiplier * values[0][1]);
-}
-
-StatisticalOutliers::StatisticalOutliers(const SorOptions& options) : options_(options) {
-  sor_options().declare(*this, options);
-}
-
-std::vector<ChainStage> StatisticalOutliers::parts() const {
-  return {std::make_shared<MeanDistance>(options_), std::make_shared<Outlier>(options_)};
-}
 
 }  // namespace pointsweep

@@ -7,29 +7,12 @@
 
 #include "pointsweep/operator.h"
 #include "pointsweep/operators.h"
-#include "pointsweep/operators/declare/complete_lists.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/statistics/outliers.h"
 
 namespace pointsweep {
 namespace {
-
-/// Makes outlier, N u8: 1 if fewer than `min_neighbors` of N_i lie within `radius`, inclusive, of the point, at the
-/// current positions; else 0. N_i must contain the min_neighbors nearest points within the radius: its k must be at
-/// least min_neighbors, and its radius not smaller. Pipelines without such neighbourhoods are refused; C++ code must
-/// ensure it.
-class RadiusOutliers final : public LocalOperator {
- public:
-  /// Throws UsageError for options out of their ranges.
-  explicit RadiusOutliers(const RorOptions& options);
-  std::string name() const override { return "ror"; }
-  Contract contract() const override;
-  void apply(const Neighborhoods& in, Columns& out) const override;
-
- private:
-  RorOptions options_;
-};
 
 const OptionTable<RorOptions>& ror_options() {
   static const OptionTable<RorOptions> table = {
@@ -40,6 +23,35 @@ const OptionTable<RorOptions>& ror_options() {
              {.least = 1})};
   return table;
 }
+
+/// Makes outlier, N u8: 1 if fewer than `min_neighbors` of N_i lie within `radius`, inclusive, of the point, at the
+/// current positions; else 0. N_i must contain the min_neighbors nearest points within the radius: its k must be at
+/// least min_neighbors, and its radius not smaller. Pipelines without such neighbourhoods are refused; C++ code must
+/// ensure it.
+class RadiusOutliers final : public LocalOperator {
+ public:
+  /// Throws UsageError for options out of their ranges.
+  explicit RadiusOutliers(const RorOptions& options) : options_(options) { ror_options().declare(*this, options); }
+  std::string name() const override { return "ror"; }
+  Contract contract() const override {
+    Attribute outlier = outlier_attribute();
+    outlier.meaning = "1: too few neighbours within the radius";
+    return {.makes = {outlier}, .default_k = options_.min_neighbors};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const std::span<std::uint8_t> outlier = out.column<std::uint8_t>(0);
+    const double radius2 = options_.radius * options_.radius;
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      std::uint64_t near = 0;
+      for (std::size_t j = 0; j < in.count(i) && near < options_.min_neighbors; ++j)
+        near += in.distance2(i, j) <= radius2;
+      outlier[i] = near < options_.min_neighbors;
+    }
+  }
+
+ private:
+  RorOptions options_;
+};
 
 ChainStage make_ror(const OptionValues& values, const Facts& facts) {
   const RorOptions options = ror_options().read(values);
@@ -70,24 +82,5 @@ OperatorDeclaration ror_declaration() {
 }
 
 ChainStage operators::ror(const RorOptions& options) { return std::make_shared<RadiusOutliers>(options); }
-
-RadiusOutliers::RadiusOutliers(const RorOptions& options) : options_(options) { ror_options().declare(*this, options); }
-
-Contract RadiusOutliers::contract() const {
-  Attribute outlier = outlier_attribute();
-  outlier.meaning = "1: too few neighbours within the radius";
-  return {.makes = {outlier}, .default_k = options_.min_neighbors};
-}
-
-void RadiusOutliers::apply(const Neighborhoods& in, Columns& out) const {
-  const std::span<std::uint8_t> outlier = out.column<std::uint8_t>(0);
-  const double radius2 = options_.radius * options_.radius;
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    std::uint64_t near = 0;
-    for (std::size_t j = 0; j < in.count(i) && near < options_.min_neighbors; ++j)
-      near += in.distance2(i, j) <= radius2;
-    outlier[i] = near < options_.min_neighbors;
-  }
-}
 
 }  // namespace pointsweep

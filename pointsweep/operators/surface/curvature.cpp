@@ -7,11 +7,9 @@
 
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
-#include "pointsweep/operators/surface/curvature_kernel.h"
-#include "pointsweep/operators/surface/tangent_plane.h"
-#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
+
 Attribute k1_attribute() { return scalar("k1", Type::f32, "1/length", "larger principal curvature, without sign"); }
 Attribute k2_attribute() { return scalar("k2", Type::f32, "1/length", "smaller principal curvature, without sign"); }
 Attribute k1_direction_attribute() {
@@ -47,8 +45,7 @@ OperatorDeclaration curvature_declaration() {
                      {.name = "k1_direction",
                       .meaning =
                           "unit tangent in the direction of k1; its sign has no meaning: the largest component is "
-                          "positive. The direction of k2 is its cross "
-                          "product with the normal; undefined: 0"},
+                          "positive. The direction of k2 is its cross product with the normal; undefined: 0"},
                      {.name = "mean_curvature", .meaning = "(k1 + k2) / 2; undefined: 0"},
                      {.name = "gaussian_curvature", .meaning = "k1 k2, without sign; undefined: 0"},
                      {.name = "rms_curvature", .meaning = "√((k1² + k2²) / 2); undefined: 0"},
@@ -83,8 +80,9 @@ Contract Curvature::contract() const {
 }
 
 void Curvature::apply(const Neighborhoods& in, Columns& out) const {
+  using Triple = std::array<float, 3>;
   const auto numbers = [&](std::size_t m) { return out.wanted(m) ? out.column<float>(m) : std::span<float>(); };
-  const auto triples = [&](std::size_t m) { return out.wanted(m) ? out.column<Float3>(m) : std::span<Float3>(); };
+  const auto triples = [&](std::size_t m) { return out.wanted(m) ? out.column<Triple>(m) : std::span<Triple>(); };
   curvatures(in,
              {.k1 = numbers(0),
               .k2 = numbers(1),

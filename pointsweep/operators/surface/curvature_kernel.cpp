@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/surface/curvature_kernel.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <optional>
 
 #include "pointsweep/math/instruction_sets.h"
+#include "pointsweep/operators/surface/curvature.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/operators/surface/curvature_kernel.cpp"

@@ -11,6 +11,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/points/text_file.h"
 
 namespace pointsweep {
@@ -93,7 +94,6 @@ std::shared_ptr<const LocalOperator> FacingNormals::bound(const Schema& input, s
   return bound;
 }
 
-/// Computes 0 - n, which is never -0, instead of -n.
 void FacingNormals::apply(const Neighborhoods& in, Columns& out) const {
   const auto normals = out.column<std::array<float, 3>>(0);
   for (std::size_t i = 0; i < in.size(); ++i) {
@@ -105,8 +105,7 @@ void FacingNormals::apply(const Neighborhoods& in, Columns& out) const {
           "{}: is a trajectory from {} to {}, and a point was measured at {}; give the trajectory of this survey, with "
           "times of the same system.",
           file_, trajectory_->first_time(), trajectory_->last_time(), time);
-    if (dot(in.vector(0, i), trajectory_->at(time) - in.position(i)) < 0)
-      normals[i] = {0.0f - n[0], 0.0f - n[1], 0.0f - n[2]};
+    if (dot(in.vector(0, i), trajectory_->at(time) - in.position(i)) < 0) normals[i] = flipped(n);
   }
 }
 

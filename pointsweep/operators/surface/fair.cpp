@@ -18,7 +18,6 @@
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/kinds/box_reductions.h"
 #include "pointsweep/operators/surface/splats.h"
-#include "pointsweep/operators/surface/tangent_plane.h"
 
 namespace pointsweep {
 namespace {
@@ -31,6 +30,12 @@ double inverse_width(std::string_view option, double width) {
     fail_usage("fair: the width {} = {} is not a positive length; give one in the length unit of the cloud", option,
                width);
   return inverse;
+}
+
+/// Returns v / |v|, or (0, 0, 0) if v is 0 or not finite.
+Vec3 unit_or_zero(Vec3 v) {
+  const double size = length(v);
+  return size > 0 && std::isfinite(size) ? (1 / size) * v : Vec3{};
 }
 
 /// Returns the area of a splat over π; 0 without a splat.
@@ -55,6 +60,37 @@ const OptionTable<FairPercent>& fair_options() {
              {.least = 1e-6, .most = 100, .unit = kWidthUnit})};
   return table;
 }
+
+/// Fair with both widths in % of the diagonal of the box around the finite points of the INPUT that earlier stages have
+/// kept. Moved positions do not count, even for a second `fair` or after `reneighbor`.
+class FairInPercent final : public LocalOperator {
+ public:
+  /// Messages begin with `place`, e.g. "pipeline, column 20: fair".
+  explicit FairInPercent(const FairPercent& percent, std::string place = "fair")
+      : percent_(percent), place_(std::move(place)) {
+    fair_options().declare(*this, percent);
+  }
+  std::string name() const override { return "fair"; }
+  Contract contract() const override {
+    Contract contract = Fair({.f = 1, .g = 1}).contract();
+    contract.values = {std::make_shared<InputDiagonal>()};
+    return contract;
+  }
+  void apply(const Neighborhoods&, Columns&) const override {}
+  std::array<bool, 3> changes_system() const override { return {}; }
+  /// Returns Fair with widths in length units. Throws UsageError if all points lie in one place.
+  std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override {
+    const double diagonal = values[0][0];
+    if (!(diagonal > 0))
+      fail_usage("{}: all points lie in one place, so there is nothing to smooth; leave the stage out.", place_);
+    const double percent = diagonal / 100;
+    return std::make_shared<Fair>(FairOptions{.f = percent_.f * percent, .g = percent_.g * percent});
+  }
+
+ private:
+  FairPercent percent_;
+  std::string place_;
+};
 
 }  // namespace
 
@@ -97,25 +133,6 @@ Contract Fair::contract() const {
           .default_k = 64};
 }
 
-FairInPercent::FairInPercent(const FairPercent& percent, std::string place)
-    : percent_(percent), place_(std::move(place)) {
-  fair_options().declare(*this, percent);
-}
-
-Contract FairInPercent::contract() const {
-  Contract contract = Fair({.f = 1, .g = 1}).contract();
-  contract.values = {std::make_shared<InputDiagonal>()};
-  return contract;
-}
-
-std::shared_ptr<const LocalOperator> FairInPercent::with_values(std::span<const std::vector<double>> values) const {
-  const double diagonal = values[0][0];
-  if (!(diagonal > 0))
-    fail_usage("{}: all points lie in one place, so there is nothing to smooth; leave the stage out.", place_);
-  const double percent = diagonal / 100;
-  return std::make_shared<Fair>(FairOptions{.f = percent_.f * percent, .g = percent_.g * percent});
-}
-
 /// A neighbour that counts. The point moves by `off_plane` along `normal` onto the tangent plane of the neighbour.
 struct Fair::Pull {
   Vec3 normal;
@@ -128,7 +145,7 @@ void Fair::collect(const Neighborhoods& in, std::size_t i, std::vector<Pull>& pu
                    std::vector<double>& exponents) const {
   pulls.clear(), exponents.clear();
   for (std::size_t j = 0; j < in.count(i); ++j) {
-    const Vec3 normal = unit_or_zero(in.neighbor_value<Float3>(0, i, j));
+    const Vec3 normal = unit_or_zero(in.vector_of(0, in.neighbors(i)[j]));
     const double a = area(in.neighbor_value<float>(1, i, j), in.neighbor_value<float>(2, i, j));
     if (normal == Vec3{} || a == 0) continue;
     const Vec3 offset = in.offset(i, j);

@@ -3,11 +3,8 @@
 #pragma once
 
 #include <array>
-#include <memory>
 #include <optional>
-#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "pointsweep/operator.h"
@@ -40,24 +37,6 @@ class Fair : public LocalOperator {
   void collect(const Neighborhoods& in, std::size_t i, std::vector<Pull>& pulls, std::vector<double>& exponents) const;
   static std::optional<Vec3> shift(double own, const std::vector<Pull>& pulls, const std::vector<double>& falloffs);
   double inverse_f_, inverse_g_;
-};
-
-/// Fair with both widths in % of the diagonal of the box around the finite points of the INPUT that earlier stages have
-/// kept. Moved positions do not count, even for a second `fair` or after `reneighbor`.
-class FairInPercent final : public LocalOperator {
- public:
-  /// Messages begin with `place`, e.g. "pipeline, column 20: fair".
-  explicit FairInPercent(const FairPercent& percent = {}, std::string place = "fair");
-  std::string name() const override { return "fair"; }
-  Contract contract() const override;
-  void apply(const Neighborhoods&, Columns&) const override {}
-  std::array<bool, 3> changes_system() const override { return {}; }
-  /// Returns Fair with widths in length units. Throws UsageError if all points lie in one place.
-  std::shared_ptr<const LocalOperator> with_values(std::span<const std::vector<double>> values) const override;
-
- private:
-  FairPercent percent_;
-  std::string place_;
 };
 
 }  // namespace pointsweep

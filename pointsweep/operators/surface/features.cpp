@@ -138,9 +138,8 @@ Features::Features(FeaturesOptions options) : options_(std::move(options)), made
 }
 
 Contract Features::contract() const {
-  Contract contract;
+  Contract contract{.default_k = 32};
   for (const Feature f : made_) contract.makes.push_back(attribute_of(f, options_.eigenvalues));
-  contract.default_k = 32;
   return contract;
 }
 

@@ -9,16 +9,11 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/surface/normals_kernel.h"
-#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 namespace {
 
 using Normal = std::array<float, 3>;
-
-/// Computes 0 - n, which is never -0, instead of -n, so that a component of 0 does not show whether it was flipped.
-Normal flipped(Normal n) { return {0.0f - n[0], 0.0f - n[1], 0.0f - n[2]}; }
 
 double dot(Normal n, Vec3 v) { return pointsweep::dot({n[0], n[1], n[2]}, v); }
 
@@ -85,20 +80,17 @@ Normals::Normals(const NormalsOptions& options, const std::string& place) : opti
 }
 
 Contract Normals::contract() const {
-  Contract c;
-  if (options_.orient == Orient::input) c.reads = {normal_attribute()};
-  c.makes = {normal_attribute()};
-  c.default_k = 16;
-  return c;
+  Contract contract{.makes = {normal_attribute()}, .default_k = 16};
+  if (options_.orient == Orient::input) contract.reads = {normal_attribute()};
+  return contract;
 }
 
 void Normals::apply(const Neighborhoods& in, Columns& out) const {
   const std::span<Normal> normals = out.column<Normal>(0);
   unoriented_normals(in, normals, out.degenerate());
   if (options_.orient == Orient::none) return;
-  for (std::size_t i = 0; i < in.size(); ++i) {
+  for (std::size_t i = 0; i < in.size(); ++i)
     if (along_wanted(options_, in, i, normals[i]) < 0) normals[i] = flipped(normals[i]);
-  }
 }
 
 }  // namespace pointsweep

@@ -2,10 +2,13 @@
 /// Unit normals of the surface the points were taken from (paper Section 3.2, Equation 1).
 #pragma once
 
+#include <array>
+#include <span>
 #include <string>
 
 #include "pointsweep/operator.h"
 #include "pointsweep/operators.h"
+#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 
@@ -31,5 +34,14 @@ class Normals : public LocalOperator {
  private:
   NormalsOptions options_;
 };
+
+/// Computes the unit normal of every point of the batch; the first of its largest components is positive. Points that
+/// are degenerate by the definition of Normals get (0, 0, 0) and are marked as such. The bits depend only on a point's
+/// neighbourhood: not on the instruction set or the batch.
+void unoriented_normals(const Neighborhoods& in, std::span<std::array<float, 3>> normals, DegeneratePoints& degenerate);
+
+/// Returns the normal with the opposite sign. Computes 0 - n, which is never -0, instead of -n, so that a component of
+/// 0 does not show whether the normal was flipped.
+inline std::array<float, 3> flipped(const std::array<float, 3>& n) { return {0.0f - n[0], 0.0f - n[1], 0.0f - n[2]}; }
 
 }  // namespace pointsweep

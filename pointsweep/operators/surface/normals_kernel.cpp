@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/surface/normals_kernel.h"
-
 #include <cstddef>
 
 #include "pointsweep/math/instruction_sets.h"
+#include "pointsweep/operators/surface/normals.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/operators/surface/normals_kernel.cpp"

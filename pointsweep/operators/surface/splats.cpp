@@ -7,9 +7,6 @@
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/surface/curvature.h"
-#include "pointsweep/operators/surface/splats_kernel.h"
-#include "pointsweep/operators/surface/tangent_plane.h"
-#include "pointsweep/points/degenerate_points.h"
 
 namespace pointsweep {
 namespace {
@@ -75,19 +72,19 @@ Attribute splat_ratio_attribute() {
 }
 
 Contract Splats::contract() const {
-  Contract c;
-  c.reads = {normal_attribute()};
+  Contract contract{.reads = {normal_attribute()},
+                    .makes = {splat_axis_attribute(), splat_length_attribute(), splat_ratio_attribute()},
+                    .default_k = 16};
   if (options_.axes == SplatAxes::curvature)
-    c.reads.insert(c.reads.end(), {k1_direction_attribute(), k1_attribute(), k2_attribute()});
-  c.makes = {splat_axis_attribute(), splat_length_attribute(), splat_ratio_attribute()};
-  c.default_k = 16;
-  return c;
+    contract.reads.insert(contract.reads.end(), {k1_direction_attribute(), k1_attribute(), k2_attribute()});
+  return contract;
 }
 
 void Splats::apply(const Neighborhoods& in, Columns& out) const {
-  fit_splats(in, options_.axes == SplatAxes::curvature,
-             {.axis = out.column<Float3>(0), .length = out.column<float>(1), .ratio = out.column<float>(2)},
-             out.degenerate());
+  fit_splats(
+      in, options_.axes == SplatAxes::curvature,
+      {.axis = out.column<std::array<float, 3>>(0), .length = out.column<float>(1), .ratio = out.column<float>(2)},
+      out.degenerate());
 }
 
 }  // namespace pointsweep

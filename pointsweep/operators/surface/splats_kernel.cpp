@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/surface/splats_kernel.h"
-
 #include <cstddef>
 #include <limits>
 
 #include "pointsweep/math/instruction_sets.h"
+#include "pointsweep/operators/surface/splats.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pointsweep/operators/surface/splats_kernel.cpp"

@@ -20,17 +20,6 @@
 namespace pointsweep {
 namespace {
 
-/// Makes "level", the depth at which a point is first drawn (levels/level_choice.h). Positions are rounded to steps of
-/// 2^-30 of the widest extent, so that the levels equal those of a cloud stored on such a grid.
-class Level final : public InOrderOperator {
- public:
-  Level();
-  std::string name() const override { return "level"; }
-  InOrderContract in_order_contract() const override;
-  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override;
-  std::uint64_t least_bytes(const CloudEstimate& cloud) const override;
-};
-
 constexpr double kSteps = 1 << 30;
 constexpr std::uint64_t kDepthBits = 5;
 
@@ -119,6 +108,25 @@ class LevelWork final : public InOrderWork {
   std::optional<SortedRecords<std::uint64_t, std::less<>>> levels_;  ///< number of the point * 32 + level
 };
 
+/// Makes "level", the depth at which a point is first drawn (levels/level_choice.h). Positions are rounded to steps of
+/// 2^-30 of the widest extent, so that the levels equal those of a cloud stored on such a grid.
+class Level final : public InOrderOperator {
+ public:
+  std::string name() const override { return "level"; }
+  InOrderContract in_order_contract() const override {
+    Attribute level = scalar("level", Type::u8, "1", "depth of the level, from 0; undefined: 255");
+    level.fill = std::byte{0xff};
+    return {.makes = {level}, .arrival = "three times: for their bounds, their levels, and to take them"};
+  }
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override {
+    return std::make_unique<LevelWork>(setup);
+  }
+  std::uint64_t least_bytes(const CloudEstimate& cloud) const override {
+    constexpr std::uint64_t kPointBytes = 200;  // for each point of a cloud that is in memory as a whole
+    return std::min(least_level_bytes(cloud.threads), (std::uint64_t{1} << 20) + cloud.points * kPointBytes);
+  }
+};
+
 }  // namespace
 
 OperatorDeclaration level_declaration() {
@@ -129,8 +137,7 @@ OperatorDeclaration level_declaration() {
       .formula =
           "Positions are rounded to steps of e / 2^30, e the widest extent; the cube of width w has its corner half a "
           "step below the least coordinates. An octant with more than 100,000 points is divided, unless they lie at "
-          "one "
-          "place.\n"
+          "one place.\n"
           "Depth d takes all points of octants of depth d that are not divided. Then each divided octant of depth d, "
           "those of even numbers along x, y and z first, takes in the order of a hash of the rounded coordinates each "
           "point that is not nearer than s_d to a point taken before.\n"
@@ -144,22 +151,5 @@ OperatorDeclaration level_declaration() {
 }
 
 ChainStage operators::level() { return std::make_shared<Level>(); }
-
-Level::Level() = default;
-
-InOrderContract Level::in_order_contract() const {
-  Attribute level = scalar("level", Type::u8, "1", "depth of the level, from 0; undefined: 255");
-  level.fill = std::byte{0xff};
-  return {.makes = {level}, .arrival = "three times: for their bounds, their levels, and to take them"};
-}
-
-std::unique_ptr<InOrderWork> Level::start(const InOrderSetup& setup) const {
-  return std::make_unique<LevelWork>(setup);
-}
-
-std::uint64_t Level::least_bytes(const CloudEstimate& cloud) const {
-  constexpr std::uint64_t kPointBytes = 200;  // for each point of a cloud that is in memory as a whole
-  return std::min(least_level_bytes(cloud.threads), (std::uint64_t{1} << 20) + cloud.points * kPointBytes);
-}
 
 }  // namespace pointsweep

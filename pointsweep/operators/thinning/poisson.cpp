@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/thinning/poisson.h"
-
+/// Keeping points that are farther from each other than a radius.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/in_order_operator.h"
 #include "pointsweep/math/mix.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/meant_value.h"
@@ -68,6 +76,60 @@ const OptionTable<PoissonOptions>& poisson_options() {
   return table;
 }
 
+/// Takes the points in ascending order of the hash of their coordinates, equal hashes by x, y, z, then row. A point is
+/// kept unless a kept point lies within the point's own radius. So every dropped point has a kept point within its
+/// radius, and the later of two kept points is farther from the other than its own radius. Points without a finite
+/// place are all kept.
+class Poisson final : public InOrderOperator {
+ public:
+  /// Throws UsageError for options out of their ranges, and if the square of the radius cannot be represented.
+  explicit Poisson(PoissonOptions options) : options_(std::move(options)) {
+    poisson_options().declare(*this, options_);
+    const double r = options_.radius;
+    if (!std::isnormal(r * r))
+      fail_usage("poisson: double precision cannot hold the square of the radius {}: scale the coordinates.", r);
+  }
+  std::string name() const override { return "poisson"; }
+  InOrderContract in_order_contract() const override {
+    return {.reads = reads_, .drops_rows = true, .arrival = "each held until all points within the radius have come"};
+  }
+  std::unique_ptr<InOrderWork> start(const InOrderSetup& setup) const override {
+    const std::size_t values = reads_.empty() ? 0 : reads_.front().fields.size();
+    return std::make_unique<PoissonFront>(setup, options_.radius, values, component_);
+  }
+  /// Returns a guess of eight radii: chains of points that depend on each other are seldom longer.
+  std::optional<Reach> reach() const override { return Reach{.distance = 8 * options_.radius, .is_guess = true}; }
+  /// Returns the memory for the points that are undecided at a time (undecided_points.h): all points less than a radius
+  /// behind the newest point along the axis, and the points that wait for one of them.
+  std::uint64_t least_bytes(const CloudEstimate& cloud) const override {
+    const std::uint64_t near = cloud.slice_points(2 * options_.radius) + kHeldAtMost;
+    return UndecidedPoints::kPointBytes * std::min(cloud.points, near);
+  }
+  /// Throws UsageError if radius_from does not name a single value of each point.
+  std::shared_ptr<const InOrderOperator> bound(const Schema& input, std::span<const Attribute> made) const override {
+    if (options_.radius_from.empty()) return nullptr;
+    auto bound = std::make_shared<Poisson>(*this);
+    const MeantValue meant = meant_value(options_.radius_from, input, made);
+    if (meant.made != nullptr) {
+      bound->reads_ = {*meant.made};
+      bound->component_ = meant.component;
+      return bound;
+    }
+    if (meant.field == nullptr || meant.field->count != 1)
+      fail_usage(
+          "poisson: radius_from={}: neither the input nor an earlier stage has a single value of this name for "
+          "each point.",
+          options_.radius_from);
+    bound->reads_ = {scalar(meant.field->name, Type::f64, "length", "radius of the point")};
+    return bound;
+  }
+
+ private:
+  PoissonOptions options_;
+  std::vector<Attribute> reads_;  ///< the attribute that radius_from names; empty without one
+  std::size_t component_ = 0;     ///< component of the attribute
+};
+
 }  // namespace
 
 OperatorDeclaration poisson_declaration() {
@@ -92,47 +154,5 @@ OperatorDeclaration poisson_declaration() {
 }
 
 ChainStage operators::poisson(const PoissonOptions& options) { return std::make_shared<Poisson>(options); }
-
-Poisson::Poisson(PoissonOptions options) : options_(std::move(options)) {
-  poisson_options().declare(*this, options_);
-  const double r = options_.radius;
-  if (!std::isnormal(r * r))
-    fail_usage("poisson: double precision cannot hold the square of the radius {}: scale the coordinates.", r);
-}
-
-InOrderContract Poisson::in_order_contract() const {
-  return {.reads = reads_, .drops_rows = true, .arrival = "each held until all points within the radius have come"};
-}
-
-/// Returns a guess of eight radii: chains of points that depend on each other are seldom longer.
-std::optional<Reach> Poisson::reach() const { return Reach{.distance = 8 * options_.radius, .is_guess = true}; }
-
-std::uint64_t Poisson::least_bytes(const CloudEstimate& cloud) const {
-  const std::uint64_t near = cloud.slice_points(2 * options_.radius) + kHeldAtMost;
-  return UndecidedPoints::kPointBytes * std::min(cloud.points, near);
-}
-
-std::unique_ptr<InOrderWork> Poisson::start(const InOrderSetup& setup) const {
-  const std::size_t values = reads_.empty() ? 0 : reads_.front().fields.size();
-  return std::make_unique<PoissonFront>(setup, options_.radius, values, component_);
-}
-
-std::shared_ptr<const InOrderOperator> Poisson::bound(const Schema& input, std::span<const Attribute> made) const {
-  if (options_.radius_from.empty()) return nullptr;
-  auto bound = std::make_shared<Poisson>(*this);
-  const MeantValue meant = meant_value(options_.radius_from, input, made);
-  if (meant.made != nullptr) {
-    bound->reads_ = {*meant.made};
-    bound->component_ = meant.component;
-    return bound;
-  }
-  if (meant.field == nullptr || meant.field->count != 1)
-    fail_usage(
-        "poisson: radius_from={}: neither the input nor an earlier stage has a single value of this name for "
-        "each point.",
-        options_.radius_from);
-  bound->reads_ = {scalar(meant.field->name, Type::f64, "length", "radius of the point")};
-  return bound;
-}
 
 }  // namespace pointsweep

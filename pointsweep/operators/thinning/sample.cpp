@@ -13,22 +13,6 @@
 namespace pointsweep {
 namespace {
 
-/// Keeps the points with the least fractions (coordinate_fraction()), equal fractions in the order of their rows; with
-/// SampleOptions::rest, keeps all other points instead. The place of a point is its fraction, so that points come in
-/// this order. Points without a finite place are all kept.
-class Sample final : public InOrderOperator {
- public:
-  /// Throws UsageError for options out of their ranges.
-  explicit Sample(const SampleOptions& options);
-  std::string name() const override { return "sample"; }
-  InOrderContract in_order_contract() const override;
-  std::unique_ptr<InOrderWork> start(const InOrderSetup&) const override;
-  Vec3 place_of(Vec3 position) const override;
-
- private:
-  SampleOptions options_;
-};
-
 const OptionTable<SampleOptions>& sample_options() {
   static const OptionTable<SampleOptions> table = {
       option("number", &SampleOptions::number, "keep so many points, or all points of a cloud that has fewer",
@@ -57,6 +41,29 @@ class FirstInOrder final : public InOrderWork {
   bool rest_;
 };
 
+/// Keeps the points with the least fractions (coordinate_fraction()), equal fractions in the order of their rows; with
+/// SampleOptions::rest, keeps all other points instead. The place of a point is its fraction, so that points come in
+/// this order. Points without a finite place are all kept.
+class Sample final : public InOrderOperator {
+ public:
+  /// Throws UsageError for options out of their ranges.
+  explicit Sample(const SampleOptions& options) : options_(options) { sample_options().declare(*this, options); }
+  std::string name() const override { return "sample"; }
+  InOrderContract in_order_contract() const override {
+    return {.drops_rows = true, .places = Places::of_operator, .arrival = "by the hash of their coordinates"};
+  }
+  std::unique_ptr<InOrderWork> start(const InOrderSetup&) const override {
+    return std::make_unique<FirstInOrder>(options_.number, options_.rest);
+  }
+  Vec3 place_of(Vec3 position) const override {
+    const double fraction = coordinate_fraction(position, options_.seed);
+    return {fraction, fraction, fraction};  // all equal, so that the order is the same along any axis
+  }
+
+ private:
+  SampleOptions options_;
+};
+
 }  // namespace
 
 OperatorDeclaration sample_declaration() {
@@ -73,20 +80,5 @@ OperatorDeclaration sample_declaration() {
 }
 
 ChainStage operators::sample(const SampleOptions& options) { return std::make_shared<Sample>(options); }
-
-Sample::Sample(const SampleOptions& options) : options_(options) { sample_options().declare(*this, options); }
-
-InOrderContract Sample::in_order_contract() const {
-  return {.drops_rows = true, .places = Places::of_operator, .arrival = "by the hash of their coordinates"};
-}
-
-std::unique_ptr<InOrderWork> Sample::start(const InOrderSetup&) const {
-  return std::make_unique<FirstInOrder>(options_.number, options_.rest);
-}
-
-Vec3 Sample::place_of(Vec3 position) const {
-  const double fraction = coordinate_fraction(position, options_.seed);
-  return {fraction, fraction, fraction};  // all equal, so that the order is the same along any axis
-}
 
 }  // namespace pointsweep

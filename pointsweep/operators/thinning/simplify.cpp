@@ -14,42 +14,9 @@
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/surface/curvature.h"
-#include "pointsweep/operators/thinning/poisson.h"
 
 namespace pointsweep {
 namespace {
-
-/// Returns simplify_radius, N f64, in length units: the distance up to which a kept point may represent the point.
-Attribute simplify_radius_attribute() {
-  return scalar("simplify_radius", Type::f64, "length", "distance within which a kept point represents this one");
-}
-
-/// Makes simplify_radius = √(2 error / k1), limited to `least` and `most`: within it, a surface of curvature k1
-/// deviates from its tangent plane by at most the error, to second order. A point without curvature gets `most`.
-class SimplifyRadius final : public LocalOperator {
- public:
-  explicit SimplifyRadius(const SimplifyOptions& options) : options_(options) {}
-  std::string name() const override { return "simplify_radius"; }
-  Contract contract() const override;
-  void apply(const Neighborhoods& in, Columns& out) const override;
-
- private:
-  SimplifyOptions options_;
-};
-
-/// `simplify`: SimplifyRadius, then Poisson with simplify_radius as the radius of each point.
-class Simplify final : public CompositeOperator {
- public:
-  /// Throws UsageError for options out of their ranges, and if least is more than most; the message about the latter
-  /// begins with `place`.
-  explicit Simplify(const SimplifyOptions& options, const std::string& place = "simplify");
-  std::string name() const override { return "simplify"; }
-  Contract contract() const override;
-  std::vector<ChainStage> parts() const override;
-
- private:
-  SimplifyOptions options_;
-};
 
 /// The default of the largest radius, as a multiple of the error: the radius for a surface with a radius of curvature
 /// of 512 errors.
@@ -71,6 +38,57 @@ const OptionTable<SimplifyOptions>& simplify_options() {
 
 double most_of(const SimplifyOptions& options) { return options.most.value_or(kMostOfErrors * options.error); }
 
+/// Returns simplify_radius, N f64, in length units: the distance up to which a kept point may represent the point.
+Attribute simplify_radius_attribute() {
+  return scalar("simplify_radius", Type::f64, "length", "distance within which a kept point represents this one");
+}
+
+/// Makes simplify_radius = √(2 error / k1), limited to `least` and `most`: within it, a surface of curvature k1
+/// deviates from its tangent plane by at most the error, to second order. A point without curvature gets `most`.
+class SimplifyRadius final : public LocalOperator {
+ public:
+  explicit SimplifyRadius(const SimplifyOptions& options) : options_(options) {}
+  std::string name() const override { return "simplify_radius"; }
+  Contract contract() const override {
+    return {.reads = {k1_attribute()}, .makes = {simplify_radius_attribute()}, .default_k = 0};
+  }
+  void apply(const Neighborhoods& in, Columns& out) const override {
+    const std::span<double> radius = out.column<double>(0);
+    const double most = most_of(options_);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const double k1 = in.value<float>(0, i);
+      const double r = k1 > 0 ? std::sqrt(2 * options_.error / k1) : most;
+      radius[i] = std::clamp(r, options_.least, most);
+    }
+  }
+
+ private:
+  SimplifyOptions options_;
+};
+
+/// `simplify`: SimplifyRadius, then Poisson with simplify_radius as the radius of each point.
+class Simplify final : public CompositeOperator {
+ public:
+  /// Throws UsageError for options out of their ranges, and if least is more than most; the message about the latter
+  /// begins with `place`.
+  explicit Simplify(const SimplifyOptions& options, const std::string& place = "simplify") : options_(options) {
+    simplify_options().declare(*this, options);
+    if (options.least > most_of(options))
+      fail_usage(
+          "{}: least is {}, but most, the largest distance between kept points, is {}; give least of at most that.",
+          place, options.least, most_of(options));
+  }
+  std::string name() const override { return "simplify"; }
+  Contract contract() const override { return SimplifyRadius(options_).contract(); }
+  std::vector<ChainStage> parts() const override {
+    const PoissonOptions disks{.radius = most_of(options_), .radius_from = simplify_radius_attribute().name};
+    return {std::make_shared<SimplifyRadius>(options_), operators::poisson(disks)};
+  }
+
+ private:
+  SimplifyOptions options_;
+};
+
 }  // namespace
 
 OperatorDeclaration simplify_declaration() {
@@ -89,36 +107,5 @@ OperatorDeclaration simplify_declaration() {
 }
 
 ChainStage operators::simplify(const SimplifyOptions& options) { return std::make_shared<Simplify>(options); }
-
-Contract SimplifyRadius::contract() const {
-  return {.reads = {k1_attribute()}, .makes = {simplify_radius_attribute()}, .default_k = 0};
-}
-
-void SimplifyRadius::apply(const Neighborhoods& in, Columns& out) const {
-  const std::span<double> radius = out.column<double>(0);
-  const double most = most_of(options_);
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    const double k1 = in.value<float>(0, i);
-    const double r = k1 > 0 ? std::sqrt(2 * options_.error / k1) : most;
-    radius[i] = std::clamp(r, options_.least, most);
-  }
-}
-
-Simplify::Simplify(const SimplifyOptions& options, const std::string& place) : options_(options) {
-  simplify_options().declare(*this, options);
-  if (options.least > most_of(options))
-    fail_usage(
-        "{}: least is {}, but most, the largest distance between kept points, is {}; give least of at most that.",
-        place, options.least, most_of(options));
-}
-
-Contract Simplify::contract() const {
-  return {.reads = {k1_attribute()}, .makes = {simplify_radius_attribute()}, .default_k = 0};
-}
-
-std::vector<ChainStage> Simplify::parts() const {
-  const PoissonOptions disks{.radius = most_of(options_), .radius_from = simplify_radius_attribute().name};
-  return {std::make_shared<SimplifyRadius>(options_), std::make_shared<Poisson>(disks)};
-}
 
 }  // namespace pointsweep

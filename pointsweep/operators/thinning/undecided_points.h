@@ -15,6 +15,9 @@
 
 namespace pointsweep {
 
+/// Seed of the hashes of coordinates that give the order in which points are decided.
+inline constexpr std::uint64_t kPoissonSeed = 0x706f6973736f6e;  // "poisson" in ASCII
+
 /// A point of the choice. The lesser of two points is decided first.
 struct DiskPoint {
   Vec3 position;

@@ -10,7 +10,7 @@
 #include "pointsweep/chain.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/neighborhood.h"
-#include "pointsweep/operators/kinds/chain_stage.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
 #include "pointsweep/program/declaration.h"
 #include "pointsweep/program/pipeline.h"

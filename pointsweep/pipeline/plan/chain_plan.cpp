@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/kinds/chain_stage.h"
+#include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/pipeline/plan/pass_planner.h"
 #include "pointsweep/points/input_row.h"
 

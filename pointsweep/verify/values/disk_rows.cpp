@@ -6,7 +6,7 @@
 #include <map>
 #include <tuple>
 
-#include "pointsweep/operators/thinning/poisson.h"
+#include "pointsweep/operators/thinning/undecided_points.h"
 #include "pointsweep/verify/formulas/thinning.h"
 #include "pointsweep/verify/values/kept_rows.h"
 
