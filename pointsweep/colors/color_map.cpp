@@ -19,10 +19,6 @@ constexpr std::array<Rgb, 10> kViridis = {{{68, 1, 84},
                                            {253, 231, 37}}};
 constexpr Rgb kNoValue{128, 128, 128};
 
-std::uint8_t between(std::uint8_t a, std::uint8_t b, double t) {
-  return static_cast<std::uint8_t>(a + (static_cast<double>(b) - a) * t + 0.5);
-}
-
 /// Coefficients of Turbo's polynomials for red, green and blue, the constant first.
 constexpr double kTurbo[3][6] = {{0.13572138, 4.61539260, -42.66032258, 132.13108234, -152.94239396, 59.28637943},
                                  {0.09140261, 2.19418839, 4.84296658, -14.18503333, 4.27729857, 2.82956604},
@@ -80,9 +76,14 @@ Rgb viridis(double value) {
   if (!(value == value)) return kNoValue;
   const double place = std::clamp(value, 0.0, 1.0) * static_cast<double>(kViridis.size() - 1);
   const std::size_t i = std::min(static_cast<std::size_t>(place), kViridis.size() - 2);
-  const double t = place - static_cast<double>(i);
-  const Rgb a = kViridis[i], b = kViridis[i + 1];
-  return {between(a.red, b.red, t), between(a.green, b.green, t), between(a.blue, b.blue, t)};
+  return mixed(kViridis[i], kViridis[i + 1], place - static_cast<double>(i));
+}
+
+Rgb mixed(Rgb a, Rgb b, double t) {
+  const auto between = [t](std::uint8_t low, std::uint8_t high) {
+    return static_cast<std::uint8_t>(low + (static_cast<double>(high) - low) * t + 0.5);
+  };
+  return {between(a.red, b.red), between(a.green, b.green), between(a.blue, b.blue)};
 }
 
 Rgb shaded(Rgb color, double light) {

@@ -20,6 +20,9 @@ Rgb gray(double value);
 /// Returns the grey that stands for NaN.
 Rgb no_value_color();
 
+/// Returns the colour that is the share `t`, 0 to 1, of the way from `a` to `b`.
+Rgb mixed(Rgb a, Rgb b, double t);
+
 /// Returns `color` times `light`, 0 to 1.
 Rgb shaded(Rgb color, double light);
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/connect/components.h"
 
-#include <algorithm>
 #include <cstring>
-#include <tuple>
+#include <functional>
 #include <vector>
 
 #include "pointsweep/cancellation.h"
@@ -18,19 +17,16 @@ namespace {
 struct FirstOfComponent {
   PointKey first;
   std::uint64_t component;
+  friend bool operator<(const FirstOfComponent& a, const FirstOfComponent& b) { return a.first < b.first; }
 };
-struct ByFirst {
-  bool operator()(const FirstOfComponent& a, const FirstOfComponent& b) const { return a.first < b.first; }
-};
+using ByFirstPoint = SortedRecords<FirstOfComponent, std::less<>>;
 
-/// The index of a component in the log, and the number that the component gets.
+/// The index of a component in the log, and the number that the component gets. The last component comes first.
 struct ComponentNumber {
   std::uint64_t component, number;
+  friend bool operator<(const ComponentNumber& a, const ComponentNumber& b) { return a.component > b.component; }
 };
-struct FromTheLast {
-  bool operator()(const ComponentNumber& a, const ComponentNumber& b) const { return a.component > b.component; }
-};
-using Numbers = SortedRecords<ComponentNumber, FromTheLast>;
+using Numbers = SortedRecords<ComponentNumber, std::less<>>;
 
 FinishedComponent component_in(const std::byte* record) {
   FinishedComponent component;
@@ -38,17 +34,16 @@ FinishedComponent component_in(const std::byte* record) {
   return component;
 }
 
-using ByFirstPoint = SortedRecords<FirstOfComponent, ByFirst>;
-
 /// Returns the components that get a number (VoteRule::counts()), in the order of their first points.
 ByFirstPoint by_first_point(const ScratchRecords& components, const ComponentsSetup& setup) {
   ByFirstPoint sorted(setup.make_scratch, setup.memory_bytes / 2, components.count());
   std::uint64_t component = components.count();
-  components.for_each_backwards([&](const std::byte* record) {
+  ScratchRecords::Backwards backwards(components);
+  while (const std::byte* record = backwards.next()) {
     --component;
     if (setup.votes == nullptr || setup.votes->counts(record + sizeof(FinishedComponent)))
       sorted.add({component_in(record).first, component});
-  });
+  }
   sorted.finish();
   return sorted;
 }

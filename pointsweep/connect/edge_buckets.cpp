@@ -13,8 +13,8 @@ namespace {
 
 template <class T>
 void append_bytes(std::vector<std::byte>& bytes, const std::vector<T>& values) {
-  const auto* from = reinterpret_cast<const std::byte*>(values.data());
-  bytes.insert(bytes.end(), from, from + values.size() * sizeof(T));
+  const auto added = std::as_bytes(std::span(values));
+  bytes.insert(bytes.end(), added.begin(), added.end());
 }
 
 template <class T>

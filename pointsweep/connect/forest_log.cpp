@@ -48,21 +48,6 @@ const std::byte* ScratchRecords::Backwards::next() {
   return block_.data() + --left_ * records_.bytes_;
 }
 
-void ScratchRecords::for_each(const std::function<void(const std::byte*)>& use) const {
-  const std::uint64_t together = std::max<std::size_t>(1, kScratchBlock / bytes_);
-  for (std::uint64_t first = 0; first < count_; first += together) {
-    stop_if_cancelled();
-    std::vector<std::byte> block(std::min(together, count_ - first) * bytes_);
-    read(first, block);
-    for (std::size_t at = 0; at < block.size(); at += bytes_) use(block.data() + at);
-  }
-}
-
-void ScratchRecords::for_each_backwards(const std::function<void(const std::byte*)>& use) const {
-  Backwards all(*this);
-  while (const std::byte* record = all.next()) use(record);
-}
-
 ForestLog::ForestLog(const MakeScratch& make_scratch, std::size_t result_bytes)
     : merges_(make_scratch(), sizeof(Merge)),
       components_(make_scratch(), sizeof(FinishedComponent) + result_bytes),
@@ -104,8 +89,8 @@ void ForestLog::for_each_point(
   std::vector<ComponentLabel> known(slots_);
   std::vector<std::byte> results(slots_ * result_bytes);
   std::uint64_t next = components_.count();
-  ScratchRecords::Backwards components(components_);
-  merges_.for_each_backwards([&](const std::byte* record) {
+  ScratchRecords::Backwards components(components_), merges(merges_);
+  while (const std::byte* record = merges.next()) {
     Merge merge;
     std::memcpy(&merge, record, sizeof merge);
     ComponentLabel& own = known[merge.slot];
@@ -124,7 +109,7 @@ void ForestLog::for_each_point(
     std::copy(result, result + result_bytes, kept);
     own.result = kept;
     use(merge.row, own);
-  });
+  }
 }
 
 }  // namespace pointsweep

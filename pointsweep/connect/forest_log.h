@@ -23,7 +23,7 @@ struct FinishedComponent {
   std::uint64_t points = 0;
 };
 
-/// Records of one size, appended one by one and read back in both directions.
+/// Records of one size, appended one by one, and read from any place or backwards.
 class ScratchRecords {
  public:
   ScratchRecords(std::unique_ptr<Scratch> scratch, std::size_t record_bytes);
@@ -34,10 +34,6 @@ class ScratchRecords {
   std::size_t record_bytes() const { return bytes_; }
   /// Reads the records [first, first + out.size() / record_bytes()).
   void read(std::uint64_t first, std::span<std::byte> out) const { scratch_->read(first * bytes_, out); }
-  /// Calls use(record) for all records, from the first to the last.
-  void for_each(const std::function<void(const std::byte* record)>& use) const;
-  /// Calls use(record) for all records, from the last to the first.
-  void for_each_backwards(const std::function<void(const std::byte* record)>& use) const;
   /// Reads the records one by one, from the last to the first.
   class Backwards {
    public:

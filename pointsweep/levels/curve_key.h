@@ -67,8 +67,8 @@ inline CurveKey key_of_cell(const std::array<std::uint32_t, 3>& cell) {
 inline std::array<std::uint32_t, 3> cell_of_key(const CurveKey& key) {
   std::array<std::uint32_t, 3> cell;
   for (int axis = 0; axis < 3; ++axis)
-    cell[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(
-        curve::gather(key.high >> axis) << curve::kLowBits | curve::gather(std::uint64_t{key.low} >> axis));
+    cell[axis] = static_cast<std::uint32_t>(curve::gather(key.high >> axis) << curve::kLowBits |
+                                            curve::gather(std::uint64_t{key.low} >> axis));
   return cell;
 }
 

@@ -74,7 +74,7 @@ void LeafFinder::add(std::span<const CurveKey> keys) {
 /// becomes a leaf, and replaces the leaves within it.
 void LeafFinder::close(int depth) {
   for (; depth <= kMostDepth; ++depth) {
-    const std::uint64_t first = first_[static_cast<std::size_t>(depth)];
+    const std::uint64_t first = first_[depth];
     const bool is_leaf = count_ - first <= kMostLeafPoints || first_at_last_ <= first || depth == kMostDepth;
     if (!is_leaf) continue;
     while (!leaves_.empty() && leaves_.back().first >= first) leaves_.pop_back();

@@ -16,6 +16,19 @@ constexpr std::string_view kBlanks = " \t\r\n";
 char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 bool is_letter(char c) { return upper(c) >= 'A' && upper(c) <= 'Z'; }
 
+/// Makes a Ring of the points of a ring in a file, where the last point repeats the first. Throws Error for fewer than
+/// four points and for a ring that is not closed. `where`: name of the ring in messages.
+Ring closed_ring(std::vector<Point2> points, std::string_view where) {
+  if (points.size() < 4)
+    fail("{}: a ring has {} points; one has at least four, of which the last is the first again.", where,
+         points.size());
+  if (points.front() != points.back())
+    fail("{}: a ring ends at {} {}, not where it begins, at {} {}.", where, points.back().x, points.back().y,
+         points.front().x, points.front().y);
+  points.pop_back();
+  return points;
+}
+
 /// A recursive-descent parser of WKT with this grammar:
 ///   text = {["SRID=" digits ";"] geometry}     geometry = ("POLYGON" | "MULTIPOLYGON") ["Z" | "M" | "ZM"] shape
 ///   shape of a polygon = "EMPTY" | "(" ring {"," ring} ")"     ring = "(" point {"," point} ")"
@@ -197,22 +210,19 @@ class GeometryCollector {
   std::vector<Polygon> polygons_;
 };
 
+std::vector<Polygon> polygons_of_geojson(std::string_view text, std::string_view name) {
+  GeoJson json;
+  try {
+    json = GeoJson::parse(text);
+  } catch (const GeoJson::exception& error) {
+    fail("{}: is not JSON: {}.", name, error.what());
+  }
+  GeometryCollector collector(name);
+  collector.add(json);
+  return std::move(collector).polygons();
+}
+
 }  // namespace
-
-std::vector<Polygon> polygons_of_wkt(std::string_view text, std::string_view name) {
-  return WktParser(text, name).polygons();
-}
-
-Ring closed_ring(std::vector<Point2> points, std::string_view where) {
-  if (points.size() < 4)
-    fail("{}: a ring has {} points; one has at least four, of which the last is the first again.", where,
-         points.size());
-  if (points.front() != points.back())
-    fail("{}: a ring ends at {} {}, not where it begins, at {} {}.", where, points.back().x, points.back().y,
-         points.front().x, points.front().y);
-  points.pop_back();
-  return points;
-}
 
 bool is_polygon_text(std::string_view text) {
   text = without_leading_blanks(text);
@@ -229,21 +239,10 @@ bool is_polygon_text(std::string_view text) {
 
 std::vector<Polygon> polygons_of_text(std::string_view text, std::string_view name) {
   text = without_leading_blanks(text);
-  std::vector<Polygon> polygons = text.starts_with('{') ? polygons_of_geojson(text, name) : polygons_of_wkt(text, name);
+  std::vector<Polygon> polygons =
+      text.starts_with('{') ? polygons_of_geojson(text, name) : WktParser(text, name).polygons();
   if (polygons.empty()) fail("{}: holds no polygon.", name);
   return polygons;
-}
-
-std::vector<Polygon> polygons_of_geojson(std::string_view text, std::string_view name) {
-  GeoJson json;
-  try {
-    json = GeoJson::parse(text);
-  } catch (const GeoJson::exception& error) {
-    fail("{}: is not JSON: {}.", name, error.what());
-  }
-  GeometryCollector collector(name);
-  collector.add(json);
-  return std::move(collector).polygons();
 }
 
 }  // namespace pointsweep

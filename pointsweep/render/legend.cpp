@@ -81,18 +81,6 @@ double distance_to(const Segment& s, double x, double y) {
   return std::sqrt(ex * ex + ey * ey);
 }
 
-void blend(Rgb& pixel, Rgb color, double share) {
-  const auto mix = [share](std::uint8_t a, std::uint8_t b) {
-    return static_cast<std::uint8_t>(a + (static_cast<double>(b) - a) * share + 0.5);
-  };
-  pixel = {mix(pixel.red, color.red), mix(pixel.green, color.green), mix(pixel.blue, color.blue)};
-}
-
-template <std::size_t N>
-bool is_one_of(const std::array<std::string_view, N>& names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 constexpr int kMarks = 5;  // number of marks beside a bar, including both ends
 constexpr const char* kRange = "5 % to 95 % of points";
 
@@ -142,7 +130,9 @@ void Lettering::draw(Picture& picture, double x, double baseline, std::string_vi
         double distance = 100;
         for (const Segment& s : segments) distance = std::min(distance, distance_to(s, px, py));
         const double share = std::clamp(0.5 + unit_ * (kHalfStroke - distance), 0.0, 1.0);
-        if (share > 0) blend(picture.pixels[std::size_t{row} * picture.width + column], color_, share);
+        if (share <= 0) continue;
+        Rgb& pixel = picture.pixels[std::size_t{row} * picture.width + column];
+        pixel = mixed(pixel, color_, share);
       }
     }
     left += unit_ * advance_of(c);
@@ -150,16 +140,30 @@ void Lettering::draw(Picture& picture, double x, double baseline, std::string_vi
 }
 
 std::string unit_of_attribute(std::string_view name, std::string_view length) {
-  constexpr auto kLengths = std::to_array<std::string_view>(
-      {"x", "y", "z", "radius", "height", "height_range", "splat_length", "neighbor_radius", "k_distance",
-       "mean_distance", "cloud_distance", "segment_residual", "simplify_radius", "m3c2_distance", "m3c2_lod",
-       "m3c2_spread1", "m3c2_spread2", "moment1_axis1", "moment1_axis2"});
-  constexpr std::array<std::string_view, 5> kCurvatures = {"k1", "k2", "mean_curvature", "rms_curvature",
-                                                           "absolute_curvature"};
-  if (is_one_of(kLengths, name) || name.starts_with("distance_"))
-    return length.empty() ? "file units" : std::string(length);
+  constexpr std::string_view kLengths[] = {"x",
+                                           "y",
+                                           "z",
+                                           "radius",
+                                           "height",
+                                           "height_range",
+                                           "splat_length",
+                                           "neighbor_radius",
+                                           "k_distance",
+                                           "mean_distance",
+                                           "cloud_distance",
+                                           "segment_residual",
+                                           "simplify_radius",
+                                           "m3c2_distance",
+                                           "m3c2_lod",
+                                           "m3c2_spread1",
+                                           "m3c2_spread2",
+                                           "moment1_axis1",
+                                           "moment1_axis2"};
+  constexpr std::string_view kCurvatures[] = {"k1", "k2", "mean_curvature", "rms_curvature", "absolute_curvature"};
+  const auto is_one_of = [name](const auto& names) { return std::ranges::find(names, name) != std::end(names); };
+  if (is_one_of(kLengths) || name.starts_with("distance_")) return length.empty() ? "file units" : std::string(length);
   const std::string unit(length.empty() ? "file unit" : length);
-  if (is_one_of(kCurvatures, name)) return "1/" + unit;
+  if (is_one_of(kCurvatures)) return "1/" + unit;
   if (name == "gaussian_curvature") return "1/" + unit + "^2";
   if (name == "gps_time") return "s";
   if (name == "scan_angle") return "degrees";

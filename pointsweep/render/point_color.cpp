@@ -16,7 +16,7 @@ namespace pointsweep {
 namespace {
 
 constexpr Rgb kPlain{214, 214, 214};
-constexpr std::array<const char*, 3> kColorFields = {"red", "green", "blue"}, kNormals = {"nx", "ny", "nz"};
+constexpr std::initializer_list<const char*> kColorFields = {"red", "green", "blue"};
 
 std::uint8_t byte_of(double value) {
   if (!(value > 0)) return 0;
@@ -30,21 +30,21 @@ bool is_fraction(const Field& field) { return field.type == Type::f32 || field.t
 PointColor::PointColor(const Schema& schema, std::string_view what, std::string_view option)
     : schema_(schema), chosen_by_user_(!what.empty()), name_(in_lower_case(what)) {
   if (what.empty()) {
-    if (take(schema, Kind::rgb, kColorFields)) name_ = "rgb";
+    if (take(Kind::rgb, kColorFields)) name_ = "rgb";
     return;
   }
   if (name_ == "plain") return;
-  if (name_ == "rgb" && take(schema, Kind::rgb, kColorFields)) return;
-  if (name_ == "normal" && take(schema, Kind::normal, kNormals)) return;
-  if (name_ == "classification" && take_classes(schema)) return;
+  if (name_ == "rgb" && take(Kind::rgb, kColorFields)) return;
+  if (name_ == "normal" && take(Kind::normal, {"nx", "ny", "nz"})) return;
+  if (name_ == "classification" && take(Kind::classes, {"classification"})) return;
   if (name_ == "height") {
     kind_ = Kind::height;
     return;
   }
   if (name_ == "curvature") {
     for (const char* name : {"rms_curvature", "mean_curvature", "absolute_curvature", "k1", "surface_variation"})
-      if (take_number(schema, name)) return;
-  } else if (take_number(schema, what)) {
+      if (take_number(name)) return;
+  } else if (take_number(what)) {
     return;
   }
   std::string there;
@@ -52,30 +52,23 @@ PointColor::PointColor(const Schema& schema, std::string_view what, std::string_
   fail_usage("{}: the input has nothing called '{}'; it has {}.", option, what, there);
 }
 
-bool PointColor::take(const Schema& schema, Kind kind, const std::array<const char*, 3>& names) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto field = schema.find(names[i]);
+bool PointColor::take(Kind kind, std::initializer_list<const char*> names) {
+  std::size_t taken = 0;
+  for (const char* name : names) {
+    const auto field = schema_.find(name);
     if (!field) return false;
-    fields_[i] = schema.fields[*field];
+    fields_[taken++] = schema_.fields[*field];
   }
   kind_ = kind;
   return true;
 }
 
-bool PointColor::take_number(const Schema& schema, std::string_view name) {
-  const auto field = field_meant(schema, name);
+bool PointColor::take_number(std::string_view name) {
+  const auto field = field_meant(schema_, name);
   if (!field) return false;
   kind_ = Kind::number;
-  fields_[0] = schema.fields[*field];
+  fields_[0] = schema_.fields[*field];
   name_ = fields_[0].name;
-  return true;
-}
-
-bool PointColor::take_classes(const Schema& schema) {
-  const auto field = schema.find("classification");
-  if (!field) return false;
-  kind_ = Kind::classes;
-  fields_[0] = schema.fields[*field];
   return true;
 }
 

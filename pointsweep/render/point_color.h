@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -64,9 +65,9 @@ class PointColor {
   struct Channel {
     double least = std::numeric_limits<double>::infinity(), most = -least;
   };
-  bool take(const Schema& schema, Kind kind, const std::array<const char*, 3>& names);
-  bool take_number(const Schema& schema, std::string_view name);
-  bool take_classes(const Schema& schema);
+  /// Takes the fields with these names, at most three, for a kind of colours. Returns false if one is missing.
+  bool take(Kind kind, std::initializer_list<const char*> names);
+  bool take_number(std::string_view name);
   void choose_without_colors(bool flat);
   bool colors_vary() const;
   double scale() const;

@@ -68,7 +68,7 @@ std::array<Range, 3> ranges_of(std::span<const Vec3> sample) {
 std::pair<int, int> axes_across(int axis) { return {(axis + 1) % 3, (axis + 2) % 3}; }
 
 bool is_flat(const std::array<Range, 3>& ranges, int axis) {
-  const auto extent = [&](int a) { return ranges[static_cast<std::size_t>(a)].extent(); };
+  const auto extent = [&](int a) { return ranges[a].extent(); };
   const auto [a, b] = axes_across(axis);
   const double across = std::sqrt(extent(a) * extent(b));
   return across > 0 && extent(axis) <= kFlatness * across;
@@ -102,8 +102,8 @@ double hull_area(std::vector<Point2> points) {
 /// Returns the share of the side below `up` that the lowest points cover, in [0, 1].
 double footing(std::span<const Vec3> sample, const std::array<Range, 3>& ranges, Up up) {
   const auto [a, b] = axes_across(up.axis);
-  const Range across_a = ranges[static_cast<std::size_t>(a)], across_b = ranges[static_cast<std::size_t>(b)];
-  const Range along = ranges[static_cast<std::size_t>(up.axis)];
+  const Range across_a = ranges[a], across_b = ranges[b];
+  const Range along = ranges[up.axis];
   const double bottom = up.sign > 0 ? along.lo : -along.hi, top = bottom + kFootHeight * along.extent();
   std::vector<Point2> feet;
   for (const Vec3 p : sample) {
@@ -174,8 +174,7 @@ Up find_up(std::span<const Vec3> sample) {
   const std::array<Range, 3> ranges = ranges_of(sample);
   int thinnest = 2;
   for (const int axis : {1, 0}) {
-    if (ranges[static_cast<std::size_t>(axis)].extent() < ranges[static_cast<std::size_t>(thinnest)].extent())
-      thinnest = axis;
+    if (ranges[axis].extent() < ranges[thinnest].extent()) thinnest = axis;
   }
   if (is_flat(ranges, thinnest)) return {thinnest, 1};
   Up best;

@@ -58,9 +58,9 @@ class Terrain final : public Shape {
     if (rng.uniform() < kWallShare) return on_wall(rng);
     const double x = rng.uniform(0, kSide), y = rng.uniform(0, kSide);
     const int plot = static_cast<int>(y / kPlot) * kPlots + static_cast<int>(x / kPlot);
-    const int house = house_on_plot_[static_cast<std::size_t>(plot)];
+    const int house = house_on_plot_[plot];
     if (house >= 0) {
-      const House& h = houses_[static_cast<std::size_t>(house)];
+      const House& h = houses_[house];
       const Vec2 p = h.local(x, y);
       if (h.covers(p)) return on_roof(h, p, x, y);
     }
@@ -94,7 +94,7 @@ class Terrain final : public Shape {
     h.half_v = rng.uniform(4, 8);
     h.eaves = ground(h.center.x, h.center.y).z + rng.uniform(5, 12);
     h.roof_slope = rng.uniform() < kFlatRoofChance ? 0 : rng.uniform(0.3, 1);
-    house_on_plot_[static_cast<std::size_t>(plot)] = static_cast<int>(houses_.size());
+    house_on_plot_[plot] = static_cast<int>(houses_.size());
     houses_.push_back(h);
   }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include "pointsweep/program/generate.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/shapes/registry.h"
-#include "pointsweep/shapes/shape_reader.h"
 #include "tests/cli/tool.h"
 
 namespace pointsweep {
@@ -13,12 +13,12 @@ TEST_F(Generate, WritesTheRowsOfTheShape) {
   for (const auto& shape : all_shapes()) {
     ASSERT_EQ(tool("generate " + shape->name() + " out.ply -n 3000 --force").status, 0);
     const auto file = open_reader(folder_ / "out.ply");
-    ShapeReader expected(create_shape(shape->name()), {.count = 3000});
-    ASSERT_EQ(file->info().schema, expected.info().schema);
+    const auto expected = generated_points(shape->name(), {.count = 3000});
+    ASSERT_EQ(file->info().schema, expected->info().schema);
     ASSERT_EQ(file->info().count, 3000u);
     std::vector<std::byte> read(3000 * file->info().schema.stride), wanted(read.size());
     EXPECT_EQ(file->read(0, read), 3000u);
-    expected.read(0, wanted);
+    expected->read(0, wanted);
     EXPECT_EQ(read, wanted) << shape->name();
   }
 }

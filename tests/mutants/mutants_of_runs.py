@@ -54,7 +54,7 @@ MUTANTS = [
     Mutant("the provenance record lacks the options of stages", "provenance", PIPELINE + "language/build_chain.cpp",
            "if (is_preset && presets", "if ((is_preset || !option.name.empty()) && presets", ("cli:Provenance.*",)),
     Mutant("the provenance record leaves out presets that reneighbor needs", "provenance",
-           "pointsweep/operators/update_operators.cpp", "option.preset = {};", "option.preset = option.preset;",
+           "pointsweep/operators/instructions.cpp", "option.preset = {};", "option.preset = option.preset;",
            ("cli:Provenance.*",)),
     Mutant("the provenance record lacks the prefix", "provenance", PIPELINE + "run/output_files.cpp",
            "      set(option.name.c_str(), option.text(options));", "      option.name != \"prefix\" ? set(option.name.c_str(), option.text(options)) : void();", ("cli:Provenance.*", "cli:Naming.*")),

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// The operator transform against plain loops in extended precision.
-#include "pointsweep/operators/rows/transform.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,7 @@
 #include <fstream>
 #include <random>
 
+#include "pointsweep/operators.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/pipeline/moving_clouds.h"

@@ -10,8 +10,7 @@
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/language/build_chain.h"
-#include "pointsweep/shapes/registry.h"
-#include "pointsweep/shapes/shape_reader.h"
+#include "pointsweep/program/generate.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/data_folder.h"
@@ -65,7 +64,7 @@ InputCloud generated(const std::string& shape, std::uint64_t count, const Sampli
   Sampling s = sampling;
   s.count = count;
   std::vector<std::unique_ptr<Reader>> readers;
-  readers.push_back(std::make_unique<ShapeReader>(create_shape(shape), s));
+  readers.push_back(generated_points(shape, s));
   return InputCloud(std::move(readers));
 }
 

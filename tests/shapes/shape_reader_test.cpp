@@ -22,12 +22,12 @@ Sampling many_options() {
 TEST(ShapeReader, MakesTheSameBytesInPiecesOfAnySize) {
   for (const auto& shape : all_shapes()) {
     const std::vector<std::byte> whole = records_of(shape->name(), many_options());
-    ShapeReader reader(create_shape(shape->name()), many_options());
-    const std::size_t stride = reader.info().schema.stride;
+    const auto reader = generated_points(shape->name(), many_options());
+    const std::size_t stride = reader->info().schema.stride;
     std::vector<std::byte> pieces(whole.size());
     std::uint64_t row = 0;
-    for (std::size_t size = 1; row < reader.info().count; size = size * 3 + 1)
-      row += reader.read(
+    for (std::size_t size = 1; row < reader->info().count; size = size * 3 + 1)
+      row += reader->read(
           row, std::span(pieces).subspan(row * stride).first(std::min(size * stride, pieces.size() - row * stride)));
     EXPECT_EQ(pieces, whole) << shape->name();
   }
@@ -60,22 +60,22 @@ TEST(ShapeReader, MakesTheSameBytesOnEveryMachine) {
 TEST(ShapeReader, RowsDoNotDependOnTheCount) {
   Sampling more = many_options();
   more.count = 10'000'000'000;
-  ShapeReader reader(create_shape("tls"), more);
-  std::vector<std::byte> start(reader.info().schema.stride * many_options().count);
-  EXPECT_EQ(reader.read(0, start), many_options().count);
+  const auto reader = generated_points("tls", more);
+  std::vector<std::byte> start(reader->info().schema.stride * many_options().count);
+  EXPECT_EQ(reader->read(0, start), many_options().count);
   EXPECT_EQ(start, records_of("tls", many_options()));
 }
 
 TEST(ShapeReader, RowsBeyond32BitsAreNewPoints) {
   Sampling huge;
   huge.count = 10'000'000'000;
-  ShapeReader reader(create_shape("sphere"), huge);
+  const auto reader = generated_points("sphere", huge);
   std::vector<std::byte> low(24 * 100), high(24 * 100), past(24 * 100);
-  EXPECT_EQ(reader.read(0, low), 100u);
-  EXPECT_EQ(reader.read(1ull << 32, high), 100u);
+  EXPECT_EQ(reader->read(0, low), 100u);
+  EXPECT_EQ(reader->read(1ull << 32, high), 100u);
   EXPECT_NE(low, high);
-  EXPECT_EQ(reader.read(huge.count - 60, past), 60u);
-  EXPECT_EQ(reader.read(huge.count, past), 0u);
+  EXPECT_EQ(reader->read(huge.count - 60, past), 60u);
+  EXPECT_EQ(reader->read(huge.count, past), 0u);
 }
 
 TEST(ShapeReader, AnotherSeedGivesOtherPoints) {
@@ -156,7 +156,7 @@ TEST(ShapeReader, StatesABoxThatHoldsEveryPoint) {
   sampling.origin = {1000, 2000, 3000};
   for (const double outliers : {0.0, 0.1}) {
     sampling.outliers = outliers;
-    const Box stated = *ShapeReader(create_shape("sphere"), sampling).info().bounds;
+    const Box stated = *generated_points("sphere", sampling)->info().bounds;
     Box both = stated;
     for (const SurfacePoint& p : points_of("sphere", sampling)) both.include(p.position);
     EXPECT_EQ(both, stated);
@@ -168,7 +168,7 @@ TEST(ShapeReader, RefusesValuesOutOfRange) {
   const auto refused = [](auto change) {
     Sampling sampling;
     change(sampling);
-    EXPECT_THROW(ShapeReader(create_shape("plane"), sampling), UsageError);
+    EXPECT_THROW(generated_points("plane", sampling), UsageError);
   };
   refused([](Sampling& s) { s.noise = -1; });
   refused([](Sampling& s) { s.noise = std::nan(""); });

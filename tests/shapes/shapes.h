@@ -6,15 +6,15 @@
 #include <string_view>
 #include <vector>
 
+#include "pointsweep/program/generate.h"
 #include "pointsweep/shapes/registry.h"
-#include "pointsweep/shapes/shape_reader.h"
 
 namespace pointsweep {
 
 inline std::vector<std::byte> records_of(std::string_view shape, const Sampling& sampling) {
-  ShapeReader reader(create_shape(shape), sampling);
-  std::vector<std::byte> records(reader.info().schema.stride * sampling.count);
-  reader.read(0, records);
+  const auto reader = generated_points(shape, sampling);
+  std::vector<std::byte> records(reader->info().schema.stride * sampling.count);
+  reader->read(0, records);
   return records;
 }
 

@@ -64,11 +64,6 @@ bool has_colors(const Schema& schema) {
   return (types[0] == Type::u8 || types[0] == Type::u16) && types[1] == types[0] && types[2] == types[0];
 }
 
-bool is_coordinate(const std::string& name) {
-  const std::string word = library_name_of(name);
-  return std::ranges::find(kAxisNames, word) != kAxisNames.end();
-}
-
 /// Gives points the attributes of the nearest points of another cloud.
 class Take final : public InOrderOperator {
  public:
@@ -145,7 +140,7 @@ Take::Take(TakeOptions options, std::string place) : rules_{std::move(options), 
   const TakeOptions& given = rules_.options;
   take_options().declare(*this, given);
   for (const std::string& name : given.attributes) {
-    if (is_coordinate(name)) fail_usage("{}: '{}' is a coordinate; the points keep their places.", rules_.place, name);
+    if (axis_of(name)) fail_usage("{}: '{}' is a coordinate; the points keep their places.", rules_.place, name);
     if (std::ranges::count(given.attributes, name) > 1) fail_usage("{}: '{}' is named twice.", rules_.place, name);
     rules_.taken.push_back({.name = name, .source = scalar(name, Type::f64, "1", "")});
     rules_.targets.push_back({nan_scalar(name, "1", kTakenMeaning), {}});
@@ -175,20 +170,17 @@ std::shared_ptr<const InOrderOperator> Take::bound_to_other(const Schema& other)
     if (!at) {
       std::vector<std::string> names;
       for (const Field& field : other.fields)
-        if (!is_coordinate(field.name)) names.push_back(field.name);
-      if (names.empty())
-        fail_usage("{}: {} has no attributes to take, only positions.", place, cloud);
-      fail_usage("{}: {} has no attribute '{}'; the nearest it has {} {}.", place, cloud,
-                 taken.name, names.size() == 1 ? "is" : "are", nearest_names(taken.name, names));
+        if (!axis_of(field.name)) names.push_back(field.name);
+      if (names.empty()) fail_usage("{}: {} has no attributes to take, only positions.", place, cloud);
+      fail_usage("{}: {} has no attribute '{}'; the nearest it has {} {}.", place, cloud, taken.name,
+                 names.size() == 1 ? "is" : "are", nearest_names(taken.name, names));
     }
     const Field& field = other.fields[*at];
     if (field.count != 1)
-      fail_usage("{}: '{}' of {} is an array of {}, not a single value.", place, field.name,
-                 cloud, field.count);
+      fail_usage("{}: '{}' of {} is an array of {}, not a single value.", place, field.name, cloud, field.count);
     for (const TakenAttribute& before : std::span(bound->rules_.taken.data(), &taken))
       if (before.source.name == field.name)
-        fail_usage("{}: '{}' and '{}' are the same attribute of {}.", place, before.name, taken.name,
-                   cloud);
+        fail_usage("{}: '{}' and '{}' are the same attribute of {}.", place, before.name, taken.name, cloud);
     taken.source = scalar(field.name, type_of_values(field), "1", "");
     taken.is_color = has_colors(other) && is_channel(taken.name);
     taken.from = from;
@@ -238,11 +230,8 @@ void Take::require_missing_value(const TakenAttribute& taken) const {
   const TargetRange& range = taken.range;
   const auto &missing = rules_.options.missing, &most = rules_.options.most;
   const bool fits = !range.is_whole || !missing ||
-                    (std::nearbyint(*missing) == *missing &&
-                     *missing >= range.least && *missing <= range.most);
-  if (!fits)
-    fail_usage("{}: missing={} is not {}, as '{}' is.", rules_.place, *missing, range.text(),
-               taken.name);
+                    (std::nearbyint(*missing) == *missing && *missing >= range.least && *missing <= range.most);
+  if (!fits) fail_usage("{}: missing={} is not {}, as '{}' is.", rules_.place, *missing, range.text(), taken.name);
   const bool is_new = !rules_.targets[taken.target].old.has_value();
   if (most && !missing && is_new && range.is_whole)
     fail_usage(

@@ -45,6 +45,16 @@ MeantValue value_in_expression(const std::string& word, const Schema& input, std
   return meant_value(kInputRow, input, made);
 }
 
+std::optional<std::size_t> axis_of(std::string_view name) {
+  const auto at = std::ranges::find(kAxisNames, library_name_of(name));
+  if (at == kAxisNames.end()) return std::nullopt;
+  return static_cast<std::size_t>(at - kAxisNames.begin());
+}
+
+bool makes(std::span<const Attribute> made, std::string_view name) {
+  return std::ranges::find(made, name, &Attribute::name) != made.end();
+}
+
 Type type_of_values(const Field& field) {
   return field.scale == 1 && field.bias == 0 ? unpacked_type(field) : Type::f64;
 }
@@ -83,8 +93,7 @@ std::optional<AssignedTarget> target_of(const std::string& name, const Schema& i
   const MeantValue meant = meant_value(name, input, made);
   if (meant.made != nullptr)
     return AssignedTarget{*meant.made, meant.component, range_of(meant.made->type), *meant.made};
-  if (std::ranges::find(made, name, &Attribute::name) != made.end())
-    fail_usage("{}: '{}' has several components; name one of them.", place, name);
+  if (makes(made, name)) fail_usage("{}: '{}' has several components; name one of them.", place, name);
   if (meant.field == nullptr) return std::nullopt;
   const Field& field = *meant.field;
   if (field.count != 1) fail_usage("{}: '{}' is an array of {}, not a single value.", place, field.name, field.count);

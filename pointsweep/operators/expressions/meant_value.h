@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "pointsweep/attribute.h"
 #include "pointsweep/operators/expressions/expression.h"
@@ -30,6 +31,12 @@ MeantValue meant_value(const std::string& word, const Schema& input, std::span<c
 /// Returns the value that `word` names in an expression: meant_value(). If that finds nothing for "row", returns the
 /// number of the row in the inputs (input_row.h).
 MeantValue value_in_expression(const std::string& word, const Schema& input, std::span<const Attribute> made);
+
+/// Returns the number of the axis whose coordinate `name` means in any spelling: 0, 1 or 2; nullopt if it means none.
+std::optional<std::size_t> axis_of(std::string_view name);
+
+/// Returns whether one of the attributes `made` has this name.
+bool makes(std::span<const Attribute> made, std::string_view name);
 
 /// Returns the type of a field of the input; for packed bits the smallest type that holds them, for scaled numbers
 /// float64.

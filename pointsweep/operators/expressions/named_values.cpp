@@ -15,14 +15,6 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::string_view kAxes[] = {"x", "y", "z"};
-
-std::optional<std::size_t> axis_of(std::string_view name) {
-  const auto at = std::ranges::find(kAxes, name);
-  if (at == std::end(kAxes)) return std::nullopt;
-  return static_cast<std::size_t>(at - std::begin(kAxes));
-}
-
 bool is_64_bits(Type type) { return type == Type::i64 || type == Type::u64; }
 
 /// Returns the names that an expression may use, each once.
@@ -48,7 +40,7 @@ NamedValues::NamedValues(const Expression& expression, const std::string& place,
   const auto source_of = [&](const Expression::Name& name) -> Source {
     const MeantValue meant = value_in_expression(name.text, input, made);
     if (meant.made != nullptr) return read(*meant.made, meant.component);
-    if (const auto axis = axis_of(library_name_of(name.text))) return {-1, *axis};
+    if (const auto axis = axis_of(name.text)) return {-1, *axis};
     for (const Attribute& a : made)
       if (a.name == name.text)
         refuse(name, fmt::format("'{}' has the components {}; name one of these", a.name, fmt::join(a.fields, ", ")));

@@ -21,6 +21,7 @@
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
+#include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/graph/connected_components.h"
 #include "pointsweep/operators/kinds/connect_operator.h"
 #include "pointsweep/operators/kinds/results.h"
@@ -98,7 +99,7 @@ class PlaneResidual final : public VoteRule {
     Moments sums{.second = {}, .first = {}, .points = 1, .placed = is_finite(place) ? 1u : 0u};
     if (sums.placed == 1) {
       for (int a = 0; a < 3; ++a)
-        sums.first[static_cast<std::size_t>(a)] =
+        sums.first[a] =
             static_cast<Int128>(std::nearbyint(std::clamp(place[a], -kFarthestPlace, kFarthestPlace) * kUnits));
       for (std::size_t e = 0; e < 6; ++e)
         sums.second[e] = Int192::product(sums.first[kEntries[e][0]], sums.first[kEntries[e][1]]);
@@ -149,7 +150,7 @@ class Segments final : public ConnectOperator {
   const VoteRule* votes() const override { return &residual_; }
   /// Returns an operator that computes the residual from the moved points, if an earlier stage moves points; else null.
   std::shared_ptr<const ConnectOperator> bound(const Schema&, std::span<const Attribute> made) const override {
-    if (std::ranges::find(made, position_attribute().name, &Attribute::name) == made.end()) return nullptr;
+    if (!makes(made, position_attribute().name)) return nullptr;
     auto bound = std::make_shared<Segments>(*this);
     bound->residual_ = PlaneResidual(true);
     return bound;

@@ -14,6 +14,7 @@
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
+#include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/storage/encoding.h"
 
@@ -171,7 +172,7 @@ std::shared_ptr<const LocalOperator> Color::bound(const Schema& input, std::span
   const int attribute = bound->source().attribute;
   const std::string read =
       attribute < 0 ? position_attribute().name : bound->names_.reads()[static_cast<std::size_t>(attribute)].name;
-  bound->of_input_ = std::ranges::find(made, read, &Attribute::name) == made.end();
+  bound->of_input_ = !makes(made, read);
   const auto red = input.find("red");
   const bool wide = input.find("point_source_id") || (red && input.fields[*red].type == Type::u16);
   bound->type_ =

@@ -234,17 +234,15 @@ std::shared_ptr<const LocalOperator> SetAttribute::bound(const Schema& input, st
 /// Finds the target: a made attribute, a coordinate, a field of the input, or a new attribute.
 void SetAttribute::find_target(const Schema& input, std::span<const Attribute> made) {
   const std::string& name = assignment_.name;
-  const std::string word = library_name_of(name);
-  const bool is_coordinate = word.size() == 1 && word[0] >= 'x' && word[0] <= 'z';
-  if (is_coordinate && meant_value(name, {}, made).made == nullptr) {
+  if (const auto axis = axis_of(name); axis && meant_value(name, {}, made).made == nullptr) {
     target_ = position_attribute();
-    component_ = static_cast<std::size_t>(word[0] - 'x');
+    component_ = *axis;
     range_ = range_of(Type::f64);
     return;
   }
   if (std::optional<AssignedTarget> known = target_of(name, input, made, place_)) {
     target_ = std::move(known->made), component_ = known->component, range_ = known->range;
-    const bool is_of_input = std::ranges::find(made, target_.name, &Attribute::name) == made.end();
+    const bool is_of_input = !makes(made, target_.name);
     if (type_ && *type_ != range_.type && is_of_input && !assignment_.condition) {
       range_ = range_of(*type_);
       target_ = scalar(target_.name, *type_, "1", "assigned");
@@ -255,7 +253,7 @@ void SetAttribute::find_target(const Schema& input, std::span<const Attribute> m
     return;
   }
   // A new "b" is an attribute of the user and not the blue of a colour that the cloud does not have.
-  const auto las = std::ranges::find(kTypesOfLas, name.size() == 1 ? name : word, &LasType::first);
+  const auto las = std::ranges::find(kTypesOfLas, name.size() == 1 ? name : library_name_of(name), &LasType::first);
   range_ = range_of(type_ ? *type_ : las != std::end(kTypesOfLas) ? las->second : Type::f64);
   target_ = scalar(name, range_.type, "1", "assigned");
 }

@@ -1,16 +1,26 @@
 // SPDX-License-Identifier: MIT
+/// Moving all points by a matrix, and converting their directions and lengths.
 #include "pointsweep/operators/rows/transform.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <memory>
+#include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/operator.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
+#include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/kinds/stage_operator.h"
+#include "pointsweep/operators/rows/affine_map.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/row_error.h"
 
@@ -49,7 +59,7 @@ const std::vector<Attribute>& known_attributes() {
                                     segments(), neighborhood_size(), simplify({.error = 1}),
                                     distance_to({.cloud = "-"}), m3c2({.cloud = "-", .cylinder = 1, .depth = 1})})
       for (const Attribute& a : contract_of(stage).makes)
-        if (std::ranges::find(known, a.name, &Attribute::name) == known.end()) known.push_back(a);
+        if (!makes(known, a.name)) known.push_back(a);
     return known;
   }();
   return all;
@@ -80,6 +90,46 @@ bool keeps_directions(const AffineMap& map) {
   return map.turned({1, 0, 0}) == Vec3{1, 0, 0} && map.turned({0, 1, 0}) == Vec3{0, 1, 0} &&
          map.turned({0, 0, 1}) == Vec3{0, 0, 1};
 }
+
+/// Moves the points, and converts each attribute that is a direction or a length: attributes of earlier stages, and
+/// attributes of the input with the names of attributes that operators of this library make.
+class Transform final : public LocalOperator {
+ public:
+  /// Reads the file with the matrix, if there is one. Throws Error, beginning with the file's name, if the file cannot
+  /// be read or holds no matrix. Throws UsageError, beginning with `place`, if no option gives a motion, a matrix given
+  /// as text is invalid, or the matrix is singular.
+  explicit Transform(TransformOptions options, std::string place = "transform");
+  std::string name() const override { return "transform"; }
+  Contract contract() const override {
+    Contract contract{.reads = changed_, .makes = {position_attribute()}, .default_k = 0};
+    contract.makes.insert(contract.makes.end(), changed_.begin(), changed_.end());
+    return contract;
+  }
+  /// Throws RowError naming the lowest row whose coordinates would no longer be finite.
+  void apply(const Neighborhoods& in, Columns& out) const override;
+  std::array<bool, 3> changes_system() const override {
+    const AffineMap none;
+    return {map_.rows[0] != none.rows[0], map_.rows[1] != none.rows[1], map_.rows[2] != none.rows[2]};
+  }
+  std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
+
+ private:
+  /// Returns the factor for the values of an attribute: the scale to the power of the length in the attribute's unit.
+  double factor_of(const Attribute& attribute) const {
+    const int power = power_of_length(attribute.unit);
+    double factor = 1;
+    for (int p = 0; p < std::abs(power); ++p) factor *= scale_.value_or(1);
+    return power < 0 ? 1 / factor : factor;
+  }
+  bool changes(const Attribute& attribute) const;
+  template <class T>
+  void change(std::size_t number, const Neighborhoods& in, Columns& out) const;
+
+  std::string place_;
+  AffineMap map_, back_;
+  std::optional<double> scale_;     ///< scale of lengths; nullopt if it depends on the direction
+  std::vector<Attribute> changed_;  ///< attributes that are read and made again; set by bound()
+};
 
 }  // namespace
 
@@ -133,24 +183,6 @@ Transform::Transform(TransformOptions options, std::string place) : place_(std::
   scale_ = scale_of(map_);
 }
 
-Contract Transform::contract() const {
-  Contract contract{.reads = changed_, .makes = {position_attribute()}, .default_k = 0};
-  contract.makes.insert(contract.makes.end(), changed_.begin(), changed_.end());
-  return contract;
-}
-
-std::array<bool, 3> Transform::changes_system() const {
-  const AffineMap none;
-  return {map_.rows[0] != none.rows[0], map_.rows[1] != none.rows[1], map_.rows[2] != none.rows[2]};
-}
-
-double Transform::factor_of(const Attribute& attribute) const {
-  const int power = power_of_length(attribute.unit);
-  double factor = 1;
-  for (int p = 0; p < std::abs(power); ++p) factor *= scale_.value_or(1);
-  return power < 0 ? 1 / factor : factor;
-}
-
 bool Transform::changes(const Attribute& attribute) const {
   if (attribute.kind == Kind::position || (attribute.type != Type::f32 && attribute.type != Type::f64)) return false;
   if (power_of_length(attribute.unit) != 0 && !scale_)
@@ -169,7 +201,7 @@ std::shared_ptr<const LocalOperator> Transform::bound(const Schema& input, std::
   };
   for (const Attribute& a : made) take(a);
   for (const Attribute& a : known_attributes()) {
-    if (std::ranges::find(made, a.name, &Attribute::name) != made.end()) continue;
+    if (makes(made, a.name)) continue;
     for (const Attribute& own : made)
       if (a.fields.size() > 1 && own.fields.size() == 1 && changes(a) &&
           std::ranges::any_of(a.fields, [&](const std::string& f) { return is_spelling_of(f, own.name); }))

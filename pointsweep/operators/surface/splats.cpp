@@ -6,6 +6,7 @@
 
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
+#include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/surface/curvature.h"
 
 namespace pointsweep {
@@ -54,8 +55,8 @@ Splats::Splats(const SplatsOptions& options) : options_(options) { splats_option
 
 std::shared_ptr<const LocalOperator> Splats::bound(const Schema&, std::span<const Attribute> made) const {
   if (options_.axes != SplatAxes::automatic) return nullptr;
-  const bool curved = std::ranges::find(made, k1_direction_attribute().name, &Attribute::name) != made.end();
   auto bound = std::make_shared<Splats>(*this);
+  const bool curved = makes(made, k1_direction_attribute().name);
   bound->options_.axes = curved ? SplatAxes::curvature : SplatAxes::positions;
   return bound;
 }

@@ -90,8 +90,7 @@ class LevelWork final : public InOrderWork {
       const Vec3 p = points.positions[i];
       Record& record = block_.emplace_back();
       for (int axis = 0; axis < 3; ++axis)
-        record.point[static_cast<std::size_t>(axis)] =
-            static_cast<std::int32_t>(std::nearbyint((p[axis] - bounds_.lo[axis]) / step));
+        record.point[axis] = static_cast<std::int32_t>(std::nearbyint((p[axis] - bounds_.lo[axis]) / step));
       record.row = first_byte_most(points.rows[i]);
       std::memcpy(record.number.data(), &number_, sizeof number_);
       ++number_;

@@ -54,8 +54,8 @@ void UndecidedPoints::visit_cells_around(Vec3 p, Visit visit) {
   if (ends_at(own)) return;
   CellKey low, high;
   for (int a = 0; a < 3; ++a) {
-    low[static_cast<std::size_t>(a)] = cell_along(p[a] - cell_);
-    high[static_cast<std::size_t>(a)] = cell_along(p[a] + cell_);
+    low[a] = cell_along(p[a] - cell_);
+    high[a] = cell_along(p[a] + cell_);
   }
   for (std::int64_t x = low[0]; x <= high[0]; ++x)
     for (std::int64_t y = low[1]; y <= high[1]; ++y)

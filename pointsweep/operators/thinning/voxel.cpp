@@ -176,7 +176,7 @@ class MeansOfVoxels final : public InOrderWork {
     if (any_) findings.dropped.push_back(is_best ? best_.row : row);
     if (is_best) best_ = next;
     any_ = true;
-    for (int a = 0; a < 3; ++a) terms_[static_cast<std::size_t>(a)].add(p[a]);
+    for (int a = 0; a < 3; ++a) terms_[a].add(p[a]);
     for (std::size_t m = 0; m < read_; ++m) terms_[3 + m].add(values[m]);
   }
 
@@ -185,7 +185,7 @@ class MeansOfVoxels final : public InOrderWork {
     findings.rows.push_back(best_.row);
     std::vector<double> means;
     for (const Term& term : terms_) means.push_back(term.mean());
-    for (int a = 0; a < 3; ++a) append(means[static_cast<std::size_t>(a)], findings.values);
+    for (int a = 0; a < 3; ++a) append(means[a], findings.values);
     std::size_t next = 3;
     for (const AveragedAttribute& a : averaged_) {
       if (a.is_direction) make_directions(means.data() + next);

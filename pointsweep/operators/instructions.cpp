@@ -1,12 +1,27 @@
 // SPDX-License-Identifier: MIT
-/// The declarations of Reneighbor and Resort (chain.h), the update operators that the paper asks for after points have
-/// moved (Section 8). They compute nothing for a point: they tell the planner where a new sweep begins and how the
-/// output is ordered.
+/// The declarations of the instructions of a chain (chain.h), which compute nothing for a point: Drop, and the update
+/// operators Reneighbor and Resort, for which the paper asks after points have moved (Section 8). These two tell the
+/// planner where a new sweep begins and how the output is ordered.
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "pointsweep/chain.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
+#include "pointsweep/operators/declare/option_table.h"
 
 namespace pointsweep {
 namespace {
+
+const OptionTable<Drop>& drop_options() {
+  static const OptionTable<Drop> table = {
+      option("attributes", &Drop::attributes,
+             "attributes to leave out, of the input or computed by earlier stages; 'attributes=' may be left out",
+             {.kind = OptionKind::attributes, .required = true, .positional = true, .sample = "intensity"})};
+  return table;
+}
 
 constexpr const char* kUpdateSource = "Pajarola, Stream-Processing Points (IEEE Visualization 2005), Section 8";
 
@@ -23,6 +38,21 @@ std::vector<OptionDeclaration> options_of_reneighbor() {
 }
 
 }  // namespace
+
+OperatorDeclaration drop_declaration() {
+  return {.name = "drop",
+          .meaning = "leaves attributes out of the output; later stages cannot read them; x, y and z are always kept",
+          .options = drop_options().declarations(),
+          .make = [](const OptionValues& values, const Facts&) -> ChainStage { return drop_options().read(values); },
+          .cost = "none: what is dropped is not computed either, unless a stage before reads it",
+          .example = "knn(k=12) | normals | set(facing = nz * nz) | drop(normal)"};
+}
+
+ChainStage operators::drop(const std::vector<std::string>& attributes) {
+  if (attributes.empty() || std::ranges::any_of(attributes, &std::string::empty))
+    fail_usage("drop: names no attribute; write the names of those to leave out, as in drop(intensity, gps_time).");
+  return Drop{attributes};
+}
 
 OperatorDeclaration reneighbor_declaration() {
   return {.name = "reneighbor",
