@@ -154,14 +154,17 @@ class GeometryCollector {
  public:
   explicit GeometryCollector(std::string_view name) : name_(name) {}
 
-  void add(const GeoJson& object) {
+  /// Adds the polygons of an object that lies in `depth` other objects. The limit of the depth keeps the recursion from
+  /// using up the stack.
+  void add(const GeoJson& object, int depth = 0) {
+    if (depth > kMostDepth) fail("{}: has more than {} geometries inside each other.", name_, kMostDepth);
     const std::string type = type_of(object);
     if (type == "FeatureCollection") {
-      for (const GeoJson& feature : member(object, "features")) add(feature);
+      for (const GeoJson& feature : member(object, "features")) add(feature, depth + 1);
     } else if (type == "Feature") {
-      if (const GeoJson& geometry = member(object, "geometry"); !geometry.is_null()) add(geometry);
+      if (const GeoJson& geometry = member(object, "geometry"); !geometry.is_null()) add(geometry, depth + 1);
     } else if (type == "GeometryCollection") {
-      for (const GeoJson& geometry : member(object, "geometries")) add(geometry);
+      for (const GeoJson& geometry : member(object, "geometries")) add(geometry, depth + 1);
     } else if (type == "MultiPolygon") {
       for (const GeoJson& polygon : member(object, "coordinates")) add_polygon(polygon);
     } else if (type == "Polygon") {
@@ -174,6 +177,8 @@ class GeometryCollector {
   std::vector<Polygon> polygons() && { return std::move(polygons_); }
 
  private:
+  static constexpr int kMostDepth = 100;
+
   std::string type_of(const GeoJson& object) const {
     if (!object.is_object() || !object.contains("type") || !object["type"].is_string())
       fail("{}: holds an object without \"type\", so it is not GeoJSON.", name_);

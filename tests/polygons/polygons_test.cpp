@@ -227,5 +227,17 @@ TEST(PolygonText, ErrorsSayWhatIsWrongAndWhere) {
     EXPECT_NE(refused_text(text).find(words), std::string::npos) << text << "\n" << refused_text(text);
 }
 
+TEST(PolygonText, GeometriesInsideEachOtherDoNotUseUpTheStack) {
+  const std::string text = R"({"type": "Polygon", "coordinates": [[[0,0],[1,0],[1,1],[0,0]]]})";
+  const auto nest = [&](int times) {
+    std::string begin, end;
+    for (int i = 0; i < times; ++i) begin += R"({"type": "GeometryCollection", "geometries": [)", end += "]}";
+    return begin + text + end;
+  };
+  EXPECT_EQ(polygons_of_text(nest(100), "area").size(), 1u);
+  EXPECT_NE(refused_text(nest(101)).find("area: has more than 100 geometries inside each other"), std::string::npos);
+  EXPECT_NE(refused_text(nest(200'000)).find("more than 100 geometries"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace pointsweep
