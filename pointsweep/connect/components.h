@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 
 #include "pointsweep/connect/edge_buckets.h"
 #include "pointsweep/connect/forest_log.h"

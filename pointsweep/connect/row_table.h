@@ -2,7 +2,6 @@
 /// A table of values by the row of a point, from which rows can be erased.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>

@@ -2,7 +2,6 @@
 /// Places on the Morton curve through a cube, and the octants of that cube. A cell is an octant of the greatest depth.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <compare>

@@ -57,6 +57,14 @@ HWY_INLINE Vec3Lanes<V> Cross(const Vec3Lanes<V>& a, const Vec3Lanes<V>& b) {
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
 template <class V>
+HWY_INLINE Vec3Lanes<V> Plus(const Vec3Lanes<V>& a, const Vec3Lanes<V>& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+template <class V>
+HWY_INLINE Vec3Lanes<V> Minus(const Vec3Lanes<V>& a, const Vec3Lanes<V>& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+template <class V>
 HWY_INLINE Vec3Lanes<V> Times(V s, const Vec3Lanes<V>& a) {
   return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
 }

@@ -56,10 +56,8 @@ bool FilledRows::next(CellRows& out) {
   out.marks.assign(out.rows * columns(), 0);
   sums_.resize(out.values.size());
   weights_.resize(out.values.size());
-  parallel_for((columns() + kColumnsAtOnce - 1) / kColumnsAtOnce, [&](std::size_t part, unsigned) {
-    const std::size_t first = part * kColumnsAtOnce;
-    fill_columns(out.rows, first, std::min(columns(), first + kColumnsAtOnce));
-  });
+  parallel_for_blocks(columns(), kColumnsAtOnce,
+                      [&](std::size_t first, std::size_t n, unsigned) { fill_columns(out.rows, first, first + n); });
   parallel_for(out.rows, [&](std::size_t row, unsigned) { fill_row(row, out.values.data() + row * columns()); });
   known_.erase(known_.begin(), known_.begin() + static_cast<std::ptrdiff_t>(out.rows * columns()));
   return out.rows > 0;
@@ -127,10 +125,8 @@ void DiskMinima::drop(std::size_t number) {
 
 void DiskMinima::add(const double* values, std::size_t rows) {
   minima_.resize((given_ + rows + disk_.radius() - dropped_) * columns_, kNoCell);
-  parallel_for((columns_ + kColumnsAtOnce - 1) / kColumnsAtOnce, [&](std::size_t part, unsigned) {
-    const std::size_t first = part * kColumnsAtOnce;
-    add_part(values, rows, first, std::min(columns_, first + kColumnsAtOnce));
-  });
+  parallel_for_blocks(columns_, kColumnsAtOnce,
+                      [&](std::size_t first, std::size_t n, unsigned) { add_part(values, rows, first, first + n); });
   given_ += rows;
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// A generated cloud of any size, read like a file although it is stored nowhere.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

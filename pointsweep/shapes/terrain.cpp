@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// An airborne scan: hills with houses seen from above, 2.5-D except for the few points on walls.
-#include <algorithm>
 #include <array>
 #include <vector>
 

@@ -4,7 +4,11 @@
 /// check of ranges and the options in records all come from the table.
 #pragma once
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <memory>
@@ -12,8 +16,10 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "pointsweep/fail.h"
 #include "pointsweep/program/declaration.h"
 
 namespace pointsweep {
@@ -26,9 +32,15 @@ concept IsChoice = std::is_enum_v<Member> || std::is_same_v<Member, bool>;
 
 /// Returns the value of a member of an options' struct; std::monostate for an empty text, an empty list or an absent
 /// optional.
-OptionValue value_of_member(const std::string& text, const ChoiceWords&);
-OptionValue value_of_member(const std::vector<std::string>& words, const ChoiceWords&);
-OptionValue value_of_member(const std::vector<double>& numbers, const ChoiceWords&);
+inline OptionValue value_of_member(const std::string& text, const ChoiceWords&) {
+  return text.empty() ? OptionValue() : OptionValue(text);
+}
+inline OptionValue value_of_member(const std::vector<std::string>& words, const ChoiceWords&) {
+  return words.empty() ? OptionValue() : OptionValue(fmt::format("{}", fmt::join(words, ",")));
+}
+inline OptionValue value_of_member(const std::vector<double>& numbers, const ChoiceWords&) {
+  return numbers.empty() ? OptionValue() : OptionValue(text_of_numbers(numbers));
+}
 inline OptionValue value_of_member(double number, const ChoiceWords&) { return number; }
 inline OptionValue value_of_member(std::uint64_t number, const ChoiceWords&) { return number; }
 inline OptionValue value_of_member(Vec3 point, const ChoiceWords&) { return point; }
@@ -43,8 +55,12 @@ OptionValue value_of_member(const std::optional<Member>& member, const ChoiceWor
 }
 
 /// Sets a member to the value of an option. The value must have the kind of the member.
-void set_member(std::vector<std::string>& words, const OptionValue& value, const ChoiceWords&);
-void set_member(std::vector<double>& numbers, const OptionValue& value, const ChoiceWords&);
+inline void set_member(std::vector<std::string>& words, const OptionValue& value, const ChoiceWords&) {
+  words = words_of(std::get<std::string>(value));
+}
+inline void set_member(std::vector<double>& numbers, const OptionValue& value, const ChoiceWords&) {
+  numbers = numbers_of(std::get<std::string>(value));
+}
 template <class Plain>
 void set_member(Plain& member, const OptionValue& value, const ChoiceWords&) {
   member = std::get<Plain>(value);
@@ -110,7 +126,10 @@ OptionRow<T> only_choice(const char* name, const char* word, const char* meaning
 }
 
 /// Throws UsageError, beginning with `where`, if a required option has no value, or if the value is not allowed.
-void require_allowed(const OptionDeclaration& option, const OptionValue& value, const std::string& where);
+inline void require_allowed(const OptionDeclaration& option, const OptionValue& value, const std::string& where) {
+  if (has_value(value) && !option.allows(value)) option.refuse(text_of_value(value), where);
+  if (option.required && !has_value(value)) fail_usage("{}: the option '{}' is missing.", where, option.name);
+}
 
 /// The options of an operator whose options' struct is T, in the order of its help.
 template <class T>

@@ -51,8 +51,7 @@ HWY_INLINE Vec3Lanes<V> UnitOrZero(const Vec3Lanes<V>& v) {
 template <class V>
 HWY_INLINE Vec3Lanes<V> Tangent(const Vec3Lanes<V>& n, const Vec3Lanes<V>& along, const Vec3Lanes<V>& across) {
   const V lift = Dot(n, along);
-  const Vec3Lanes<V> flat = {hn::Sub(along.x, hn::Mul(lift, n.x)), hn::Sub(along.y, hn::Mul(lift, n.y)),
-                             hn::Sub(along.z, hn::Mul(lift, n.z))};
+  const Vec3Lanes<V> flat = Minus(along, Times(lift, n));
   const auto nearer = hn::Le(hn::Abs(lift), hn::Abs(Dot(n, across)));
   return UnitOrZero(Choose(nearer, flat, Cross(across, n)));
 }

@@ -260,11 +260,10 @@ void SetAttribute::find_target(const Schema& input, std::span<const Attribute> m
 
 RowSentence SetAttribute::refusal(const std::string& value) const {
   const bool moves = target_.name == position_attribute().name;
-  const std::string remedy = is_retyped_ ? fmt::format(
-                                               "state a type that holds it with 'as', or limit it, as in {} = "
-                                               "min(max({}, LEAST), MOST)",
-                                               assignment_.name, assignment_.value.canonical())
-                                         : "exclude such points by a condition, or assign to a new attribute";
+  std::string remedy = "exclude such points by a condition, or assign to a new attribute";
+  if (is_retyped_)
+    remedy = fmt::format("state a type that holds it with 'as', or limit it, as in {} = min(max({}, LEAST), MOST)",
+                         assignment_.name, assignment_.value.canonical());
   return {fmt::format("{}: row ", place_), fmt::format(": {} would be {}, which is not {}; {}.", assignment_.name,
                                                        value, moves ? "a finite coordinate" : range_.text(), remedy)};
 }

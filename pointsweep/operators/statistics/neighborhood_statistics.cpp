@@ -64,10 +64,10 @@ class NeighborhoodStatistics final : public LocalOperator {
   /// Removes the neighbours for which the condition does not hold from `lists`.
   void keep_those_that_satisfy(const Neighborhoods& in, Lists& lists) const;
   void fill(std::size_t source, const Neighborhoods& in, const Lists& lists, Columns& out) const;
-  void fill_counts(std::size_t source, std::span<const std::size_t> begin, std::size_t first_point, Columns& out) const;
+  void fill_counts(std::size_t source, const Lists& lists, Columns& out) const;
+  /// `values`: the values of the listed neighbours, list after list.
   template <class Value>
-  void fill_from(std::size_t source, std::span<const Value> values, std::span<const std::size_t> begin,
-                 std::size_t first_point, Columns& out) const;
+  void fill_from(std::size_t source, std::span<const Value> values, const Lists& lists, Columns& out) const;
 
   std::string place_;
   std::vector<Source> sources_;
@@ -149,11 +149,12 @@ ChainStage operators::statistics(const StatisticsOptions& options) {
 /// Lists of the neighbours that count, one for each of some successive points of a batch.
 struct NeighborhoodStatistics::Lists {
   std::size_t first_point = 0;
-  std::span<const NeighborRef> neighbors;
-  std::vector<std::size_t> begin;  ///< begin of the list of each point in `neighbors`, then neighbors.size()
-  std::vector<NeighborRef> kept;   ///< owns the neighbours if there is a condition
+  std::span<const NeighborRef> neighbors = {};
+  std::vector<std::size_t> begin = {0};  ///< begin of the list of each point in `neighbors`, then neighbors.size()
+  std::vector<NeighborRef> kept = {};    ///< owns the neighbours if there is a condition
 
   std::size_t points() const { return begin.size() - 1; }
+  std::size_t count(std::size_t point) const { return begin[point + 1] - begin[point]; }
 };
 
 NeighborhoodStatistics::NeighborhoodStatistics(const StatisticsOptions& options, std::string place)
@@ -221,7 +222,7 @@ std::shared_ptr<const LocalOperator> NeighborhoodStatistics::bound(const Schema&
 
 void NeighborhoodStatistics::apply(const Neighborhoods& in, Columns& out) const {
   for (std::size_t first = 0, end = 0; first < in.size(); first = end) {
-    Lists lists{.first_point = first, .neighbors = {}, .begin = {0}, .kept = {}};
+    Lists lists{.first_point = first};
     do {
       lists.begin.push_back(lists.begin.back() + in.count(end++));
     } while (end < in.size() && lists.begin.back() + in.count(end) <= kNeighborsAtOnce);
@@ -249,52 +250,48 @@ void NeighborhoodStatistics::keep_those_that_satisfy(const Neighborhoods& in, Li
 }
 
 void NeighborhoodStatistics::fill(std::size_t source, const Neighborhoods& in, const Lists& lists, Columns& out) const {
-  if (sources_[source].attribute.empty()) return fill_counts(source, lists.begin, lists.first_point, out);
+  if (sources_[source].attribute.empty()) return fill_counts(source, lists, out);
   const NamedValues::Batch batch(sources_[source].names, in, sources_[source].first_read, lists.neighbors);
   const ExpressionValues& values = batch.values()[0];
   const std::size_t count = lists.neighbors.size();
   if (values.whole != nullptr && values.is_signed) {
     const auto* const numbers = reinterpret_cast<const std::int64_t*>(values.whole);
-    return fill_from(source, std::span(numbers, count), lists.begin, lists.first_point, out);
+    return fill_from(source, std::span(numbers, count), lists, out);
   }
-  if (values.whole != nullptr)
-    return fill_from(source, std::span(values.whole, count), lists.begin, lists.first_point, out);
+  if (values.whole != nullptr) return fill_from(source, std::span(values.whole, count), lists, out);
   const std::span<const double> numbers(values.real, count);
   const auto is_finite = [](double v) { return std::isfinite(v); };
-  if (std::ranges::all_of(numbers, is_finite)) return fill_from(source, numbers, lists.begin, lists.first_point, out);
+  if (std::ranges::all_of(numbers, is_finite)) return fill_from(source, numbers, lists, out);
   std::vector<double> finite;
-  std::vector<std::size_t> begin = {0};
+  Lists of_finite{.first_point = lists.first_point};
   for (std::size_t p = 0; p < lists.points(); ++p) {
-    std::ranges::copy_if(numbers.subspan(lists.begin[p], lists.begin[p + 1] - lists.begin[p]),
-                         std::back_inserter(finite), is_finite);
-    begin.push_back(finite.size());
+    std::ranges::copy_if(numbers.subspan(lists.begin[p], lists.count(p)), std::back_inserter(finite), is_finite);
+    of_finite.begin.push_back(finite.size());
   }
-  fill_from(source, std::span<const double>(finite), begin, lists.first_point, out);
+  fill_from(source, std::span<const double>(finite), of_finite, out);
 }
 
-void NeighborhoodStatistics::fill_counts(std::size_t source, std::span<const std::size_t> begin,
-                                         std::size_t first_point, Columns& out) const {
+void NeighborhoodStatistics::fill_counts(std::size_t source, const Lists& lists, Columns& out) const {
   for (std::size_t r = 0; r < results_.size(); ++r) {
     if (results_[r].source != source || results_[r].what != Statistic::count || !out.wanted(r)) continue;
-    const std::span<std::uint32_t> counts = out.column<std::uint32_t>(r).subspan(first_point);
-    for (std::size_t p = 0; p + 1 < begin.size(); ++p) counts[p] = static_cast<std::uint32_t>(begin[p + 1] - begin[p]);
+    const std::span<std::uint32_t> counts = out.column<std::uint32_t>(r).subspan(lists.first_point);
+    for (std::size_t p = 0; p < lists.points(); ++p) counts[p] = static_cast<std::uint32_t>(lists.count(p));
   }
 }
 
 template <class Value>
-void NeighborhoodStatistics::fill_from(std::size_t source, std::span<const Value> values,
-                                       std::span<const std::size_t> begin, std::size_t first_point,
+void NeighborhoodStatistics::fill_from(std::size_t source, std::span<const Value> values, const Lists& lists,
                                        Columns& out) const {
-  fill_counts(source, begin, first_point, out);
+  fill_counts(source, lists, out);
   std::vector<Value> sorted;
   for (std::size_t r = 0; r < results_.size(); ++r) {
     if (results_[r].source != source || !out.wanted(r)) continue;
     const auto fill_column = [&]<class Made>(const auto& statistic) {
-      const std::span<Made> column = out.column<Made>(r).subspan(first_point);
-      for (std::size_t p = 0; p + 1 < begin.size(); ++p) {
-        const std::span<const Value> list = values.subspan(begin[p], begin[p + 1] - begin[p]);
+      const std::span<Made> column = out.column<Made>(r).subspan(lists.first_point);
+      for (std::size_t p = 0; p < lists.points(); ++p) {
+        const std::span<const Value> list = values.subspan(lists.begin[p], lists.count(p));
         column[p] = list.empty() ? std::numeric_limits<Made>::quiet_NaN() : static_cast<Made>(statistic(list));
-        if (list.empty()) out.mark_degenerate(first_point + p);
+        if (list.empty()) out.mark_degenerate(lists.first_point + p);
       }
     };
     const auto fill_numbers = [&](const auto& statistic) { fill_column.template operator()<double>(statistic); };

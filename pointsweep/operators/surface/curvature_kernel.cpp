@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
 #include <cstddef>
 #include <optional>
 
@@ -82,7 +81,7 @@ struct AllSums : Sums {
       const Vector offset = scaling.Scaled(offsets.Load(v, c)), seen = Times(neighbors.Present(v, c), offset);
       if constexpr (kWeighted) AddOuterProduct(weighted.moments, weights->Load(v, c), offset);
       AddOuterProduct(positions, seen);
-      position = {hn::Add(position.x, seen.x), hn::Add(position.y, seen.y), hn::Add(position.z, seen.z)};
+      position = Plus(position, seen);
     }
     for (std::size_t c = 0; c < tile.Held(from); ++c) {
       const Vector n = neighbors.Load(v, c);
@@ -137,8 +136,7 @@ HWY_INLINE V SmallestEigenvalue(const Matrix& m, V trace, const Vector& n) {
   const Lanes d;
   const Vector mn = Times(m, n);
   const V quotient = Dot(n, mn);
-  const Vector rest{hn::Sub(mn.x, hn::Mul(quotient, n.x)), hn::Sub(mn.y, hn::Mul(quotient, n.y)),
-                    hn::Sub(mn.z, hn::Mul(quotient, n.z))};
+  const Vector rest = Minus(mn, Times(quotient, n));
   // The error of the quotient is at most |rest|² over the gap to the next eigenvalue, which is at least the product of
   // the two others over their sum, less the quotient.
   const V minors = hn::Add(

@@ -19,12 +19,6 @@ namespace pointsweep::HWY_NAMESPACE {
 using Vector = Vec3Lanes<V>;
 using Matrix = Symmetric3Lanes<V>;
 
-HWY_INLINE Vector Plus(const Vector& a, const Vector& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-HWY_INLINE Vector Minus(const Vector& a, const Vector& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
 template <class M>
 HWY_INLINE Vector OrZero(M mask, const Vector& a) {
   return {hn::IfThenElseZero(mask, a.x), hn::IfThenElseZero(mask, a.y), hn::IfThenElseZero(mask, a.z)};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/operators/surface/splats.h"
 
-#include <algorithm>
 #include <memory>
 
 #include "pointsweep/operators/declare/declarations.h"
