@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "pointsweep/geometry.h"
@@ -32,7 +31,6 @@ class KeptGrid {
   KeptGrid(double spacing, Vec3 corner);
 
   void add(Vec3 point);
-  std::span<const Vec3> points() const { return points_; }
   /// Returns whether a kept point is nearer to the place than the spacing.
   bool covers(Vec3 place) const;
   /// Replaces `near` by all points that may cover a place in the box. A point may be listed more than once.

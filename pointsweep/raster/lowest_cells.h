@@ -32,7 +32,6 @@ class LowestCells {
   /// Must be called after the last add().
   void finish();
 
-  std::uint64_t count() const { return count_; }
   std::size_t bands() const { return bands_.size(); }
   /// Returns the largest number of columns of a band.
   std::size_t most_columns() const { return most_columns_; }

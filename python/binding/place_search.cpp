@@ -36,9 +36,7 @@ class PlaceSearch::Work final : public InOrderWork {
         axis_(setup.axis),
         cells_(PointCells::Space::all, setup.axis, setup.memory_bytes, setup.make_scratch()) {}
 
-  void add(unsigned, const OrderedPoints& points, Findings&) override {
-    cells_.add(points.positions, points.rows);
-  }
+  void add(unsigned, const OrderedPoints& points, Findings&) override { cells_.add(points.positions, points.rows); }
 
   void end(unsigned, Findings&) override {
     cells_.finish();

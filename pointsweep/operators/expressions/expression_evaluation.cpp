@@ -39,8 +39,6 @@ constexpr ExpressionFunction kFunctions[] = {
 
 using Node = Expression::Node;
 
-using Whole = WholeNumber;
-
 /// Evaluates the nodes for one batch.
 class ExpressionEvaluator {
  public:
@@ -85,12 +83,12 @@ class ExpressionEvaluator {
     return is_literal(node) && node.whole.has_value();
   }
 
-  std::vector<Whole> wholes(const Node& node) const {
-    if (is_literal(node)) return std::vector<Whole>(size_, *node.whole);
-    std::vector<Whole> out(size_);
+  std::vector<WholeNumber> wholes(const Node& node) const {
+    if (is_literal(node)) return std::vector<WholeNumber>(size_, *node.whole);
+    std::vector<WholeNumber> out(size_);
     const ExpressionValues& v = values_[node.name];
     for (std::size_t i = 0; i < size_; ++i)
-      out[i] = v.is_signed ? Whole{static_cast<std::int64_t>(v.whole[i])} : Whole{v.whole[i]};
+      out[i] = v.is_signed ? WholeNumber{static_cast<std::int64_t>(v.whole[i])} : WholeNumber{v.whole[i]};
     return out;
   }
 

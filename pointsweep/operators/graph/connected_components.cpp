@@ -72,24 +72,22 @@ ChainStage make_components(const OptionValues& values, const Facts& facts) {
 }  // namespace
 
 OperatorDeclaration components_declaration() {
-  return {.name = "components",
-          .meaning = "connected components of the graph of neighbours, with their sizes",
-          .options = components_options().declarations(),
-          .make = make_components,
-          .formula =
-              "Points i and j are joined if j is in N_i or i is in N_j; with distance D: if |p_j - p_i| <= D.\n"
-              "component: numbered from 0 by the first point, that of the least x, then y, then z, then row.",
-          .source = "exact minimum spanning forest of the open points, docs/adr/0014",
-          .undefined = "-1, of size 0, for points without a finite place.",
-          .cost = "a sweep that ends a pass; about 60 bytes a point in the temporary folder",
-          .neighbor_ns = 10,
-          .attributes = {{.name = "component",
-                          .meaning = "number of the connected component; undefined: -1",
-                          .type = "i32, i64 from 2³¹ rows on"},
-                         {.name = "component_size",
-                          .meaning = "points of the component; undefined: 0",
-                          .type = "u32, u64 from 2³¹ rows on"}},
-          .example = "knn(k=8) | components | where(component_size > 100)"};
+  return {
+      .name = "components",
+      .meaning = "connected components of the graph of neighbours, with their sizes",
+      .options = components_options().declarations(),
+      .make = make_components,
+      .formula =
+          "Points i and j are joined if j is in N_i or i is in N_j; with distance D: if |p_j - p_i| <= D.\n"
+          "component: numbered from 0 by the first point, that of the least x, then y, then z, then row.",
+      .source = "exact minimum spanning forest of the open points, docs/adr/0014",
+      .undefined = "-1, of size 0, for points without a finite place.",
+      .cost = "a sweep that ends a pass; about 60 bytes a point in the temporary folder",
+      .neighbor_ns = 10,
+      .attributes =
+          {{.name = "component", .meaning = "number of the connected component; undefined: -1", .type = kNumberTypes},
+           {.name = "component_size", .meaning = "points of the component; undefined: 0", .type = kSizeTypes}},
+      .example = "knn(k=8) | components | where(component_size > 100)"};
 }
 
 ChainStage operators::components(const ComponentsOptions& options) {

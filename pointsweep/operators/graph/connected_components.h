@@ -18,6 +18,8 @@ bool has_short_numbers(std::uint64_t points);
 Attribute component_number(std::string name, std::string meaning, std::uint64_t points);
 /// Returns the attribute `name`, N u32 or u64: the number of points in the component of a point.
 Attribute component_size(std::string name, std::string meaning, std::uint64_t points);
+/// The types of these attributes, for docs/attributes.md.
+inline constexpr const char *kNumberTypes = "i32, i64 from 2³¹ rows on", *kSizeTypes = "u32, u64 from 2³¹ rows on";
 /// Writes the number and the size of a component to `values`: 32 bits each if `is_short`, else 64 bits each.
 void put_component(const ComponentLabel& label, bool is_short, std::byte* values);
 

@@ -158,29 +158,27 @@ ChainStage make_dbscan(const OptionValues& values, const Facts& facts) {
 }  // namespace
 
 OperatorDeclaration dbscan_declaration() {
-  return {
-      .name = "dbscan",
-      .meaning = "density-based clusters (DBSCAN): points around core points, which have many neighbours",
-      .options = dbscan_options().declarations(),
-      .make = make_dbscan,
-      .formula =
-          "core_i = 1 where |{j : |p_j - p_i| <= eps}| >= min_points, i itself counted, as in scikit-learn.\n"
-          "Core points within eps of each other are in one cluster. Another point is in that of the nearest "
-          "core point within eps, equal distances by x, y, z, row; without one it is noise, cluster = -1.\n"
-          "Clusters are numbered from 0 by their first point, that of the least x, then y, then z, then row.\n"
-          "In scikit-learn and in the publication a border point belongs to the cluster that comes to it "
-          "first, so that its cluster depends on the order of the points.",
-      .source =
-          "Ester, Kriegel, Sander, Xu, A density-based algorithm for discovering clusters in large spatial "
-          "databases with noise (KDD 1996)",
-      .undefined = "core 0, cluster -1 and cluster_size 0 for points without a finite place.",
-      .cost = "a sweep of two steps that ends a pass; about 60 bytes a point in the temporary folder",
-      .neighbor_ns = 15,
-      .attributes =
-          {{.name = "core", .meaning = "1: at least min_points points within eps; else 0"},
-           {.name = "cluster", .meaning = "number of the cluster; noise: -1", .type = "i32, i64 from 2³¹ rows on"},
-           {.name = "cluster_size", .meaning = "points of the cluster; noise: 0", .type = "u32, u64 from 2³¹ rows on"}},
-      .example = "knn(radius=0.5) | dbscan(eps=0.5, min_points=10) | where(cluster >= 0)"};
+  return {.name = "dbscan",
+          .meaning = "density-based clusters (DBSCAN): points around core points, which have many neighbours",
+          .options = dbscan_options().declarations(),
+          .make = make_dbscan,
+          .formula =
+              "core_i = 1 where |{j : |p_j - p_i| <= eps}| >= min_points, i itself counted, as in scikit-learn.\n"
+              "Core points within eps of each other are in one cluster. Another point is in that of the nearest "
+              "core point within eps, equal distances by x, y, z, row; without one it is noise, cluster = -1.\n"
+              "Clusters are numbered from 0 by their first point, that of the least x, then y, then z, then row.\n"
+              "In scikit-learn and in the publication a border point belongs to the cluster that comes to it "
+              "first, so that its cluster depends on the order of the points.",
+          .source =
+              "Ester, Kriegel, Sander, Xu, A density-based algorithm for discovering clusters in large spatial "
+              "databases with noise (KDD 1996)",
+          .undefined = "core 0, cluster -1 and cluster_size 0 for points without a finite place.",
+          .cost = "a sweep of two steps that ends a pass; about 60 bytes a point in the temporary folder",
+          .neighbor_ns = 15,
+          .attributes = {{.name = "core", .meaning = "1: at least min_points points within eps; else 0"},
+                         {.name = "cluster", .meaning = "number of the cluster; noise: -1", .type = kNumberTypes},
+                         {.name = "cluster_size", .meaning = "points of the cluster; noise: 0", .type = kSizeTypes}},
+          .example = "knn(radius=0.5) | dbscan(eps=0.5, min_points=10) | where(cluster >= 0)"};
 }
 
 ChainStage operators::dbscan(const DbscanOptions& options) { return std::make_shared<DensityClusters>(options); }

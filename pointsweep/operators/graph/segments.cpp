@@ -214,10 +214,8 @@ OperatorDeclaration segments_declaration() {
       .neighbor_ns = 12,
       .attributes = {{.name = "segment",
                       .meaning = "number of the smooth segment; undefined: -1",
-                      .type = "i32, i64 from 2³¹ rows on"},
-                     {.name = "segment_size",
-                      .meaning = "points of the segment; undefined: 0",
-                      .type = "u32, u64 from 2³¹ rows on"},
+                      .type = kNumberTypes},
+                     {.name = "segment_size", .meaning = "points of the segment; undefined: 0", .type = kSizeTypes},
                      {.name = "segment_residual",
                       .meaning = "root mean square distance of the segment's points to their plane; undefined: NaN"}},
       .example = "knn(k=12) | normals | segments(angle=5) | where(segment_size > 1000)"};

@@ -40,6 +40,8 @@ class HalvedBoxes {
   }
 
   unsigned levels() const { return levels_; }
+  /// Returns the number of parts of the last level.
+  std::size_t parts() const { return std::size_t{1} << levels_; }
   const Box& box(unsigned level, std::size_t j) const { return boxes_[(std::size_t{1} << level) - 1 + j]; }
   /// Returns the index of the first point of part j of a level; the number of points if j is the number of parts.
   std::size_t begin(unsigned level, std::size_t j) const { return points_ * j >> level; }

@@ -116,7 +116,7 @@ void PointCells::end_slab() {
   Box box;
   for (const CellPoint& p : slab_) box.include(flat(p.position));
   const std::size_t first_cell = cells_.size();
-  for (std::size_t c = 0; c < std::size_t{1} << parts.levels(); ++c)
+  for (std::size_t c = 0; c < parts.parts(); ++c)
     cells_.push_back({count_ + parts.begin(c), parts.begin(c + 1) - parts.begin(c), nullptr});
   scratch_->append(std::as_bytes(std::span(slab_)));
   count_ += slab_.size();
@@ -190,7 +190,7 @@ void PointCells::nearest_of_all(std::span<const Vec3> places, const NearestWante
   const std::size_t most = std::clamp(asked.size() / (4 * thread_count()), kLeastGroup, kMostGroup);
   const HalvedBoxes parts(asked, HalvedBoxes::levels_for(asked.size(), most), false);
   std::vector<PlaceGroup> groups;
-  for (std::size_t g = 0; g < std::size_t{1} << parts.levels(); ++g)
+  for (std::size_t g = 0; g < parts.parts(); ++g)
     groups.emplace_back(std::span(asked).subspan(parts.begin(g), parts.begin(g + 1) - parts.begin(g)), wanted,
                         space_ == Space::plane);
   answer_all(
@@ -224,7 +224,7 @@ void PointCells::nearest_within(std::span<const Vec3> places, double radius,
     return complete;
   };
   const auto first_of = [&](std::size_t part) { return asked[parts.begin(part)].position; };
-  answer_all(std::size_t{1} << parts.levels(), 1, first_of, answer);
+  answer_all(parts.parts(), 1, first_of, answer);
 }
 
 const PointCells::Tree* PointCells::View::tree(std::size_t cell) {
