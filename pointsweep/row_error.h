@@ -41,6 +41,17 @@ class RowError : public Error {
   RowSentence sentence_;
 };
 
+/// Calls `work()`. Replaces a RowError of a writer that counts its own rows, which are not those of the input, by an
+/// Error that says so: "row 5 of the output".
+template <class Work>
+void with_rows_of_output(const Work& work) {
+  try {
+    work();
+  } catch (const RowError& error) {
+    throw Error(error.named(std::to_string(error.row()) + " of the output").what());
+  }
+}
+
 /// Keeps the least of several errors. Not thread-safe.
 class FirstRowError {
  public:

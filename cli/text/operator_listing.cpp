@@ -152,7 +152,7 @@ OrderedJson json_of(const ListedOperator& listed) {
 
 std::string default_k_text(const ListedOperator& listed) {
   if (listed.contract.default_k == 0) return "";
-  return fmt::format("{} where neither k nor a radius is given", listed.contract.all_within > 0
+  return fmt::format("{} where neither k nor a radius is given", listed.contract.all_within.has_value()
                                                                      ? "all within the distance that it needs"
                                                                      : fmt::to_string(listed.contract.default_k));
 }

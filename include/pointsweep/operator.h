@@ -93,10 +93,10 @@ struct Contract {
   /// such a point, and attributes that the operator both reads and makes, stay unchanged; other made attributes are
   /// Attribute::fill.
   std::size_t default_k = 8;
-  /// The radius within which the operator reads all neighbours, in units of the coordinates; 0 if it has no such
-  /// radius. A chain that states no neighbourhood, and whose operators that read neighbours all have such a radius,
-  /// uses the largest of them.
-  double all_within = 0;
+  /// The radius within which the operator reads all neighbours, in units of the coordinates, 0 or more; absent if it
+  /// has no such radius. A chain that states no neighbourhood, and whose operators that read neighbours all have such a
+  /// radius, uses the largest of them.
+  std::optional<double> all_within = {};
 };
 
 /// The attribute that a stage makes to drop rows: 1 keeps the row, 0 drops it. It is never written.

@@ -64,5 +64,14 @@ TEST_F(LevelStage, RefusesLengthsWithoutSquares) {
   refused(1, "run near.txt near.csv --pipeline level", "cannot hold squares of such distances");
 }
 
+TEST_F(LevelStage, StagesAfterAMoveRefuseLengthsWithoutSquares) {
+  write("in.txt", "x y z\n0 0 0\n1 0 0\n1 1 0\n0 1 1\n");
+  for (const char* factor : {"1e200", "1e-200"})
+    refused(1,
+            std::string("run in.txt out.csv --pipeline 'set(x = x * ") + factor +
+                ", y = 0, z = 0) | reneighbor(k=2) | normals'",
+            "cannot hold squares of such distances");
+}
+
 }  // namespace
 }  // namespace pointsweep

@@ -97,6 +97,20 @@ TEST_F(StatedLayout, PointsOutOfReachAreRefusedWithTheRowTheValueAndAScale) {
   EXPECT_FALSE(exists("p.las"));
 }
 
+TEST_F(StatedLayout, AValueThatTheFormatCannotHoldIsNamedByItsRowInTheInput) {
+  std::string text = "x,y,z,id\n";
+  for (int i = 0; i < 300; ++i) text += fmt::format("{},0,0,{}\n", i, i == 205 ? "9007199254740993" : "1");
+  write("ids.csv", text);
+  write("first.csv", "x,y,z,id\n0,5,5,1\n");
+  const std::string drop = " out.ply -q -f --pipeline 'where(row >= 100)'";
+  refused(1, "run ids.csv" + drop, "row 205: 'id' needs all of its 64 bits");
+  refused(1, "run first.csv ids.csv" + drop, "row 205 of ");
+  refused(1, "run ids.csv out.ply -q -f --order sweep --pipeline 'where(row >= 100)'", "row 105 of the output: 'id'");
+  refused(1, "run ids.csv cut/ --output-format ply --tile 1000 --pipeline 'where(row >= 100)'",
+          "row 105 of the output: 'id'");
+  refused(1, "run ids.csv out.las -q --scale 1e-7 --pipeline 'where(row >= 100)'", "x of row 215 is 215");
+}
+
 TEST_F(StatedLayout, MovedPointsGetTheStatedScale) {
   const Result moved = tool("run a.las m.las --scale 0.001 --pipeline 'set(x = x + 512000.12345)'");
   EXPECT_NE(moved.err.find("moved coordinates are rounded to steps of 0.001, by at most 0.0005"), std::string::npos)

@@ -87,7 +87,7 @@ std::string lines_of_kind(const ChainStage& stage, const std::string& name, cons
   if (std::holds_alternative<std::shared_ptr<const LocalOperator>>(stage) ||
       std::holds_alternative<std::shared_ptr<const SelectOperator>>(stage)) {
     const Contract contract = operator_of(stage)->contract();
-    return contract.default_k > 0 || contract.all_within > 0 ? kSearch : kRows;
+    return contract.default_k > 0 || contract.all_within.has_value() ? kSearch : kRows;
   }
   return "add the lines of '" + name + "'";
 }

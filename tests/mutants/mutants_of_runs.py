@@ -216,7 +216,7 @@ MUTANTS = [
            "k = std::max(k, contract.default_k),", "k = k != 0 ? k : contract.default_k,",
            ("pipeline:DefaultNeighborhood.*",)),
     Mutant("a chain has the radius that its first operator wants", "defaults", PIPELINE + "plan/chain_plan.cpp",
-           "if (contract.all_within > radius)", "if (contract.all_within > 0 && radius == 0)", ("pipeline:DefaultNeighborhood.*",)),
+           "if (contract.all_within > radius)", "if (contract.all_within && !radius)", ("pipeline:DefaultNeighborhood.*",)),
     Mutant("ranges of several dimensions are joined by or", "pipelines of PDAL", PIPELINE + "language/pdal_stages.cpp",
            'all.empty() ? "(" : " && ("', 'all.empty() ? "(" : " || ("', ("pipeline:PdalStages.*",)),
     Mutant("degrees are taken for lengths", "defaults", PIPELINE + "language/build_chain.cpp",

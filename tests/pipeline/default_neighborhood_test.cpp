@@ -49,8 +49,8 @@ TEST(DefaultNeighborhood, IsTheOneThatEachOperatorOfTheRegistryDeclares) {
     if (operator_of(chain.stages.front()) == nullptr || contract.default_k == 0) continue;
     EXPECT_GE(contract.default_k, 1u) << declaration.name;
     const Neighborhood named = with_named_neighborhoods(chain).neighborhood;
-    EXPECT_EQ(named.k, contract.all_within > 0 ? Neighborhood::kUnlimited : contract.default_k) << declaration.name;
-    if (contract.all_within > 0) {
+    EXPECT_EQ(named.k, contract.all_within ? Neighborhood::kUnlimited : contract.default_k) << declaration.name;
+    if (contract.all_within) {
       EXPECT_EQ(named.radius, contract.all_within) << declaration.name;
     }
   }
@@ -96,6 +96,12 @@ TEST(DefaultNeighborhood, IsAllWithinTheLargestDistanceThatOperatorsNeed) {
     const bool is_knn = std::string_view(text).find("knn") == std::string_view::npos;
     EXPECT_EQ(stages[is_knn ? 0 : 2], is_knn ? "knn(radius=2)" : "reneighbor(radius=2)") << text;
   }
+}
+
+TEST(DefaultNeighborhood, OfADistanceOfZeroHoldsThePointsAtTheSamePlace) {
+  EXPECT_EQ(canonical_stages(build_chain(parse_pipeline("components(0)"), Facts{}), {}).front(), "knn(radius=0)");
+  EXPECT_NE(refusal([] { named("normals | components(0)"); }).find("'components' needs all neighbours within 0"),
+            std::string::npos);
 }
 
 TEST(DefaultNeighborhood, IsNoneForOperatorsThatWantDifferentOnes) {

@@ -232,6 +232,18 @@ TEST(NeighborhoodRules, AnAttributeThatTheInputLacksIsRefusedWithWhatItHas) {
             "z, scale, range.");
 }
 
+TEST(NeighborhoodRules, AnArrayOfTheInputIsRefusedAsALimit) {
+  Schema input;
+  for (const char* axis : {"x", "y", "z"}) input.append(axis, Type::f64);
+  input.append("scales", Type::u8, 3);
+  for (const char* pipeline : {"knn(k=8, k_from=scales) | normals", "knn(k=8, radius_from=scales) | normals"})
+    EXPECT_NE(refusal([&] {
+                plan_chain(build_chain(parse_pipeline(pipeline), Facts{}), input);
+              }).find(", but 'scales' is an array of 3, not a single value."),
+              std::string::npos)
+        << pipeline;
+}
+
 TEST(NeighborhoodRules, ThePreviewSaysWhatIsKeptAndWhatItReads) {
   const Attributed input(hostile_shapes()[0].second, 1000, 1, 1, 26);
   InputCloud cloud = input.cloud();

@@ -110,6 +110,16 @@ TEST(OutputLayout, AnAttributeThatIsReplacedGetsTheTypeOfWhatIsMade) {
   }
 }
 
+TEST(OutputLayout, ACoordinateThatAStageMakesReplacesAScaledOneOfTheInput) {
+  Schema input;
+  for (const char* axis : {"x", "y", "z"}) input.fields[input.append(axis, Type::i32)].scale = 0.01;
+  const OutputLayout layout(input, {scalar("x", Type::f64, "", "")});
+  std::vector<std::byte> from(input.stride), output(layout.schema().stride);
+  const double made = 7.25;
+  layout.assemble(from.data(), reinterpret_cast<const std::byte*>(&made), 1, output.data());
+  EXPECT_EQ(value(layout, output, "x"), 7.25);
+}
+
 TEST(OutputLayout, PositionsGetTheTypeAskedForWhetherTheyMoveOrNot) {
   const Schema input = mixed_input(Type::f32);
   const OutputLayout plain(input, {normal_attribute()}), still(input, {normal_attribute()}, {}, Type::f64);

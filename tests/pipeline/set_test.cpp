@@ -118,7 +118,11 @@ TEST(Set, NewAttributesHaveTheTypeOfLasOrTheOneAskedForOrFloat64) {
   EXPECT_EQ(type("set(height_above = z - 3)", "height_above"), "float64");
   EXPECT_EQ(type("set(height_above = z - 3, as=float32)", "height_above"), "float32");
   EXPECT_EQ(type("set(return_number = 1)", "return_number"), "uint8");
+  for (const char* name : {"synthetic", "key_point", "withheld", "overlap", "scan_direction_flag",
+                           "edge_of_flight_line", "scanner_channel", "number_of_returns", "user_data"})
+    EXPECT_EQ(type(fmt::format("set({} = 1)", name), name), "uint8") << name;
   EXPECT_EQ(type("set(point_source_id = 65535)", "point_source_id"), "uint16");
+  EXPECT_EQ(type("set(nir = 65535)", "nir"), "uint16");
   EXPECT_EQ(type("set(wide = id where id > 9223372036854775808, as=uint64)", "wide"), "uint64");
   const RunResult some = run_text(input, "set(h = z where z > 5)", tiny(100));
   EXPECT_EQ(some.field("h"), (std::vector<double>{0, 6.25}));
@@ -299,6 +303,19 @@ TEST(Set, TellsWhatIsWrong) {
   expect("set(a = 1, as=float)", "as is int8, uint8");
   expect("normals | set(normal = 1)", "'normal' has several components; name one of them");
   expect("set(a = 1, )", "an assignment such as classification = 7 is expected");
+  expect("set(a = 1e400)", "1e400 is outside of the range of float64");
+  expect("where(z Höhe > 5)", "is expected, not 'H'");
+  expect("where(z ö > 5)", "is expected, not 'ö'");
+  expect("normals(ö)", "is expected, not 'ö'");
+}
+
+TEST(Set, NamesTheRangeOfATypeToItsLastDigit) {
+  const Records input = with_attributes({{0, 0, 0}, {1, 1, 1}});
+  for (const auto& [text, words] :
+       {std::pair{"set(a = 18446744073709551616, as=uint64)", "uint64, 0 to 18446744073709551615;"},
+        {"set(a = 9223372036854775808, as=int64)", "int64, -9223372036854775808 to 9223372036854775807;"},
+        {"set(a = 0 / 0, as=uint8)", "a would be nan, which is not uint8, 0 to 255;"}})
+    EXPECT_NE(editing_error(input, text).find(words), std::string::npos) << editing_error(input, text);
 }
 
 TEST(Set, IsTheSameInTextJsonAndItsCanonicalForm) {

@@ -12,6 +12,7 @@
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/e57/e57_columns.h"
 #include "pointsweep/formats/e57/e57_format.h"
+#include "pointsweep/row_error.h"
 #include "pointsweep/storage/local/output_file.h"
 
 #if POINTSWEEP_CODECS
@@ -124,8 +125,9 @@ class E57Writer final : public Writer {
       const E57Column& column = columns_[c];
       *values = column.stored(record);
       if (column.field.type == Type::u64 && *values > static_cast<std::uint64_t>(column.attribute.most))
-        fail("{}: row {}: '{}' is {}, but E57 holds integers up to 2^63 - 1; leave it out by --keep.",
-             plan_.path.string(), row, column.field.name, *values);
+        throw RowError(row, {plan_.path.string() + ": row ",
+                             fmt::format(": '{}' is {}, but E57 holds integers up to 2^63 - 1; leave it out by --keep.",
+                                         column.field.name, *values)});
       ++values;
     }
   }

@@ -9,6 +9,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las_scale.h"
+#include "pointsweep/row_error.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {
@@ -185,16 +186,16 @@ void LasEncoder::check_positions(std::uint64_t row, const std::byte* records, st
 }
 
 void LasEncoder::refuse(int axis, std::uint64_t row, double value) const {
+  const std::string before = fmt::format("{}: {} of row ", path_, "xyz"[axis]);
   if (!std::isfinite(value))
-    fail("{}: {} of row {} is {}, which LAS cannot hold; write PLY, or remove such points.", path_, "xyz"[axis], row,
-         value);
+    throw RowError(row,
+                   {before, fmt::format(" is {}, which LAS cannot hold; write PLY, or remove such points.", value)});
   const std::string remedy = fitting_scale_ && (*fitting_scale_)[axis] > scale_[axis]
                                  ? fmt::format(" give --scale {}, which reaches all points,", (*fitting_scale_)[axis])
                                  : "";
-  fail(
-      "{}: {} of row {} is {}, too far from the offset {} for the scale {} of this LAS file;{} write PLY, or leave out "
-      "points that are far from the others.",
-      path_, "xyz"[axis], row, value, offset_[axis], scale_[axis], remedy);
+  throw RowError(row, {before, fmt::format(" is {}, too far from the offset {} for the scale {} of this LAS file;{} "
+                                           "write PLY, or leave out points that are far from the others.",
+                                           value, offset_[axis], scale_[axis], remedy)});
 }
 
 void encode_rows(const LasEncoder& encoder, int point_format, std::uint64_t row, const std::byte* from, std::byte* to,

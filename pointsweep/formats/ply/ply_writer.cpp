@@ -12,6 +12,7 @@
 #include "pointsweep/formats/records/record_writer.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/points/with_type.h"
+#include "pointsweep/row_error.h"
 
 namespace pointsweep {
 namespace {
@@ -115,8 +116,11 @@ class PlyWriter final : public RecordWriter {
   }
 
   [[noreturn]] void refuse(const Field& field, std::uint64_t row) const {
-    fail("{}: row {}: '{}' needs all of its 64 bits, which PLY cannot hold without loss; write a .las file instead.",
-         plan().path.string(), row, field.name);
+    throw RowError(row,
+                   {plan().path.string() + ": row ",
+                    fmt::format(": '{}' needs all of its 64 bits, which PLY cannot hold without loss; write a .las "
+                                "file instead.",
+                                field.name)});
   }
 
   std::vector<Field> narrowed_;

@@ -7,6 +7,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/expressions/expression_node.h"
+#include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
 namespace {
@@ -67,7 +68,7 @@ class ExpressionText {
 
   [[noreturn]] void unexpected(std::string_view wanted) const {
     if (at_ >= text_.size()) fail_at(at_, fmt::format("{} is expected, but the expression ends", wanted));
-    fail_at(at_, fmt::format("{} is expected, not '{}'", wanted, text_[at_]));
+    fail_at(at_, fmt::format("{} is expected, not '{}'", wanted, first_character(text_.substr(at_))));
   }
   [[noreturn]] void fail_at(std::size_t at, std::string_view what) const {
     while (at < text_.size() && text_[at] == ' ') ++at;
@@ -263,6 +264,8 @@ class ExpressionParser : private ExpressionText {
     Node node;
     const char *first = text_.data() + at_, *last = text_.data() + text_.size();
     const auto [end, error] = std::from_chars(first, last, node.number);
+    if (error == std::errc::result_out_of_range)
+      fail_at(at_, fmt::format("{} is outside of the range of float64", std::string_view(first, end)));
     if (error != std::errc() || (end != last && continues_name(*end))) unexpected("an attribute or a number");
     std::uint64_t whole = 0;
     const auto [whole_end, whole_error] = std::from_chars(first, last, whole);

@@ -69,7 +69,11 @@ std::optional<Attribute> single_value(const char* name, const Schema& input, std
 }
 
 std::string TargetRange::text() const {
-  return is_whole ? fmt::format("{}, {:.0f} to {:.0f}", name_of(type), least, most) : std::string(name_of(type));
+  if (!is_whole) return std::string(name_of(type));
+  if (most < 0x1p53) return fmt::format("{}, {:.0f} to {:.0f}", name_of(type), least, most);
+  return with_type(type, [&]<class T>() {  // the greatest integers of 64 bits are no doubles
+    return fmt::format("{}, {} to {}", name_of(type), std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
+  });
 }
 
 TargetRange range_of(Type type) {

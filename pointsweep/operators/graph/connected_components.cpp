@@ -40,7 +40,7 @@ class ConnectedComponents final : public ConnectOperator {
   Contract contract() const override {
     return {.makes = {component_number("component", "number of the connected component; -1 without a place", points_),
                       component_size("component_size", "points of the connected component", points_)},
-            .all_within = distance_.value_or(0)};
+            .all_within = distance_};
   }
   /// With a distance, the two ends of an edge are neighbours of each other, so only the end with the lower row emits
   /// it.

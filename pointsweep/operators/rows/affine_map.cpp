@@ -79,14 +79,17 @@ Vec3 AffineMap::turned_by_transpose(Vec3 v) const {
 
 AffineMap AffineMap::inverse(const std::string& place) const {
   const Vec3 a = linear_part(rows[0]), b = linear_part(rows[1]), c = linear_part(rows[2]);
-  const Vec3 unit_a = 1 / length(a) * a, unit_b = 1 / length(b) * b, unit_c = 1 / length(c) * c;
+  const auto unit = [](Vec3 v) { return 1 / std::hypot(v.x, v.y, v.z) * v; };
   const Vec3 columns[] = {cross(b, c), cross(c, a), cross(a, b)};
   const double determinant = dot(a, columns[0]);
-  if (!(std::abs(dot(unit_a, cross(unit_b, unit_c))) > kLeastDeterminant) || !std::isnormal(determinant))
+  if (!(std::abs(dot(unit(a), cross(unit(b), unit(c)))) > kLeastDeterminant))
     fail_usage(
         "{}: the matrix is singular: it takes different points to the same place; check its numbers, none of the first "
         "three rows follows from the others.",
         place);
+  if (!std::isnormal(determinant))
+    fail_usage("{}: the determinant of the matrix is {}, outside of the range of double precision; scale in two steps.",
+               place, determinant);
   AffineMap back;
   for (std::size_t row = 0; row < 3; ++row)
     for (std::size_t column = 0; column < 3; ++column)

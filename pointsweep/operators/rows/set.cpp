@@ -29,11 +29,23 @@ constexpr Type kAllTypes[] = {Type::i8,  Type::u8,  Type::i16, Type::u16, Type::
 
 /// The types of new attributes that have the name of a LAS field: the types of these fields.
 using LasType = std::pair<std::string_view, Type>;
-constexpr LasType kTypesOfLas[] = {{"classification", Type::u8}, {"intensity", Type::u16},
-                                   {"return_number", Type::u8},  {"number_of_returns", Type::u8},
-                                   {"user_data", Type::u8},      {"point_source_id", Type::u16},
-                                   {"red", Type::u16},           {"green", Type::u16},
-                                   {"blue", Type::u16}};
+constexpr LasType kTypesOfLas[] = {{"classification", Type::u8},
+                                   {"intensity", Type::u16},
+                                   {"return_number", Type::u8},
+                                   {"number_of_returns", Type::u8},
+                                   {"scan_direction_flag", Type::u8},
+                                   {"edge_of_flight_line", Type::u8},
+                                   {"synthetic", Type::u8},
+                                   {"key_point", Type::u8},
+                                   {"withheld", Type::u8},
+                                   {"overlap", Type::u8},
+                                   {"scanner_channel", Type::u8},
+                                   {"user_data", Type::u8},
+                                   {"point_source_id", Type::u16},
+                                   {"red", Type::u16},
+                                   {"green", Type::u16},
+                                   {"blue", Type::u16},
+                                   {"nir", Type::u16}};
 
 std::vector<std::string> names_of_types() {
   std::vector<std::string> names;
@@ -180,7 +192,8 @@ OperatorDeclaration set_declaration() {
       .formula =
           "Numbers are evaluated in float64, as by where, and those of whole numbers of 64 bits exactly. A "
           "whole-number type gets the nearest one, halves to even.\n"
-          "An attribute that exists keeps its type (one of the input gets the type of 'as' if no condition is given), "
+          "An attribute that exists keeps its type (one of the input gets the type of 'as' if no condition is given, "
+          "and scaled numbers, as those of LAS, become float64), "
           "and its value where the condition does not hold; a new attribute is 0 there. Assigning to x, y or z moves "
           "the points.",
       .undefined =
@@ -322,7 +335,7 @@ void SetAttribute::assign(const Neighborhoods& in, Columns& out) const {
       if (const std::optional<T> number = stored<T>(reals[i], is_finite(in.position(i))))
         value[component_] = *number;
       else
-        refuse(i, [&] { return fmt::format("{}", reals[i]); });
+        refuse(i, [&] { return std::isnan(reals[i]) ? "nan" : fmt::format("{}", reals[i]); });
       continue;
     }
     if constexpr (std::is_integral_v<T>) {

@@ -55,7 +55,7 @@ class Density final : public LocalOperator {
     return {.makes = {scalar("surface_density", Type::f32, "1/length^2", "points for each unit of area"),
                       scalar("volume_density", Type::f32, "1/length^3", "points for each unit of volume")},
             .default_k = 32,
-            .all_within = options_.radius.value_or(0)};
+            .all_within = options_.radius};
   }
   void apply(const Neighborhoods& in, Columns& out) const override {
     const std::span<float> surface = out.column<float>(0), volume = out.column<float>(1);

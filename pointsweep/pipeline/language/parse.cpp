@@ -174,7 +174,7 @@ class Parser {
   [[noreturn]] void expected(std::string_view what) const {
     if (at_ >= text_.size()) fail_usage("{}: {} is expected, but the text ends.", place(), what);
     fail_usage("{}: {} is expected, not '{}'; a pipeline looks like knn(k=8) | normals(orient=up).", place(), what,
-               text_[at_]);
+               first_character(text_.substr(at_)));
   }
 
   std::string_view text_, source_;

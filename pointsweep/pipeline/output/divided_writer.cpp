@@ -10,6 +10,7 @@
 #include "pointsweep/extended_errors.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/row_error.h"
 #include "pointsweep/storage/local/output_file.h"
 #include "pointsweep/threads.h"
 
@@ -53,7 +54,7 @@ void DividedFiles::put(std::uint32_t number, std::span<const std::byte> records)
   left_ -= records.size() / divider_.plan().schema.stride;
   if (!large_)
     return void(waiting_.back().records.insert(waiting_.back().records.end(), records.begin(), records.end()));
-  large_->write(records);
+  with_rows_of_output([&] { large_->write(records); });
   if (left_ == 0) complete_large(number);
 }
 
@@ -84,7 +85,7 @@ void DividedFiles::write_together() {
   parallel_for(waiting_.size(), [&](std::size_t i, unsigned) {
     stop_if_cancelled();
     const std::unique_ptr<Writer> writer = create_writer(divider_.plan_of(files_[waiting_[i].file]));
-    writer->write(std::exchange(waiting_[i].records, {}));
+    with_rows_of_output([&] { writer->write(std::exchange(waiting_[i].records, {})); });
     writer->finish();
     ++complete_;
     bytes[i] = writer->bytes_written();

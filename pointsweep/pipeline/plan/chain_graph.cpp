@@ -170,9 +170,13 @@ class GraphBuilder {
   /// UsageError if the cloud has no such attribute there.
   std::size_t version_ruled_by(const Attribute& wanted, const NeighborhoodRule& rule) {
     const Schema cloud = with_carried(visible_, made_);
-    if (!field_meant(cloud, wanted.name))
+    const auto meant = field_meant(cloud, wanted.name);
+    if (!meant)
       fail_usage("The neighbours are to be {}, but the input has no attribute '{}'; it has {}.", rule.meaning(),
                  wanted.name, field_names(cloud));
+    if (const std::size_t values = cloud.fields[*meant].count; values != 1)
+      fail_usage("The neighbours are to be {}, but '{}' is an array of {}, not a single value.", rule.meaning(),
+                 wanted.name, values);
     const std::string made = carried_with(wanted.name, input_, made_);
     return made.empty() ? input_version(wanted) : latest_.at(made);
   }

@@ -18,7 +18,7 @@ namespace {
 Neighborhood closed(Neighborhood open, const std::vector<ChainStage>& stages, std::size_t first) {
   if (open.k != Neighborhood::kOfOperators) return open;
   std::size_t k = 0;
-  double radius = 0;
+  std::optional<double> radius;
   std::string of_radius, of_k;
   for (std::size_t s = first; s < stages.size(); ++s) {
     const auto* next = std::get_if<Reneighbor>(&stages[s]);
@@ -26,19 +26,19 @@ Neighborhood closed(Neighborhood open, const std::vector<ChainStage>& stages, st
     const Operator* op = operator_of(stages[s]);
     const Contract contract = op != nullptr ? op->contract() : Contract{.default_k = 0};
     if (contract.default_k == 0) continue;
-    if (contract.all_within > radius)
+    if (contract.all_within > radius)  // an absent radius is below all others
       radius = contract.all_within, of_radius = name_of(stages[s]);
-    else if (contract.all_within == 0)
+    else if (!contract.all_within)
       k = std::max(k, contract.default_k), of_k = name_of(stages[s]);
   }
-  if (radius > 0 && k > 0)
+  if (radius && k > 0)
     fail_usage(
         "'{}' needs all neighbours within {}, and '{}' looks at as many as the pipeline says; write knn(radius={}) "
         "before them.",
-        of_radius, radius, of_k, radius);
-  if (radius > 0) {
+        of_radius, *radius, of_k, *radius);
+  if (radius) {
     open.k = Neighborhood::kUnlimited;
-    open.radius = std::min(open.radius, radius);
+    open.radius = std::min(open.radius, *radius);
   } else {
     open.k = k == 0 ? Contract().default_k : k;
   }

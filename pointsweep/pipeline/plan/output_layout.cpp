@@ -58,7 +58,7 @@ OutputLayout::OutputLayout(const Schema& input, const std::vector<Attribute>& ma
     keep_fields(input, *kept.input, types);
   else
     retype(types);
-  if (!moves_points(made)) convert_positions(input, types);
+  convert_positions(input, types, made);
   const Schema own = schema_;
   for (const Attribute& attribute : made) {
     for (const std::string& name : attribute.fields) {
@@ -94,10 +94,14 @@ OutputLayout::Types OutputLayout::replaced(const Schema& input, const std::vecto
   return types;
 }
 
-void OutputLayout::convert_positions(const Schema& input, const Types& types) {
+/// Converts the coordinates of the input that get another type, but for those that a stage makes.
+void OutputLayout::convert_positions(const Schema& input, const Types& types, const std::vector<Attribute>& made) {
   for (const std::string& axis : position_attribute().fields) {
     const std::size_t own = input.find(axis).value();
-    if (types.contains(own)) retyped_.emplace_back(input.fields[own], schema_.fields[schema_.find(axis).value()]);
+    const bool is_made = std::ranges::any_of(
+        made, [&](const Attribute& a) { return std::ranges::find(a.fields, axis) != a.fields.end(); });
+    if (!is_made && types.contains(own))
+      retyped_.emplace_back(input.fields[own], schema_.fields[schema_.find(axis).value()]);
   }
 }
 

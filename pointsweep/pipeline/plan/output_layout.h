@@ -50,7 +50,7 @@ class OutputLayout {
   using Types = std::map<std::size_t, Type>;  ///< new types of fields of the input, by index
   static Types replaced(const Schema& input, const std::vector<Attribute>& made, const KeptFields& kept,
                         std::optional<Type> positions);
-  void convert_positions(const Schema& input, const Types& types);
+  void convert_positions(const Schema& input, const Types& types, const std::vector<Attribute>& made);
   void retype(const Types& types);
   void keep_fields(const Schema& input, const std::vector<std::size_t>& kept, const Types& types);
   void add(const Field& from, const Field& to);

@@ -164,7 +164,10 @@ Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, 
     return order_places(context, work, p, source, pass.payload(), false, std::move(points.survey));
   const bool whole = context.makes_output(p);
   const bool canonical = is_in_order || whole || engine_of(context.options.engine) != nullptr;
-  if (p > 0 && !is_resumed_in_order(context)) points.survey = survey_points(context, source, canonical);
+  if (p > 0 && !is_resumed_in_order(context)) {
+    points.survey = survey_points(context, source, canonical);
+    if (pass.kind != PassKind::order) require_distances(points.survey.bounds);
+  }
   return put_in_order(context, work,
                       {.source = source,
                        .points = std::move(points),

@@ -7,6 +7,7 @@
 #include "pointsweep/pipeline/rows/ordered_output.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
+#include "pointsweep/row_error.h"
 
 namespace pointsweep {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 /// Writes whole output records in the order of the stream of the last pass.
 void write_whole(const Context& context, RowStore& results, std::size_t stride, OutputFiles& files) {
   results.drain([&](std::uint64_t first, std::span<const std::byte> records) {
-    files.write_records(records);
+    with_rows_of_output([&] { files.write_records(records); });
     context.progress("writing", first + records.size() / stride);
   });
 }
@@ -65,7 +66,7 @@ void write_ordered(const Context& context, const WorkPlan& work, const Stream& s
   const std::size_t bytes = work.layout ? work.layout->schema().stride : context.cloud.schema().stride;
   std::uint64_t first = 0;
   const auto write = [&](std::span<const std::byte> records) {
-    work.layout ? files.write_records(records) : files.write_inputs(first, records);
+    with_rows_of_output([&] { work.layout ? files.write_records(records) : files.write_inputs(first, records); });
     first += records.size() / bytes;
   };
   write_in_order(stream, bytes, write, context.progress_of("writing"));
