@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// The members of ChainValues for stages whose values depend on all points of the cloud.
+/// The members of ChainValues for stages whose values depend on all points of the cloud, and for points with non-finite
+/// coordinates.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <unordered_map>
 #include <utility>
@@ -66,11 +68,7 @@ class SomePoints {
   /// then row.
   Surroundings take(std::size_t rings) {
     Surroundings out;
-    const auto add_point = [&](std::uint32_t i) {
-      const Vec3 p = cloud_.position(i);
-      out.x.push_back(p.x), out.y.push_back(p.y), out.z.push_back(p.z), out.row.push_back(cloud_.row_of(i));
-      return static_cast<std::uint32_t>(out.size() - 1);
-    };
+    const auto add_point = [&](std::uint32_t i) { return out.add(cloud_.position(i), cloud_.row_of(i)); };
     const auto count = static_cast<std::uint32_t>(lists_.size());
     for (std::uint32_t i = 0; i < count; ++i) add_point(first_ + i);
     std::unordered_map<std::uint32_t, std::uint32_t> others;
@@ -208,7 +206,7 @@ void ChainValues::evaluate_cloud(const Stage& stage, const Surroundings& around,
   std::vector<CloudPoint> points;
   for (std::size_t i = 0; i < count; ++i) {
     CloudPoint& p = points.emplace_back();
-    p.at = {{around.x[i], around.y[i], around.z[i]}, around.row[i]};
+    p.at = {around.position(i), around.row[i]};
     for (const std::uint16_t column : stage.reads) p.reads.push_back(columns[column][i]);
   }
   std::vector<std::vector<formulas::Estimate>> made(count);
@@ -220,6 +218,74 @@ void ChainValues::evaluate_cloud(const Stage& stage, const Surroundings& around,
       for (std::size_t e = 0; e < estimates_of(columns_[column]); ++e)
         columns[column].push_back(stage.told ? made[i][next++] : formulas::open());
   }
+}
+
+/// Keeps the position, and attributes that the stage both reads and makes. All other attributes that the stage makes
+/// get their value for "none".
+void ChainValues::leave_unchanged(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
+                                  ColumnEstimates& estimates) const {
+  const Contract contract = contract_of(stage.op);
+  for (std::size_t m = 0; m < stage.makes.size(); ++m) {
+    const std::uint16_t column = stage.makes[m];
+    const Attribute& a = columns_[column];
+    const auto read = std::ranges::find(contract.reads, a.name, &Attribute::name);
+    const bool moves = a.name == position_attribute().name, is_read = read != contract.reads.end();
+    const int before = moves ? stage.position : is_read ? stage.reads[std::size_t(read - contract.reads.begin())] : -1;
+    if (before >= 0) {
+      estimates[column] = estimates[static_cast<std::size_t>(before)];
+      take_estimates(column, estimates, bits);
+      continue;
+    }
+    bits[column].clear();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3 p = points.position(i);
+      bits[column].resize(bits[column].size() + a.bytes(), a.fill);
+      if (moves) std::memcpy(bits[column].data() + i * a.bytes(), &p, sizeof p);
+    }
+    take_bits(column, bits, {}, estimates);
+  }
+}
+
+/// Evaluates a stage for points with non-finite coordinates. Returns false if the stage leaves such points unchanged.
+bool ChainValues::take_unplaced(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
+                                ColumnEstimates& estimates) const {
+  for (const std::uint16_t column : stage.makes) estimates[column].clear();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    CloudPoint point{{points.position(i), points.row[i]}, {}};
+    for (const std::uint16_t column : stage.reads)
+      point.reads.push_back(estimates[column][i * estimates_of(columns_[column])]);
+    const auto made = stage.cloud->unplaced(point);
+    if (!made) return false;
+    for (std::size_t m = 0; m < stage.makes.size(); ++m) estimates[stage.makes[m]].push_back((*made)[m]);
+  }
+  for (const std::uint16_t column : stage.makes) take_estimates(column, estimates, bits);
+  return points.size() > 0;
+}
+
+ChainResults ChainValues::evaluate_unplaced(std::span<const KnownPoint> points, RowSource& in) const {
+  Surroundings around;
+  for (const KnownPoint& p : points) around.add(p.position, p.row);
+  around.ring_end.assign(rings() + 1, points.size());
+  around.list_begin.assign(points.size() + 1, 0);
+  ColumnBytes bits(columns_.size());
+  ColumnEstimates estimates(columns_.size());
+  fetch_file_columns(around, in, bits);
+  for (const FileColumn& f : file_columns_) take_bits(f.column, bits, {}, estimates);
+  const std::vector<bool> certain(points.size());
+  for (const Stage& stage : stages_) {
+    if (stage.ring < 0) continue;
+    if (stage.cloud && take_unplaced(stage, around, bits, estimates)) continue;
+    if (stage.cloud || !is_pointwise(stage.op)) {
+      leave_unchanged(stage, around, bits, estimates);
+      continue;
+    }
+    if (stage.applied) apply(stage, around, bits);
+    if (stage.formula)
+      estimate(stage, around, certain, estimates);
+    else
+      for (const std::uint16_t column : stage.makes) take_bits(column, bits, {}, estimates);
+  }
+  return results_of(points.size(), bits, estimates);
 }
 
 }  // namespace pointsweep

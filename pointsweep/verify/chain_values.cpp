@@ -20,28 +20,6 @@ formulas::Place place_of(const Surroundings& around, std::size_t i) {
   return {{around.x[i], around.y[i], around.z[i]}, 0};
 }
 
-/// Stores a number, rounded once to its type.
-void store(Type type, formulas::Real number, std::byte* to) {
-  const auto copy = [to](auto value) { std::memcpy(to, &value, sizeof value); };
-  if (type == Type::f32) return copy(static_cast<float>(number));
-  if (type == Type::f64) return copy(static_cast<double>(number));
-  if (type == Type::u64) return copy(static_cast<std::uint64_t>(number));
-  if (type == Type::i64) return copy(static_cast<std::int64_t>(number));
-  if (type == Type::u32) return copy(static_cast<std::uint32_t>(number));
-  Field field;
-  field.type = type;
-  set_value(field, to, static_cast<double>(number));
-}
-
-/// Stores an attribute. Its components come from one estimate, or, for more than three, from one estimate each.
-void store(const Attribute& a, const Estimate* estimates, std::byte* to) {
-  const std::size_t components = a.fields.size(), size = size_of(a.type);
-  for (std::size_t c = 0; c < components; ++c) {
-    const formulas::Vector v = estimates[components <= 3 ? 0 : c].value;
-    store(a.type, components > 3 || c == 0 ? v.x : c == 1 ? v.y : v.z, to + c * size);
-  }
-}
-
 bool is_kept(const std::vector<std::string>& keep, const Attribute& a) {
   return keep.empty() || ChainValues::is_selection(a) || std::find(keep.begin(), keep.end(), a.name) != keep.end();
 }
@@ -372,7 +350,7 @@ void ChainValues::take_estimates(std::uint16_t column, const ColumnEstimates& es
   const std::size_t width = estimates_of(a), count = estimates[column].size() / width;
   bits[column].resize(count * a.bytes());
   for (std::size_t i = 0; i < count; ++i)
-    store(a, estimates[column].data() + i * width, bits[column].data() + i * a.bytes());
+    put_estimates(a, estimates[column].data() + i * width, bits[column].data() + i * a.bytes());
 }
 
 ChainResults ChainValues::results_of(std::size_t points, const ColumnBytes& bits,
@@ -387,7 +365,7 @@ ChainResults ChainValues::results_of(std::size_t points, const ColumnBytes& bits
       results.values.resize(results.values.size() + bytes);
       std::byte* to = results.values.data() + results.values.size() - bytes;
       if (is_independent(m))
-        store(columns_[column], first, to);
+        put_estimates(columns_[column], first, to);
       else
         std::memcpy(to, bits[column].data() + i * bytes, bytes);
     }

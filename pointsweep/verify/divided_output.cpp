@@ -15,11 +15,10 @@
 #include "pointsweep/points/schema.h"
 #include "pointsweep/program/run_options.h"
 #include "pointsweep/verify/rows/field_pair.h"
+#include "pointsweep/verify/values/kept_rows.h"
 
 namespace pointsweep {
 namespace {
-
-constexpr std::size_t kSentences = 10;
 
 /// A part of a divided output: the two numbers of a tile, or the value of the dividing attribute and 0.
 using Part = std::array<double, 2>;
@@ -70,15 +69,15 @@ class PlacesOfPoints {
     // A tile without own points has no file and no buffer. All tiles with own points are known by now.
     for (const auto& [part, sum] : wanted_)
       if (file_of_.contains(part) && sum.sum() != found_[part].sum())
-        differ("{}: its buffer does not hold the points around its tile", file_of_.at(part));
+        misplaced_.add("{}: its buffer does not hold the points around its tile", file_of_.at(part));
     for (const auto& [part, sum] : found_)
       if (!wanted_.contains(part) && sum.sum() != 0)
-        differ("{}: its buffer holds points that are not around its tile", file_of_.at(part));
+        misplaced_.add("{}: its buffer holds points that are not around its tile", file_of_.at(part));
   }
 
   /// Returns for each row of the files whether its point belongs to the part itself, not to its buffer.
   const std::vector<bool>& own() const { return own_; }
-  const Misplaced& misplaced() const { return misplaced_; }
+  const Differences& misplaced() const { return misplaced_; }
 
  private:
   Field named(const std::string& word) const {
@@ -87,12 +86,6 @@ class PlacesOfPoints {
       fail_usage("{}: has no attribute '{}', by which the points would be divided.",
                  cloud_.readers().front()->info().path.string(), word);
     return schema_.fields[*at];
-  }
-
-  template <class... Args>
-  void differ(fmt::format_string<Args...> format, Args&&... args) {
-    if (++misplaced_.count <= kSentences)
-      misplaced_.sentences.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
 
   double edge(std::size_t axis, double tile) const { return division_.tile_origin[axis] + tile * *division_.tile; }
@@ -118,13 +111,13 @@ class PlacesOfPoints {
   }
 
   void see(std::uint64_t row, const std::byte* record) {
-    const Vec3 p = {value_of(position_.x, record), value_of(position_.y, record), value_of(position_.z, record)};
+    const Vec3 p = position_in(position_, record);
     const bool is_own = !buffer_ || value_of(*buffer_, record) == 0;
     own_.push_back(is_own);
     if (!is_own) return see_buffer(p);
     const std::optional<Part> part = part_of(record, p);
     if (!std::exchange(name_is_known_, true)) take_file(part);
-    if (part != part_) differ("{}: row {} of all files belongs into another file", path_.string(), row);
+    if (part != part_) misplaced_.add("{}: row {} of all files belongs into another file", path_.string(), row);
     if (buffer_ && part) want_in_buffers(*part, p);
   }
 
@@ -135,7 +128,7 @@ class PlacesOfPoints {
     const std::string stem = path_.stem().string();
     std::string_view rest = stem;
     if (!part) {
-      if (!stem.ends_with("unplaced")) differ("{}: has points without a place", path_.string());
+      if (!stem.ends_with("unplaced")) misplaced_.add("{}: has points without a place", path_.string());
       return;
     }
     const auto last = take_number(rest), before = take_number(rest);
@@ -144,9 +137,9 @@ class PlacesOfPoints {
     };
     const bool is_named =
         division_.tile ? is(last, edge(1, (*part)[1])) && is(before, edge(0, (*part)[0])) : is(last, (*part)[0]);
-    if (!is_named) differ("{}: is not named after its points", path_.string());
+    if (!is_named) misplaced_.add("{}: is not named after its points", path_.string());
     if (!file_of_.try_emplace(*part, path_.string()).second)
-      differ("{}: holds the same part as {}", path_.string(), file_of_.at(*part));
+      misplaced_.add("{}: holds the same part as {}", path_.string(), file_of_.at(*part));
   }
 
   void see_buffer(Vec3 p) {
@@ -177,19 +170,8 @@ class PlacesOfPoints {
   std::map<Part, std::string> file_of_;
   std::map<Part, MultisetSum> wanted_, found_;  ///< sums over the points that each buffer must hold, and does hold
   std::vector<bool> own_;
-  Misplaced misplaced_;
+  Differences misplaced_;
 };
-
-RowSelection selected(std::vector<bool> own) {
-  const auto rows = std::make_shared<const std::vector<bool>>(std::move(own));
-  return {rows->size(), [rows](std::uint64_t block, std::span<std::byte> bits) {
-            std::ranges::fill(bits, std::byte{0});
-            const std::uint64_t first = block * RowSelection::kBlockRows;
-            const std::uint64_t n = std::min(RowSelection::kBlockRows, rows->size() - first);
-            for (std::uint64_t i = 0; i < n; ++i)
-              if ((*rows)[first + i]) bits[i / 8] |= std::byte{1} << (i % 8);
-          }};
-}
 
 }  // namespace
 
@@ -206,7 +188,7 @@ DividedOutput read_divided(const std::vector<std::filesystem::path>& files, cons
   InputCloud cloud(files, {.ignore_crs = true});
   PlacesOfPoints places(cloud, division);
   places.look(progress);
-  return {.own = division.tile_buffer > 0 ? cloud.selected(selected(places.own())) : cloud,
+  return {.own = division.tile_buffer > 0 ? cloud.selected(selection_of(places.own())) : cloud,
           .misplaced = places.misplaced()};
 }
 

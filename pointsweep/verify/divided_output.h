@@ -3,30 +3,23 @@
 /// point is in the right file.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/run.h"
 #include "pointsweep/verify/rows/row_source.h"
+#include "pointsweep/verify/verify.h"
 
 namespace pointsweep {
 
 /// Returns the division that the record of an output states; none if the output is not divided.
 OutputDivision recorded_division(const ProvenanceRecord& record);
 
-struct Misplaced {
-  std::uint64_t count = 0;  ///< number of points in the wrong file, and of files with a wrong name or buffer
-  std::vector<std::string> sentences = {};  ///< messages about the first few of the faults that `count` counts
-};
-
 struct DividedOutput {
-  InputCloud own;  ///< points of all files, without points of buffers
-  Misplaced misplaced;
+  InputCloud own;         ///< points of all files, without points of buffers
+  Differences misplaced;  ///< points in the wrong file, and files with a wrong name or buffer
 };
 
 /// The name of the attribute that is 0 for points of a tile and another number for points of its buffer.

@@ -26,8 +26,8 @@
 #include "pointsweep/storage/local/place.h"
 #include "pointsweep/storage/remote/url.h"
 #include "pointsweep/verify/checked_stages.h"
+#include "pointsweep/verify/cloud_values.h"
 #include "pointsweep/verify/divided_output.h"
-#include "pointsweep/verify/outlier_threshold.h"
 #include "pointsweep/verify/verify.h"
 
 namespace pointsweep {
@@ -287,7 +287,7 @@ std::set<std::string> changed_attributes(const Arrivals& arrivals) {
 /// Checks files of points. `all`: the inputs; `cloud`: left_by_run() of `all`; `misplaced`: faults of the division into
 /// files.
 Verdict checked_points(const OutputCheck& check, const InputCloud& all, InputCloud& cloud, RowSource& out,
-                       const Misplaced& misplaced) {
+                       const Differences& misplaced) {
   const VerifyOptions& options = check.options;
   const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
   const auto made_with = [&](const std::set<std::string>& changed) {
@@ -295,8 +295,7 @@ Verdict checked_points(const OutputCheck& check, const InputCloud& all, InputClo
     MadeBy& made = compared.made;
     if (format != nullptr) made.own_field = format->own_field;
     made.in_any_order = is_in_any_order(check);
-    made.known_differences = misplaced.sentences;
-    made.more_differences = misplaced.count - misplaced.sentences.size();
+    made.known = misplaced;
     return compared;
   };
   Compared compared = made_with({});

@@ -5,16 +5,13 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/verify/chain_values.h"
-#include "pointsweep/verify/outlier_threshold.h"
-#include "pointsweep/verify/rows/file_pairs.h"
-#include "pointsweep/verify/rows/input_values.h"
+#include "pointsweep/verify/cloud_values.h"
 #include "pointsweep/verify/rows/row_alignment.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kSubset = 65536;
-constexpr std::size_t kDifferencesShown = 10;
 
 /// Returns the rows of the sample and the rows that the user has named, ascending.
 std::vector<std::uint64_t> rows_to_check(std::uint64_t count, const VerifyOptions& options,
@@ -39,7 +36,8 @@ class Verification {
         options_(options),
         chain_(made_by.operators, made_by.keep, in_.schema(), made_by.rule, made_by.outlier_threshold),
         rows_(rows_to_check(in_.count(), options)),
-        made_values_(out) {
+        made_values_(out),
+        differences_(made_by.known) {
     verdict_.input = in_.name(), verdict_.output = out_.name();
     verdict_.attributes_compared = !is_array;
     verdict_.untold = made_by.untold;
@@ -50,24 +48,19 @@ class Verification {
   }
 
   Verdict run() {
-    for (const std::string& difference : made_by_.known_differences) differ("{}", difference);
-    verdict_.difference_count += made_by_.more_differences;
     pair_made_attributes();
-    if (made_by_.leaves_out && !find_kept_rows()) return std::move(verdict_);
-    compare();
-    judge_arrivals();
-    const bool is_made = !made_values_.empty() || !selections_.empty();
-    if (verdict_.arrivals.points_in == verdict_.arrivals.points_out && !order_is_lost_ && is_made) check_sample();
+    if (!made_by_.leaves_out || find_kept_rows()) {
+      compare();
+      judge_arrivals();
+      const bool is_made = !made_values_.empty() || !selections_.empty();
+      if (verdict_.arrivals.points_in == verdict_.arrivals.points_out && !order_is_lost_ && is_made) check_sample();
+    }
+    verdict_.difference_count = differences_.count;
+    verdict_.differences = std::move(differences_.sentences);
     return std::move(verdict_);
   }
 
  private:
-  template <class... Args>
-  void differ(fmt::format_string<Args...> format, Args&&... args) {
-    if (++verdict_.difference_count <= kDifferencesShown)
-      verdict_.differences.push_back(fmt::format(format, std::forward<Args>(args)...));
-  }
-
   void pair_made_attributes() {
     const Schema results = schema_of_made(chain_.made(), options_.prefix);
     replaced_.assign(in_.schema().fields.size(), !verdict_.attributes_compared);
@@ -106,7 +99,7 @@ class Verification {
       if (const auto found = pairs_of_field(results, first + c, out_.schema(), ways().places))
         pairs[c] = found->front();
       else
-        differ("the output has no '{}', which is to be made", name);
+        differences_.add("the output has no '{}', which is to be made", name);
     }
     if (std::any_of(pairs.begin(), pairs.end(), [](const auto& pair) { return pair.has_value(); }))
       made_values_.add(estimate, MadeValue(std::move(pairs)));
@@ -134,7 +127,7 @@ class Verification {
     rows_ = rows_to_check(in_.count(), options_, &*alignment_);
     ++verdict_.passes;
     if (!alignment_->not_of_input) return true;
-    differ("row {} is not a row of the input, or not in its order", *alignment_->not_of_input);
+    differences_.add("row {} is not a row of the input, or not in its order", *alignment_->not_of_input);
     return false;
   }
 
@@ -167,8 +160,8 @@ class Verification {
 
   void judge_arrivals() {
     const Arrivals& a = verdict_.arrivals;
-    for (const std::string& name : a.missing) differ("the output lacks the attribute '{}'", name);
-    if (a.points_in != a.points_out) differ("{} points came out of {}", a.points_out, a.points_in);
+    for (const std::string& name : a.missing) differences_.add("the output lacks the attribute '{}'", name);
+    if (a.points_in != a.points_out) differences_.add("{} points came out of {}", a.points_out, a.points_in);
     if (!verdict_.attributes_compared) {
       verdict_.order = "input";
     } else if (made_by_.in_any_order) {
@@ -183,8 +176,6 @@ class Verification {
     }
   }
 
-  std::size_t longest_axis() const { return static_cast<std::size_t>(verdict_.arrivals.bounds.longest_axis()); }
-
   /// Returns whether the output is in the order of a sweep. If the options state no order, returns true if the rows
   /// seem to be the rows of the input in another order.
   bool sweep_is_meant() const {
@@ -193,29 +184,32 @@ class Verification {
     const bool most_differ = std::any_of(a.attributes.begin(), a.attributes.end(), [&](const AttributeArrival& one) {
       return one.rows_different > a.points_in / 2;
     });
-    return !a.row_by_row() && (a.in_some_order() || (most_differ && a.ascending[longest_axis()]));
+    return !a.row_by_row() &&
+           (a.in_some_order() || (most_differ && a.ascending[static_cast<std::size_t>(a.bounds.longest_axis())]));
   }
 
   void judge_row_by_row() {
     const Arrivals& a = verdict_.arrivals;
     if (a.points_in != a.points_out && !a.attributes.empty())
-      differ("row {} is the first that is not the same in both", *a.first_different);
+      differences_.add("row {} is the first that is not the same in both", *a.first_different);
     if (a.points_in == a.points_out) verdict_.different_rows = a.rows_different;
     for (const AttributeArrival& one : a.attributes) {
       if (one.rows_different == 0 || a.points_in != a.points_out) continue;
-      differ("row {}: {} is {}, but {} in the input ({} such {})", one.first_different, one.name, one.found,
-             one.expected, one.rows_different, one.rows_different == 1 ? "row" : "rows");
+      differences_.add("row {}: {} is {}, but {} in the input ({} such {})", one.first_different, one.name, one.found,
+                       one.expected, one.rows_different, one.rows_different == 1 ? "row" : "rows");
     }
   }
 
   void judge_values_in_any_order() {
     const Arrivals& a = verdict_.arrivals;
-    for (const AttributeArrival& one : a.attributes)
-      if (one.sum_in != one.sum_out) differ("the values of {} are not those of the input", one.name);
-    const bool sums_tell = std::any_of(a.attributes.begin(), a.attributes.end(),
-                                       [](const AttributeArrival& one) { return one.sum_in != one.sum_out; });
+    bool sums_tell = false;
+    for (const AttributeArrival& one : a.attributes) {
+      if (one.sum_in == one.sum_out) continue;
+      differences_.add("the values of {} are not those of the input", one.name);
+      sums_tell = true;
+    }
     if (!sums_tell && a.sum_in != a.sum_out && a.points_in == a.points_out)
-      differ("all values are there, but not all with the points they belong to");
+      differences_.add("all values are there, but not all with the points they belong to");
   }
 
   void judge_sweep_order() {
@@ -223,7 +217,7 @@ class Verification {
     axis_ = options_.axis ? *options_.axis : a.bounds.longest_axis();
     verdict_.order = fmt::format("sweep along {}", "xyz"[axis_]);
     if (moved() || a.ascending[static_cast<std::size_t>(axis_)]) return;
-    differ("the rows ascend neither as those of the input nor along {}", "xyz"[axis_]);
+    differences_.add("the rows ascend neither as those of the input nor along {}", "xyz"[axis_]);
     verdict_.order.clear();
     order_is_lost_ = true;
   }
@@ -397,7 +391,7 @@ class Verification {
     if (alignment_ && !rows.empty())
       twins = rows_with_twins(in_, *alignment_, *known_, rows, options_.progress), ++verdict_.passes;
     for (const auto& [row, difference] : suspects_)
-      if (!std::ranges::binary_search(twins, row)) differ("{}", difference);
+      if (!std::ranges::binary_search(twins, row)) differences_.add("{}", difference);
     verdict_.wrong_points = rows.size() - twins.size();
     verdict_.open_rows += twins.size();
   }
@@ -412,6 +406,7 @@ class Verification {
   std::vector<KnownPoint> subset_;              ///< points at evenly spaced rows of the cloud
   std::vector<bool> replaced_;                  ///< for each field of the input, true if it is not compared
   MadeValues made_values_;
+  Differences differences_;
   std::vector<std::size_t> selections_;    ///< numbers of the estimates of conditions
   std::optional<RowAlignment> alignment_;  ///< present if the output lacks rows
   /// Fields that identify the rows of an output that lacks rows of the input or has them in any order.

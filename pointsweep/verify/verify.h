@@ -2,20 +2,35 @@
 /// The check of one output of a known run.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <cstdint>
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/verify.h"
-#include "pointsweep/verify/rows/made_fields.h"
+#include "pointsweep/verify/rows/made_values.h"
 #include "pointsweep/verify/rows/row_source.h"
 #include "pointsweep/verify/search/surroundings.h"
 #include "pointsweep/verify/values/stage_formula.h"
 
 namespace pointsweep {
+
+/// The differences between an output and what its run should have made.
+struct Differences {
+  std::uint64_t count = 0;
+  std::vector<std::string> sentences = {};  ///< messages about the first ten
+
+  template <class... Args>
+  void add(fmt::format_string<Args...> format, Args&&... args) {
+    if (++count <= 10) sentences.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+};
 
 /// The stages of the run that made an output, and the facts about the output that the check needs.
 struct MadeBy {
@@ -36,8 +51,7 @@ struct MadeBy {
   bool leaves_out = false;
   /// True if the order of the rows is unknown: neither the order of the input nor an order that the points determine.
   bool in_any_order = false;
-  std::vector<std::string> known_differences = {};  ///< differences found before the check
-  std::uint64_t more_differences = 0;               ///< number of further differences
+  Differences known = {};  ///< differences found before the check
   /// True if stages that are not checked also drop rows, so that a row may be missing because of such a stage.
   bool leaves_out_more = false;
   std::vector<std::string> untold = {};  ///< sentences about values that are not checked, with reasons

@@ -142,7 +142,7 @@ MUTANTS = [
            "!stage.alone && n < around.list_begin[i + 1]", "n < around.list_begin[i + 1]", ("verify:Verify.*", "cli:VerifyVerb.*")),
     Mutant("verify ends with status 0 where rounding decides", "verify", "include/pointsweep/verify.h",
            "return open_values == 0 && open_rows == 0", "return open_rows == 0", ("cli:VerifyVerb.*",)),
-    Mutant("verify takes any value in a field that nothing fills", "verify", "pointsweep/verify/rows/made_fields.cpp",
+    Mutant("verify takes any value in a field that nothing fills", "verify", "pointsweep/verify/rows/made_values.cpp",
            "value_of(one.first, record) != one.second", "one.second < 0", ("cli:VerifyVerb.*",)),
 
     # The command line

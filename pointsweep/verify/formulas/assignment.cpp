@@ -194,17 +194,16 @@ Estimate stored_number(const PossibleNumber& number, Storage storage) {
     const bool stays = number.is_exact() && number.is_whole;
     const Real low = stays ? number.low : std::nearbyint(static_cast<double>(number.low));
     const Real high = stays ? number.high : std::nearbyint(static_cast<double>(number.high));
-    return low == high ? Estimate{.value = {low, 0, 0}} : open();
+    return low == high ? exactly(low) : open();
   }
-  if (number.is_exact())
-    return {.value = {storage == Storage::single
-                          ? static_cast<Real>(static_cast<float>(static_cast<double>(number.low)))
-                          : static_cast<Real>(static_cast<double>(number.low)),
-                      0, 0}};
+  if (number.is_exact()) {
+    const auto rounded = static_cast<double>(number.low);
+    return exactly(storage == Storage::single ? static_cast<double>(static_cast<float>(rounded)) : rounded);
+  }
   const Real middle = number.low / 2 + number.high / 2, error = number.high / 2 - number.low / 2;
   if (!std::isfinite(middle)) return open();
   const Real rounding = storage == Storage::single ? kSingle : kDouble;
-  return {.value = {middle, 0, 0}, .error = error + 2 * rounding * (std::fabs(middle) + error) + 0x1p-149L};
+  return scalar(middle, error + 2 * rounding * (std::fabs(middle) + error) + 0x1p-149L);
 }
 
 }  // namespace pointsweep::formulas

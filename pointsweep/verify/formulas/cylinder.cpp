@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/verify/formulas/cylinder.h"
 
-#include <limits>
-
 namespace pointsweep::formulas {
 namespace {
 
-Estimate not_a_number() { return {.value = {std::numeric_limits<Real>::quiet_NaN(), 0, 0}}; }
-
-Estimate number(Real value, Real error) {
-  return {.value = {value, 0, 0}, .error = error + kDouble * std::fabs(value)};
-}
+Estimate number(Real value, Real error) { return scalar(value, error + kDouble * std::fabs(value)); }
 
 }  // namespace
 
@@ -42,14 +36,14 @@ void Cylinder::add(Vector point) {
 }
 
 Estimate Cylinder::mean() const {
-  if (count_ == 0) return not_a_number();
+  if (count_ == 0) return exactly(kNaN);
   const Real m = first_ + sum_ / static_cast<Real>(count_);
   return number(m, (error_ + rounding_of_sum(count_)) * largest_);
 }
 
 /// The error of the deviation: if each a_j changes by at most e, the deviation changes by at most e sqrt(n / (n - 1)).
 Estimate Cylinder::spread() const {
-  if (count_ < 2) return not_a_number();
+  if (count_ < 2) return exactly(kNaN);
   const auto n = static_cast<Real>(count_);
   const Real variance = std::max<Real>(0, (squares_ - sum_ * sum_ / n) / (n - 1));
   const Real lost = 0x1p-61L * n * squares_ / (n - 1);  // rounding error of the sums
@@ -61,7 +55,7 @@ Change change(const Cylinder& before, const Cylinder& after, Real registration, 
   const auto all_of = [](const Estimate& e) { return Change{e, e, e, e, e, e}; };
   if (before.is_open() || after.is_open()) return all_of(open());
   if (!before.has_axis()) {
-    const Estimate nan = not_a_number();
+    const Estimate nan = exactly(kNaN);
     return {nan, nan, nan, nan, {}, {}};
   }
   const Estimate m1 = before.mean(), m2 = after.mean(), s1 = before.spread(), s2 = after.spread();
@@ -70,15 +64,15 @@ Change change(const Cylinder& before, const Cylinder& after, Real registration, 
            .level = {},
            .spread1 = s1,
            .spread2 = s2,
-           .samples1 = {.value = {n1, 0, 0}},
-           .samples2 = {.value = {n2, 0, 0}}};
+           .samples1 = exactly(n1),
+           .samples2 = exactly(n2)};
   const Real uncertainty = std::sqrt(s1.value.x * s1.value.x / n1 + s2.value.x * s2.value.x / n2);
   const Real level = 1.96L * (uncertainty + registration);
   c.level = number(level, 1.96L * (s1.error / std::sqrt(n1) + s2.error / std::sqrt(n2)) + 16 * kDouble * level);
   c.distance.either_sign = either_side;
   // A NaN value needs no error bound: only NaN equals it.
   for (Estimate* e : {&c.distance, &c.level})
-    if (std::isnan(e->value.x)) *e = not_a_number();
+    if (std::isnan(e->value.x)) *e = exactly(kNaN);
   return c;
 }
 

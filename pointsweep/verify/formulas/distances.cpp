@@ -5,12 +5,10 @@
 #include <numbers>
 #include <tuple>
 
+#include "pointsweep/verify/formulas/eigen.h"
+
 namespace pointsweep::formulas {
 namespace {
-
-constexpr Real kMissing = std::numeric_limits<Real>::quiet_NaN();
-
-Estimate exactly(Real value) { return {.value = {value, 0, 0}}; }
 
 /// The least and the greatest possible number of neighbours within the radius.
 struct Within {
@@ -40,6 +38,41 @@ Estimate per_size(Real points, const Estimate& radius, int power, Real factor) {
   return single_scalar(quotient(r), {quotient(r + radius.error) - rounding, quotient(r - radius.error) + rounding});
 }
 
+/// The eigenentropy E of a covariance, and a bound of its error.
+struct Entropy {
+  Real value = kInfinity, error = 0;
+};
+
+Entropy entropy(const Matrix& covariance, Real rounding) {
+  const Real trace = covariance.trace();
+  Entropy result{0, 0};
+  for (const Real value : eigen_of(covariance).value) {
+    const Real e = std::max<Real>(value, 0) / trace, least = std::max(e, rounding / trace);
+    if (e > 0) result.value -= e * std::log(e);
+    result.error += rounding / trace * (1 + std::fabs(std::log(least)));
+  }
+  return result;
+}
+
+/// Returns the eigenentropies for k = least, least + 1, and so on; infinite for a k whose neighbours all coincide with
+/// p.
+std::vector<Entropy> entropies(const Place& p, std::span<const Place> neighbors, std::size_t least) {
+  std::vector<Entropy> result;
+  Matrix squares;
+  Vector sum;
+  for (std::size_t k = 1; k <= neighbors.size(); ++k) {
+    const Vector d = neighbors[k - 1].at - p.at;
+    squares.add_outer_product(1, d);
+    sum = sum + d;
+    if (k < least) continue;
+    Matrix covariance = squares;
+    covariance.add_outer_product(-1 / static_cast<Real>(k + 1), sum);
+    const bool extended = squares.trace() > 0;
+    result.push_back(extended ? entropy(covariance, rounding_of_sum(k) * squares.trace()) : Entropy{});
+  }
+  return result;
+}
+
 }  // namespace
 
 double squared_distance(const Place& p, const Place& q) {
@@ -51,7 +84,7 @@ double squared_distance(const Place& p, const Place& q) {
 Estimate distance(const Place& p, const Place& q) {
   const double length = std::sqrt(squared_distance(p, q));
   const Real moved = p.error + q.error;
-  return {.value = {length, 0, 0}, .error = moved > 0 ? moved + 4 * kDouble * length : 0};
+  return scalar(length, moved > 0 ? moved + 4 * kDouble * length : 0);
 }
 
 Estimate farthest(const Place& p, std::span<const Place> neighbors) {
@@ -73,21 +106,20 @@ Estimate mean_distance(const Place& p, std::span<const Place> neighbors, bool of
     mean.value.x += d.value.x / n;
     mean.error += d.error / n;
   }
-  if (neighbors.empty() || !std::isfinite(mean.value.x))
-    return {.value = {std::numeric_limits<Real>::quiet_NaN(), 0, 0}};
+  if (neighbors.empty() || !std::isfinite(mean.value.x)) return exactly(kNaN);
   mean.error += rounding_of_sum(neighbors.size()) * mean.value.x;
   return mean;
 }
 
 Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_error, OutlierProgram program) {
   const Real mean = mean_distance.value.x;
-  if (program == OutlierProgram::open3d && mean == 0 && mean_distance.error == 0) return {.value = {1, 0, 0}};
+  if (program == OutlierProgram::open3d && mean == 0 && mean_distance.error == 0) return exactly(1);
   if (mean_distance.is_open() || std::isnan(threshold)) return open();
   const bool at_threshold = program == OutlierProgram::pdal || program == OutlierProgram::open3d;
   if (threshold == 0 && threshold_error == 0 && mean == 0 && mean_distance.error == 0)
-    return {.value = {at_threshold ? Real{1} : Real{0}, 0, 0}};
+    return exactly(at_threshold ? 1 : 0);
   if (std::fabs(mean - threshold) <= mean_distance.error + threshold_error) return open();
-  return {.value = {!(mean <= threshold) ? Real{1} : Real{0}, 0, 0}};
+  return exactly(mean <= threshold ? 0 : 1);
 }
 
 GraphRow graph_row(const Place& p, std::span<const Place> neighbors, std::span<const std::uint64_t> rows) {
@@ -136,7 +168,7 @@ Densities densities(const Place& p, std::span<const Place> neighbors, std::optio
 
 Estimate k_distance(const Place& p, std::span<const Place> neighbors) {
   const Estimate d = farthest(p, neighbors);
-  return neighbors.empty() || !std::isfinite(d.value.x) ? exactly(kMissing) : d;
+  return neighbors.empty() || !std::isfinite(d.value.x) ? exactly(kNaN) : d;
 }
 
 Estimate reachability_density(const Place& p, std::span<const Place> neighbors, std::span<const Estimate> k_distances) {
@@ -144,15 +176,15 @@ Estimate reachability_density(const Place& p, std::span<const Place> neighbors, 
   for (std::size_t j = 0; j < neighbors.size(); ++j) {
     const Estimate d = distance(p, neighbors[j]), &k = k_distances[j];
     if (k.is_open()) return open();
-    if (std::isnan(k.value.x) || !std::isfinite(d.value.x)) return exactly(kMissing);
+    if (std::isnan(k.value.x) || !std::isfinite(d.value.x)) return exactly(kNaN);
     sum += std::max(k.value.x, d.value.x), error += std::max(k.error, d.error);
   }
-  if (neighbors.empty()) return exactly(kMissing);
+  if (neighbors.empty()) return exactly(kNaN);
   if (sum == 0 && error == 0) return exactly(kInfinity);
   error += rounding_of_sum(neighbors.size()) * sum;
   const Real n = static_cast<Real>(neighbors.size());
   if (error > 0.5L * sum) return open();
-  return {.value = {n / sum, 0, 0}, .error = n / (sum - error) - n / sum};
+  return scalar(n / sum, n / (sum - error) - n / sum);
 }
 
 Estimate local_outlier_factor(const Estimate& density, std::span<const Estimate> of_neighbors) {
@@ -160,7 +192,7 @@ Estimate local_outlier_factor(const Estimate& density, std::span<const Estimate>
     return test(density) || std::any_of(of_neighbors.begin(), of_neighbors.end(), test);
   };
   if (any([](const Estimate& e) { return e.is_open(); })) return open();
-  if (of_neighbors.empty() || any([](const Estimate& e) { return std::isnan(e.value.x); })) return exactly(kMissing);
+  if (of_neighbors.empty() || any([](const Estimate& e) { return std::isnan(e.value.x); })) return exactly(kNaN);
   const Real own = density.value.x, n = static_cast<Real>(of_neighbors.size());
   const bool own_infinite = std::isinf(own);
   Real sum = 0, error = 0;
@@ -174,7 +206,31 @@ Estimate local_outlier_factor(const Estimate& density, std::span<const Estimate>
     }
   }
   const Real rounding = own_infinite ? 2 * kDouble * sum : 2 * rounding_of_sum(of_neighbors.size()) * sum;
-  return {.value = {sum / n, 0, 0}, .error = (2 * error + rounding) / n};
+  return scalar(sum / n, (2 * error + rounding) / n);
+}
+
+Kept of_least_eigenentropy(const Place& p, std::span<const Place> neighbors, std::size_t least) {
+  if (neighbors.size() <= least) return {neighbors.size(), true};
+  const std::vector<Entropy> all = entropies(p, neighbors, least);
+  std::size_t best = 0;
+  for (std::size_t m = 1; m < all.size(); ++m)
+    if (all[m].value < all[best].value) best = m;
+  if (!(all[best].value < kInfinity)) return {neighbors.size(), true};
+  Kept kept{least + best, true};
+  for (std::size_t m = 0; m < all.size(); ++m)
+    if (m != best && all[m].value - all[best].value <= all[m].error + all[best].error) kept.certain = false;
+  return kept;
+}
+
+Kept within_limits(const Place& p, std::span<const Place> neighbors, std::optional<double> k,
+                   std::optional<double> radius) {
+  std::size_t count = neighbors.size();
+  if (k) count = *k >= 1 ? static_cast<std::size_t>(std::min(std::floor(*k), static_cast<double>(count))) : 0;
+  if (!radius) return {count, true};
+  const auto is_within = [&](const Place& q) { return squared_distance(p, q) <= *radius * *radius; };
+  std::size_t within = 0;
+  while (within < count && *radius >= 0 && is_within(neighbors[within])) ++within;
+  return {within, true};
 }
 
 }  // namespace pointsweep::formulas

@@ -22,6 +22,9 @@ using Real = long double;
 /// The vectors in which formulas are evaluated.
 struct Vector {
   Real x = 0, y = 0, z = 0;
+
+  Real operator[](std::size_t axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  Real& operator[](std::size_t axis) { return axis == 0 ? x : axis == 1 ? y : z; }
 };
 
 inline Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
@@ -49,9 +52,8 @@ struct Matrix {
 
   /// Adds s v vᵀ to the matrix.
   void add_outer_product(Real s, Vector v) {
-    const Real c[3] = {v.x, v.y, v.z};
     for (std::size_t a = 0; a < 3; ++a)
-      for (std::size_t b = 0; b < 3; ++b) entry[a][b] += s * c[a] * c[b];
+      for (std::size_t b = 0; b < 3; ++b) entry[a][b] += s * v[a] * v[b];
   }
   Real trace() const { return entry[0][0] + entry[1][1] + entry[2][2]; }
 };
@@ -62,6 +64,7 @@ inline Vector operator*(const Matrix& m, Vector v) {
 }
 
 inline constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
+inline constexpr Real kNaN = std::numeric_limits<Real>::quiet_NaN();
 inline constexpr Real kSingle = 0x1p-24L;  ///< largest relative error of rounding to float32
 inline constexpr Real kDouble = 0x1p-53L;  ///< largest relative error of rounding to float64
 
@@ -94,6 +97,10 @@ struct Estimate {
 
 /// Returns whether the value of an estimate is uncertain: it is open or may be undefined.
 inline bool in_doubt(const Estimate& e) { return e.is_open() || e.may_be_undefined; }
+/// Returns an estimate without error.
+inline Estimate exactly(Real value) { return {.value = {value, 0, 0}}; }
+/// Returns an estimate of a number with a bound of its error.
+inline Estimate scalar(Real value, Real error) { return {.value = {value, 0, 0}, .error = error}; }
 /// Returns the documented value, 0, for data that define no value.
 inline Estimate undefined() { return {}; }
 /// Returns an estimate for data that leave the correct value open.
@@ -109,7 +116,7 @@ inline Range not_negative(Range r) { return {std::max<Real>(r.low, 0), std::max<
 /// Returns `value` as float32. Correct evaluations lie in `range`.
 inline Estimate single_scalar(Real value, Range range) {
   const Real error = std::max(range.high - value, value - range.low);
-  return {.value = {value, 0, 0}, .error = error + kSingle * (std::fabs(value) + error) + 0x1p-149L};
+  return scalar(value, error + kSingle * (std::fabs(value) + error) + 0x1p-149L);
 }
 /// Returns a unit vector as three float32.
 inline Estimate single_direction(Vector value, Real error) {

@@ -192,7 +192,7 @@ Features features(const Place& p, std::span<const Place> neighbors, Lambda lambd
     return is_finite(d) && largest_component(d) <= std::numeric_limits<double>::max();
   });
   if (finite && cloud.extent >= kTooFar) f = all_open();
-  f.number_of_neighbors = {.value = {cloud.size(), 0, 0}};
+  f.number_of_neighbors = exactly(cloud.size());
   if (!finite || cloud.extent >= kTooFar || cloud.offset.empty()) return f;
   f.height_range = height_range(cloud);
   const bool may_have_moved =

@@ -195,8 +195,8 @@ std::optional<bool> GroundRaster::is_ground(double x, double y, double z) const 
 }
 
 Estimate height_above(double z, std::span<const GroundPoint> nearest) {
-  if (nearest.empty()) return {.value = {std::numeric_limits<Real>::quiet_NaN(), 0, 0}};
-  if (nearest.front().distance2 == 0) return {.value = {z - nearest.front().z, 0, 0}};
+  if (nearest.empty()) return exactly(kNaN);
+  if (nearest.front().distance2 == 0) return exactly(z - nearest.front().z);
   Real sum = 0, weights = 0, largest = 0;
   for (const GroundPoint& g : nearest) {
     const Real weight = 1 / static_cast<Real>(g.distance2);
@@ -206,7 +206,7 @@ Estimate height_above(double z, std::span<const GroundPoint> nearest) {
   }
   const Real height = z - sum / weights;
   const Real error = rounding_of_sum(nearest.size()) * 2 * (largest + std::fabs(static_cast<Real>(z)));
-  return {.value = {height, 0, 0}, .error = error};
+  return scalar(height, error);
 }
 
 }  // namespace pointsweep::formulas

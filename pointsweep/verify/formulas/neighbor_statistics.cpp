@@ -3,13 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 namespace pointsweep::formulas {
 namespace {
-
-Estimate value_within(Real value, Real error) { return {.value = {value, 0, 0}, .error = error}; }
 
 /// Returns the most frequent value, the first in the list if several are equally frequent.
 Real most_frequent(const std::vector<Real>& values) {
@@ -33,52 +30,50 @@ Estimate statistic_of(std::string_view name, const std::vector<Estimate>& values
     error = std::max(error, e.error);
   }
   const auto n = static_cast<Real>(v.size());
-  if (name == "count") return value_within(n, 0);
-  if (v.empty()) return value_within(std::numeric_limits<Real>::quiet_NaN(), 0);
-  if (name == "majority") return error > 0 ? open() : value_within(most_frequent(v), 0);
+  if (name == "count") return exactly(n);
+  if (v.empty()) return exactly(kNaN);
+  if (name == "majority") return error > 0 ? open() : exactly(most_frequent(v));
 
   Real sum = 0, far = 0;
   for (const Real value : v) sum += value - v[0], far = std::max(far, std::fabs(value - v[0]));
   const Real m = sum / n, rounding_of_m = kDouble * (n + 2) * far;
   if (name == "mean")
-    return value_within(v[0] + m, error + rounding_of_m + kDouble * (std::fabs(v[0]) + std::fabs(v[0] + m)));
+    return scalar(v[0] + m, error + rounding_of_m + kDouble * (std::fabs(v[0]) + std::fabs(v[0] + m)));
   if (name == "deviation") {
     Real squares = 0;
     for (const Real value : v) squares += (value - v[0] - m) * (value - v[0] - m);
     const Real deviation = std::sqrt(squares / n);
-    return value_within(deviation, error + rounding_of_m + kDouble * (3 * far + (n + 4) * deviation));
+    return scalar(deviation, error + rounding_of_m + kDouble * (3 * far + (n + 4) * deviation));
   }
   std::sort(v.begin(), v.end());
-  if (name == "min") return value_within(v.front(), error);
-  if (name == "max") return value_within(v.back(), error);
-  if (name == "range") return value_within(v.back() - v.front(), 2 * error + kDouble * (v.back() - v.front()));
+  if (name == "min") return scalar(v.front(), error);
+  if (name == "max") return scalar(v.back(), error);
+  if (name == "range") return scalar(v.back() - v.front(), 2 * error + kDouble * (v.back() - v.front()));
   const Real median = (v[(v.size() - 1) / 2] + v[v.size() / 2]) / 2;
-  return value_within(median, error + kDouble * std::fabs(median));
+  return scalar(median, error + kDouble * std::fabs(median));
 }
 
 std::optional<Estimate> voted(std::string_view vote, const std::vector<Real>& values, bool are_whole) {
   if (values.empty()) return std::nullopt;
-  if (vote == "nearest" || (vote == "majority" && values.size() == 1)) return Estimate{.value = {values.front(), 0, 0}};
+  if (vote == "nearest" || (vote == "majority" && values.size() == 1)) return exactly(values.front());
   std::vector<Estimate> finite;
   Real sum = 0;
   for (const Real v : values) {
     if (!std::isfinite(v)) continue;
-    finite.push_back({.value = {v, 0, 0}});
+    finite.push_back(exactly(v));
     sum += v;
   }
   if (finite.empty()) return std::nullopt;
   const bool is_exact = are_whole && std::fabs(sum) < 0x1p63L;  // a sum of whole numbers below 2^63 is exact
-  if (vote == "mean" && is_exact)
-    return Estimate{.value = {static_cast<double>(sum) / static_cast<double>(finite.size()), 0, 0}};
+  if (vote == "mean" && is_exact) return exactly(static_cast<double>(sum) / static_cast<double>(finite.size()));
   return statistic_of(vote, finite);
 }
 
 Estimate stored(const Estimate& value, Storage storage) {
   if (value.is_open()) return open();
-  if (value.error > 0) return stored_number({value.value.x - value.error, value.value.x + value.error, false}, storage);
-  return stored_number(
-      {value.value.x, value.value.x, storage == Storage::whole && std::nearbyint(value.value.x) == value.value.x},
-      storage);
+  const Real v = value.value.x;
+  if (value.error > 0) return stored_number({v - value.error, v + value.error, false}, storage);
+  return stored_number({v, v, storage == Storage::whole && std::nearbyint(v) == v}, storage);
 }
 
 }  // namespace pointsweep::formulas

@@ -44,7 +44,7 @@ PossibleNumber root(const PossibleNumber& n) {
 PossibleNumber extreme(std::span<const PossibleNumber> numbers, int sign) {
   PossibleNumber out = numbers[0];
   for (const PossibleNumber& n : numbers) {
-    if (std::isnan(n.low) || std::isnan(out.low)) return single_number(std::numeric_limits<Real>::quiet_NaN());
+    if (std::isnan(n.low) || std::isnan(out.low)) return single_number(kNaN);
     if (sign * n.low > sign * out.low) out.low = n.low;
     if (sign * n.high > sign * out.high) out.high = n.high;
   }

@@ -55,10 +55,10 @@ void Mean::add(double value) {
 }
 
 Estimate Mean::real() const {
-  if (count_ == 0) return {.value = {std::numeric_limits<Real>::quiet_NaN(), 0, 0}};
-  if (least_ == most_) return {.value = {least_, 0, 0}};
+  if (count_ == 0) return exactly(kNaN);
+  if (least_ == most_) return exactly(least_);
   const Real mean = sum_ / count_;
-  return {.value = {mean, 0, 0}, .error = 0x1p-63L * magnitudes_ + 2 * kDouble * std::fabs(mean) + 0x1p-1074L};
+  return scalar(mean, 0x1p-63L * magnitudes_ + 2 * kDouble * std::fabs(mean) + 0x1p-1074L);
 }
 
 Estimate Mean::single() const {
@@ -70,10 +70,10 @@ Estimate Mean::single() const {
 Estimate Mean::whole() const {
   // Sums of whole numbers below 2^53 are exact, and so is a mean that lies halfway between two whole numbers.
   if (are_whole_ && count_ > 0 && magnitudes_ < 0x1p53L && std::fmod(2 * sum_, count_) == 0)
-    return {.value = {std::nearbyint(sum_ / count_), 0, 0}};
+    return exactly(std::nearbyint(sum_ / count_));
   const Estimate e = real();
   const Real low = std::nearbyint(e.value.x - e.error), high = std::nearbyint(e.value.x + e.error);
-  return low == high ? Estimate{.value = {low, 0, 0}} : open();
+  return low == high ? exactly(low) : open();
 }
 
 Estimate mean_vector(const std::array<Mean, 3>& components) {

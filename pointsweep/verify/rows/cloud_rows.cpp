@@ -4,9 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <tuple>
-
-#include "pointsweep/cancellation.h"
 
 namespace pointsweep {
 namespace {
@@ -53,15 +50,8 @@ void put_from_output(std::span<const ColumnSource> columns, const std::byte* rec
   }
 }
 
-template <class Use>
-void for_each_block(RowSource& source, Use use) {
-  for (std::uint64_t first = 0; first < source.count();) {
-    stop_if_cancelled();
-    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(source.block_rows(), source.count() - first));
-    const std::span<const std::byte> records = source.read(first, n);
-    for (std::size_t i = 0; i < n; ++i) use(first + i, records.data() + i * source.schema().stride);
-    first += n;
-  }
+bool read_output(std::span<const ColumnSource> columns) {
+  return std::ranges::any_of(columns, [](const ColumnSource& c) { return !c.in_output.empty(); });
 }
 
 }  // namespace
@@ -76,8 +66,7 @@ void require_memory(std::uint64_t bytes, const CloudRows& rows) {
 }
 
 void CloudRows::require(std::span<const ColumnSource> columns) const {
-  const bool reads_output = std::ranges::any_of(columns, [](const auto& c) { return !c.in_output.empty(); });
-  if (reads_output && axis_ >= 0)
+  if (axis_ >= 0 && read_output(columns))
     require_memory(count() * (sizeof(PlaceOfRow) + components_of(columns) * sizeof(double)), *this);
 }
 
@@ -89,14 +78,9 @@ std::vector<double> CloudRows::values_in_order_of_input(std::span<const ColumnSo
   order.reserve(count());
   for_each_position(in_, "ordering", progress_, [&](std::uint64_t row, Vec3 p) { order.push_back({p, row}); });
   ++passes_;
-  const auto key = [&](const PlaceOfRow& p) {
-    const bool finite = is_finite(p.position);
-    const Vec3 at = finite ? p.position : Vec3{};
-    return std::tuple(!finite, at[axis_], at.x, at.y, at.z, p.row);
-  };
-  std::ranges::sort(order, {}, key);
+  std::ranges::sort(order, {}, [&](const PlaceOfRow& p) { return sweep_key(p.position, p.row, axis_); });
   std::vector<double> values(count() * components);
-  for_each_block(out_, [&](std::uint64_t place, const std::byte* record) {
+  for_each_row(out_, "ordering", {}, [&](std::uint64_t place, const std::byte* record) {
     put_from_output(columns, record, values.data() + order[place].row * components);
   });
   return values;
@@ -105,7 +89,7 @@ std::vector<double> CloudRows::values_in_order_of_input(std::span<const ColumnSo
 void CloudRows::for_each(std::span<const ColumnSource> columns,
                          const std::function<void(std::uint64_t, Vec3, std::span<const double>)>& use) {
   const std::size_t components = components_of(columns);
-  const bool reads_output = std::ranges::any_of(columns, [](const auto& c) { return !c.in_output.empty(); });
+  const bool reads_output = read_output(columns);
   std::vector<double> moved;
   if (reads_output && axis_ >= 0) moved = values_in_order_of_input(columns, components);
   const PositionFields position = position_fields(in_.schema(), in_.name());
@@ -113,22 +97,20 @@ void CloudRows::for_each(std::span<const ColumnSource> columns,
   std::span<const std::byte> out_records;
   std::uint64_t out_first = 0;
   ++passes_;
-  for_each_block(in_, [&](std::uint64_t row, const std::byte* record) {
+  for_each_row(in_, "reading", progress_, [&](std::uint64_t row, const std::byte* record) {
     if (!moved.empty()) {
       std::copy_n(moved.data() + row * components, components, values.data());
     } else if (reads_output) {
       const std::size_t stride = out_.schema().stride;
       if (row >= out_first + out_records.size() / stride) {
         out_first = row;
-        out_records =
-            out_.read(row, static_cast<std::size_t>(std::min<std::uint64_t>(out_.block_rows(), count() - row)));
+        out_records = out_.read_block(row);
       }
       put_from_output(columns, out_records.data() + (row - out_first) * stride, values.data());
     }
     put_from_input(columns, record, values.data());
     put_made_again(columns, row, values.data());
-    use(row, {value_of(position.x, record), value_of(position.y, record), value_of(position.z, record)}, values);
-    if (progress_ && (row + 1) % 65536 == 0) progress_("reading", row + 1, count());
+    use(row, position_in(position, record), values);
   });
 }
 

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// Comparison of values in records of an input and of an output, and of made values with the estimates of their
-/// formulas.
+/// Comparison of values in records of an input and of an output.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "pointsweep/math/mix.h"
 #include "pointsweep/points/decimals.h"
 #include "pointsweep/points/schema.h"
-#include "pointsweep/verify/formulas/estimate.h"
+#include "pointsweep/verify/rows/row_source.h"
 
 namespace pointsweep {
 
@@ -81,32 +81,33 @@ class MultisetSum {
   std::uint64_t sum_ = 0;
 };
 
-/// The one to three components of an attribute that share one estimate, and their fields in the output.
-class MadeValue {
+/// Returns the number of the file that has row `row`.
+std::size_t file_of_row(std::span<const FileOfRows> files, std::uint64_t row);
+
+/// The pairs of fields for each row, as the file of the row stores the values (FieldPair::in_files). Only the pairs of
+/// one file of each cloud are kept, so ascending rows are fastest.
+class FilePairs {
  public:
-  /// `pairs`: for each component, the pair of a field of result records and a field of the output; absent for a
-  /// component that was not written.
-  explicit MadeValue(std::vector<std::optional<FieldPair>> pairs) : pairs_(std::move(pairs)) {}
-  /// Returns this value, to be compared as a file with the schema `to` stores it (FieldPair::in_files).
-  MadeValue in_file(const Schema& to) const;
+  /// Borrows the sources. If they have equally many files, file i of the output is taken to hold rows of file i of the
+  /// input. `in_any_order`: true if rows of the output may be in any file.
+  FilePairs(const RowSource& in, const RowSource& out, bool in_any_order, std::vector<FieldPair> pairs);
 
-  /// Returns the first wrong component; nothing if the value is right. Estimates without error are compared by
-  /// FieldPair, bit for bit if the types are equal. Other values may differ by their error and one rounding to the type
-  /// of the output.
-  std::optional<std::size_t> wrong_component(const formulas::Estimate& estimate, const std::byte* result,
-                                             const std::byte* record) const;
-  /// Returns "nx is 0.3, but 0.2 by brute force, give or take 1e-07".
-  std::string difference(std::size_t component, const formulas::Estimate& estimate, const std::byte* result,
-                         const std::byte* record) const;
-
-  /// Returns the distance of the output's value from the nearest right value, beyond the rounding of its type; 0 if
-  /// rounding explains the difference.
-  formulas::Real distance(const formulas::Estimate& estimate, const std::byte* record) const;
+  const std::vector<FieldPair>& all() const { return pairs_; }
+  std::span<const FieldPair> of_input(std::uint64_t row) { return of(in_, row); }
+  std::span<const FieldPair> of_output(std::uint64_t row) { return of(out_, row); }
 
  private:
-  formulas::Real distance_to(formulas::Vector expected, const std::byte* record) const;
+  struct Side {
+    std::span<const FileOfRows> files;
+    std::uint64_t count;               ///< number of rows
+    std::uint64_t first = 0, end = 0;  ///< rows of the file to which `pairs` belong
+    std::vector<FieldPair> pairs = {};
+  };
+  std::span<const FieldPair> of(Side& side, std::uint64_t row);
 
-  std::vector<std::optional<FieldPair>> pairs_;
+  std::vector<FieldPair> pairs_;
+  Side in_, out_;
+  bool by_file_;
 };
 
 }  // namespace pointsweep

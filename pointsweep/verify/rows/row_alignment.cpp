@@ -2,14 +2,12 @@
 #include "pointsweep/verify/rows/row_alignment.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <numeric>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
 
-#include "pointsweep/cancellation.h"
 #include "pointsweep/math/mix.h"
 
 namespace pointsweep {
@@ -21,19 +19,6 @@ std::uint64_t word_of(std::span<const FieldPair> pairs, const std::byte* record,
   std::uint64_t all = 0;
   for (const FieldPair& pair : pairs) all = mix(all ^ (pair.*word)(record));
   return all;
-}
-
-/// Calls use(row, record) for each row.
-template <class Use>
-void for_each_row(RowSource& source, const PhaseProgress& progress, Use use) {
-  for (std::uint64_t first = 0; first < source.count();) {
-    stop_if_cancelled();
-    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(source.block_rows(), source.count() - first));
-    const std::span<const std::byte> records = source.read(first, n);
-    for (std::size_t i = 0; i < n; ++i) use(first + i, records.data() + i * source.schema().stride);
-    first += n;
-    if (progress) progress("comparing", first, source.count());
-  }
 }
 
 /// A sequential reader of the hashes of the output's rows.
@@ -50,12 +35,10 @@ class OutputWords {
  private:
   void fill() {
     first_ = row_;
-    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(out_.block_rows(), out_.count() - first_));
-    const std::span<const std::byte> records = out_.read(first_, n);
+    const std::span<const std::byte> records = out_.read_block(first_);
     words_.clear();
-    for (std::size_t i = 0; i < n; ++i)
-      words_.push_back(
-          word_of(pairs_.of_output(first_ + i), records.data() + i * out_.schema().stride, &FieldPair::found));
+    for (std::size_t at = 0; at < records.size(); at += out_.schema().stride)
+      words_.push_back(word_of(pairs_.of_output(first_ + words_.size()), records.data() + at, &FieldPair::found));
   }
 
   RowSource& out_;
@@ -63,20 +46,6 @@ class OutputWords {
   std::uint64_t row_ = 0, first_ = 0;
   std::vector<std::uint64_t> words_;
 };
-
-struct PlaceInOrder {
-  bool nonfinite;
-  std::array<double, 4> key;  ///< coordinate on the axis, x, y, z
-  std::uint64_t row;
-
-  friend bool operator<(const PlaceInOrder& a, const PlaceInOrder& b) {
-    if (a.nonfinite != b.nonfinite) return b.nonfinite;
-    if (!a.nonfinite && a.key != b.key) return a.key < b.key;
-    return a.row < b.row;
-  }
-};
-
-PlaceInOrder place_of(Vec3 p, std::uint64_t row, int axis) { return {!is_finite(p), {p[axis], p.x, p.y, p.z}, row}; }
 
 }  // namespace
 
@@ -89,7 +58,7 @@ std::optional<std::uint64_t> RowAlignment::place_of(std::uint64_t row) const {
 RowAlignment align_rows(RowSource& in, RowSource& out, FilePairs& pairs, const PhaseProgress& progress) {
   RowAlignment alignment;
   OutputWords words(out, pairs);
-  for_each_row(in, progress, [&](std::uint64_t row, const std::byte* record) {
+  for_each_row(in, "comparing", progress, [&](std::uint64_t row, const std::byte* record) {
     if (words.ends() || words.word() != word_of(pairs.of_input(row), record, &FieldPair::expected)) return;
     alignment.kept.push_back(row);
     words.step();
@@ -123,7 +92,7 @@ std::vector<std::uint64_t> rows_with_twins(RowSource& in, const RowAlignment& al
     records.emplace_back(reinterpret_cast<const char*>(record), stride);
     of_word[word_of(pairs.of_input(rows[i]), record, &FieldPair::expected)].push_back(i);
   });
-  for_each_row(in, progress, [&](std::uint64_t row, const std::byte* record) {
+  for_each_row(in, "comparing", progress, [&](std::uint64_t row, const std::byte* record) {
     const auto same = of_word.find(word_of(pairs.of_input(row), record, &FieldPair::expected));
     if (same == of_word.end()) return;
     for (const std::size_t i : same->second)
@@ -145,7 +114,7 @@ std::optional<std::vector<PossibleRows>> rows_with_values(RowSource& in, RowSour
     words[i] = word_of(pairs.of_input(rows[i]), record, &FieldPair::expected);
     of_word[words[i]];
   });
-  for_each_row(out, progress, [&](std::uint64_t row, const std::byte* record) {
+  for_each_row(out, "comparing", progress, [&](std::uint64_t row, const std::byte* record) {
     const auto at = of_word.find(word_of(pairs.of_output(row), record, &FieldPair::found));
     if (at == of_word.end()) return;
     if (at->second.count++ < kMostPossibleRows) at->second.rows.push_back(row);
@@ -179,25 +148,22 @@ std::vector<std::uint64_t> sample_rows(std::uint64_t count, std::uint64_t size, 
 std::vector<std::uint64_t> sweep_rows(RowSource& in, std::span<const std::uint64_t> rows, int axis,
                                       const PhaseProgress& progress) {
   const PositionFields position = position_fields(in.schema(), in.name());
-  std::vector<PlaceInOrder> places(rows.size());
+  std::vector<std::pair<SweepKey, std::size_t>> sorted;  // key and index of each chosen row
   for_each_record(in, rows, [&](std::size_t i, const std::byte* record) {
-    places[i] = place_of({value_of(position.x, record), value_of(position.y, record), value_of(position.z, record)},
-                         rows[i], axis);
+    sorted.emplace_back(sweep_key(position_in(position, record), rows[i], axis), i);
   });
-  std::vector<std::size_t> order(rows.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return places[a] < places[b]; });
-  std::vector<PlaceInOrder> sorted;
-  for (const std::size_t i : order) sorted.push_back(places[i]);
+  std::ranges::sort(sorted);
 
   // Counts the points between successive chosen points.
   std::vector<std::uint64_t> between(rows.size() + 1);
   for_each_position(in, "ordering", progress, [&](std::uint64_t row, Vec3 p) {
-    ++between[std::upper_bound(sorted.begin(), sorted.end(), place_of(p, row, axis)) - sorted.begin()];
+    const auto after =
+        std::ranges::upper_bound(sorted, sweep_key(p, row, axis), {}, &std::pair<SweepKey, std::size_t>::first);
+    ++between[static_cast<std::size_t>(after - sorted.begin())];
   });
   std::vector<std::uint64_t> ranks(rows.size());
   std::uint64_t before = 0;
-  for (std::size_t s = 0; s < order.size(); ++s) ranks[order[s]] = before += between[s];
+  for (std::size_t s = 0; s < sorted.size(); ++s) ranks[sorted[s].second] = before += between[s];
   // A chosen point is counted in the gap after itself, so its rank includes the chosen points before it.
   return ranks;
 }

@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "pointsweep/verify.h"
-#include "pointsweep/verify/rows/file_pairs.h"
-#include "pointsweep/verify/rows/made_fields.h"
+#include "pointsweep/verify/rows/made_values.h"
 #include "pointsweep/verify/rows/row_source.h"
 
 namespace pointsweep {

@@ -50,20 +50,20 @@ std::span<const std::byte> RowSource::read(std::uint64_t first, std::size_t coun
   return std::span(block_).first(bytes);
 }
 
+std::span<const std::byte> RowSource::read_block(std::uint64_t first) {
+  return read(first, static_cast<std::size_t>(std::min<std::uint64_t>(block_rows(), count_ - first)));
+}
+
 void for_each_position(RowSource& source, const char* phase, const PhaseProgress& progress,
                        const std::function<void(std::uint64_t, Vec3)>& use) {
   const PositionFields position = position_fields(source.schema(), source.name());
   const std::size_t stride = source.schema().stride;
   std::vector<double> x, y, z;
-  for (std::uint64_t first = 0; first < source.count();) {
-    const std::size_t n = std::min<std::uint64_t>(source.block_rows(), source.count() - first);
-    const std::span<const std::byte> records = source.read(first, n);
+  for_each_block(source, phase, progress, [&](std::uint64_t first, const std::byte* records, std::size_t n) {
     x.resize(n), y.resize(n), z.resize(n);
-    decode_positions(position, records.data(), stride, n, x.data(), y.data(), z.data());
+    decode_positions(position, records, stride, n, x.data(), y.data(), z.data());
     for (std::size_t i = 0; i < n; ++i) use(first + i, {x[i], y[i], z[i]});
-    first += n;
-    if (progress) progress(phase, first, source.count());
-  }
+  });
 }
 
 void for_each_record(RowSource& source, std::span<const std::uint64_t> rows,
@@ -71,9 +71,8 @@ void for_each_record(RowSource& source, std::span<const std::uint64_t> rows,
   const std::size_t stride = source.schema().stride, block = source.block_rows();
   for (std::size_t i = 0; i < rows.size();) {
     const std::uint64_t first = rows[i] / block * block;
-    const std::size_t n = std::min<std::uint64_t>(block, source.count() - first);
-    const std::span<const std::byte> records = source.read(first, n);
-    for (; i < rows.size() && rows[i] < first + n; ++i) use(i, records.data() + (rows[i] - first) * stride);
+    const std::byte* const records = source.read_block(first).data();
+    for (; i < rows.size() && rows[i] < first + block; ++i) use(i, records + (rows[i] - first) * stride);
   }
 }
 

@@ -8,10 +8,13 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/geometry.h"
+#include "pointsweep/points/schema.h"
 #include "pointsweep/reader.h"
 
 namespace pointsweep {
@@ -47,6 +50,8 @@ class RowSource {
   /// Returns the records [first, first + count), all of which exist; valid until the next call. Throws Error if the
   /// file has changed.
   std::span<const std::byte> read(std::uint64_t first, std::size_t count);
+  /// Returns block_rows() records from row `first` on, or all that are left. The end, count(), has none left.
+  std::span<const std::byte> read_block(std::uint64_t first);
 
  private:
   static constexpr std::size_t kBlockBytes = 4 << 20;
@@ -58,6 +63,41 @@ class RowSource {
   std::function<std::size_t(std::uint64_t, std::span<std::byte>)> read_;
   std::vector<std::byte> block_;
 };
+
+/// Calls `use(first, records, n)` for successive blocks of rows: `n` records from row `first` on.
+template <class Use>
+void for_each_block(RowSource& source, const char* phase, const PhaseProgress& progress, Use use) {
+  for (std::uint64_t first = 0; first < source.count();) {
+    stop_if_cancelled();
+    const std::span<const std::byte> records = source.read_block(first);
+    const std::size_t n = records.size() / source.schema().stride;
+    use(first, records.data(), n);
+    first += n;
+    if (progress) progress(phase, first, source.count());
+  }
+}
+
+/// Calls `use(row, record)` for every row, in order.
+template <class Use>
+void for_each_row(RowSource& source, const char* phase, const PhaseProgress& progress, Use use) {
+  for_each_block(source, phase, progress, [&](std::uint64_t first, const std::byte* records, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) use(first + i, records + i * source.schema().stride);
+  });
+}
+
+/// Returns the position that a record holds.
+inline Vec3 position_in(const PositionFields& fields, const std::byte* record) {
+  return {value_of(fields.x, record), value_of(fields.y, record), value_of(fields.z, record)};
+}
+
+/// A key by which rows are in canonical order along an axis.
+using SweepKey = std::tuple<bool, double, double, double, double, std::uint64_t>;
+
+/// Returns the key of a row: rows are ordered by the coordinate on the axis, ties by x, y, z, then row; points that are
+/// not finite come last, by row.
+inline SweepKey sweep_key(Vec3 p, std::uint64_t row, int axis) {
+  return is_finite(p) ? SweepKey{false, p[axis], p.x, p.y, p.z, row} : SweepKey{true, 0, 0, 0, 0, row};
+}
 
 /// Calls `use(row, position)` for every point, finite or not, in the order of rows.
 void for_each_position(RowSource& source, const char* phase, const PhaseProgress& progress,

@@ -46,14 +46,12 @@ class Finder {
   }
 
  private:
-  Vec3 position(std::size_t i) const { return {out_.x[i], out_.y[i], out_.z[i]}; }
-
   std::uint32_t number_of(Vec3 p, std::uint64_t row) {
     const auto [known, is_new] = numbers_.try_emplace(row, static_cast<std::uint32_t>(out_.size()));
     if (is_new) {
       if (out_.size() >= kMostPoints)
         fail_usage("The sample has too many neighbours to check at once: lower --sample.");
-      out_.x.push_back(p.x), out_.y.push_back(p.y), out_.z.push_back(p.z), out_.row.push_back(row);
+      out_.add(p, row);
       reach2_.push_back(rule_.radius * rule_.radius);
     }
     return known->second;
@@ -68,7 +66,7 @@ class Finder {
     places.of_point.resize(order.size());
     for (std::size_t i = 0; i < order.size(); ++i) {
       if (i == 0 || key(order[i - 1]) != key(order[i])) {
-        places.position.push_back(position(order[i]));
+        places.position.push_back(out_.position(order[i]));
         places.reach2.push_back(reach2_[order[i]]);
       }
       places.of_point[order[i] - begin] = places.position.size() - 1;
@@ -105,7 +103,7 @@ class Finder {
     // are k points near j.
     for (std::size_t n = first; n < out_.neighbors.size(); ++n) {
       const std::uint32_t j = out_.neighbors[n];
-      reach2_[j] = std::min(reach2_[j], square_of_sum(distance2(position(i), position(j)), farthest2));
+      reach2_[j] = std::min(reach2_[j], square_of_sum(distance2(out_.position(i), out_.position(j)), farthest2));
     }
   }
 
@@ -115,8 +113,7 @@ class Finder {
   const PhaseProgress& progress_;
   Surroundings out_;
   std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  ///< number of a point by its row
-  std::vector<double> reach2_;                                ///< for each point, the squared bound of its neighbours'
-                                                              ///< distances
+  std::vector<double> reach2_;  ///< for each point, the squared bound of its neighbours' distances
 };
 
 }  // namespace

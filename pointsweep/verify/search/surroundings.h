@@ -31,6 +31,12 @@ struct Surroundings {
   std::vector<std::uint32_t> neighbors;  ///< numbers of points, nearest first
 
   std::size_t size() const { return row.size(); }
+  Vec3 position(std::size_t i) const { return {x[i], y[i], z[i]}; }
+  /// Adds a point without a list, and returns its number.
+  std::uint32_t add(Vec3 p, std::uint64_t of_row) {
+    x.push_back(p.x), y.push_back(p.y), z.push_back(p.z), row.push_back(of_row);
+    return static_cast<std::uint32_t>(row.size() - 1);
+  }
 };
 
 /// Returns the chosen points with `rings` (1 or more) rings of neighbours. Reads the whole input once for each ring.

@@ -36,16 +36,13 @@ class NearestDistance final : public CloudFormula {
         most_(stage.options.number_if_given("most").value_or(std::numeric_limits<double>::infinity())) {}
   void prepare(const CloudInput&) override {}
   std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
-    std::vector<Vec3> places;
-    for (const CloudPoint& p : points) places.push_back(p.at.position);
+    const std::vector<Vec3> places = positions_of(points);
     RowSource source(*other_);
     const auto nearest =
         nearest_of_cloud(places, points_of(source, in.rows.progress()), source.count(), {.reach2 = most_ * most_});
     std::vector<Estimates> made;
     for (const auto& found : nearest)
-      made.push_back(
-          {{.value = {found.empty() ? std::numeric_limits<Real>::quiet_NaN() : std::sqrt(found.front().distance2), 0,
-                      0}}});
+      made.push_back({formulas::exactly(found.empty() ? formulas::kNaN : std::sqrt(found.front().distance2))});
     return made;
   }
 
@@ -102,11 +99,6 @@ class ChangeAlongNormals final : public CloudFormula {
 
 bool is_real(Type type) { return type == Type::f32 || type == Type::f64; }
 
-formulas::Storage storage_of_type(Type type) {
-  if (type == Type::f32) return formulas::Storage::single;
-  return type == Type::f64 ? formulas::Storage::real : formulas::Storage::whole;
-}
-
 std::vector<std::string> names_in(const std::string& list) {
   std::vector<std::string> names = {""};
   for (const char c : list) c == ',' ? void(names.emplace_back()) : names.back().push_back(c);
@@ -130,8 +122,7 @@ class TakenValues final : public CloudFormula {
   void prepare(const CloudInput&) override {}
 
   std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
-    std::vector<Vec3> places;
-    for (const CloudPoint& p : points) places.push_back(p.at.position);
+    const std::vector<Vec3> places = positions_of(points);
     RowSource source(*other_);
     const auto nearest = nearest_of_cloud(places, points_of(source, in.rows.progress()), source.count(), query_);
     const std::map<std::uint64_t, std::vector<Real>> values = values_of(nearest, source);
@@ -182,14 +173,12 @@ class TakenValues final : public CloudFormula {
         value->value.x *= brightness(taken, type), value->error *= brightness(taken, type);
         if (!is_real(type)) value = formulas::stored(*value, formulas::Storage::whole);
       }
-      if (!value && missing_) value = Estimate{.value = {*missing_, 0, 0}};
+      if (!value && missing_) value = formulas::exactly(*missing_);
       if (!value) continue;
-      const Estimate stored = formulas::stored(*value, storage_of_type(type));
+      const Estimate stored = formulas::stored(*value, storage_of(type));
       Estimate& own = made[target];
       if (taken.target.component > 2) continue;
-      (taken.target.component == 0   ? own.value.x
-       : taken.target.component == 1 ? own.value.y
-                                     : own.value.z) = stored.value.x;
+      own.value[taken.target.component] = stored.value.x;
       own.error += stored.error;
     }
     return made;
@@ -203,7 +192,7 @@ class TakenValues final : public CloudFormula {
       if (read != contract_.reads.end())
         made.push_back(point.reads[static_cast<std::size_t>(read - contract_.reads.begin())]);
       else
-        made.push_back({.value = {is_real(a.type) ? std::numeric_limits<Real>::quiet_NaN() : 0, 0, 0}});
+        made.push_back(formulas::exactly(is_real(a.type) ? formulas::kNaN : 0));
       if (a.fields.size() > 3) throw NotTold("it changes a part of a long list");
     }
     return made;

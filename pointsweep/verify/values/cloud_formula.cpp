@@ -18,6 +18,12 @@ const std::vector<NamedCloudFormula>& all_cloud_formulas() {
 
 }  // namespace
 
+std::vector<Vec3> positions_of(std::span<const CloudPoint> points) {
+  std::vector<Vec3> positions;
+  for (const CloudPoint& p : points) positions.push_back(p.at.position);
+  return positions;
+}
+
 const ColumnSource& CloudInput::source(std::size_t read) const {
   if (!reads[read]) throw NotTold("what it reads is not in the output");
   return *reads[read];

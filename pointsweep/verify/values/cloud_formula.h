@@ -25,6 +25,8 @@ struct CloudPoint {
   std::vector<formulas::Estimate> reads;
 };
 
+std::vector<Vec3> positions_of(std::span<const CloudPoint> points);
+
 struct CloudInput {
   CloudRows& rows;
   /// Sources of the values that are read for all rows, in the order of the contract; absent for a value without a

@@ -8,6 +8,7 @@
 #include "pointsweep/verify/formulas/assignment.h"
 #include "pointsweep/verify/formulas/neighbor_statistics.h"
 #include "pointsweep/verify/values/stage_formula.h"
+#include "pointsweep/verify/values/stored_values.h"
 
 namespace pointsweep {
 namespace {
@@ -38,7 +39,7 @@ std::vector<formulas::PossibleNumber> values_of(const std::vector<NamedRead>& na
   std::vector<formulas::PossibleNumber> values;
   for (const NamedRead& name : names) {
     const Estimate e = estimate_of(name.value, in);
-    const Real v = component_of(e, name.value);
+    const Real v = e.value[name.value.component];
     Real low = v, high = v;
     if (e.error > 0) low = v - e.error, high = v + e.error;
     if (e.may_be_undefined) low = std::min<Real>(low, 0), high = std::max<Real>(high, 0);
@@ -53,11 +54,6 @@ std::vector<formulas::PossibleNumber> values_of(const std::vector<NamedRead>& na
 std::size_t component_named(const std::string& name, const Attribute& target) {
   if (target.name == position_attribute().name) return read_of(name, {}).component;
   return target.fields.size() == 1 ? 0 : read_of(name, {target}).component;
-}
-
-formulas::Storage storage_of(Type type) {
-  if (type == Type::f32) return formulas::Storage::single;
-  return type == Type::f64 ? formulas::Storage::real : formulas::Storage::whole;
 }
 
 /// Returns the index of the last attribute with this name; nothing if no attribute has it.
@@ -92,7 +88,7 @@ class AssignmentFormula final : public StageFormula {
     if (!*holds) return {made};
     const Estimate assigned = formulas::stored_number(value_.number(values_of(value_reads_, in)), storage_);
     if (made.either_sign || component_ > 2 || assigned.is_open()) return {formulas::open()};
-    (component_ == 0 ? made.value.x : component_ == 1 ? made.value.y : made.value.z) = assigned.value.x;
+    made.value[component_] = assigned.value.x;
     made.error = is_alone() ? assigned.error : made.error + assigned.error;
     if (is_alone()) made.may_be_undefined = false;
     return {made};
@@ -119,7 +115,7 @@ class ConditionFormula final : public StageFormula {
       : condition_(stage.options.word("condition")), reads_(reads_of(condition_, stage.contract.reads)) {}
   std::vector<Estimate> evaluate(const FormulaInput& in) const override {
     const std::optional<bool> holds = condition_.holds(values_of(reads_, in));
-    return {holds ? Estimate{.value = {Real(*holds ? 1 : 0), 0, 0}} : formulas::open()};
+    return {holds ? formulas::exactly(*holds ? 1 : 0) : formulas::open()};
   }
 
  private:
@@ -176,7 +172,7 @@ class StatisticsFormula final : public StageFormula {
       if (result.of) {
         value = estimate_of(*result.of, neighbor);
         if (result.of->component > 2) return formulas::open();
-        value.value.x = component_of(value, *result.of);
+        value.value.x = value.value[result.of->component];
       }
       values.push_back(value);
     }

@@ -18,14 +18,14 @@ namespace pointsweep {
 namespace {
 
 using formulas::Estimate;
+using formulas::exactly;
 using formulas::JoinedSets;
+using formulas::Real;
 using Estimates = std::vector<Estimate>;
 
 void require_plain_neighbors(const CloudInput& in) {
   if (in.has_rule) throw NotTold("neighbourhoods differ from point to point");
 }
-
-Estimate exact(double value) { return {.value = {value, 0, 0}}; }
 
 /// The labels of points or of places, looked up by the row of a point.
 struct LabelsOfRows {
@@ -37,7 +37,7 @@ struct LabelsOfRows {
     for (const CloudPoint& p : points) {
       const std::int64_t number = labels.number[item_of_row[p.at.row]];
       const std::uint64_t size = number < 0 ? 0 : labels.size[static_cast<std::size_t>(number)];
-      made.push_back({exact(static_cast<double>(number)), exact(static_cast<double>(size))});
+      made.push_back({exactly(static_cast<Real>(number)), exactly(static_cast<Real>(size))});
     }
     return made;
   }
@@ -165,7 +165,9 @@ class ClusterFormula final : public LabelFormula {
     if (!(d2 <= eps2_) || neighbor[0] == 0) return Join::no;
     return point[0] != 0 ? Join::yes : Join::as_first;
   }
-  Estimate alone(std::span<const double> point) const override { return point[0] != 0 ? formulas::open() : exact(-1); }
+  Estimate alone(std::span<const double> point) const override {
+    return point[0] != 0 ? formulas::open() : exactly(-1);
+  }
 
   static double square(double v) { return v * v; }
 
@@ -276,7 +278,7 @@ class SignFormula final : public CloudFormula {
     std::vector<Estimates> made;
     for (const CloudPoint& p : points) {
       const std::int8_t turned = turned_[p.at.row];
-      made.push_back({turned < 0 ? formulas::open() : exact(turned)});
+      made.push_back({turned < 0 ? formulas::open() : exactly(turned)});
     }
     return made;
   }
@@ -295,7 +297,7 @@ class SignFormula final : public CloudFormula {
       const auto [root, flips] = sets.root(i);
       const double* n = cloud.values(i);
       const formulas::Vector normal{n[0], n[1], n[2]};
-      votes[root].vote(place(i), flips ? formulas::Real{-1} * normal : normal, viewpoint);
+      votes[root].vote(place(i), flips ? Real{-1} * normal : normal, viewpoint);
     }
     turned_.assign(rows, 0);
     for (std::uint64_t row = 0; row < rows; ++row) {

@@ -98,11 +98,11 @@ class GroundFormula final : public CloudFormula {
     if (takes_part(values)) {
       const std::optional<bool> ground = raster_->is_ground(p.x, p.y, p.z);
       if (!ground) return formulas::open();
-      if (*ground) return {.value = {kGround, 0, 0}};
+      if (*ground) return formulas::exactly(kGround);
     }
     const double old = class_ ? values[*class_] : kUnclassified;
     const bool stays = old >= 0 && old <= 255 && old != kGround;
-    return {.value = {stays ? std::floor(old) : kUnclassified, 0, 0}};
+    return formulas::exactly(stays ? std::floor(old) : kUnclassified);
   }
 
   formulas::GroundParameters parameters_;
@@ -125,8 +125,7 @@ class HeightFormula final : public CloudFormula {
         if (values[0] == kClassBelow) take(row, p);
       });
     };
-    std::vector<Vec3> places;
-    for (const CloudPoint& p : points) places.push_back(p.at.position);
+    const std::vector<Vec3> places = positions_of(points);
     const auto nearest =
         nearest_of_cloud(places, ground, in.rows.count(), {.most = k_, .space = NearestInStream::Space::plane});
     std::vector<std::vector<formulas::Estimate>> made;

@@ -16,6 +16,9 @@ namespace pointsweep {
 /// which have a StageFormula.
 bool has_kept_formula(const Operator& op);
 
+/// Returns the selection of the rows whose flag is true.
+RowSelection selection_of(std::vector<bool> kept);
+
 /// Returns the cloud with the rows that all `operators`, which drop rows, keep. Conditions are evaluated row by row;
 /// `unique`, `voxel` and `poisson` sort points in memory. If `memory_bytes` is too small for all points, the cloud is
 /// read several times, for a part of the points each time. Further memory: up to three bits for each row, and for
@@ -23,11 +26,5 @@ bool has_kept_formula(const Operator& op);
 /// checked.
 InputCloud with_kept_rows(const InputCloud& cloud, const std::vector<StageOperator>& operators,
                           std::uint64_t memory_bytes, const PhaseProgress& progress);
-
-/// Returns for each selected row of `cloud` whether poisson with this radius keeps it. Works in turns, whose number
-/// follows from `memory_bytes`. Each turn reads the cloud once. Memory holds the kept points and the other points of
-/// one turn.
-std::vector<bool> rows_of_disks(InputCloud& cloud, double radius, std::uint64_t memory_bytes,
-                                const PhaseProgress& progress);
 
 }  // namespace pointsweep

@@ -19,8 +19,7 @@ std::vector<ColumnSource> label_columns(const CloudInput& in, std::span<const Co
 
 std::vector<std::vector<Estimate>> labels_of_neighbors(std::span<const CloudPoint> points, const CloudInput& in,
                                                        std::span<const ColumnSource> more, const JoiningRule& rule) {
-  std::vector<Vec3> places;
-  for (const CloudPoint& p : points) places.push_back(p.at.position);
+  const std::vector<Vec3> places = positions_of(points);
   const NeighborRule& list = in.neighborhood;
   const PointsOfCloud all = [&](const auto& take) {
     for_each_position(in.rows.input(), "searching", in.rows.progress(), take);
@@ -56,11 +55,11 @@ std::vector<std::vector<Estimate>> labels_of_neighbors(std::span<const CloudPoin
       const std::vector<double>& other = values.at(n.row);
       const JoiningRule::Join join = rule.joined(here, std::span(other).subspan(1), n.distance2);
       if (join == JoiningRule::Join::no) continue;
-      number = {.value = {other[0], 0, 0}};
+      number = formulas::exactly(other[0]);
       if (join == JoiningRule::Join::as_first || other[0] != own[0]) break;
     }
     const std::uint64_t size = own[0] < 0 ? 0 : sizes.at(own[0]);
-    made.push_back({number, {.value = {static_cast<formulas::Real>(size), 0, 0}}});
+    made.push_back({number, formulas::exactly(static_cast<formulas::Real>(size))});
   }
   return made;
 }

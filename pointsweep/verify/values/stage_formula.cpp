@@ -12,15 +12,14 @@ namespace pointsweep {
 namespace {
 
 using formulas::Estimate;
+using formulas::exactly;
 using formulas::Real;
 using Estimates = std::vector<Estimate>;
-
-Estimate exact_number(Real value) { return {.value = {value, 0, 0}}; }
 
 class SizeFormula final : public StageFormula {
  public:
   Estimates evaluate(const FormulaInput& in) const override {
-    return {exact_number(static_cast<Real>(in.neighbors.size())), formulas::farthest(in.place, in.neighbors)};
+    return {exactly(static_cast<Real>(in.neighbors.size())), formulas::farthest(in.place, in.neighbors)};
   }
 };
 
@@ -119,7 +118,7 @@ class HeadFormula final : public StageFormula {
  public:
   explicit HeadFormula(const FormulaSetup& stage) : number_(static_cast<Real>(stage.options.whole("number"))) {}
   Estimates evaluate(const FormulaInput& in) const override {
-    return {Estimate{.value = {in.reads.front().value.x < number_ ? Real(1) : Real(0)}}};
+    return {exactly(in.reads.front().value.x < number_ ? 1 : 0)};
   }
 
  private:
@@ -142,7 +141,7 @@ class ColorFormula final : public StageFormula {
     const bool known = scale_ == formulas::ColorScale::classes || lo_;
     if (!known || source_.component > 2 || e.is_open() || e.either_sign || e.may_be_undefined)
       return {formulas::open()};
-    const Real v = component_of(e, source_);
+    const Real v = e.value[source_.component];
     const auto color = color_at(v), low = color_at(v - e.error), high = color_at(v + e.error);
     if (low != color || high != color) return {formulas::open()};
     return {Estimate{.value = {Real(widen_ * color[0]), Real(widen_ * color[1]), Real(widen_ * color[2])}}};
@@ -176,7 +175,7 @@ class PartFormula final : public StageFormula {
     if (in.place.error > 0) return {formulas::open()};
     if (!formulas::is_finite(p)) return {formulas::undefined()};
     const formulas::Coordinates at = {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
-    return {exact_number(static_cast<Real>(formulas::part_of(formulas::hash_of(at, seed_ + kPartsSeed), parts_)))};
+    return {exactly(static_cast<Real>(formulas::part_of(formulas::hash_of(at, seed_ + kPartsSeed), parts_)))};
   }
 
  private:
@@ -193,9 +192,9 @@ class GraphFormula final : public StageFormula {
     const formulas::GraphRow row = formulas::graph_row(in.place, in.neighbors, in.rows);
     const Real none = type_ == Type::u64 ? static_cast<Real>(std::numeric_limits<std::uint64_t>::max())
                                          : static_cast<Real>(std::numeric_limits<std::uint32_t>::max());
-    Estimates rows(wide(), exact_number(none)), lengths(wide(), exact_number(std::numeric_limits<Real>::quiet_NaN()));
+    Estimates rows(wide(), exactly(none)), lengths(wide(), exactly(formulas::kNaN));
     for (std::size_t j = 0; j < std::min(k_, row.neighbors.size()); ++j) {
-      rows[j] = row.certain ? exact_number(static_cast<Real>(in.rows[row.neighbors[j].index])) : formulas::open();
+      rows[j] = row.certain ? exactly(static_cast<Real>(in.rows[row.neighbors[j].index])) : formulas::open();
       lengths[j] = row.neighbors[j].distance;
     }
     Estimates all = as_attribute(rows);
@@ -234,7 +233,7 @@ const std::vector<NamedFormula>& all_formulas() {
                                       {"parts", formula_made<PartFormula>},
                                       {"head", formula_made<HeadFormula>},
                                       {"neighbors", formula_made<GraphFormula>}};
-    for (const auto& more : {shape_formulas(), expression_formulas(), transform_formulas()})
+    for (const auto& more : {shape_formulas(), expression_formulas()})
       list.insert(list.end(), more.begin(), more.end());
     return list;
   }();
@@ -283,11 +282,6 @@ ReadValue read_of(const std::string& name, const std::vector<Attribute>& reads) 
 formulas::Estimate estimate_of(const ReadValue& value, const FormulaInput& in) {
   if (value.attribute < 0) return {.value = in.place.at, .error = in.place.error};
   return in.reads[static_cast<std::size_t>(value.attribute)];
-}
-
-formulas::Real component_of(const formulas::Estimate& estimate, const ReadValue& value) {
-  const formulas::Vector& v = estimate.value;
-  return value.component == 0 ? v.x : value.component == 1 ? v.y : v.z;
 }
 
 }  // namespace pointsweep

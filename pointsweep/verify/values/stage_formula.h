@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -45,7 +44,7 @@ inline std::size_t estimates_of(const Attribute& a) { return a.fields.size() <= 
 
 /// A value of the whole cloud that a stage needs, found independently of the run; NaN if it has not been found.
 struct CloudThreshold {
-  formulas::Real value = std::numeric_limits<formulas::Real>::quiet_NaN();
+  formulas::Real value = formulas::kNaN;
   formulas::Real error = 0;
 };
 
@@ -85,14 +84,11 @@ using RuleFormula = std::function<formulas::Kept(const formulas::Place&, std::sp
 /// Returns the formula of a rule; empty for rules that do not belong to this library.
 RuleFormula formula_of(const NeighborhoodRule& rule);
 
-/// Returns the formulas of the operators on surfaces, their shape and their normals.
+/// Returns the formulas of the operators on surfaces, their shape and their normals, and of transform().
 std::vector<NamedFormula> shape_formulas();
 
 /// Returns the formulas of set(), of `where`, which makes selection_attribute(), and of statistics().
 std::vector<NamedFormula> expression_formulas();
-
-/// Returns the formula of transform().
-std::vector<NamedFormula> transform_formulas();
 
 /// The value that a name in an expression means: a component of an attribute that a stage reads, or of the position.
 struct ReadValue {
@@ -103,9 +99,8 @@ struct ReadValue {
 /// Returns the value that `name`, in any spelling, means. `reads`: attributes that the stage reads.
 ReadValue read_of(const std::string& name, const std::vector<Attribute>& reads);
 
+/// Returns the estimate that has the value as its component ReadValue::component. An estimate has at most three
+/// components; a wider attribute has an estimate for each component.
 formulas::Estimate estimate_of(const ReadValue& value, const FormulaInput& in);
-/// Returns the component of an estimate to which `value` refers. An estimate has at most three components; a wider
-/// attribute has an estimate for each component.
-formulas::Real component_of(const formulas::Estimate& estimate, const ReadValue& value);
 
 }  // namespace pointsweep

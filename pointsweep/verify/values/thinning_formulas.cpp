@@ -5,7 +5,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "pointsweep/cancellation.h"
 #include "pointsweep/verify/formulas/levels.h"
 #include "pointsweep/verify/formulas/thinning.h"
 #include "pointsweep/verify/values/cloud_formula.h"
@@ -59,14 +58,14 @@ class MeanFormula final : public CloudFormula {
     for (const CloudPoint& p : points) means.try_emplace(voxel_of(p.at.position), 3 + fields_.size());
     RowSource source(*in.before_means);
     const PositionFields position = position_fields(source.schema(), source.name());
-    for (std::uint64_t first = 0; first < source.count();) {
-      stop_if_cancelled();
-      const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(source.block_rows(), source.count() - first));
-      const std::span<const std::byte> records = source.read(first, n);
-      for (std::size_t i = 0; i < n; ++i) take(records.data() + i * source.schema().stride, position, means);
-      first += n;
-      if (in.rows.progress()) in.rows.progress()("averaging", first, source.count());
-    }
+    for_each_row(source, "averaging", in.rows.progress(), [&](std::uint64_t, const std::byte* record) {
+      const Vec3 p = position_in(position, record);
+      if (!is_finite(p)) return;
+      const auto found = means.find(voxel_of(p));
+      if (found == means.end()) return;
+      for (std::size_t a = 0; a < 3; ++a) found->second[a].add(p[static_cast<int>(a)]);
+      for (std::size_t f = 0; f < fields_.size(); ++f) found->second[3 + f].add(value_of(fields_[f], record));
+    });
     std::vector<std::vector<Estimate>> made;
     for (const CloudPoint& p : points) made.push_back(estimates_of_means(means.at(voxel_of(p.at.position))));
     return made;
@@ -92,16 +91,6 @@ class MeanFormula final : public CloudFormula {
     formulas::Coordinates voxel = formulas::voxel_of({p.x, p.y, p.z}, size_);
     for (double& v : voxel) v += 0.0;
     return voxel;
-  }
-
-  template <class Means>
-  void take(const std::byte* record, const PositionFields& position, Means& means) const {
-    const Vec3 p{value_of(position.x, record), value_of(position.y, record), value_of(position.z, record)};
-    if (!is_finite(p)) return;
-    const auto found = means.find(voxel_of(p));
-    if (found == means.end()) return;
-    for (std::size_t a = 0; a < 3; ++a) found->second[a].add(p[static_cast<int>(a)]);
-    for (std::size_t f = 0; f < fields_.size(); ++f) found->second[3 + f].add(value_of(fields_[f], record));
   }
 
   /// Returns the mean position, then the mean of each attribute.
@@ -133,8 +122,6 @@ std::unique_ptr<CloudFormula> voxel_formula(const FormulaSetup& stage) {
   return std::make_unique<MeanFormula>(stage.contract, stage.options.number("size"));
 }
 
-Estimate level_is(std::uint8_t level) { return {.value = {static_cast<formulas::Real>(level), 0, 0}}; }
-
 class LevelFormula final : public CloudFormula {
  public:
   explicit LevelFormula(const FormulaSetup&) {}
@@ -152,10 +139,10 @@ class LevelFormula final : public CloudFormula {
 
   std::vector<std::vector<Estimate>> evaluate(std::span<const CloudPoint> points, const CloudInput&) override {
     std::vector<std::vector<Estimate>> made;
-    for (const CloudPoint& p : points) made.push_back({level_is(levels_[number_[p.at.row]])});
+    for (const CloudPoint& p : points) made.push_back({formulas::exactly(levels_[number_[p.at.row]])});
     return made;
   }
-  std::optional<std::vector<Estimate>> unplaced(const CloudPoint&) const override { return {{level_is(255)}}; }
+  std::optional<std::vector<Estimate>> unplaced(const CloudPoint&) const override { return {{formulas::exactly(255)}}; }
 
  private:
   std::vector<std::size_t> number_;  ///< for each row, its number among the points with finite coordinates

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: MIT
-/// The threshold of the mean distance above which points of an output are outliers.
+/// Values of the whole cloud that stages need, computed without a run: reductions of the input, and the mean distance
+/// above which points are outliers.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/operators/kinds/stage_operator.h"
-#include "pointsweep/reader.h"
 #include "pointsweep/verify/rows/row_source.h"
 #include "pointsweep/verify/search/surroundings.h"
 #include "pointsweep/verify/values/stage_formula.h"
 
 namespace pointsweep {
+
+/// Returns the operators with the values of the whole input that they need (Reduction::of_input). Reads the cloud once
+/// for each distinct value. Operators without such values are returned unchanged.
+std::vector<StageOperator> with_input_values(std::vector<StageOperator> operators, InputCloud& cloud);
 
 /// Returns whether an operator after the first Outlier makes the mean distances again. The output then lacks the
 /// distances that Outlier compared.

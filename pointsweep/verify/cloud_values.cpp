@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/outlier_threshold.h"
+#include "pointsweep/verify/cloud_values.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "pointsweep/verify/chain_values.h"
 
@@ -11,16 +12,18 @@ namespace {
 
 using formulas::Real;
 
-template <class Use>
-void for_each_finite(RowSource& source, const Field& field, const PhaseProgress& progress, Use use) {
-  for (std::uint64_t row = 0; row < source.count();) {
-    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(source.block_rows(), source.count() - row));
-    const std::span<const std::byte> records = source.read(row, n);
-    for (std::size_t i = 0; i < n; ++i)
-      if (const double v = value_of(field, records.data() + i * source.schema().stride); std::isfinite(v)) use(v);
-    row += n;
-    if (progress) progress("reading", row, source.count());
-  }
+std::vector<double> value_in(InputCloud& cloud, const Reduction& reduction) {
+  std::vector<Field> fields;
+  for (const Attribute& a : reduction.reads())
+    for (const std::string& name : a.fields) fields.push_back(cloud.schema().fields[cloud.schema().find(name).value()]);
+  const std::unique_ptr<Accumulator> all = reduction.start();
+  std::vector<double> values(fields.size());
+  RowSource source(cloud);
+  for_each_row(source, "reading", {}, [&](std::uint64_t, const std::byte* record) {
+    for (std::size_t f = 0; f < fields.size(); ++f) values[f] = value_of(fields[f], record);
+    all->add(values.data(), 1);
+  });
+  return all->finish();
 }
 
 constexpr const char* kMeanDistance = "mean_distance";
@@ -49,6 +52,23 @@ CloudThreshold threshold_of(ForEach for_each, Type type, const NamedOptions& opt
 
 }  // namespace
 
+std::vector<StageOperator> with_input_values(std::vector<StageOperator> operators, InputCloud& cloud) {
+  std::map<std::string, std::vector<double>> known;
+  for (auto& op : operators) {
+    const Contract contract = contract_of(op);
+    const auto of_input = [](const auto& reduction) { return reduction->of_input(); };
+    if (contract.values.empty() || !std::ranges::all_of(contract.values, of_input)) continue;
+    std::vector<std::vector<double>> values;
+    for (const auto& reduction : contract.values) {
+      const auto [at, is_new] = known.try_emplace(reduction->text());
+      if (is_new) at->second = value_in(cloud, *reduction);
+      values.push_back(at->second);
+    }
+    op = std::get<std::shared_ptr<const LocalOperator>>(op)->with_values(values);
+  }
+  return operators;
+}
+
 bool makes_distances_again(const std::vector<StageOperator>& operators) {
   const auto makes = [](const StageOperator& op) {
     return std::ranges::any_of(contract_of(op).makes, [](const Attribute& a) { return a.name == kMeanDistance; });
@@ -63,7 +83,11 @@ CloudThreshold outlier_threshold(RowSource& out, const std::vector<StageOperator
   const auto at = out.schema().find(prefix + kMeanDistance);
   if (!at) return {};
   const Field& field = out.schema().fields[*at];
-  const auto for_each = [&](const auto& use) { for_each_finite(out, field, progress, use); };
+  const auto for_each = [&](const auto& use) {
+    for_each_row(out, "reading", progress, [&](std::uint64_t, const std::byte* record) {
+      if (const double v = value_of(field, record); std::isfinite(v)) use(v);
+    });
+  };
   return threshold_of(for_each, field.type, setup_of(*operator_of(*op)).options);
 }
 
