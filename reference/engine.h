@@ -1,5 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// The paper's own algorithm as an engine of runs.
+/// The method of the paper, point by point, as an engine of runs: a baseline for the speed of the exact engine, and an
+/// independent check of its results.
+///
+/// R. Pajarola, "Stream-Processing Points", IEEE Visualization 2005. The reference shares with the exact engine
+/// attributes, file formats, the ordered stream (Section 3 takes it for given) and the formulas of the operators;
+/// search, buffers and the sweep are its own. One thread; O(k n log m) for m active points. Memory holds the active
+/// set, whose size depends on the cloud: in FIFO order every point waits for the slowest point before it.
 #pragma once
 
 namespace pointsweep {

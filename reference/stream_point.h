@@ -37,7 +37,12 @@ struct Neighbor {
   double distance2;
   StreamPoint* point;
 
-  Rank rank() const;
+  inline Rank rank() const;
+
+  /// Orders like rank().
+  friend bool operator<(const Neighbor& a, const Neighbor& b) {
+    return a.distance2 != b.distance2 ? a.distance2 < b.distance2 : a.rank() < b.rank();
+  }
 };
 
 /// The limits of a neighbourhood: the k nearest points, and none of them farther than the radius.
@@ -57,9 +62,22 @@ class NearestSet {
   double reach2() const { return reach2_; }
   bool full() const { return found_.size() == k_; }
   /// Offers a point to the set; returns whether the set changed. O(log k).
-  bool offer(const Neighbor& candidate);
+  bool offer(const Neighbor& candidate) {
+    if (candidate.distance2 > reach2_) return false;
+    if (full()) {
+      if (!(candidate < found_.front())) return false;
+      std::pop_heap(found_.begin(), found_.end());
+      found_.back() = candidate;
+    } else {
+      if (found_.empty()) found_.reserve(std::min(k_, kReserved));
+      found_.push_back(candidate);
+    }
+    std::push_heap(found_.begin(), found_.end());
+    if (full()) reach2_ = found_.front().distance2;
+    return true;
+  }
   /// Sorts the points found, nearest first. No point may be offered afterwards.
-  void sort();
+  void sort() { std::sort_heap(found_.begin(), found_.end()); }
   /// Keeps the `count` nearest of the neighbours found as N_i; called after sort().
   void keep(std::size_t count) { kept_ = count; }
 
@@ -71,6 +89,8 @@ class NearestSet {
   std::size_t bytes() const { return found_.capacity() * sizeof(Neighbor); }
 
  private:
+  static constexpr std::size_t kReserved = 512;  ///< initial capacity; larger sets grow
+
   std::size_t k_;
   double reach2_;
   std::size_t kept_ = std::numeric_limits<std::size_t>::max();
@@ -107,6 +127,8 @@ struct StreamPoint {
 
   Neighbor as_neighbor_of(Vec3 p) { return {distance2(input, p), this}; }
 };
+
+inline Rank Neighbor::rank() const { return {distance2, point->input, point->row}; }
 
 /// The active set A: all points read and not yet written, a FIFO queue in stream order (Section 3).
 using ActiveSet = std::deque<StreamPoint>;
