@@ -24,11 +24,12 @@ constexpr double kBarHeight = 22;
 
 const char* color_of(std::size_t i) { return kColors[i % std::size(kColors)]; }
 
-std::string opened(double height, const std::string& title) {
+/// Returns the beginning of an SVG of this size, with the title from `left` on.
+std::string opened(double width, double height, double left, const std::string& title) {
   return fmt::format(
-      "<svg viewBox=\"0 0 {:g} {:g}\" role=\"img\" aria-label=\"{}\">\n<text x=\"{:g}\" y=\"18\" "
-      "class=\"title\">{}</text>\n",
-      kWidth, height, escaped(title), kLeft, escaped(title));
+      "<svg viewBox=\"0 0 {0:g} {1:g}\" role=\"img\" aria-label=\"{2}\">\n<text x=\"{3:g}\" y=\"18\" "
+      "class=\"title\">{2}</text>\n",
+      width, height, escaped(title), left);
 }
 
 std::string text_at(double x, double y, const char* anchor, const std::string& text) {
@@ -51,6 +52,16 @@ std::string frame_of(const PlotText& text, const Scale& x, const Scale& y) {
   }
   svg += text_at(0.5 * (kLeft + kWidth - kRight), kHeight - 8, "middle", text.x);
   return svg + text_at(kWidth - kRight, 18, "end", text.y);
+}
+
+/// Returns the area below the outline of a histogram. Bin i is edges[i] .. edges[i+1].
+std::string area_of(const std::vector<double>& edges, const std::vector<double>& counts, const Scale& x, const Scale& y,
+                    const char* color) {
+  std::string path = fmt::format("M{:.1f} {:.1f}", x.place(edges.front()), y.place(0));
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i)
+    path += fmt::format("V{:.1f}H{:.1f}", y.place(counts[i]), x.place(edges[i + 1]));
+  return fmt::format("<path class=\"area\" stroke=\"{0}\" fill=\"{0}\" d=\"{1}V{2:.1f}Z\"/>\n", color, path,
+                     y.place(0));
 }
 
 std::string legend(const std::vector<std::string>& names) {
@@ -141,7 +152,7 @@ std::string line_plot(const PlotText& text, const std::vector<Series>& series) {
     }
   }
   const Scale x(0, most_x, kLeft, kWidth - kRight), y(0, 1.1 * most_y, kHeight - kBottom, kPlotTop);
-  std::string svg = opened(kHeight, text.title) + frame_of(text, x, y);
+  std::string svg = opened(kWidth, kHeight, kLeft, text.title) + frame_of(text, x, y);
   for (std::size_t i = 0; i < series.size(); ++i) {
     std::string path;
     for (const auto& [px, py] : series[i].points) {
@@ -158,7 +169,7 @@ std::string bar_plot(const std::string& title, const std::vector<Bar>& bars) {
   double most = 0;
   for (const Bar& bar : bars) most = std::max(most, bar.value);
   const Scale x(0, most, kNames, kWidth - 150);
-  std::string svg = opened(kPlotTop + kBarHeight * static_cast<double>(bars.size()) + 8, title);
+  std::string svg = opened(kWidth, kPlotTop + kBarHeight * static_cast<double>(bars.size()) + 8, kLeft, title);
   for (std::size_t i = 0; i < bars.size(); ++i) {
     const double y = kPlotTop + kBarHeight * static_cast<double>(i), end = x.place(bars[i].value);
     svg += text_at(kNames - 8, y + 14, "end", bars[i].name);
@@ -174,15 +185,7 @@ std::string value_plot(const std::string& title, const std::vector<double>& edge
   constexpr double kSmallWidth = 360, kSmallHeight = 150, kSide = 14, kFoot = 24;
   const Scale x(edges.front(), edges.back(), kSide, kSmallWidth - kSide);
   const Scale y(0, *std::ranges::max_element(counts), kSmallHeight - kFoot, kPlotTop);
-  std::string svg = fmt::format(
-      "<svg viewBox=\"0 0 {0:g} {1:g}\" role=\"img\" aria-label=\"{2}\">\n<text x=\"{3:g}\" y=\"18\" "
-      "class=\"title\">{2}</text>\n",
-      kSmallWidth, kSmallHeight, escaped(title), kSide);
-  std::string path = fmt::format("M{:.1f} {:.1f}", x.place(edges.front()), y.place(0));
-  for (std::size_t i = 0; i < counts.size(); ++i)
-    path += fmt::format("V{:.1f}H{:.1f}", y.place(counts[i]), x.place(edges[i + 1]));
-  svg += fmt::format("<path class=\"area\" stroke=\"{0}\" fill=\"{0}\" d=\"{1}V{2:.1f}Z\"/>\n", color_of(0), path,
-                     y.place(0));
+  std::string svg = opened(kSmallWidth, kSmallHeight, kSide, title) + area_of(edges, counts, x, y, color_of(0));
   for (const Tick& tick : x.ticks(5)) svg += text_at(x.place(tick.value), kSmallHeight - 6, "middle", tick.text);
   return svg + "</svg>\n";
 }
@@ -198,15 +201,8 @@ std::string histogram_plot(const PlotText& text, const std::vector<double>& edge
   }
   const Scale x(edges.front(), edges.back(), kLeft, kWidth - kRight, true),
       y(0, 1.1 * most, kHeight - kBottom, kPlotTop);
-  std::string svg = opened(kHeight, text.title) + frame_of(text, x, y);
-  for (std::size_t h = 0; h < histograms.size(); ++h) {
-    std::string path = fmt::format("M{:.1f} {:.1f}", x.place(edges.front()), y.place(0));
-    for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-      path += fmt::format("V{:.1f}H{:.1f}", y.place(histograms[h].counts[i]), x.place(edges[i + 1]));
-    }
-    path += fmt::format("V{:.1f}Z", y.place(0));
-    svg += fmt::format("<path class=\"area\" stroke=\"{0}\" fill=\"{0}\" d=\"{1}\"/>\n", color_of(h), path);
-  }
+  std::string svg = opened(kWidth, kHeight, kLeft, text.title) + frame_of(text, x, y);
+  for (std::size_t h = 0; h < histograms.size(); ++h) svg += area_of(edges, histograms[h].counts, x, y, color_of(h));
   return svg + legend(names) + "</svg>\n";
 }
 
