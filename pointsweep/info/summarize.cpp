@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/las_classes.h"
 #include "pointsweep/formats/las_scale.h"
+#include "pointsweep/formats/provenance.h"
 #include "pointsweep/info.h"
 #include "pointsweep/info/nearest_distances.h"
 #include "pointsweep/info/plan_area.h"
@@ -295,5 +297,13 @@ std::string gps_date(double adjusted_standard_seconds) {
                      static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()), clock.hours().count(),
                      clock.minutes().count(), clock.seconds().count());
 }
+
+std::vector<std::string> made_by(const FileInfo& info) {
+  std::vector<std::string> lines;
+  for (const ProvenanceRecord& record : records_of(info.provenance)) lines.push_back(to_text(record));
+  return lines;
+}
+
+std::string text_of_class(std::uint8_t code) { return fmt::format("{} {}", code, name_of_las_class(code)); }
 
 }  // namespace pointsweep
