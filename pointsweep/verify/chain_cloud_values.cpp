@@ -18,10 +18,9 @@ namespace pointsweep {
 std::vector<const Operator*> ChainValues::makers_of_reads(const Contract& contract) const {
   std::vector<const Operator*> makers;
   for (const Attribute& a : contract.reads) {
-    makers.push_back(nullptr);
-    for (const auto& [name, column] : latest_)
-      if (name == a.name && maker_[column] >= 0)
-        makers.back() = operator_of(stages_[static_cast<std::size_t>(maker_[column])].op);
+    const auto known = latest_.find(a.name);
+    const Stage* const maker = known == latest_.end() ? nullptr : maker_of(known->second);
+    makers.push_back(maker == nullptr ? nullptr : operator_of(maker->op));
   }
   return makers;
 }
@@ -30,16 +29,14 @@ std::vector<const Operator*> ChainValues::makers_of_reads(const Contract& contra
 /// holds only the last version of an attribute, and normals as orient() has turned them.
 std::optional<ColumnSource> ChainValues::source_of(std::uint16_t column, const OutputColumns& in_output) const {
   const Attribute& attribute = columns_[column];
-  if (maker_[column] < 0) {
+  if (maker_of(column) == nullptr) {
     for (const FileColumn& f : file_columns_)
       if (f.column == column) return ColumnSource{.attribute = attribute, .in_input = f.fields};
     return std::nullopt;
   }
-  const auto last =
-      std::find_if(latest_.begin(), latest_.end(), [&](const auto& l) { return l.first == attribute.name; });
   ColumnSource source{.attribute = attribute};
-  if (last->second != column) {
-    const Stage& turning = stages_[static_cast<std::size_t>(maker_[last->second])];
+  if (const std::uint16_t last = latest_.at(attribute.name); last != column) {
+    const Stage& turning = *maker_of(last);
     if (name_of(turning.op) != "turned_normals" || turning.reads[0] != column) return std::nullopt;
     const auto turned = in_output(contract_of(turning.op).reads[1]);
     if (!turned) return std::nullopt;
@@ -102,7 +99,7 @@ constexpr std::uint64_t kPointsAtOnce = 1 << 17;
 /// Evaluates the points in the order of SortedCloud.
 std::vector<double> ChainValues::made_by_operators(const std::string& attribute, CloudRows& rows,
                                                    const NeighborRule& neighborhood) {
-  const auto of_name = std::ranges::find(latest_, attribute, [](const auto& l) { return l.first; });
+  const auto of_name = latest_.find(attribute);
   if (of_name == latest_.end()) throw NotTold("what it reads is not made");
   const Attribute& a = columns_[of_name->second];
   std::vector<std::string> untold =
@@ -151,10 +148,9 @@ std::vector<double> ChainValues::made_by_operators(const std::string& attribute,
 /// Computes a made attribute again for all rows, because the output lacks some rows, and returns the values as a
 /// source.
 std::optional<ColumnSource> ChainValues::source_again(std::uint16_t column, CloudRows& rows) const {
-  const auto maker = static_cast<std::size_t>(maker_[column]);
   std::vector<StageOperator> before;
-  for (std::size_t s = 0; s <= maker; ++s)
-    if (!drops_rows(stages_[s].op)) before.push_back(stages_[s].op);
+  for (const Stage* stage = stages_.data(); stage <= maker_of(column); ++stage)
+    if (!drops_rows(stage->op)) before.push_back(stage->op);
   const Attribute& a = columns_[column];
   ChainValues again(std::move(before), {a.name}, rows.input().schema(), rule_);
   return ColumnSource{
@@ -178,7 +174,8 @@ std::vector<std::string> ChainValues::look_at_cloud(CloudRows& rows, const Neigh
   for (Stage& stage : stages_) {
     if (!stage.cloud || stage.ring < 0) continue;
     const auto source = [&](std::uint16_t column) {
-      return rows.output_has_all() || maker_[column] < 0 ? source_of(column, in_output) : source_again(column, rows);
+      return rows.output_has_all() || maker_of(column) == nullptr ? source_of(column, in_output)
+                                                                  : source_again(column, rows);
     };
     std::string why;
     try {
@@ -279,11 +276,7 @@ ChainResults ChainValues::evaluate_unplaced(std::span<const KnownPoint> points, 
       leave_unchanged(stage, around, bits, estimates);
       continue;
     }
-    if (stage.applied) apply(stage, around, bits);
-    if (stage.formula)
-      estimate(stage, around, certain, estimates);
-    else
-      for (const std::uint16_t column : stage.makes) take_bits(column, bits, {}, estimates);
+    evaluate_local(stage, around, certain, bits, estimates);
   }
   return results_of(points.size(), bits, estimates);
 }

@@ -79,9 +79,7 @@ ChainValues::ChainValues(std::vector<StageOperator> operators, const std::vector
     stages_.push_back(std::move(stage));
   }
   std::erase_if(made_, [&](const Attribute& a) { return !is_kept(keep, a); });
-  for (const Attribute& a : made_)
-    for (const auto& [name, column] : latest_)
-      if (name == a.name) made_columns_.push_back(column);
+  for (const Attribute& a : made_) made_columns_.push_back(latest_.at(a.name));
   find_rings();
   find_applied();
 }
@@ -95,16 +93,11 @@ bool ChainValues::is_selection(const Attribute& made) { return made.name.starts_
 std::uint16_t ChainValues::new_column(const Attribute& attribute) {
   columns_.push_back(attribute);
   maker_.push_back(-1);
-  const auto column = static_cast<std::uint16_t>(columns_.size() - 1);
-  const auto known =
-      std::find_if(latest_.begin(), latest_.end(), [&](const auto& l) { return l.first == attribute.name; });
-  known == latest_.end() ? latest_.emplace_back(attribute.name, column) : * known = {attribute.name, column};
-  return column;
+  return latest_[attribute.name] = static_cast<std::uint16_t>(columns_.size() - 1);
 }
 
 std::uint16_t ChainValues::column_of(const Attribute& wanted, const std::string& stage, const Schema& input) {
-  for (const auto& [name, column] : latest_)
-    if (name == wanted.name) return column;
+  if (const auto known = latest_.find(wanted.name); known != latest_.end()) return known->second;
   const std::uint16_t column = new_column(wanted);
   add_file_column(column, wanted, stage, input);
   return column;
@@ -124,8 +117,7 @@ void ChainValues::add_file_column(std::uint16_t column, const Attribute& wanted,
 void ChainValues::make(const Attribute& attribute, Stage& stage) {
   stage.makes.push_back(new_column(attribute));
   maker_.back() = static_cast<int>(stages_.size());
-  const auto known =
-      std::find_if(made_.begin(), made_.end(), [&](const Attribute& a) { return a.name == attribute.name; });
+  const auto known = std::ranges::find(made_, attribute.name, &Attribute::name);
   known == made_.end() ? made_.push_back(attribute) : void(*known = attribute);
 }
 
@@ -143,9 +135,7 @@ void ChainValues::find_rings() {
 }
 
 void ChainValues::need(std::uint16_t column, int ring) {
-  if (maker_[column] < 0) return;
-  int& known = stages_[static_cast<std::size_t>(maker_[column])].ring;
-  known = std::max(known, ring);
+  if (Stage* const maker = maker_of(column)) maker->ring = std::max(maker->ring, ring);
 }
 
 std::size_t ChainValues::result_bytes() const {
@@ -204,7 +194,7 @@ void ChainValues::apply(const Stage& stage, const Surroundings& around, ColumnBy
 /// the attributes it reads are applied as well.
 void ChainValues::find_applied() {
   const auto apply_maker = [&](std::uint16_t column) {
-    if (maker_[column] >= 0) stages_[static_cast<std::size_t>(maker_[column])].applied = true;
+    if (Stage* const maker = maker_of(column)) maker->applied = true;
   };
   for (std::size_t s = stages_.size(); s-- > 0;) {
     Stage& stage = stages_[s];
@@ -218,13 +208,11 @@ void ChainValues::find_applied() {
 }
 
 bool ChainValues::is_independent(std::size_t a) const {
-  const Stage& stage = stages_[static_cast<std::size_t>(maker_[made_columns_[a]])];
+  const Stage& stage = *maker_of(made_columns_[a]);
   return stage.formula != nullptr || stage.cloud != nullptr;
 }
 
-bool ChainValues::is_told(std::size_t a) const {
-  return stages_[static_cast<std::size_t>(maker_[made_columns_[a]])].told;
-}
+bool ChainValues::is_told(std::size_t a) const { return maker_of(made_columns_[a])->told; }
 
 std::size_t ChainValues::estimates_per_point() const {
   std::size_t count = 0;
@@ -337,7 +325,7 @@ void ChainValues::estimate(const Stage& stage, const Surroundings& around, const
     const auto is_open = [](const formulas::Place& p) { return !(p.error < formulas::kInfinity); };
     const bool unsure =
         (in_doubt[i] && !stage.alone) || is_open(in.place) || std::any_of(places.begin(), places.end(), is_open);
-    std::vector<Estimate> made = stage.formula->evaluate(in);
+    std::vector<Estimate> made = stage.formula(in);
     if (unsure) std::fill(made.begin(), made.end(), formulas::open());
     std::size_t next = 0;
     for (const std::uint16_t c : stage.makes)
@@ -373,6 +361,14 @@ ChainResults ChainValues::results_of(std::size_t points, const ColumnBytes& bits
   return results;
 }
 
+void ChainValues::evaluate_local(const Stage& stage, const Surroundings& around, const std::vector<bool>& in_doubt,
+                                 ColumnBytes& bits, ColumnEstimates& estimates) const {
+  if (stage.applied) apply(stage, around, bits);
+  if (stage.formula) return estimate(stage, around, in_doubt, estimates);
+  for (const std::uint16_t column : stage.makes)
+    take_bits(column, bits, stage.alone ? std::vector<bool>{} : in_doubt, estimates);
+}
+
 ChainResults ChainValues::evaluate(Surroundings around, RowSource& in, CloudRows& rows) const {
   ColumnBytes bits(columns_.size());
   ColumnEstimates estimates(columns_.size());
@@ -381,15 +377,12 @@ ChainResults ChainValues::evaluate(Surroundings around, RowSource& in, CloudRows
   for (const FileColumn& f : file_columns_) take_bits(f.column, bits, {}, estimates);
   for (const Stage& stage : stages_) {
     if (stage.ring < 0) continue;
-    if (stage.applied) apply(stage, around, bits);
-    if (stage.cloud) {
-      evaluate_cloud(stage, around, rows, estimates);
-      for (const std::uint16_t column : stage.makes) take_estimates(column, estimates, bits);
-    } else if (stage.formula)
-      estimate(stage, around, in_doubt, estimates);
-    else
-      for (const std::uint16_t column : stage.makes)
-        take_bits(column, bits, stage.alone ? std::vector<bool>{} : in_doubt, estimates);
+    if (!stage.cloud) {
+      evaluate_local(stage, around, in_doubt, bits, estimates);
+      continue;
+    }
+    evaluate_cloud(stage, around, rows, estimates);
+    for (const std::uint16_t column : stage.makes) take_estimates(column, estimates, bits);
   }
   return results_of(around.ring_end[0], bits, estimates);
 }

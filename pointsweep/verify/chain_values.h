@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -76,8 +77,8 @@ class ChainValues {
  private:
   struct Stage {
     StageOperator op;
-    /// Formula of the stage; null if it has a cloud formula. If both are null, the operator itself is applied.
-    std::shared_ptr<const StageFormula> formula = {};
+    /// Formula of the stage; empty if it has a cloud formula. Without either formula, the operator itself is applied.
+    StageFormula formula = {};
     std::shared_ptr<CloudFormula> cloud = {};               ///< formula over the whole cloud; null for a local stage
     std::vector<std::optional<ColumnSource>> sources = {};  ///< sources of the values that the cloud formula reads
     std::vector<std::optional<ColumnSource>> targets = {};  ///< sources of the values that the cloud formula makes
@@ -97,6 +98,13 @@ class ChainValues {
   using ColumnBytes = std::vector<std::vector<std::byte>>;  ///< values by number of column
   using ColumnEstimates = std::vector<std::vector<formulas::Estimate>>;
 
+  /// Returns the stage that makes a column; null for a column of the input.
+  Stage* maker_of(std::uint16_t column) {
+    return maker_[column] < 0 ? nullptr : &stages_[static_cast<std::size_t>(maker_[column])];
+  }
+  const Stage* maker_of(std::uint16_t column) const {
+    return maker_[column] < 0 ? nullptr : &stages_[static_cast<std::size_t>(maker_[column])];
+  }
   std::uint16_t column_of(const Attribute& wanted, const std::string& stage, const Schema& input);
   void add_file_column(std::uint16_t column, const Attribute& wanted, const std::string& who, const Schema& input);
   void find_applied();
@@ -121,6 +129,8 @@ class ChainValues {
   void apply(const Stage& stage, const Surroundings& around, ColumnBytes& columns) const;
   void estimate(const Stage& stage, const Surroundings& around, const std::vector<bool>& in_doubt,
                 ColumnEstimates& columns) const;
+  void evaluate_local(const Stage& stage, const Surroundings& around, const std::vector<bool>& in_doubt,
+                      ColumnBytes& bits, ColumnEstimates& estimates) const;
   FormulaInput input_of(const Stage& stage, const Surroundings& around, std::size_t i,
                         const ColumnEstimates& columns) const;
   void take_bits(std::uint16_t column, const ColumnBytes& bits, const std::vector<bool>& in_doubt,
@@ -138,8 +148,7 @@ class ChainValues {
   std::vector<int> maker_;  ///< number of the stage that makes each column; -1 for a column of the input
   std::vector<Attribute> made_;
   std::vector<std::uint16_t> made_columns_;
-  /// Name of each attribute and the column of its last version.
-  std::vector<std::pair<std::string, std::uint16_t>> latest_;
+  std::map<std::string, std::uint16_t> latest_;  ///< column of the last version of each attribute, by name
 };
 
 }  // namespace pointsweep

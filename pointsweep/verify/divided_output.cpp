@@ -54,17 +54,12 @@ class PlacesOfPoints {
 
   void look(const PhaseProgress& progress) {
     RowSource rows(cloud_);
-    std::uint64_t row = 0;
-    for (const auto& reader : cloud_.readers()) {
-      const std::uint64_t end = row + reader->info().count;
-      begin(reader->info().path);
-      for (std::uint64_t n = 0; row < end; row += n) {
-        n = std::min<std::uint64_t>(rows.block_rows(), end - row);
-        const std::byte* record = rows.read(row, n).data();
-        for (std::uint64_t i = 0; i < n; ++i, record += schema_.stride) see(row + i, record);
-        if (progress) progress("comparing", row, rows.count());
-      }
-    }
+    const std::span<const FileOfRows> files = rows.files();
+    std::size_t next = 0;  // index of the next file
+    for_each_row(rows, "comparing", progress, [&](std::uint64_t row, const std::byte* record) {
+      for (; next < files.size() && files[next].first == row; ++next) begin(cloud_.readers()[next]->info().path);
+      see(row, record);
+    });
     if (!buffer_) return;
     // A tile without own points has no file and no buffer. All tiles with own points are known by now.
     for (const auto& [part, sum] : wanted_)

@@ -45,6 +45,8 @@ struct OutputCheck {
   bool recorded = false;        ///< true if the pipeline comes from the record, where default lengths are not converted
   bool without_stages = false;  ///< true if the run was a sort or a conversion, according to its record
 
+  /// Returns the file whose format and record stand for the whole output.
+  const fs::path& first_file() const { return tiles.empty() ? output : tiles.front(); }
   bool is_divided() const { return options.division.divides(); }
   bool says_how() const { return !options.pipeline.empty() || !neighborhood.empty() || !options.keep.empty(); }
 };
@@ -52,7 +54,7 @@ struct OutputCheck {
 /// Returns whether the order of the output's points is unknown: it differs from the input's, and no option or record
 /// states it.
 bool is_in_any_order(const OutputCheck& check) {
-  const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
+  const Format* const format = format_of_output(check.first_file());
   return check.is_divided() || (format != nullptr && format->reorders);
 }
 
@@ -149,7 +151,7 @@ void list_files(OutputCheck& check) {
 OutputCheck completed(OutputCheck check) {
   list_files(check);
   const fs::path& output = check.output;
-  const std::optional<ProvenanceRecord> record = recorded_run(check.tiles.empty() ? output : check.tiles.front());
+  const std::optional<ProvenanceRecord> record = recorded_run(check.first_file());
   if (record) take_record(check, *record);
   if (record && record->setting("tile") && check.tiles.empty())
     fail_usage("{}: is tile {} of a run over several inputs; name these and the folder of all tiles.", output.string(),
@@ -289,7 +291,7 @@ std::set<std::string> changed_attributes(const Arrivals& arrivals) {
 Verdict checked_points(const OutputCheck& check, const InputCloud& all, InputCloud& cloud, RowSource& out,
                        const Differences& misplaced) {
   const VerifyOptions& options = check.options;
-  const Format* const format = format_of_output(check.tiles.empty() ? check.output : check.tiles.front());
+  const Format* const format = format_of_output(check.first_file());
   const auto made_with = [&](const std::set<std::string>& changed) {
     Compared compared = made_by_pipeline(check, all, cloud, out, changed);
     MadeBy& made = compared.made;

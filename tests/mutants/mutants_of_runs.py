@@ -124,11 +124,11 @@ MUTANTS = [
 
     # verify
     Mutant("verify asks head itself which rows stay", "verify", "pointsweep/verify/values/stage_formula.cpp",
-           '{"head", formula_made<HeadFormula>},', "", ("laws:EveryOperator.*", "verify:KeptRows.*")),
+           '{"head", head_formula},', "", ("laws:EveryOperator.*", "verify:KeptRows.*")),
     Mutant("a row of a decoded input has the number it has among finite rows", "formats", "pointsweep/formats/cloud/input_cloud.cpp",
            "has_dropped ? finite_[input]->input_row(in_file)", "has_dropped ? in_file", ("formats:FiniteRows.*", "pipeline")),
     Mutant("verify takes equal distances in the order of rows", "verify", "pointsweep/verify/search/nearest_in_stream.cpp",
-           "  if (a.position.x != b.position.x) return a.position.x < b.position.x;\n", "", ("verify",)),
+           "p.distance2, p.position.x, p.position.y,", "p.distance2, p.position.y,", ("verify",)),
     Mutant("verify does not see that a point is missing", "verify", "pointsweep/verify/verify.cpp",
            "if (a.points_in != a.points_out) differ", "if (a.points_in < a.points_out) differ",
            ("verify:Verify.AMissing*", "cli:VerifyVerb.*")),

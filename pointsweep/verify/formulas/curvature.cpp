@@ -100,12 +100,6 @@ class Spread {
   Real one_ = 0, two_ = 0, both_ = 0, whole_ = 0, error_ = 0;
 };
 
-Range ratio(Range numerator, Range denominator) {
-  return {denominator.high > 0 ? numerator.low / denominator.high : 0,
-          denominator.low > 0 ? numerator.high / denominator.low : kInfinity};
-}
-Range root(Range r) { return {std::sqrt(r.low), std::sqrt(r.high)}; }
-
 /// Fills the scalars that follow from k1 and k2.
 void fill_scalars(Curvatures& c, Real k1, Range r1, Real k2, Range r2) {
   const auto rms = [](Real a, Real b) { return std::sqrt((a * a + b * b) / 2); };
@@ -182,8 +176,7 @@ Curvatures curvature(const Place& p, const Estimate& n, std::span<const Place> n
       tangent(normal, s.vector[1], s.vector[0], std::max(s.vector_error[0], s.vector_error[1]) + n.error);
   const Vector t2 = cross(normal, t1.value);
   const Spread spread(p, neighbors, seen, t1.value, t2, t1.error);
-  const Real rho = 0x1p-51L * largest_component(p.at);
-  const Real limit = (1e-12L * spread.trace() + rho * rho) * spread.trace();
+  const Real limit = (1e-12L * spread.trace() + rho2(p)) * spread.trace();
   const Real doubt = spread.determinant_error() + 1e-5L * limit;
   if (spread.determinant() + doubt <= limit || !(weighted.farthest > 0)) return every_curvature(undefined());
   Curvatures c;

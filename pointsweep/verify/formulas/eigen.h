@@ -43,4 +43,22 @@ Spectrum spectrum_of(const Matrix& m, Uncertainty uncertainty) {
   return s;
 }
 
+/// Returns the square of ρ, 2^-51 times the largest coordinate of p: the rounding of positions.
+inline Real rho2(const Place& p) {
+  const Real rho = 0x1p-51L * largest_component(p.at);
+  return rho * rho;
+}
+
+/// Whether a neighbourhood defines no plane.
+struct PlaneDoubt {
+  bool sure;      ///< true if it surely defines none
+  bool possible;  ///< true if rounding leaves open that it defines none
+};
+/// Decides whether λ1 <= 1e-12 λ2 + ρ² `weight`, the mean weight of the neighbours in the matrix.
+inline PlaneDoubt no_plane_in(const Spectrum& s, const Place& p, Real weight) {
+  const Real limit = 1e-12L * s.value[2] + rho2(p) * weight;
+  const Real doubt = s.value_error[1] + 1e-12L * s.value_error[2] + 1e-5L * limit;
+  return {s.value[1] + doubt <= limit, s.value[1] - doubt <= limit};
+}
+
 }  // namespace pointsweep::formulas

@@ -47,6 +47,9 @@ inline Vector unit(Vector v) {
 
 inline Real largest_component(Vector v) { return std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z))); }
 
+/// Returns whether all components are finite float64 numbers.
+inline bool fits_double(Vector v) { return is_finite(v) && largest_component(v) <= std::numeric_limits<double>::max(); }
+
 struct Matrix {
   std::array<std::array<Real, 3>, 3> entry{};
 
@@ -112,6 +115,12 @@ struct Range {
 };
 inline Range around(Real value, Real error) { return {value - error, value + error}; }
 inline Range not_negative(Range r) { return {std::max<Real>(r.low, 0), std::max<Real>(r.high, 0)}; }
+inline Range root(Range r) { return {std::sqrt(r.low), std::sqrt(r.high)}; }
+/// Returns the range of the quotient of two numbers that are not negative.
+inline Range ratio(Range numerator, Range denominator) {
+  return {denominator.high > 0 ? numerator.low / denominator.high : 0,
+          denominator.low > 0 ? numerator.high / denominator.low : kInfinity};
+}
 
 /// Returns `value` as float32. Correct evaluations lie in `range`.
 inline Estimate single_scalar(Real value, Range range) {

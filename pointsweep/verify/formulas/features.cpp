@@ -81,7 +81,7 @@ struct Lambdas {
       const Real l = std::max<Real>(s.value[2 - a], 0), error = s.value_error[2 - a];
       value[a] = l, range[a] = not_negative(around(s.value[2 - a], error));
       if (lambda == Lambda::root) {
-        value[a] = std::sqrt(l), range[a] = {std::sqrt(range[a].low), std::sqrt(range[a].high)};
+        value[a] = std::sqrt(l), range[a] = root(range[a]);
       } else if (lambda == Lambda::normalized) {
         value[a] = l / sum;
         range[a] = {range[a].low / (sum + sum_error), range[a].high / std::max<Real>(sum - sum_error, 0)};
@@ -135,14 +135,12 @@ void set_shapes(Features& f, const Lambdas& l, const Cloud& cloud, Lambda lambda
 }
 
 Estimate verticality(const Place& p, const Spectrum& s) {
-  const Real rho = 0x1p-51L * largest_component(p.at);
-  const Real limit = 1e-12L * s.value[2] + rho * rho;
-  const Real doubt = s.value_error[1] + 1e-12L * s.value_error[2] + 1e-5L * limit;
-  if (s.value[1] + doubt <= limit) return undefined();
+  const PlaneDoubt no_plane = no_plane_in(s, p, 1);
+  if (no_plane.sure) return undefined();
   if (!(s.vector_error[0] < kInfinity)) return open();
   const Real value = 1 - std::fabs(s.vector[0].z), error = s.vector_error[0] + 64 * kDouble;
   Estimate result = single_scalar(value, {std::max<Real>(value - error, 0), std::min<Real>(value + error, 1)});
-  result.may_be_undefined = s.value[1] - doubt <= limit;
+  result.may_be_undefined = no_plane.possible;
   return result;
 }
 
@@ -188,9 +186,7 @@ Features all_open() {
 Features features(const Place& p, std::span<const Place> neighbors, Lambda lambda, bool with_point) {
   const Cloud cloud(p, neighbors, with_point);
   Features f;
-  const bool finite = std::all_of(cloud.offset.begin(), cloud.offset.end(), [](const Vector& d) {
-    return is_finite(d) && largest_component(d) <= std::numeric_limits<double>::max();
-  });
+  const bool finite = std::all_of(cloud.offset.begin(), cloud.offset.end(), fits_double);
   if (finite && cloud.extent >= kTooFar) f = all_open();
   f.number_of_neighbors = exactly(cloud.size());
   if (!finite || cloud.extent >= kTooFar || cloud.offset.empty()) return f;

@@ -12,11 +12,6 @@ namespace {
 constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
-double cell_number(double coordinate, double cell) {
-  constexpr double most = std::numeric_limits<double>::max();
-  return std::clamp(std::floor(coordinate / cell), -most, most);
-}
-
 /// Replaces each value by the least among itself and the values up to `half` places before and after it (van Herk
 /// 1992).
 void least_along(std::vector<double>& line, std::size_t half, std::vector<double>& forth, std::vector<double>& back) {
@@ -37,6 +32,11 @@ double difference(double before, double here, double behind, double cell) {
 }
 
 }  // namespace
+
+double cell_number(double coordinate, double cell) {
+  constexpr double most = std::numeric_limits<double>::max();
+  return std::clamp(std::floor(coordinate / cell), -most, most);
+}
 
 std::size_t GroundParameters::radius() const { return static_cast<std::size_t>(std::ceil(window / cell)); }
 

@@ -19,6 +19,9 @@ struct GroundParameters {
   std::size_t reach() const { return 3 * radius() + 3; }  ///< reach of the filling of holes, in cells
 };
 
+/// Returns the number of the cell in which a coordinate lies, as float64.
+double cell_number(double coordinate, double cell);
+
 /// The numbers of cells along one axis, with wide empty strips shortened: a strip across which no filter reaches keeps
 /// only as many cells as the filters need.
 class CellNumbers {

@@ -18,14 +18,6 @@ using Steps = std::array<std::int64_t, 3>;
 constexpr std::size_t kMostOfLeaf = 100'000, kMostOfRoot = 100'000;
 constexpr int kDeepest = 31, kNone = -1;
 
-/// Returns a hash of n by SplitMix64.
-std::uint64_t mixed(std::uint64_t n) {
-  n += 0x9e3779b97f4a7c15u;
-  n = (n ^ (n >> 30)) * 0xbf58476d1ce4e5b9u;
-  n = (n ^ (n >> 27)) * 0x94d049bb133111ebu;
-  return n ^ (n >> 31);
-}
-
 struct StepsHash {
   std::size_t operator()(const Steps& s) const {
     std::uint64_t hash = 0;

@@ -31,7 +31,7 @@ Form form_of_positions(const WeightedNeighbors& weighted, const Estimate& n) {
       tangent(unit(n.value), s.vector[2], s.vector[1], std::max(s.vector_error[2], s.vector_error[1]) + n.error);
   const Range l1 = not_negative(around(s.value[1], s.value_error[1]));
   const Range l2 = around(s.value[2], s.value_error[2]);
-  return form(major, s.value[1] / s.value[2], {l1.low / l2.high, l2.low > 0 ? l1.high / l2.low : 1});
+  return form(major, s.value[1] / s.value[2], ratio(l1, l2));
 }
 
 Form form_of_curvature(const CurvatureHere& c, const Estimate& n) {
@@ -39,7 +39,7 @@ Form form_of_curvature(const CurvatureHere& c, const Estimate& n) {
                  .error = c.k1_direction.error + n.error,
                  .either_sign = true};
   const Range k1 = not_negative(around(c.k1.value.x, c.k1.error)), k2 = not_negative(around(c.k2.value.x, c.k2.error));
-  return form(major, c.k2.value.x / c.k1.value.x, {k2.low / k1.high, k1.low > 0 ? k2.high / k1.low : 1});
+  return form(major, c.k2.value.x / c.k1.value.x, ratio(k2, k1));
 }
 
 bool is_zero(const Estimate& e) { return !e.is_open() && norm(e.value) == 0; }

@@ -1,24 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/verify/formulas/thinning.h"
 
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace pointsweep::formulas {
 
+std::uint64_t mixed(std::uint64_t n) {
+  n += 0x9e3779b97f4a7c15u;
+  n = (n ^ (n >> 30)) * 0xbf58476d1ce4e5b9u;
+  n = (n ^ (n >> 27)) * 0x94d049bb133111ebu;
+  return n ^ (n >> 31);
+}
+
 std::uint64_t hash_of(const Coordinates& p, std::uint64_t seed) {
-  std::uint64_t h = seed;
-  for (double c : p) {
-    if (c == 0) c = 0;
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &c, sizeof bits);
-    h = (h ^ bits) + 0x9e3779b97f4a7c15u;
-    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
-    h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
-    h = h ^ (h >> 31);
-  }
-  return h;
+  std::uint64_t hash = seed;
+  for (const double c : p) hash = mixed(hash ^ std::bit_cast<std::uint64_t>(c + 0.0));  // -0 becomes 0
+  return hash;
 }
 
 bool is_in_share(std::uint64_t hash, double share) { return std::ldexp(static_cast<double>(hash / 2048), -53) < share; }

@@ -11,6 +11,9 @@ namespace pointsweep::formulas {
 
 using Coordinates = std::array<double, 3>;
 
+/// Returns a hash of n by SplitMix64.
+std::uint64_t mixed(std::uint64_t n);
+
 /// Returns a hash of the three coordinates in [0, 2^64): three rounds of SplitMix64.
 std::uint64_t hash_of(const Coordinates& p, std::uint64_t seed);
 

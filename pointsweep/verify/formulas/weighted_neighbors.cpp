@@ -16,7 +16,7 @@ bool turn(Estimate& n, Real product, Real error) {
 /// Flips `n` so that its component of largest magnitude is positive. The sign is uncertain if another component may be
 /// as large and has the other sign.
 void turn_by_largest(Estimate& n) {
-  const Real c[3] = {n.value.x, n.value.y, n.value.z};
+  const Vector& c = n.value;
   std::size_t largest = 0;
   for (std::size_t a = 1; a < 3; ++a)
     if (std::fabs(c[a]) > std::fabs(c[largest])) largest = a;
@@ -65,7 +65,7 @@ WeightedNeighbors weigh(const Place& p, std::span<const Place> neighbors) {
   for (const Place& q : neighbors) {
     const Vector d = q.at - p.at;
     const Real r = norm(d);
-    result.finite = result.finite && is_finite(d) && largest_component(d) <= std::numeric_limits<double>::max();
+    result.finite = result.finite && fits_double(d);
     result.offsets.push_back({.d = d, .error = p.error + q.error});
     result.farthest = std::max(result.farthest, r);
     result.farthest_error = std::max(result.farthest_error, p.error + q.error);
@@ -118,12 +118,10 @@ Estimate normal(const Place& p, std::span<const Place> neighbors, const Facing& 
   if (!weighted.finite) return undefined();
   if (weighted.farthest <= weighted.farthest_error) return weighted.farthest > 0 ? open() : undefined();
   const Spectrum s = equation1(weighted);
-  const Real rho = 0x1p-51L * largest_component(p.at);
-  const Real limit = 1e-12L * s.value[2] + rho * rho * weighted.mean_weight();
-  const Real doubt = s.value_error[1] + 1e-12L * s.value_error[2] + 1e-5L * limit;
-  if (s.value[1] + doubt <= limit) return undefined();
+  const PlaneDoubt no_plane = no_plane_in(s, p, weighted.mean_weight());
+  if (no_plane.sure) return undefined();
   Estimate n = single_direction(s.vector[0], s.vector_error[0]);
-  n.may_be_undefined = s.value[1] - doubt <= limit;
+  n.may_be_undefined = no_plane.possible;
   if (n.is_open()) n.either_sign = true;
   orient(n, p, facing);
   return n;

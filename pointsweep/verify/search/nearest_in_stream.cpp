@@ -17,11 +17,10 @@ using Key = std::tuple<double, double, double>;
 }  // namespace
 
 bool operator<(const NearPoint& a, const NearPoint& b) {
-  if (a.distance2 != b.distance2) return a.distance2 < b.distance2;
-  if (a.position.x != b.position.x) return a.position.x < b.position.x;
-  if (a.position.y != b.position.y) return a.position.y < b.position.y;
-  if (a.position.z != b.position.z) return a.position.z < b.position.z;
-  return a.row < b.row;
+  const auto key = [](const NearPoint& p) {
+    return std::tie(p.distance2, p.position.x, p.position.y, p.position.z, p.row);
+  };
+  return key(a) < key(b);
 }
 
 NearestInStream::NearestInStream(std::vector<Vec3> places, std::vector<double> reach2, std::size_t most, Space space)

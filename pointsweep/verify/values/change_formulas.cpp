@@ -19,7 +19,6 @@ namespace {
 
 using formulas::Estimate;
 using formulas::Real;
-using Estimates = std::vector<Estimate>;
 
 /// Opens another cloud without comparing the coordinate reference systems of its files. The run has compared them,
 /// unless --ignore-crs forbade it.
@@ -34,7 +33,6 @@ class NearestDistance final : public CloudFormula {
   explicit NearestDistance(const FormulaSetup& stage)
       : other_(opened(stage.options.word("cloud"))),
         most_(stage.options.number_if_given("most").value_or(std::numeric_limits<double>::infinity())) {}
-  void prepare(const CloudInput&) override {}
   std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
     const std::vector<Vec3> places = positions_of(points);
     RowSource source(*other_);
@@ -58,7 +56,6 @@ class ChangeAlongNormals final : public CloudFormula {
         cylinder_(stage.options.number("cylinder")),
         depth_(stage.options.number("depth")),
         registration_(stage.options.number("registration")) {}
-  void prepare(const CloudInput&) override {}
   std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
     RowSource other(*other_);
     const auto before = filled(points, in.rows.input(), in.rows.progress());
@@ -119,7 +116,6 @@ class TakenValues final : public CloudFormula {
       taken_.push_back({field, type_of_values(other_->schema().fields[field]), read_of(name, contract_.makes)});
     }
   }
-  void prepare(const CloudInput&) override {}
 
   std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
     const std::vector<Vec3> places = positions_of(points);

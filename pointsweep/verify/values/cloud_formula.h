@@ -22,9 +22,10 @@ namespace pointsweep {
 /// A point to be evaluated, with the values that the stage reads of it, in the order of the stage's contract.
 struct CloudPoint {
   KnownPoint at;
-  std::vector<formulas::Estimate> reads;
+  Estimates reads;
 };
 
+/// Returns the positions of the points, in their order.
 std::vector<Vec3> positions_of(std::span<const CloudPoint> points);
 
 struct CloudInput {
@@ -46,17 +47,13 @@ class CloudFormula {
   virtual ~CloudFormula() = default;
   /// Reads all points if evaluate() needs their values. Must be called once, before the first evaluate(). Throws
   /// NotTold if the stage cannot be checked.
-  virtual void prepare(const CloudInput& in) = 0;
+  virtual void prepare(const CloudInput&) {}
   /// Returns a clause, without a full stop, about the values that are not checked; empty if all are checked.
   virtual std::string limits() const { return {}; }
-  /// Returns for each point the estimates of the values that the stage makes, in the form of StageFormula::evaluate().
-  virtual std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
-                                                                const CloudInput& in) = 0;
+  /// Returns for each point the estimates of the values that the stage makes, in the form of StageFormula.
+  virtual std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) = 0;
   /// Returns the values of a point without a finite place; none if the stage leaves such points unchanged.
-  virtual std::optional<std::vector<formulas::Estimate>> unplaced(const CloudPoint& point) const {
-    (void)point;
-    return std::nullopt;
-  }
+  virtual std::optional<Estimates> unplaced(const CloudPoint&) const { return std::nullopt; }
 };
 
 /// The name of an operator, and the function that makes its formula over the whole cloud.

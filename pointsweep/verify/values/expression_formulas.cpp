@@ -63,7 +63,7 @@ std::optional<std::size_t> last_of_name(const std::string& name, const std::vect
   return std::nullopt;
 }
 
-class AssignmentFormula final : public StageFormula {
+class AssignmentFormula {
  public:
   explicit AssignmentFormula(const FormulaSetup& stage)
       : AssignmentFormula(assignments_of(stage.options.word("assign"), "set").front(), stage.contract) {}
@@ -79,7 +79,7 @@ class AssignmentFormula final : public StageFormula {
     condition_.emplace(assignment.condition->text());
     condition_reads_ = reads_of(*condition_, contract.reads);
   }
-  std::vector<Estimate> evaluate(const FormulaInput& in) const override {
+  Estimates operator()(const FormulaInput& in) const {
     std::optional<bool> holds = true;
     if (condition_) holds = condition_->holds(values_of(condition_reads_, in));
     if (!holds) return {formulas::open()};
@@ -108,22 +108,16 @@ class AssignmentFormula final : public StageFormula {
   formulas::Storage storage_;
 };
 
-/// The formula of the condition of a `where`: 1 if it holds, else 0; open if the ranges do not decide.
-class ConditionFormula final : public StageFormula {
- public:
-  explicit ConditionFormula(const FormulaSetup& stage)
-      : condition_(stage.options.word("condition")), reads_(reads_of(condition_, stage.contract.reads)) {}
-  std::vector<Estimate> evaluate(const FormulaInput& in) const override {
-    const std::optional<bool> holds = condition_.holds(values_of(reads_, in));
-    return {holds ? formulas::exactly(*holds ? 1 : 0) : formulas::open()};
-  }
+/// Returns the formula of the condition of a `where`: 1 if it holds, else 0; open if the ranges do not decide.
+StageFormula condition_formula(const FormulaSetup& stage) {
+  const formulas::PlainExpression condition(stage.options.word("condition"));
+  return [condition, reads = reads_of(condition, stage.contract.reads)](const FormulaInput& in) {
+    const std::optional<bool> holds = condition.holds(values_of(reads, in));
+    return Estimates{holds ? formulas::exactly(*holds ? 1 : 0) : formulas::open()};
+  };
+}
 
- private:
-  formulas::PlainExpression condition_;
-  std::vector<NamedRead> reads_;
-};
-
-class StatisticsFormula final : public StageFormula {
+class StatisticsFormula {
  public:
   explicit StatisticsFormula(const FormulaSetup& stage) {
     const std::vector<Attribute>& reads = stage.contract.reads_neighbors;
@@ -138,16 +132,16 @@ class StatisticsFormula final : public StageFormula {
       results_.push_back(result);
     }
   }
-  std::vector<Estimate> evaluate(const FormulaInput& in) const override {
+  Estimates operator()(const FormulaInput& in) const {
     std::vector<FormulaInput> counted;
     for (std::size_t j = 0; j < in.neighbors.size(); ++j) {
       const FormulaInput neighbor = neighbor_of(in, j);
       std::optional<bool> holds = true;
       if (condition_) holds = condition_->holds(values_of(condition_reads_, neighbor));
-      if (!holds) return std::vector<Estimate>(results_.size(), formulas::open());
+      if (!holds) return Estimates(results_.size(), formulas::open());
       if (*holds) counted.push_back(neighbor);
     }
-    std::vector<Estimate> made;
+    Estimates made;
     for (const Result& result : results_) made.push_back(result_of(result, counted));
     return made;
   }
@@ -162,11 +156,11 @@ class StatisticsFormula final : public StageFormula {
   /// Returns neighbour j with the values that the stage reads of it.
   static FormulaInput neighbor_of(const FormulaInput& in, std::size_t j) {
     FormulaInput neighbor{.place = in.neighbors[j], .neighbors = {}, .rows = {}, .reads = {}, .of_neighbors = {}};
-    for (const std::vector<Estimate>& attribute : in.of_neighbors) neighbor.reads.push_back(attribute[j]);
+    for (const Estimates& attribute : in.of_neighbors) neighbor.reads.push_back(attribute[j]);
     return neighbor;
   }
   static Estimate result_of(const Result& result, const std::vector<FormulaInput>& counted) {
-    std::vector<Estimate> values;
+    Estimates values;
     for (const FormulaInput& neighbor : counted) {
       Estimate value;
       if (result.of) {
@@ -189,7 +183,7 @@ class StatisticsFormula final : public StageFormula {
 
 std::vector<NamedFormula> expression_formulas() {
   return {{"set", formula_made<AssignmentFormula>},
-          {"where", formula_made<ConditionFormula>},
+          {"where", condition_formula},
           {"statistics", formula_made<StatisticsFormula>}};
 }
 

@@ -9,9 +9,7 @@
 #include <string>
 #include <tuple>
 
-#include "pointsweep/verify/formulas/joined_sets.h"
-#include "pointsweep/verify/values/cloud_formula.h"
-#include "pointsweep/verify/values/neighbor_labels.h"
+#include "pointsweep/verify/values/label_formula.h"
 #include "pointsweep/verify/values/sorted_cloud.h"
 
 namespace pointsweep {
@@ -21,27 +19,6 @@ using formulas::Estimate;
 using formulas::exactly;
 using formulas::JoinedSets;
 using formulas::Real;
-using Estimates = std::vector<Estimate>;
-
-void require_plain_neighbors(const CloudInput& in) {
-  if (in.has_rule) throw NotTold("neighbourhoods differ from point to point");
-}
-
-/// The labels of points or of places, looked up by the row of a point.
-struct LabelsOfRows {
-  std::vector<std::uint32_t> item_of_row;
-  formulas::SetLabels labels;
-
-  std::vector<Estimates> of(std::span<const CloudPoint> points) const {
-    std::vector<Estimates> made;
-    for (const CloudPoint& p : points) {
-      const std::int64_t number = labels.number[item_of_row[p.at.row]];
-      const std::uint64_t size = number < 0 ? 0 : labels.size[static_cast<std::size_t>(number)];
-      made.push_back({exactly(static_cast<Real>(number)), exactly(static_cast<Real>(size))});
-    }
-    return made;
-  }
-};
 
 template <class ItemOf>
 std::vector<std::uint32_t> items_of_rows(const SortedCloud& cloud, std::uint64_t rows, ItemOf item_of) {
@@ -65,39 +42,6 @@ LabelsOfRows labels_of_points(const SortedCloud& cloud, JoinedSets& sets, std::u
   return {items_of_rows(cloud, rows, [](std::uint32_t point) { return point; }),
           formulas::labels_of(sets, cloud.size(), one, all)};
 }
-
-/// The formula of numbers and sizes of components. It uses the whole graph, or the labels of neighbours if the graph
-/// does not fit in memory.
-class LabelFormula : public CloudFormula, protected JoiningRule {
- public:
-  void prepare(const CloudInput& in) final {
-    require_plain_neighbors(in);
-    try {
-      found_ = labels(in);
-    } catch (const NeedsMemory& why) {
-      label_columns(in, columns(in));
-      limits_ = std::string("that they are apart and in order ") + why.what();
-    }
-  }
-  std::string limits() const final { return limits_; }
-  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
-    return limits_.empty() ? found_.of(points) : labels_of_neighbors(points, in, columns(in), *this);
-  }
-
- protected:
-  /// Returns whether the whole graph is known.
-  bool is_found() const { return limits_.empty(); }
-  const LabelsOfRows& found() const { return found_; }
-
- private:
-  virtual LabelsOfRows labels(const CloudInput& in) const = 0;
-  /// Returns the columns that joined() reads.
-  virtual std::vector<ColumnSource> columns(const CloudInput& in) const = 0;
-  Estimate alone(std::span<const double>) const override { return formulas::open(); }
-
-  LabelsOfRows found_;
-  std::string limits_;
-};
 
 class ComponentFormula final : public LabelFormula {
  public:
@@ -209,7 +153,7 @@ class SegmentFormula final : public LabelFormula {
       segments = flatness_of(std::move(segments), in, {},
                              [&](std::uint64_t row, auto) { return found().labels.number[found().item_of_row[row]]; });
     else
-      segments = flatness_of(std::move(segments), in, label_columns(in, {}),
+      segments = flatness_of(std::move(segments), in, label_columns(in),
                              [](std::uint64_t, auto values) { return static_cast<std::int64_t>(values[0]); });
     for (Estimates& e : made) {
       const auto known = segments.find(number(e[0]));

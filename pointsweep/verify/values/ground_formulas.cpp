@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "pointsweep/verify/formulas/ground_raster.h"
@@ -42,7 +41,8 @@ class GroundFormula final : public CloudFormula {
     std::vector<double> x, y;  // numbers of cells
     std::uint64_t points = 0;
     for_each_part([&](Vec3 p) {
-      x.push_back(number(p.x)), y.push_back(number(p.y));
+      x.push_back(formulas::cell_number(p.x, parameters_.cell)),
+          y.push_back(formulas::cell_number(p.y, parameters_.cell));
       if (++points % kTidyPoints == 0) tidy(x), tidy(y);
     });
     if (points == 0) return;
@@ -59,9 +59,8 @@ class GroundFormula final : public CloudFormula {
     raster_->finish();
   }
 
-  std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
-                                                        const CloudInput&) override {
-    std::vector<std::vector<formulas::Estimate>> made;
+  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput&) override {
+    std::vector<Estimates> made;
     std::vector<double> values;
     for (const CloudPoint& p : points) {
       values.clear();
@@ -82,11 +81,6 @@ class GroundFormula final : public CloudFormula {
     std::ranges::sort(numbers);
     numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
   }
-  double number(double coordinate) const {
-    constexpr double most = std::numeric_limits<double>::max();
-    return std::clamp(std::floor(coordinate / parameters_.cell), -most, most);
-  }
-
   /// Returns whether a point takes part: it is a last return and not noise, as far as options and attributes require
   /// it.
   bool takes_part(std::span<const double> values) const {
@@ -111,24 +105,21 @@ class GroundFormula final : public CloudFormula {
   std::optional<formulas::GroundRaster> raster_;
 };
 
-constexpr double kClassBelow = 2;
-
 class HeightFormula final : public CloudFormula {
  public:
   explicit HeightFormula(const FormulaSetup& stage) : k_(static_cast<std::size_t>(stage.options.whole("k"))) {}
   void prepare(const CloudInput& in) override { in.rows.require(std::array{in.source(0)}); }
-  std::vector<std::vector<formulas::Estimate>> evaluate(std::span<const CloudPoint> points,
-                                                        const CloudInput& in) override {
+  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
     const std::array classes = {in.source(0)};
     const PointsOfCloud ground = [&](const auto& take) {
       in.rows.for_each(classes, [&](std::uint64_t row, Vec3 p, std::span<const double> values) {
-        if (values[0] == kClassBelow) take(row, p);
+        if (values[0] == kGround) take(row, p);
       });
     };
     const std::vector<Vec3> places = positions_of(points);
     const auto nearest =
         nearest_of_cloud(places, ground, in.rows.count(), {.most = k_, .space = NearestInStream::Space::plane});
-    std::vector<std::vector<formulas::Estimate>> made;
+    std::vector<Estimates> made;
     std::vector<formulas::GroundPoint> below;
     for (std::size_t i = 0; i < points.size(); ++i) {
       below.clear();

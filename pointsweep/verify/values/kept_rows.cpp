@@ -156,7 +156,7 @@ Mask by_condition(InputCloud& cloud, const SelectOperator& op, const PhaseProgre
   }
   std::vector<const std::byte*> columns;
   for (const auto& value : values) columns.push_back(value.data());
-  const std::unique_ptr<StageFormula> formula = formula_of(op);
+  const StageFormula formula = formula_of(op);
   FormulaInput known;
   known.reads.resize(fields.size());
   Mask kept;
@@ -165,11 +165,11 @@ Mask by_condition(InputCloud& cloud, const SelectOperator& op, const PhaseProgre
     for (std::size_t f = 0; f < fields.size(); ++f)
       put_value(fields[f], record, contract.reads[f].type, values[f].data());
     const Vec3 p = position_in(position, record);
-    if (formula != nullptr) {
+    if (formula) {
       known.place.at = {p.x, p.y, p.z};
       for (std::size_t f = 0; f < fields.size(); ++f)
         known.reads[f].value.x = number_in(contract.reads[f].type, columns[f]);
-      const formulas::Estimate holds = formula->evaluate(known).front();
+      const formulas::Estimate holds = formula(known).front();
       if (!holds.is_open()) return kept.push_back(holds.value.x == 1);
     }
     const std::uint32_t no_list[2] = {0, 0};

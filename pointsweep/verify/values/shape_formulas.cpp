@@ -16,14 +16,13 @@ namespace {
 using formulas::Affine;
 using formulas::Estimate;
 using formulas::Real;
-using ShapeEstimates = std::vector<Estimate>;
 
 /// Returns the index of an attribute in a list; the size of the list if it does not hold the attribute.
 std::size_t place_in(const std::vector<Attribute>& list, std::string_view name) {
   return static_cast<std::size_t>(std::ranges::find(list, name, &Attribute::name) - list.begin());
 }
 
-class NormalFormula final : public StageFormula {
+class NormalFormula {
  public:
   explicit NormalFormula(const FormulaSetup& stage) {
     const std::string& orient = stage.options.word("orient");
@@ -34,7 +33,7 @@ class NormalFormula final : public StageFormula {
     facing_.side = Side::viewpoint;
     facing_.viewpoint = {viewpoint.x, viewpoint.y, viewpoint.z};
   }
-  ShapeEstimates evaluate(const FormulaInput& in) const override {
+  Estimates operator()(const FormulaInput& in) const {
     formulas::Facing facing = facing_;
     if (facing.side == Side::like) facing.like = in.reads[0];
     return {formulas::normal(in.place, in.neighbors, facing)};
@@ -45,41 +44,28 @@ class NormalFormula final : public StageFormula {
   formulas::Facing facing_;
 };
 
-class CurvatureFormula final : public StageFormula {
- public:
-  explicit CurvatureFormula(const FormulaSetup& stage)
-      : own_(place_in(stage.contract.reads, "normal")), near_(place_in(stage.contract.reads_neighbors, "normal")) {}
-  ShapeEstimates evaluate(const FormulaInput& in) const override {
-    const formulas::Curvatures c = formulas::curvature(in.place, in.reads[own_], in.neighbors, in.of_neighbors[near_]);
-    return {
+StageFormula curvature_formula(const FormulaSetup& stage) {
+  return [own = place_in(stage.contract.reads, "normal"),
+          near = place_in(stage.contract.reads_neighbors, "normal")](const FormulaInput& in) {
+    const formulas::Curvatures c = formulas::curvature(in.place, in.reads[own], in.neighbors, in.of_neighbors[near]);
+    return Estimates{
         c.k1, c.k2, c.k1_direction, c.mean, c.gaussian, c.rms, c.absolute, c.surface_variation, c.normal_eigenvalues};
-  }
+  };
+}
 
- private:
-  std::size_t own_, near_;
-};
+StageFormula splat_formula(const FormulaSetup& stage) {
+  const std::vector<Attribute>& reads = stage.contract.reads;
+  const std::size_t direction = place_in(reads, "k1_direction");
+  return [normal = place_in(reads, "normal"), k1 = place_in(reads, "k1"), k2 = place_in(reads, "k2"), direction,
+          is_curved = direction < reads.size()](const FormulaInput& in) {
+    formulas::CurvatureHere here;  // the axes come from the curvature if the stage reads it
+    if (is_curved) here = {in.reads[k1], in.reads[k2], in.reads[direction]};
+    const formulas::Splat s = formulas::splat(in.place, in.reads[normal], in.neighbors, is_curved ? &here : nullptr);
+    return Estimates{s.axis, s.length, s.ratio};
+  };
+}
 
-class SplatFormula final : public StageFormula {
- public:
-  explicit SplatFormula(const FormulaSetup& stage)
-      : normal_(place_in(stage.contract.reads, "normal")),
-        k1_(place_in(stage.contract.reads, "k1")),
-        k2_(place_in(stage.contract.reads, "k2")),
-        direction_(place_in(stage.contract.reads, "k1_direction")),
-        curved_(direction_ < stage.contract.reads.size()) {}
-  ShapeEstimates evaluate(const FormulaInput& in) const override {
-    formulas::CurvatureHere here;
-    if (curved_) here = {in.reads[k1_], in.reads[k2_], in.reads[direction_]};
-    const formulas::Splat s = formulas::splat(in.place, in.reads[normal_], in.neighbors, curved_ ? &here : nullptr);
-    return {s.axis, s.length, s.ratio};
-  }
-
- private:
-  std::size_t normal_, k1_, k2_, direction_;
-  bool curved_;  ///< true if the axes come from the curvature
-};
-
-class FairFormula final : public StageFormula {
+class FairFormula {
  public:
   explicit FairFormula(const FormulaSetup& stage)
       : f_(stage.options.number("f_length")),
@@ -89,7 +75,7 @@ class FairFormula final : public StageFormula {
         normal_(place_in(stage.contract.reads_neighbors, "normal")),
         length_(place_in(stage.contract.reads_neighbors, "splat_length")),
         ratio_(place_in(stage.contract.reads_neighbors, "splat_ratio")) {}
-  ShapeEstimates evaluate(const FormulaInput& in) const override {
+  Estimates operator()(const FormulaInput& in) const {
     std::vector<formulas::Surfel> neighbors;
     for (std::size_t j = 0; j < in.neighbors.size(); ++j)
       neighbors.push_back(
@@ -103,16 +89,16 @@ class FairFormula final : public StageFormula {
   std::size_t own_length_, own_ratio_, normal_, length_, ratio_;
 };
 
-class FeaturesFormula final : public StageFormula {
+class FeaturesFormula {
  public:
   explicit FeaturesFormula(const FormulaSetup& stage) : with_point_(stage.options.word("with_point") == "yes") {
     for (const Attribute& a : stage.contract.makes) names_.push_back(a.name);
     const std::string& scale = stage.options.word("eigenvalues");
     lambda_ = scale == "raw" ? Lambda::raw : scale == "sqrt" ? Lambda::root : Lambda::normalized;
   }
-  ShapeEstimates evaluate(const FormulaInput& in) const override {
+  Estimates operator()(const FormulaInput& in) const {
     const formulas::Features f = formulas::features(in.place, in.neighbors, lambda_, with_point_);
-    ShapeEstimates made;
+    Estimates made;
     for (const std::string& name : names_) made.push_back(f.*std::ranges::find(kMembers, name, &Member::first)->second);
     return made;
   }
@@ -140,18 +126,17 @@ class FeaturesFormula final : public StageFormula {
   Lambda lambda_;
 };
 
-/// The formula of TurnedNormals, the last stage of orient().
-class TurnedFormula final : public StageFormula {
- public:
-  ShapeEstimates evaluate(const FormulaInput& in) const override {
+/// Returns the formula of TurnedNormals, the last stage of orient().
+StageFormula turned_formula(const FormulaSetup&) {
+  return [](const FormulaInput& in) {
     Estimate normal = in.reads[0];
     if (in.reads[1].is_open())
       normal.either_sign = true;
     else if (in.reads[1].value.x != 0)
       normal.value = formulas::Vector{} - normal.value;  // 0 for 0 and for -0
-    return {normal};
-  }
-};
+    return Estimates{normal};
+  };
+}
 
 Affine map_of(const NamedOptions& options) {
   const std::vector<double> none = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
@@ -168,12 +153,12 @@ int power_of(const std::string& unit) {
   return unit.front() == '1' ? -size : size;
 }
 
-class TransformFormula final : public StageFormula {
+class TransformFormula {
  public:
   explicit TransformFormula(const FormulaSetup& stage) : map_(map_of(stage.options)), changed_(stage.contract.reads) {}
-  ShapeEstimates evaluate(const FormulaInput& in) const override {
+  Estimates operator()(const FormulaInput& in) const {
     const formulas::Place place = map_.moved(in.place);
-    ShapeEstimates made = {{.value = place.at, .error = place.error}};
+    Estimates made = {{.value = place.at, .error = place.error}};
     for (std::size_t a = 0; a < changed_.size(); ++a)
       for (std::size_t e = 0; e < estimates_of(changed_[a]); ++e)
         made.push_back(estimates_of(changed_[a]) > 1 ? formulas::open() : changed(changed_[a], in.reads[a]));
@@ -201,9 +186,12 @@ class TransformFormula final : public StageFormula {
 }  // namespace
 
 std::vector<NamedFormula> shape_formulas() {
-  return {{"normals", formula_made<NormalFormula>},     {"curvature", formula_made<CurvatureFormula>},
-          {"splats", formula_made<SplatFormula>},       {"fair", formula_made<FairFormula>},
-          {"features", formula_made<FeaturesFormula>},  {"turned_normals", formula_made<TurnedFormula>},
+  return {{"normals", formula_made<NormalFormula>},
+          {"curvature", curvature_formula},
+          {"splats", splat_formula},
+          {"fair", formula_made<FairFormula>},
+          {"features", formula_made<FeaturesFormula>},
+          {"turned_normals", turned_formula},
           {"transform", formula_made<TransformFormula>}};
 }
 

@@ -14,25 +14,18 @@ namespace {
 using formulas::Estimate;
 using formulas::exactly;
 using formulas::Real;
-using Estimates = std::vector<Estimate>;
 
-class SizeFormula final : public StageFormula {
- public:
-  Estimates evaluate(const FormulaInput& in) const override {
-    return {exactly(static_cast<Real>(in.neighbors.size())), formulas::farthest(in.place, in.neighbors)};
-  }
-};
+StageFormula size_formula(const FormulaSetup&) {
+  return [](const FormulaInput& in) {
+    return Estimates{exactly(static_cast<Real>(in.neighbors.size())), formulas::farthest(in.place, in.neighbors)};
+  };
+}
 
-class MeanDistanceFormula final : public StageFormula {
- public:
-  explicit MeanDistanceFormula(const FormulaSetup& stage) : of_open3d_(stage.options.word("definition") == "open3d") {}
-  Estimates evaluate(const FormulaInput& in) const override {
-    return {formulas::mean_distance(in.place, in.neighbors, of_open3d_)};
-  }
-
- private:
-  bool of_open3d_;
-};
+StageFormula mean_distance_formula(const FormulaSetup& stage) {
+  return [of_open3d = stage.options.word("definition") == "open3d"](const FormulaInput& in) {
+    return Estimates{formulas::mean_distance(in.place, in.neighbors, of_open3d)};
+  };
+}
 
 formulas::OutlierProgram program_of(std::string_view definition) {
   using Program = formulas::OutlierProgram;
@@ -43,89 +36,67 @@ formulas::OutlierProgram program_of(std::string_view definition) {
   return Program::pointsweep;
 }
 
-class OutlierFormula final : public StageFormula {
- public:
-  explicit OutlierFormula(const FormulaSetup& stage)
-      : threshold_(stage.threshold), program_(program_of(stage.options.word("definition"))) {}
-  Estimates evaluate(const FormulaInput& in) const override {
-    return {formulas::outlier(in.reads[0], threshold_.value, threshold_.error, program_)};
-  }
+StageFormula outlier_formula(const FormulaSetup& stage) {
+  return [threshold = stage.threshold, program = program_of(stage.options.word("definition"))](const FormulaInput& in) {
+    return Estimates{formulas::outlier(in.reads[0], threshold.value, threshold.error, program)};
+  };
+}
 
- private:
-  CloudThreshold threshold_;
-  formulas::OutlierProgram program_;
-};
+StageFormula radius_outlier_formula(const FormulaSetup& stage) {
+  return
+      [radius = stage.options.number("radius"), least = stage.options.whole("min_neighbors")](const FormulaInput& in) {
+        return Estimates{formulas::radius_outlier(in.place, in.neighbors, radius, least)};
+      };
+}
 
-class RadiusOutlierFormula final : public StageFormula {
- public:
-  explicit RadiusOutlierFormula(const FormulaSetup& stage)
-      : radius_(stage.options.number("radius")), least_(stage.options.whole("min_neighbors")) {}
-  Estimates evaluate(const FormulaInput& in) const override {
-    return {formulas::radius_outlier(in.place, in.neighbors, radius_, least_)};
-  }
+StageFormula density_formula(const FormulaSetup& stage) {
+  return [radius = stage.options.number_if_given("radius")](const FormulaInput& in) {
+    const formulas::Densities d = formulas::densities(in.place, in.neighbors, radius);
+    return Estimates{d.surface, d.volume};
+  };
+}
 
- private:
-  double radius_;
-  std::size_t least_;
-};
+StageFormula core_formula(const FormulaSetup& stage) {
+  return [eps = stage.options.number("eps"), least = stage.options.whole("min_points")](const FormulaInput& in) {
+    return Estimates{formulas::core_point(in.place, in.neighbors, eps, least)};
+  };
+}
 
-class DensityFormula final : public StageFormula {
- public:
-  explicit DensityFormula(const FormulaSetup& stage) : radius_(stage.options.number_if_given("radius")) {}
-  Estimates evaluate(const FormulaInput& in) const override {
-    const formulas::Densities d = formulas::densities(in.place, in.neighbors, radius_);
-    return {d.surface, d.volume};
-  }
+StageFormula k_distance_formula(const FormulaSetup&) {
+  return [](const FormulaInput& in) { return Estimates{formulas::k_distance(in.place, in.neighbors)}; };
+}
 
- private:
-  std::optional<double> radius_;
-};
+StageFormula reachability_formula(const FormulaSetup&) {
+  return [](const FormulaInput& in) {
+    return Estimates{formulas::reachability_density(in.place, in.neighbors, in.of_neighbors[0])};
+  };
+}
 
-class CoreFormula final : public StageFormula {
- public:
-  explicit CoreFormula(const FormulaSetup& stage)
-      : eps_(stage.options.number("eps")), least_(static_cast<std::size_t>(stage.options.whole("min_points"))) {}
-  Estimates evaluate(const FormulaInput& in) const override {
-    return {formulas::core_point(in.place, in.neighbors, eps_, least_)};
-  }
+StageFormula density_ratio_formula(const FormulaSetup&) {
+  return
+      [](const FormulaInput& in) { return Estimates{formulas::local_outlier_factor(in.reads[0], in.of_neighbors[0])}; };
+}
 
- private:
-  double eps_;
-  std::size_t least_;
-};
+/// Returns the formula of head(): 1 for the first rows, numbered over all inputs; 0 for all others.
+StageFormula head_formula(const FormulaSetup& stage) {
+  return [number = static_cast<Real>(stage.options.whole("number"))](const FormulaInput& in) {
+    return Estimates{exactly(in.reads.front().value.x < number ? 1 : 0)};
+  };
+}
 
-class KDistanceFormula final : public StageFormula {
- public:
-  Estimates evaluate(const FormulaInput& in) const override { return {formulas::k_distance(in.place, in.neighbors)}; }
-};
+constexpr std::uint64_t kPartsSeed = 0x7061727473;  // "parts" in ASCII
 
-class ReachabilityFormula final : public StageFormula {
- public:
-  Estimates evaluate(const FormulaInput& in) const override {
-    return {formulas::reachability_density(in.place, in.neighbors, in.of_neighbors[0])};
-  }
-};
+StageFormula part_formula(const FormulaSetup& stage) {
+  return [parts = stage.options.whole("number"), seed = stage.options.whole("seed")](const FormulaInput& in) {
+    const formulas::Vector& p = in.place.at;
+    if (in.place.error > 0) return Estimates{formulas::open()};
+    if (!formulas::is_finite(p)) return Estimates{formulas::undefined()};
+    const formulas::Coordinates at = {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
+    return Estimates{exactly(static_cast<Real>(formulas::part_of(formulas::hash_of(at, seed + kPartsSeed), parts)))};
+  };
+}
 
-class DensityRatioFormula final : public StageFormula {
- public:
-  Estimates evaluate(const FormulaInput& in) const override {
-    return {formulas::local_outlier_factor(in.reads[0], in.of_neighbors[0])};
-  }
-};
-
-/// The formula of head(): 1 for the first rows, numbered over all inputs; 0 for all others.
-class HeadFormula final : public StageFormula {
- public:
-  explicit HeadFormula(const FormulaSetup& stage) : number_(static_cast<Real>(stage.options.whole("number"))) {}
-  Estimates evaluate(const FormulaInput& in) const override {
-    return {exactly(in.reads.front().value.x < number_ ? 1 : 0)};
-  }
-
- private:
-  Real number_;
-};
-
-class ColorFormula final : public StageFormula {
+class ColorFormula {
  public:
   explicit ColorFormula(const FormulaSetup& stage)
       : source_(read_of(stage.options.word("by"), stage.contract.reads)),
@@ -136,7 +107,7 @@ class ColorFormula final : public StageFormula {
     const std::vector<double> range = stage.options.numbers("range");
     lo_ = range.at(0), hi_ = range.at(1);
   }
-  Estimates evaluate(const FormulaInput& in) const override {
+  Estimates operator()(const FormulaInput& in) const {
     const Estimate e = estimate_of(source_, in);
     const bool known = scale_ == formulas::ColorScale::classes || lo_;
     if (!known || source_.component > 2 || e.is_open() || e.either_sign || e.may_be_undefined)
@@ -164,31 +135,13 @@ class ColorFormula final : public StageFormula {
   int widen_;
 };
 
-constexpr std::uint64_t kPartsSeed = 0x7061727473;  // "parts" in ASCII
-
-class PartFormula final : public StageFormula {
- public:
-  explicit PartFormula(const FormulaSetup& stage)
-      : parts_(stage.options.whole("number")), seed_(stage.options.whole("seed")) {}
-  Estimates evaluate(const FormulaInput& in) const override {
-    const formulas::Vector& p = in.place.at;
-    if (in.place.error > 0) return {formulas::open()};
-    if (!formulas::is_finite(p)) return {formulas::undefined()};
-    const formulas::Coordinates at = {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
-    return {exactly(static_cast<Real>(formulas::part_of(formulas::hash_of(at, seed_ + kPartsSeed), parts_)))};
-  }
-
- private:
-  std::uint64_t parts_, seed_;
-};
-
-class GraphFormula final : public StageFormula {
+class GraphFormula {
  public:
   explicit GraphFormula(const FormulaSetup& stage)
       : k_(stage.contract.makes.front().fields.size()),
         distances_(stage.contract.makes.size() > 1),
         type_(stage.contract.makes.front().type) {}
-  Estimates evaluate(const FormulaInput& in) const override {
+  Estimates operator()(const FormulaInput& in) const {
     const formulas::GraphRow row = formulas::graph_row(in.place, in.neighbors, in.rows);
     const Real none = type_ == Type::u64 ? static_cast<Real>(std::numeric_limits<std::uint64_t>::max())
                                          : static_cast<Real>(std::numeric_limits<std::uint32_t>::max());
@@ -220,18 +173,18 @@ class GraphFormula final : public StageFormula {
 
 const std::vector<NamedFormula>& all_formulas() {
   static const std::vector<NamedFormula> all = [] {
-    std::vector<NamedFormula> list = {{"neighborhood_size", formula_made<SizeFormula>},
-                                      {"ror", formula_made<RadiusOutlierFormula>},
-                                      {"density", formula_made<DensityFormula>},
-                                      {"k_distance", formula_made<KDistanceFormula>},
-                                      {"reachability_density", formula_made<ReachabilityFormula>},
-                                      {"density_ratio", formula_made<DensityRatioFormula>},
-                                      {"mean_distance", formula_made<MeanDistanceFormula>},
-                                      {"outlier", formula_made<OutlierFormula>},
-                                      {"core", formula_made<CoreFormula>},
+    std::vector<NamedFormula> list = {{"neighborhood_size", size_formula},
+                                      {"ror", radius_outlier_formula},
+                                      {"density", density_formula},
+                                      {"k_distance", k_distance_formula},
+                                      {"reachability_density", reachability_formula},
+                                      {"density_ratio", density_ratio_formula},
+                                      {"mean_distance", mean_distance_formula},
+                                      {"outlier", outlier_formula},
+                                      {"core", core_formula},
                                       {"color", formula_made<ColorFormula>},
-                                      {"parts", formula_made<PartFormula>},
-                                      {"head", formula_made<HeadFormula>},
+                                      {"parts", part_formula},
+                                      {"head", head_formula},
                                       {"neighbors", formula_made<GraphFormula>}};
     for (const auto& more : {shape_formulas(), expression_formulas()})
       list.insert(list.end(), more.begin(), more.end());
@@ -248,9 +201,9 @@ bool has_stage_formula(const Operator& op) {
   return std::ranges::find(all_formulas(), op.name(), &NamedFormula::name) != all_formulas().end();
 }
 
-std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold) {
+StageFormula formula_of(const Operator& op, const CloudThreshold& threshold) {
   const auto found = std::ranges::find(all_formulas(), op.name(), &NamedFormula::name);
-  if (found == all_formulas().end()) return nullptr;
+  if (found == all_formulas().end()) return {};
   FormulaSetup stage = setup_of(op);
   stage.threshold = threshold;
   return found->make(stage);

@@ -5,11 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
 #include "pointsweep/attribute.h"
@@ -21,23 +19,21 @@
 
 namespace pointsweep {
 
+using Estimates = std::vector<formulas::Estimate>;
+
 /// A point, its neighbours in the order of their list, and the values that a stage reads, in the order of its contract.
 struct FormulaInput {
   formulas::Place place;
   std::span<const formulas::Place> neighbors;
-  std::span<const std::uint64_t> rows;                        ///< rows of the neighbours in the input
-  std::vector<formulas::Estimate> reads;                      ///< for each attribute, the value of the point
-  std::vector<std::vector<formulas::Estimate>> of_neighbors;  ///< for each attribute, the value of each neighbour
+  std::span<const std::uint64_t> rows;  ///< rows of the neighbours in the input
+  Estimates reads;                      ///< for each attribute, the value of the point
+  std::vector<Estimates> of_neighbors;  ///< for each attribute, the value of each neighbour
 };
 
-/// The formula of an operator: a pure function of a point and its neighbourhood, implemented in formulas/.
-class StageFormula {
- public:
-  virtual ~StageFormula() = default;
-  /// Returns estimates of the made attributes: one estimate for an attribute of up to three components, else one for
-  /// each component.
-  virtual std::vector<formulas::Estimate> evaluate(const FormulaInput& in) const = 0;
-};
+/// The formula of an operator: a pure function of a point and its neighbourhood, implemented in formulas/. It returns
+/// estimates of the made attributes: one estimate for an attribute of up to three components, else one for each
+/// component.
+using StageFormula = std::function<Estimates(const FormulaInput& in)>;
 
 /// Returns the number of estimates of an attribute's value.
 inline std::size_t estimates_of(const Attribute& a) { return a.fields.size() <= 3 ? 1 : a.fields.size(); }
@@ -61,21 +57,19 @@ FormulaSetup setup_of(const Operator& op);
 /// The name of an operator, and the function that makes its formula.
 struct NamedFormula {
   std::string_view name;
-  std::unique_ptr<StageFormula> (*make)(const FormulaSetup& stage);
+  StageFormula (*make)(const FormulaSetup& stage);
 };
 
+/// Makes a formula that has more state than a lambda can show.
 template <class Formula>
-std::unique_ptr<StageFormula> formula_made(const FormulaSetup& stage) {
-  if constexpr (std::is_default_constructible_v<Formula>)
-    return std::make_unique<Formula>();
-  else
-    return std::make_unique<Formula>(stage);
+StageFormula formula_made(const FormulaSetup& stage) {
+  return Formula(stage);
 }
 
 /// Returns whether a formula has the name of the operator.
 bool has_stage_formula(const Operator& op);
-/// Returns the formula of an operator; null if has_stage_formula() is false.
-std::unique_ptr<StageFormula> formula_of(const Operator& op, const CloudThreshold& threshold = {});
+/// Returns the formula of an operator; empty if has_stage_formula() is false.
+StageFormula formula_of(const Operator& op, const CloudThreshold& threshold = {});
 
 /// A function that returns how many of the found neighbours a rule keeps. `values`: values of the point that the rule
 /// reads.

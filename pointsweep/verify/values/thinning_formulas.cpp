@@ -53,7 +53,7 @@ class MeanFormula final : public CloudFormula {
       }
   }
 
-  std::vector<std::vector<Estimate>> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
+  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) override {
     std::unordered_map<formulas::Coordinates, std::vector<formulas::Mean>, VoxelHash> means;
     for (const CloudPoint& p : points) means.try_emplace(voxel_of(p.at.position), 3 + fields_.size());
     RowSource source(*in.before_means);
@@ -66,16 +66,16 @@ class MeanFormula final : public CloudFormula {
       for (std::size_t a = 0; a < 3; ++a) found->second[a].add(p[static_cast<int>(a)]);
       for (std::size_t f = 0; f < fields_.size(); ++f) found->second[3 + f].add(value_of(fields_[f], record));
     });
-    std::vector<std::vector<Estimate>> made;
+    std::vector<Estimates> made;
     for (const CloudPoint& p : points) made.push_back(estimates_of_means(means.at(voxel_of(p.at.position))));
     return made;
   }
 
   /// Returns the position, then the averaged attributes, unchanged. An attribute is read as a whole or component by
   /// component.
-  std::optional<std::vector<Estimate>> unplaced(const CloudPoint& point) const override {
+  std::optional<Estimates> unplaced(const CloudPoint& point) const override {
     const Vec3 p = point.at.position;
-    std::vector<Estimate> made = {{.value = {p.x, p.y, p.z}}};
+    Estimates made = {{.value = {p.x, p.y, p.z}}};
     std::size_t read = 0;
     for (const MeanAttribute& a : averaged_) {
       Estimate own = point.reads[read];
@@ -94,8 +94,8 @@ class MeanFormula final : public CloudFormula {
   }
 
   /// Returns the mean position, then the mean of each attribute.
-  std::vector<Estimate> estimates_of_means(const std::vector<formulas::Mean>& means) const {
-    std::vector<Estimate> made = {formulas::mean_vector({means[0], means[1], means[2]})};
+  Estimates estimates_of_means(const std::vector<formulas::Mean>& means) const {
+    Estimates made = {formulas::mean_vector({means[0], means[1], means[2]})};
     std::size_t next = 3;
     for (const MeanAttribute& a : averaged_) {
       const Type type = a.made.type;
@@ -137,12 +137,12 @@ class LevelFormula final : public CloudFormula {
     levels_ = formulas::levels_of(points);
   }
 
-  std::vector<std::vector<Estimate>> evaluate(std::span<const CloudPoint> points, const CloudInput&) override {
-    std::vector<std::vector<Estimate>> made;
+  std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput&) override {
+    std::vector<Estimates> made;
     for (const CloudPoint& p : points) made.push_back({formulas::exactly(levels_[number_[p.at.row]])});
     return made;
   }
-  std::optional<std::vector<Estimate>> unplaced(const CloudPoint&) const override { return {{formulas::exactly(255)}}; }
+  std::optional<Estimates> unplaced(const CloudPoint&) const override { return {{formulas::exactly(255)}}; }
 
  private:
   std::vector<std::size_t> number_;  ///< for each row, its number among the points with finite coordinates
