@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// Decodes records into three arrays of coordinates.
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cstring>
+#include <ranges>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/points/schema.h"
@@ -47,23 +50,21 @@ void decode_axis(const Field& field, const std::byte* records, std::size_t strid
 }
 
 std::string names_of(const Schema& schema) {
-  std::string names;
-  for (const Field& field : schema.fields) names += (names.empty() ? "" : ", ") + field.name;
-  return names.empty() ? "none" : names;
+  const auto names = schema.fields | std::views::transform(&Field::name);
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
 }  // namespace
 
 PositionFields position_fields(const Schema& schema, std::string_view where) {
-  const auto x = schema.find("x"), y = schema.find("y"), z = schema.find("z");
-  if (!x || !y || !z) {
-    fail("{}: its points have no {}; a point cloud needs the fields x, y and z (fields found: {}).", where,
-         !x   ? "x"
-         : !y ? "y"
-              : "z",
-         names_of(schema));
-  }
-  return {schema.fields[*x], schema.fields[*y], schema.fields[*z]};
+  const auto field = [&](const char* axis) {
+    const auto at = schema.find(axis);
+    if (!at)
+      fail("{}: its points have no {}; a point cloud needs the fields x, y and z (fields found: {}).", where, axis,
+           names_of(schema));
+    return schema.fields[*at];
+  };
+  return {field("x"), field("y"), field("z")};
 }
 
 void decode_positions(const PositionFields& fields, const std::byte* records, std::size_t stride, std::size_t count,

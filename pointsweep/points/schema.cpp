@@ -47,6 +47,11 @@ double load_value(const Field& field, const std::byte* at) {
   return field.scale == 1 && field.bias == 0 ? bits : bits * field.scale + field.bias;
 }
 
+/// Returns the stored number, not yet rounded, that stands for `value`.
+double raw_number(const Field& field, double value) {
+  return field.scale == 1 && field.bias == 0 ? value : (value - field.bias) / field.scale;
+}
+
 /// Replaces the bits of the field and keeps the other bits of its word.
 template <class T>
 T with_bits(const Field& field, T old, double bits) {
@@ -59,7 +64,7 @@ T with_bits(const Field& field, T old, double bits) {
 
 template <class T>
 void store_value(const Field& field, std::byte* at, double value) {
-  const double bits = field.scale == 1 && field.bias == 0 ? value : (value - field.bias) / field.scale;
+  const double bits = raw_number(field, value);
   T raw;
   if constexpr (std::is_floating_point_v<T>) {
     raw = static_cast<T>(bits);
@@ -90,7 +95,7 @@ std::size_t bytes_of(const std::vector<Attribute>& attributes) {
 }
 
 bool holds(const Field& field, double value) {
-  const double bits = field.scale == 1 && field.bias == 0 ? value : (value - field.bias) / field.scale;
+  const double bits = raw_number(field, value);
   return with_type(field.type, [&]<class T>() {
     if constexpr (std::is_floating_point_v<T>)
       return !std::isfinite(bits) || std::isfinite(static_cast<T>(bits));
