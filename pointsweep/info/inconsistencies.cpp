@@ -30,10 +30,12 @@ using SomeKinds = std::vector<const AlikeFiles*>;
 /// Distinct values in the order of their first occurrence, each with the files that have it.
 using FilesOfValues = std::vector<std::pair<std::string, SomeKinds>>;
 
-void add_file(FilesOfValues& all, const std::string& value, const AlikeFiles& kind) {
-  auto at = std::ranges::find(all, value, &FilesOfValues::value_type::first);
-  if (at == all.end()) at = all.insert(at, {value, {}});
-  at->second.push_back(&kind);
+/// Adds `member` to the group of `key`, which becomes the last group if it is new.
+template <class Key, class Member>
+void add_to(std::vector<std::pair<Key, std::vector<Member>>>& groups, const Key& key, Member member) {
+  auto at = std::ranges::find(groups, key, [](const auto& group) -> const Key& { return group.first; });
+  if (at == groups.end()) at = groups.insert(at, {key, {}});
+  at->second.push_back(std::move(member));
 }
 
 /// Returns "a.las" or "a.las and 3 more".
@@ -69,7 +71,7 @@ void note_different(std::vector<std::string>& sentences, const char* what, const
 
 FilesOfValues formats_of(const SomeKinds& files) {
   FilesOfValues formats;
-  for (const AlikeFiles* kind : files) add_file(formats, kind->first.format, *kind);
+  for (const AlikeFiles* kind : files) add_to(formats, kind->first.format, kind);
   return formats;
 }
 
@@ -109,7 +111,7 @@ std::string clock_of(const FileInfo& info) {
 FilesOfValues clocks_of(const SomeKinds& files) {
   FilesOfValues clocks;
   for (const AlikeFiles* kind : files)
-    if (const std::string clock = clock_of(kind->first); !clock.empty()) add_file(clocks, clock, *kind);
+    if (const std::string clock = clock_of(kind->first); !clock.empty()) add_to(clocks, clock, kind);
   return clocks;
 }
 
@@ -136,7 +138,7 @@ std::vector<SharedAttribute> attributes_of(const SomeKinds& files) {
     for (const Field& field : kind->first.schema.fields) {
       const auto [place, is_new] = places.try_emplace(library_name_of(field.name), all.size());
       if (is_new) all.push_back({field.name, {}});
-      add_file(all[place->second].storages, storage_of(field), *kind);
+      add_to(all[place->second].storages, storage_of(field), kind);
     }
   }
   return all;
@@ -156,11 +158,8 @@ void note_missing(std::vector<std::string>& sentences, const std::vector<SharedA
                   const SomeKinds& files) {
   std::vector<std::pair<SomeKinds, std::vector<std::string>>> missing;
   for (const SharedAttribute& attribute : attributes) {
-    SomeKinds without = files_without(attribute, files);
-    if (without.empty()) continue;
-    auto at = std::ranges::find(missing, without, [](const auto& entry) { return entry.first; });
-    if (at == missing.end()) at = missing.insert(at, {std::move(without), {}});
-    at->second.push_back(attribute.name);
+    const SomeKinds without = files_without(attribute, files);
+    if (!without.empty()) add_to(missing, without, attribute.name);
   }
   for (const auto& [without, names] : missing)
     sentences.push_back(names.size() == 1
@@ -170,13 +169,8 @@ void note_missing(std::vector<std::string>& sentences, const std::vector<SharedA
 
 void note_types(std::vector<std::string>& sentences, const std::vector<SharedAttribute>& attributes) {
   std::vector<std::pair<std::string, std::vector<std::string>>> different;
-  for (const SharedAttribute& attribute : attributes) {
-    if (attribute.storages.size() < 2) continue;
-    const std::string text = text_of(attribute.storages);
-    auto at = std::ranges::find(different, text, [](const auto& entry) { return entry.first; });
-    if (at == different.end()) at = different.insert(at, {text, {}});
-    at->second.push_back(attribute.name);
-  }
+  for (const SharedAttribute& attribute : attributes)
+    if (attribute.storages.size() > 1) add_to(different, text_of(attribute.storages), attribute.name);
   for (const auto& [text, names] : different)
     sentences.push_back(fmt::format("Types of {} differ: {}.", list_of(names), text));
 }

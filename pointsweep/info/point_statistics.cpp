@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -55,14 +56,11 @@ class Column {
     add_groups(groups);
     for (const ValueMoments& moments : moments_)
       searches_.emplace_back(values_ ? moments.count() : 0, moments.least(), moments.most());
-    std::optional<std::pair<std::uint64_t, std::uint64_t>> range;
-    for (const ValueMoments& moments : moments_) {
-      if (moments.count() == 0) continue;
-      if (!range) range.emplace(moments.least(), moments.most());
-      range = {std::min(range->first, moments.least()), std::max(range->second, moments.most())};
-    }
-    if (!histogram_ || !range) return;
-    bins_.emplace(keys_, range->first, range->second, bins);
+    std::uint64_t least = std::numeric_limits<std::uint64_t>::max(), most = 0;
+    for (const ValueMoments& moments : moments_)
+      least = std::min(least, moments.least()), most = std::max(most, moments.most());
+    if (!histogram_ || least > most) return;
+    bins_.emplace(keys_, least, most, bins);
     counts_.assign(moments_.size() * bins_->size(), 0);
   }
   bool has_bins() const { return bins_.has_value(); }

@@ -22,7 +22,9 @@ class ValueMoments {
 
   std::uint64_t count() const { return count_; }          ///< number of finite values
   std::uint64_t nonfinite() const { return nonfinite_; }  ///< NaN and infinite values
-  std::uint64_t least() const { return least_; }          ///< key of the least value; count() > 0
+  /// Returns the key of the least value; the greatest number if count() is 0.
+  std::uint64_t least() const { return least_; }
+  /// Returns the key of the greatest value; 0 if count() is 0.
   std::uint64_t most() const { return most_; }
   /// Returns the rounded sum divided by the number; none without values, or if the sum is beyond float64.
   std::optional<double> mean() const;
