@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "pointsweep/math/quantile_rank.h"
 #include "pointsweep/program/report.h"
@@ -126,12 +127,6 @@ using Rows = std::vector<std::pair<std::string, std::string>>;
 
 std::string number(std::uint64_t value) { return fmt::format("{}", value); }
 
-std::string joined(const std::vector<ValueSummary>& made) {
-  std::string names;
-  for (const ValueSummary& m : made) names += (names.empty() ? "" : ", ") + m.name;
-  return names;
-}
-
 /// Returns the rows of the table of inputs and outputs.
 Rows rows_of_files(const RunSummary& summary) {
   const Statistics& s = summary.statistics;
@@ -141,7 +136,10 @@ Rows rows_of_files(const RunSummary& summary) {
                {"points written", number(s.points_written)},
                {"coordinate system", summary.crs.empty() ? "not stated" : summary.crs},
                {"unit of lengths", summary.unit.empty() ? "not stated" : summary.unit}};
-  if (!summary.made.empty()) rows.emplace_back("made", joined(summary.made));
+  if (!summary.made.empty()) {
+    const auto names = summary.made | std::views::transform(&ValueSummary::name);
+    rows.emplace_back("made", fmt::format("{}", fmt::join(names, ", ")));
+  }
   rows.emplace_back("neighbours", s.sweeps == 0 ? "none" : s.k == 0 ? "all within the radius" : "k = " + number(s.k));
   rows.emplace_back("command", summary.command);
   rows.emplace_back("time", fmt::format("{}, {} points a second", seconds_text(s.total_seconds),
