@@ -219,8 +219,7 @@ void ChainValues::evaluate_cloud(const Stage& stage, const Surroundings& around,
 
 /// Keeps the position, and attributes that the stage both reads and makes. All other attributes that the stage makes
 /// get their value for "none".
-void ChainValues::leave_unchanged(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
-                                  ColumnEstimates& estimates) const {
+void ChainValues::leave_unchanged(const Stage& stage, const Surroundings& points, Values& values) const {
   const Contract contract = contract_of(stage.op);
   for (std::size_t m = 0; m < stage.makes.size(); ++m) {
     const std::uint16_t column = stage.makes[m];
@@ -229,33 +228,32 @@ void ChainValues::leave_unchanged(const Stage& stage, const Surroundings& points
     const bool moves = a.name == position_attribute().name, is_read = read != contract.reads.end();
     const int before = moves ? stage.position : is_read ? stage.reads[std::size_t(read - contract.reads.begin())] : -1;
     if (before >= 0) {
-      estimates[column] = estimates[static_cast<std::size_t>(before)];
-      take_estimates(column, estimates, bits);
+      values.estimates[column] = values.estimates[static_cast<std::size_t>(before)];
+      take_estimates(column, values);
       continue;
     }
-    bits[column].clear();
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    std::vector<std::byte>& bits = values.bits[column];
+    bits.assign(points.size() * a.bytes(), a.fill);
+    for (std::size_t i = 0; moves && i < points.size(); ++i) {
       const Vec3 p = points.position(i);
-      bits[column].resize(bits[column].size() + a.bytes(), a.fill);
-      if (moves) std::memcpy(bits[column].data() + i * a.bytes(), &p, sizeof p);
+      std::memcpy(bits.data() + i * a.bytes(), &p, sizeof p);
     }
-    take_bits(column, bits, {}, estimates);
+    take_bits(column, {}, values);
   }
 }
 
 /// Evaluates a stage for points with non-finite coordinates. Returns false if the stage leaves such points unchanged.
-bool ChainValues::take_unplaced(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
-                                ColumnEstimates& estimates) const {
-  for (const std::uint16_t column : stage.makes) estimates[column].clear();
+bool ChainValues::take_unplaced(const Stage& stage, const Surroundings& points, Values& values) const {
+  for (const std::uint16_t column : stage.makes) values.estimates[column].clear();
   for (std::size_t i = 0; i < points.size(); ++i) {
     CloudPoint point{{points.position(i), points.row[i]}, {}};
     for (const std::uint16_t column : stage.reads)
-      point.reads.push_back(estimates[column][i * estimates_of(columns_[column])]);
+      point.reads.push_back(values.estimates[column][i * estimates_of(columns_[column])]);
     const auto made = stage.cloud->unplaced(point);
     if (!made) return false;
-    for (std::size_t m = 0; m < stage.makes.size(); ++m) estimates[stage.makes[m]].push_back((*made)[m]);
+    for (std::size_t m = 0; m < stage.makes.size(); ++m) values.estimates[stage.makes[m]].push_back((*made)[m]);
   }
-  for (const std::uint16_t column : stage.makes) take_estimates(column, estimates, bits);
+  for (const std::uint16_t column : stage.makes) take_estimates(column, values);
   return points.size() > 0;
 }
 
@@ -264,21 +262,16 @@ ChainResults ChainValues::evaluate_unplaced(std::span<const KnownPoint> points, 
   for (const KnownPoint& p : points) around.add(p.position, p.row);
   around.ring_end.assign(rings() + 1, points.size());
   around.list_begin.assign(points.size() + 1, 0);
-  ColumnBytes bits(columns_.size());
-  ColumnEstimates estimates(columns_.size());
-  fetch_file_columns(around, in, bits);
-  for (const FileColumn& f : file_columns_) take_bits(f.column, bits, {}, estimates);
+  Values values = values_of_input(around, in);
   const std::vector<bool> certain(points.size());
   for (const Stage& stage : stages_) {
-    if (stage.ring < 0) continue;
-    if (stage.cloud && take_unplaced(stage, around, bits, estimates)) continue;
-    if (stage.cloud || !is_pointwise(stage.op)) {
-      leave_unchanged(stage, around, bits, estimates);
-      continue;
-    }
-    evaluate_local(stage, around, certain, bits, estimates);
+    if (stage.ring < 0 || (stage.cloud && take_unplaced(stage, around, values))) continue;
+    if (!stage.cloud && is_pointwise(stage.op))
+      evaluate_local(stage, around, certain, values);
+    else
+      leave_unchanged(stage, around, values);
   }
-  return results_of(points.size(), bits, estimates);
+  return results_of(points.size(), values);
 }
 
 }  // namespace pointsweep

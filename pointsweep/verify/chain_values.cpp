@@ -55,12 +55,7 @@ ChainValues::ChainValues(std::vector<StageOperator> operators, const std::vector
   int position = -1;
   for (const auto& op : operators) {
     const Contract contract = contract_of(op);
-    Stage stage{.op = op,
-                .reads = {},
-                .reads_neighbors = {},
-                .makes = {},
-                .position = position,
-                .alone = contract.default_k == 0};
+    Stage stage{.op = op, .position = position, .alone = contract.default_k == 0};
     stage.formula = formula_of(*operator_of(op), threshold);
     stage.cloud = cloud_formula_of(*operator_of(op), makers_of_reads(contract));
     stage.alone = stage.alone || stage.cloud;
@@ -150,21 +145,25 @@ std::size_t ChainValues::rings() const {
   return static_cast<std::size_t>(farthest + 1);
 }
 
-void ChainValues::fetch_file_columns(const Surroundings& around, RowSource& in, ColumnBytes& columns) const {
-  if (file_columns_.empty()) return;
+/// Returns the values of the input's columns in both forms, and no values of the other columns.
+ChainValues::Values ChainValues::values_of_input(const Surroundings& around, RowSource& in) const {
+  Values values{ColumnBytes(columns_.size()), ColumnEstimates(columns_.size())};
+  if (file_columns_.empty()) return values;
   std::vector<std::size_t> order(around.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return around.row[a] < around.row[b]; });
   std::vector<std::uint64_t> rows;
   for (const std::size_t i : order) rows.push_back(around.row[i]);
-  for (const FileColumn& f : file_columns_) columns[f.column].resize(around.size() * f.attribute.bytes());
+  for (const FileColumn& f : file_columns_) values.bits[f.column].resize(around.size() * f.attribute.bytes());
   for_each_record(in, rows, [&](std::size_t r, const std::byte* record) {
     for (const FileColumn& f : file_columns_) {
       const Type type = f.attribute.type;
-      std::byte* const value = columns[f.column].data() + order[r] * f.attribute.bytes();
+      std::byte* const value = values.bits[f.column].data() + order[r] * f.attribute.bytes();
       for (std::size_t c = 0; c < f.fields.size(); ++c) put_value(f.fields[c], record, type, value + c * size_of(type));
     }
   });
+  for (const FileColumn& f : file_columns_) take_bits(f.column, {}, values);
+  return values;
 }
 
 void ChainValues::apply(const Stage& stage, const Surroundings& around, ColumnBytes& columns) const {
@@ -273,20 +272,20 @@ std::vector<bool> ChainValues::truncate_lists(Surroundings& around, const Column
 }
 
 /// Converts a column of exact values to estimates without error; open estimates for points in doubt.
-void ChainValues::take_bits(std::uint16_t column, const ColumnBytes& bits, const std::vector<bool>& in_doubt,
-                            ColumnEstimates& estimates) const {
+void ChainValues::take_bits(std::uint16_t column, const std::vector<bool>& in_doubt, Values& values) const {
   const Attribute& a = columns_[column];
-  const std::size_t components = a.fields.size(), count = bits[column].size() / a.bytes();
-  estimates[column].clear();
+  const std::size_t components = a.fields.size(), count = values.bits[column].size() / a.bytes();
+  Estimates& estimates = values.estimates[column];
+  estimates.clear();
   for (std::size_t i = 0; i < count; ++i) {
-    const std::byte* value = bits[column].data() + i * a.bytes();
+    const std::byte* value = values.bits[column].data() + i * a.bytes();
     for (std::size_t e = 0; e < estimates_of(a); ++e) {
       const auto number = [&](std::size_t c) {
         return components > 3 ? (c == 0 ? number_in(a.type, value, e) : 0)
                               : (c < components ? number_in(a.type, value, c) : 0);
       };
       const bool unsure = i < in_doubt.size() && in_doubt[i];
-      estimates[column].push_back(unsure ? formulas::open() : Estimate{.value = {number(0), number(1), number(2)}});
+      estimates.push_back(unsure ? formulas::open() : Estimate{.value = {number(0), number(1), number(2)}});
     }
   }
 }
@@ -333,58 +332,56 @@ void ChainValues::estimate(const Stage& stage, const Surroundings& around, const
   }
 }
 
-void ChainValues::take_estimates(std::uint16_t column, const ColumnEstimates& estimates, ColumnBytes& bits) const {
+/// Rounds estimates to exact values.
+void ChainValues::take_estimates(std::uint16_t column, Values& values) const {
   const Attribute& a = columns_[column];
-  const std::size_t width = estimates_of(a), count = estimates[column].size() / width;
-  bits[column].resize(count * a.bytes());
+  const Estimates& estimates = values.estimates[column];
+  const std::size_t width = estimates_of(a), count = estimates.size() / width;
+  values.bits[column].resize(count * a.bytes());
   for (std::size_t i = 0; i < count; ++i)
-    put_estimates(a, estimates[column].data() + i * width, bits[column].data() + i * a.bytes());
+    put_estimates(a, estimates.data() + i * width, values.bits[column].data() + i * a.bytes());
 }
 
-ChainResults ChainValues::results_of(std::size_t points, const ColumnBytes& bits,
-                                     const ColumnEstimates& estimates) const {
+ChainResults ChainValues::results_of(std::size_t points, const Values& values) const {
   ChainResults results;
   for (std::size_t i = 0; i < points; ++i) {
     for (std::size_t m = 0; m < made_.size(); ++m) {
       const std::uint16_t column = made_columns_[m];
       const std::size_t bytes = columns_[column].bytes(), width = estimates_of(columns_[column]);
-      const Estimate* first = estimates[column].data() + i * width;
+      const Estimate* first = values.estimates[column].data() + i * width;
       results.estimates.insert(results.estimates.end(), first, first + width);
       results.values.resize(results.values.size() + bytes);
       std::byte* to = results.values.data() + results.values.size() - bytes;
       if (is_independent(m))
         put_estimates(columns_[column], first, to);
       else
-        std::memcpy(to, bits[column].data() + i * bytes, bytes);
+        std::memcpy(to, values.bits[column].data() + i * bytes, bytes);
     }
   }
   return results;
 }
 
 void ChainValues::evaluate_local(const Stage& stage, const Surroundings& around, const std::vector<bool>& in_doubt,
-                                 ColumnBytes& bits, ColumnEstimates& estimates) const {
-  if (stage.applied) apply(stage, around, bits);
-  if (stage.formula) return estimate(stage, around, in_doubt, estimates);
+                                 Values& values) const {
+  if (stage.applied) apply(stage, around, values.bits);
+  if (stage.formula) return estimate(stage, around, in_doubt, values.estimates);
   for (const std::uint16_t column : stage.makes)
-    take_bits(column, bits, stage.alone ? std::vector<bool>{} : in_doubt, estimates);
+    take_bits(column, stage.alone ? std::vector<bool>{} : in_doubt, values);
 }
 
 ChainResults ChainValues::evaluate(Surroundings around, RowSource& in, CloudRows& rows) const {
-  ColumnBytes bits(columns_.size());
-  ColumnEstimates estimates(columns_.size());
-  fetch_file_columns(around, in, bits);
-  const std::vector<bool> in_doubt = truncate_lists(around, bits);
-  for (const FileColumn& f : file_columns_) take_bits(f.column, bits, {}, estimates);
+  Values values = values_of_input(around, in);
+  const std::vector<bool> in_doubt = truncate_lists(around, values.bits);
   for (const Stage& stage : stages_) {
     if (stage.ring < 0) continue;
     if (!stage.cloud) {
-      evaluate_local(stage, around, in_doubt, bits, estimates);
+      evaluate_local(stage, around, in_doubt, values);
       continue;
     }
-    evaluate_cloud(stage, around, rows, estimates);
-    for (const std::uint16_t column : stage.makes) take_estimates(column, estimates, bits);
+    evaluate_cloud(stage, around, rows, values.estimates);
+    for (const std::uint16_t column : stage.makes) take_estimates(column, values);
   }
-  return results_of(around.ring_end[0], bits, estimates);
+  return results_of(around.ring_end[0], values);
 }
 
 }  // namespace pointsweep

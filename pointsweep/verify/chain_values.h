@@ -24,8 +24,8 @@ using OutputColumns = std::function<std::optional<std::vector<FieldPair>>(const 
 
 /// The kept attributes of some points, point after point.
 struct ChainResults {
-  std::vector<std::byte> values;              ///< result_bytes() for each point, in the types of the attributes
-  std::vector<formulas::Estimate> estimates;  ///< estimates_per_point() for each point: values with error bounds
+  std::vector<std::byte> values;  ///< result_bytes() for each point, in the types of the attributes
+  Estimates estimates;            ///< estimates_per_point() for each point: values with error bounds
 };
 
 class ChainValues {
@@ -85,7 +85,7 @@ class ChainValues {
     bool told = true;                                       ///< true if the made values can be evaluated
     /// True if the operator itself is applied, for its own values or for a later applied operator.
     bool applied = false;
-    std::vector<std::uint16_t> reads, reads_neighbors, makes;
+    std::vector<std::uint16_t> reads = {}, reads_neighbors = {}, makes = {};
     int position = -1;   ///< column of the moved positions that the stage reads; negative for positions of the input
     bool alone = false;  ///< true if the stage reads only the point itself
     int ring = -1;       ///< outermost ring that needs the values of the stage; negative if none needs them
@@ -96,7 +96,12 @@ class ChainValues {
     std::vector<Field> fields;  ///< fields of the input, one for each component
   };
   using ColumnBytes = std::vector<std::vector<std::byte>>;  ///< values by number of column
-  using ColumnEstimates = std::vector<std::vector<formulas::Estimate>>;
+  using ColumnEstimates = std::vector<Estimates>;
+  /// The values of some points, each in one form or in both.
+  struct Values {
+    ColumnBytes bits;           ///< exact values in the types of the attributes
+    ColumnEstimates estimates;  ///< values with error bounds
+  };
 
   /// Returns the stage that makes a column; null for a column of the input.
   Stage* maker_of(std::uint16_t column) {
@@ -113,11 +118,9 @@ class ChainValues {
   std::optional<ColumnSource> source_of(std::uint16_t column, const OutputColumns& in_output) const;
   CloudInput cloud_input(const Stage& stage, CloudRows& rows) const;
   void evaluate_cloud(const Stage& stage, const Surroundings& around, CloudRows& rows, ColumnEstimates& columns) const;
-  bool take_unplaced(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
-                     ColumnEstimates& estimates) const;
-  void leave_unchanged(const Stage& stage, const Surroundings& points, ColumnBytes& bits,
-                       ColumnEstimates& estimates) const;
-  void take_estimates(std::uint16_t column, const ColumnEstimates& estimates, ColumnBytes& bits) const;
+  bool take_unplaced(const Stage& stage, const Surroundings& points, Values& values) const;
+  void leave_unchanged(const Stage& stage, const Surroundings& points, Values& values) const;
+  void take_estimates(std::uint16_t column, Values& values) const;
   std::vector<bool> truncate_lists(Surroundings& around, const ColumnBytes& columns) const;
   formulas::Kept kept_of(const Surroundings& around, std::size_t i, const ColumnBytes& columns,
                          const std::vector<PointColumns>& slots) const;
@@ -125,17 +128,16 @@ class ChainValues {
   void make(const Attribute& attribute, Stage& stage);
   void find_rings();
   void need(std::uint16_t column, int ring);
-  void fetch_file_columns(const Surroundings& around, RowSource& in, ColumnBytes& columns) const;
+  Values values_of_input(const Surroundings& around, RowSource& in) const;
   void apply(const Stage& stage, const Surroundings& around, ColumnBytes& columns) const;
   void estimate(const Stage& stage, const Surroundings& around, const std::vector<bool>& in_doubt,
                 ColumnEstimates& columns) const;
   void evaluate_local(const Stage& stage, const Surroundings& around, const std::vector<bool>& in_doubt,
-                      ColumnBytes& bits, ColumnEstimates& estimates) const;
+                      Values& values) const;
   FormulaInput input_of(const Stage& stage, const Surroundings& around, std::size_t i,
                         const ColumnEstimates& columns) const;
-  void take_bits(std::uint16_t column, const ColumnBytes& bits, const std::vector<bool>& in_doubt,
-                 ColumnEstimates& estimates) const;
-  ChainResults results_of(std::size_t points, const ColumnBytes& bits, const ColumnEstimates& estimates) const;
+  void take_bits(std::uint16_t column, const std::vector<bool>& in_doubt, Values& values) const;
+  ChainResults results_of(std::size_t points, const Values& values) const;
 
   SharedRule rule_;
   NeighborRule neighborhood_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include "pointsweep/program/quantities.h"
 #include "pointsweep/verify.h"
 
 namespace pointsweep {
@@ -15,16 +16,9 @@ std::string names_text(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Returns the number with commas between groups of three digits: "10,000".
-std::string grouped(std::uint64_t number) {
-  std::string digits = std::to_string(number);
-  for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, ",");
-  return digits;
-}
-
 /// Returns a number and its noun in the right form: "1 value", "10,000 values".
 std::string counted(std::uint64_t number, const char* what) {
-  return fmt::format("{} {}{}", grouped(number), what, number == 1 ? "" : "s");
+  return fmt::format("{} {}{}", grouped_text(number), what, number == 1 ? "" : "s");
 }
 
 std::string checksum_text(const AttributeArrival& a) {
@@ -36,18 +30,18 @@ std::string differences_text(const Verdict& v) {
   std::string text;
   for (const std::string& difference : v.differences) text += fmt::format("  DIFFERENT          {}\n", difference);
   if (v.difference_count > v.differences.size())
-    text += fmt::format("  DIFFERENT          {} more\n", grouped(v.difference_count - v.differences.size()));
+    text += fmt::format("  DIFFERENT          {} more\n", grouped_text(v.difference_count - v.differences.size()));
   return text;
 }
 
 std::string unchecked_text(const Verdict& v) {
   std::string text;
   if (v.open_values > 0)
-    text += fmt::format("  not checked        {} of {}, which rounding decides\n", grouped(v.open_values),
+    text += fmt::format("  not checked        {} of {}, which rounding decides\n", grouped_text(v.open_values),
                         counted(v.values, "value"));
   if (v.open_rows > 0)
     text += fmt::format("  not checked        whether {} of {} stay, which the data do not tell\n",
-                        grouped(v.open_rows), counted(v.sampled, "row"));
+                        grouped_text(v.open_rows), counted(v.sampled, "row"));
   if (!v.unknown.empty())
     text += fmt::format("  not checked        {}: not of the input, and not made by stages that can be checked\n",
                         names_text(v.unknown));
@@ -59,7 +53,7 @@ std::string conclusion_of_what_differs(const Verdict& v) {
   if (v.different_rows > 0 && v.wrong_points == 0)
     return fmt::format("{} differs from its input in {}", v.output, counted(v.different_rows, "row"));
   if (v.different_rows == 0 && v.wrong_points > 0)
-    return fmt::format("{}: {} of {} {} wrong", v.output, grouped(v.wrong_points), counted(v.sampled, "sample"),
+    return fmt::format("{}: {} of {} {} wrong", v.output, grouped_text(v.wrong_points), counted(v.sampled, "sample"),
                        v.wrong_points == 1 ? "is" : "are");
   return fmt::format("{} differs from its input", v.output);
 }
@@ -67,8 +61,8 @@ std::string conclusion_of_what_differs(const Verdict& v) {
 std::string conclusion_of_what_is_open(const Verdict& v) {
   std::string text;
   const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
-  if (v.open_values > 0) add(fmt::format("{} of {}", grouped(v.open_values), counted(v.values, "value")));
-  if (v.open_rows > 0) add(fmt::format("{} of {}", grouped(v.open_rows), counted(v.sampled, "row")));
+  if (v.open_values > 0) add(fmt::format("{} of {}", grouped_text(v.open_values), counted(v.values, "value")));
+  if (v.open_rows > 0) add(fmt::format("{} of {}", grouped_text(v.open_rows), counted(v.sampled, "row")));
   if (!v.unknown.empty()) add(counted(v.unknown.size(), "attribute"));
   if (!v.untold.empty()) add(counted(v.untold.size(), "stage"));
   return "not checked: " + text + "; all else is correct";
@@ -90,7 +84,7 @@ std::string to_text(const Verdict& v, Checksums checksums) {
     text = fmt::format("left out     {} points of the input whose coordinates are not finite; rows count the others\n",
                        v.dropped);
   text += fmt::format("{} against {}\n", v.output, v.input) + differences_text(v);
-  text += fmt::format("  points             {}\n", grouped(v.arrivals.points_out));
+  text += fmt::format("  points             {}\n", grouped_text(v.arrivals.points_out));
   if (v.attributes_compared)
     text += fmt::format("  rows               {}\n", v.order.empty() ? "?" : "in the order of the " + v.order);
   if (checksums == Checksums::show)
@@ -98,12 +92,12 @@ std::string to_text(const Verdict& v, Checksums checksums) {
   if (v.made.empty())
     text += "  operators          none, so no neighbourhoods were looked at\n";
   else
-    text += fmt::format("  by brute force     {} of {}, {} wrong: {}\n", grouped(v.sampled),
-                        counted(v.arrivals.points_in + v.left_out.value_or(0), "point"), grouped(v.wrong_points),
+    text += fmt::format("  by brute force     {} of {}, {} wrong: {}\n", grouped_text(v.sampled),
+                        counted(v.arrivals.points_in + v.left_out.value_or(0), "point"), grouped_text(v.wrong_points),
                         names_text(v.made));
   if (v.left_out)
-    text += fmt::format("  rows left out      {}; whether a row stays is told for {} of {}\n", grouped(*v.left_out),
-                        grouped(v.sampled - v.open_rows), counted(v.sampled, "row"));
+    text += fmt::format("  rows left out      {}; whether a row stays is told for {} of {}\n",
+                        grouped_text(*v.left_out), grouped_text(v.sampled - v.open_rows), counted(v.sampled, "row"));
   if (!v.by_own_operator.empty()) text += fmt::format("  not independent    {}\n", names_text(v.by_own_operator));
   return text + unchecked_text(v) + conclusion(v) + "\n";
 }

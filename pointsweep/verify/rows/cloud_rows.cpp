@@ -23,17 +23,12 @@ double as_type(Type type, double value) {
   return type == Type::f32 ? static_cast<double>(static_cast<float>(value)) : value;
 }
 
-void put_from_input(std::span<const ColumnSource> columns, const std::byte* record, double* values) {
-  for (const ColumnSource& c : columns) {
-    for (std::size_t f = 0; f < c.in_input.size(); ++f)
-      values[f] = as_type(c.attribute.type, value_of(c.in_input[f], record));
-    values += c.attribute.fields.size();
-  }
-}
-
-void put_made_again(std::span<const ColumnSource> columns, std::uint64_t row, double* values) {
+/// Stores the values of the columns that are in the input, or were made again for its row `row`.
+void put_from_input(std::span<const ColumnSource> columns, std::uint64_t row, const std::byte* record, double* values) {
   for (const ColumnSource& c : columns) {
     const std::size_t components = c.attribute.fields.size();
+    for (std::size_t f = 0; f < c.in_input.size(); ++f)
+      values[f] = as_type(c.attribute.type, value_of(c.in_input[f], record));
     if (c.made_again) std::copy_n(c.made_again->data() + row * components, components, values);
     values += components;
   }
@@ -108,8 +103,7 @@ void CloudRows::for_each(std::span<const ColumnSource> columns,
       }
       put_from_output(columns, out_records.data() + (row - out_first) * stride, values.data());
     }
-    put_from_input(columns, record, values.data());
-    put_made_again(columns, row, values.data());
+    put_from_input(columns, row, record, values.data());
     use(row, position_in(position, record), values);
   });
 }

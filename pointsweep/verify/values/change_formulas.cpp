@@ -7,6 +7,8 @@
 #include <optional>
 
 #include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/points/schema.h"
+#include "pointsweep/program/quantities.h"
 #include "pointsweep/verify/formulas/cylinder.h"
 #include "pointsweep/verify/formulas/neighbor_statistics.h"
 #include "pointsweep/verify/search/ball_index.h"
@@ -94,13 +96,7 @@ class ChangeAlongNormals final : public CloudFormula {
   double cylinder_, depth_, registration_;
 };
 
-bool is_real(Type type) { return type == Type::f32 || type == Type::f64; }
-
-std::vector<std::string> names_in(const std::string& list) {
-  std::vector<std::string> names = {""};
-  for (const char c : list) c == ',' ? void(names.emplace_back()) : names.back().push_back(c);
-  return names;
-}
+bool is_real(Type type) { return storage_of(type) != formulas::Storage::whole; }
 
 class TakenValues final : public CloudFormula {
  public:
@@ -111,7 +107,7 @@ class TakenValues final : public CloudFormula {
         missing_(stage.options.number_if_given("missing")),
         query_{.most = static_cast<std::size_t>(stage.options.whole("k"))} {
     if (const auto most = stage.options.number_if_given("most")) query_.reach2 = *most * *most;
-    for (const std::string& name : names_in(stage.options.word("attributes"))) {
+    for (const std::string& name : parse_names("attributes", stage.options.word("attributes"))) {
       const std::size_t field = field_meant(other_->schema(), name).value();
       taken_.push_back({field, type_of_values(other_->schema().fields[field]), read_of(name, contract_.makes)});
     }

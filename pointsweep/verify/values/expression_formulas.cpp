@@ -127,7 +127,7 @@ class StatisticsFormula {
     }
     for (const Attribute& made : stage.contract.makes) {
       const std::size_t end = made.name.rfind('_');
-      Result result{made.name.substr(end + 1), {}, made.type != Type::f32 && made.type != Type::f64};
+      Result result{made.name.substr(end + 1), {}, storage_of(made.type) == formulas::Storage::whole};
       if (end != made.name.npos) result.of = read_of(made.name.substr(0, end), reads);
       results_.push_back(result);
     }

@@ -13,13 +13,12 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/thinning/poisson.h"
+#include "pointsweep/operators/thinning/undecided_points.h"
 #include "pointsweep/points/text_file.h"
 #include "pointsweep/points/with_type.h"
 #include "pointsweep/polygons/polygon_text.h"
 #include "pointsweep/verify/formulas/regions.h"
 #include "pointsweep/verify/formulas/thinning.h"
-#include "pointsweep/verify/values/named_options.h"
 #include "pointsweep/verify/values/stage_formula.h"
 #include "pointsweep/verify/values/stored_values.h"
 

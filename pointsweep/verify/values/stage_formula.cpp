@@ -2,7 +2,9 @@
 #include "pointsweep/verify/values/stage_formula.h"
 
 #include <algorithm>
+#include <charconv>
 
+#include "pointsweep/fail.h"
 #include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/verify/formulas/colors.h"
@@ -195,11 +197,42 @@ const std::vector<NamedFormula>& all_formulas() {
 
 }  // namespace
 
-FormulaSetup setup_of(const Operator& op) { return {{op.name(), op.declared_options()}, op.contract()}; }
-
-bool has_stage_formula(const Operator& op) {
-  return std::ranges::find(all_formulas(), op.name(), &NamedFormula::name) != all_formulas().end();
+const OptionValue* NamedOptions::find(std::string_view name) const {
+  const auto at = std::ranges::find(all_, name, &Option::name);
+  return at == all_.end() ? nullptr : &at->value;
 }
+
+template <class T>
+const T& NamedOptions::value(std::string_view name) const {
+  const OptionValue* const found = find(name);
+  if (found == nullptr || !std::holds_alternative<T>(*found))
+    fail_usage(
+        "verify: '{}' has no option '{}' of the kind that the operator of the library has; an operator of your "
+        "own needs a name that no operator of the library has.",
+        owner_, name);
+  return std::get<T>(*found);
+}
+
+double NamedOptions::number(std::string_view name) const { return value<double>(name); }
+std::uint64_t NamedOptions::whole(std::string_view name) const { return value<std::uint64_t>(name); }
+const std::string& NamedOptions::word(std::string_view name) const { return value<std::string>(name); }
+Vec3 NamedOptions::point(std::string_view name) const { return value<Vec3>(name); }
+
+std::vector<double> NamedOptions::numbers(std::string_view name) const {
+  const std::string& list = word(name);
+  std::vector<double> numbers;
+  const char* at = list.data();
+  const char* const end = at + list.size();
+  for (double number = 0; at < end; ++at) {
+    const auto [next, error] = std::from_chars(at, end, number);
+    if (error != std::errc()) break;
+    numbers.push_back(number);
+    at = next;
+  }
+  return numbers;
+}
+
+FormulaSetup setup_of(const Operator& op) { return {{op.name(), op.declared_options()}, op.contract()}; }
 
 StageFormula formula_of(const Operator& op, const CloudThreshold& threshold) {
   const auto found = std::ranges::find(all_formulas(), op.name(), &NamedFormula::name);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,11 +14,40 @@
 #include "pointsweep/attribute.h"
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operator.h"
+#include "pointsweep/option.h"
 #include "pointsweep/verify/formulas/distances.h"
 #include "pointsweep/verify/formulas/estimate.h"
-#include "pointsweep/verify/values/named_options.h"
 
 namespace pointsweep {
+
+/// The options of an operator or of a rule, by name.
+class NamedOptions {
+ public:
+  /// `owner`: the name of the operator or rule, which begins messages, e.g. "density".
+  NamedOptions(std::string owner, Options all) : owner_(std::move(owner)), all_(std::move(all)) {}
+
+  bool has(std::string_view name) const { return find(name) != nullptr; }
+  /// Each of the next four functions returns the value of an option. It throws UsageError if the option is absent or of
+  /// another kind, which shows that the owner only shares its name with an operator of the library.
+  double number(std::string_view name) const;
+  std::uint64_t whole(std::string_view name) const;
+  const std::string& word(std::string_view name) const;
+  Vec3 point(std::string_view name) const;
+  /// Returns the numbers of an option such as "1,2.5"; "inf" and "nan" are numbers, too.
+  std::vector<double> numbers(std::string_view name) const;
+
+  std::optional<double> number_if_given(std::string_view name) const {
+    return has(name) ? std::optional(number(name)) : std::nullopt;
+  }
+
+ private:
+  const OptionValue* find(std::string_view name) const;
+  template <class T>
+  const T& value(std::string_view name) const;
+
+  std::string owner_;
+  Options all_;
+};
 
 using Estimates = std::vector<formulas::Estimate>;
 
@@ -66,9 +96,7 @@ StageFormula formula_made(const FormulaSetup& stage) {
   return Formula(stage);
 }
 
-/// Returns whether a formula has the name of the operator.
-bool has_stage_formula(const Operator& op);
-/// Returns the formula of an operator; empty if has_stage_formula() is false.
+/// Returns the formula that has the name of the operator; empty if there is none.
 StageFormula formula_of(const Operator& op, const CloudThreshold& threshold = {});
 
 /// A function that returns how many of the found neighbours a rule keeps. `values`: values of the point that the rule
