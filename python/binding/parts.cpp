@@ -17,7 +17,7 @@
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/run/part_run.h"
 #include "pointsweep/program/process.h"
-#include "pointsweep/storage/local/shared_folder.h"
+#include "pointsweep/storage/local/folder_storage.h"
 #include "pointsweep/storage/local/unfinished_output.h"
 #include "python/binding/python_threads.h"
 #include "python/binding/requests.h"

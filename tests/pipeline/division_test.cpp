@@ -19,7 +19,7 @@
 #include "pointsweep/pipeline/output/pieces.h"
 #include "pointsweep/pipeline/run/division_tasks.h"
 #include "pointsweep/program/pipeline.h"
-#include "pointsweep/storage/local/shared_folder.h"
+#include "pointsweep/storage/local/folder_storage.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/storage/written_bytes.h"
@@ -264,7 +264,7 @@ void divide_in_tasks(std::vector<fs::path> inputs, const fs::path& out, EngineOp
   const SharedRequest request{cloud, chain, outputs, options};
   EXPECT_GE(piece_bytes(request), cloud.schema().stride);
   EXPECT_EQ(plan_ranges(request).size(), inputs.size());
-  SharedFolder place(scratch);
+  const std::unique_ptr<Storage> place = shared_storage(scratch);
   std::vector<std::string> names;
   const std::uint64_t rows = cloud.count() / tasks;
   EngineOptions allowed = options;
@@ -273,12 +273,12 @@ void divide_in_tasks(std::vector<fs::path> inputs, const fs::path& out, EngineOp
   for (std::size_t task = 0; task <= tasks; ++task) {
     names.push_back(fmt::format("00-{}-a", task));
     const std::uint64_t last = task == tasks ? cloud.count() : (task + 1) * rows;
-    cut_range(of_task, {task * rows, last - task * rows}, place, names.back());
+    cut_range(of_task, {task * rows, last - task * rows}, *place, names.back());
   }
-  join_pieces(request, place, names, "joined");
+  join_pieces(request, *place, names, "joined");
   std::uint64_t written = 0;
   for (std::size_t task = 0; task <= tasks; ++task)
-    written += write_pieces(of_task, task, tasks + 1, place, "joined").points_written;
+    written += write_pieces(of_task, task, tasks + 1, *place, "joined").points_written;
   EXPECT_EQ(written, cloud.count());
 }
 

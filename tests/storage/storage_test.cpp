@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The laws of Storage, in memory and in a folder.
+/// The laws of Storage, in memory, in a folder of one run and in a shared folder.
 #include "pointsweep/storage/storage.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/storage/local/local_folder.h"
+#include "pointsweep/storage/local/folder_storage.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/storage/written_bytes.h"
 #include "tests/support/memory_storage.h"
@@ -37,6 +37,9 @@ void for_each_storage(const std::function<void(Storage&)>& test) {
   const TemporaryFolder folder;
   LocalFolder local(folder / "objects", "an object", "--objects");
   test(local);
+  const std::filesystem::path shared = folder / "shared";
+  std::filesystem::create_directory(shared);
+  test(*shared_storage(shared));
 }
 
 TEST(Storage, ShowsAnObjectOnceItIsSealed) {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/storage/local/local_folder.h"
+#include "pointsweep/storage/local/folder_storage.h"
 #include "pointsweep/storage/local/spill_file.h"
 
 namespace pointsweep {

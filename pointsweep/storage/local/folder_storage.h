@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A storage in a folder of this machine, whose files are the objects.
+/// Storages in folders, whose files are the objects: a folder of one run on this machine, a folder that several
+/// processes on several machines share, and a part of a bucket.
 #pragma once
 
 #include <filesystem>
@@ -42,5 +43,10 @@ class LocalFolder final : public Storage {
   std::string object_, option_;
   FileDescriptor folder_;  ///< the open folder, which this process has locked
 };
+
+/// Returns the storage that several processes share in a folder, or in a folder of a bucket if `place` is a URL. An
+/// object of a bucket appears complete, so several processes may create objects with the same key; until an object is
+/// sealed, its bytes are in the system's folder for temporary files.
+std::unique_ptr<Storage> shared_storage(const std::filesystem::path& place);
 
 }  // namespace pointsweep
