@@ -3,9 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
-#include <cstring>
-
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/storage/remote/url.h"
@@ -17,22 +14,11 @@
 namespace pointsweep {
 namespace {
 
-std::atomic<std::uint64_t> requests_made = 0, bytes_received = 0;
-
 #if POINTSWEEP_REMOTE
 
 int is_cancelled() {
   const CancellationToken* const token = CancellationScope::current();
   return token != nullptr && token->cancelled() ? 1 : 0;
-}
-
-/// Returns the address for a request, credentials included.
-std::string address_for_request(const std::string& url) {
-  stop_if_cancelled();
-  static const bool is_set = (psr_set_cancelled(&is_cancelled), true);
-  static_cast<void>(is_set);
-  ++requests_made;
-  return address_of(url);
 }
 
 /// Returns a clause for messages that tells how to give the credentials for a URL.
@@ -104,6 +90,29 @@ void require_no_secret(const std::string& url) {
     fail_usage("{}: credentials in the address of a bucket are not used; {}.", url, credentials_for(url));
 }
 
+/// Sends a request for `url` by send(address, detail), which returns a status. Returns the status if it is PSR_DONE or
+/// `other`; throws Error for all other statuses.
+template <class Send>
+int request(const std::string& url, Send send, int other = PSR_DONE) {
+  require_no_secret(url);
+  stop_if_cancelled();
+  static const bool is_set = (psr_set_cancelled(&is_cancelled), true);
+  static_cast<void>(is_set);
+  psr_detail detail{};
+  const int status = send(address_of(url).c_str(), &detail);
+  if (status != PSR_DONE && status != other) fail_with(status, url, detail);
+  return status;
+}
+
+/// Writes bytes as an object. Returns PSR_DONE or `other`.
+int put(const std::string& url, std::span<const std::byte> bytes, bool overwrite, int other) {
+  const auto* const first = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  return request(
+      url,
+      [&](const char* address, psr_detail* detail) { return psr_put(address, first, bytes.size(), overwrite, detail); },
+      other);
+}
+
 #else
 
 [[noreturn]] void fail_without(const std::string& url) {
@@ -128,39 +137,30 @@ std::string RemoteVersion::text() const {
   return fmt::format("{} bytes, written at {}.{:09}", size, seconds, nanoseconds);
 }
 
-RemoteTraffic remote_traffic() { return {requests_made, bytes_received}; }
-
 #if POINTSWEEP_REMOTE
 
 bool reads_urls() { return true; }
 
 std::optional<RemoteVersion> look_at(const std::string& url) {
-  require_no_secret(url);
   psr_version found{};
-  psr_detail detail{};
-  const int status = psr_look(address_for_request(url).c_str(), &found, &detail);
-  if (status == PSR_NOT_FOUND) return std::nullopt;
-  if (status != PSR_DONE) fail_with(status, url, detail);
-  return version_of(found);
+  const auto look = [&](const char* address, psr_detail* detail) { return psr_look(address, &found, detail); };
+  return request(url, look, PSR_NOT_FOUND) == PSR_DONE ? std::optional(version_of(found)) : std::nullopt;
 }
 
 std::size_t read_remote(const std::string& url, std::optional<RemoteVersion>& expected, std::uint64_t offset,
                         std::span<std::byte> bytes) {
-  require_no_secret(url);
   const psr_version wanted = expected ? version_for(*expected) : psr_version{};
   psr_version found{};
-  psr_detail detail{};
   std::size_t read = 0;
-  const int status = psr_read(address_for_request(url).c_str(), expected ? &wanted : nullptr, offset,
-                              reinterpret_cast<std::uint8_t*>(bytes.data()), bytes.size(), &read, &found, &detail);
-  if (status != PSR_DONE) fail_with(status, url, detail);
+  request(url, [&](const char* address, psr_detail* detail) {
+    return psr_read(address, expected ? &wanted : nullptr, offset, reinterpret_cast<std::uint8_t*>(bytes.data()),
+                    bytes.size(), &read, &found, detail);
+  });
   if (!expected) expected = version_of(found);
-  bytes_received += read;
   return read;
 }
 
 std::vector<RemoteEntry> list_remote(const std::string& folder, bool recursive) {
-  require_no_secret(folder);
   struct Listing {
     const std::string& folder;
     std::vector<RemoteEntry> entries;
@@ -169,47 +169,28 @@ std::vector<RemoteEntry> list_remote(const std::string& folder, bool recursive) 
     auto& to = *static_cast<Listing*>(context);
     to.entries.push_back({to.folder + key, size});
   };
-  psr_detail detail{};
-  const int status = psr_list(address_for_request(folder).c_str(), recursive, visit, &listing, &detail);
-  if (status != PSR_DONE) fail_with(status, folder, detail);
+  request(folder, [&](const char* address, psr_detail* detail) {
+    return psr_list(address, recursive, visit, &listing, detail);
+  });
   return std::move(listing.entries);
 }
 
 void upload(const std::string& url, const std::filesystem::path& file, bool overwrite) {
-  require_no_secret(url);
-  psr_detail detail{};
-  const int status = psr_put_file(address_for_request(url).c_str(), file.c_str(), overwrite, &detail);
-  if (status != PSR_DONE) fail_with(status, url, detail);
+  request(url, [&](const char* address, psr_detail* detail) {
+    return psr_put_file(address, file.c_str(), overwrite, detail);
+  });
 }
-
-namespace {
-
-int put(const std::string& url, std::span<const std::byte> bytes, bool overwrite, psr_detail& detail) {
-  require_no_secret(url);
-  return psr_put(address_for_request(url).c_str(), reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(),
-                 overwrite, &detail);
-}
-
-}  // namespace
 
 void put_remote(const std::string& url, std::span<const std::byte> bytes, bool overwrite) {
-  psr_detail detail{};
-  const int status = put(url, bytes, overwrite, detail);
-  if (status != PSR_DONE) fail_with(status, url, detail);
+  put(url, bytes, overwrite, PSR_DONE);
 }
 
 bool put_remote_if_absent(const std::string& url, std::span<const std::byte> bytes) {
-  psr_detail detail{};
-  const int status = put(url, bytes, false, detail);
-  if (status != PSR_DONE && status != PSR_EXISTS) fail_with(status, url, detail);
-  return status == PSR_DONE;
+  return put(url, bytes, false, PSR_EXISTS) == PSR_DONE;
 }
 
 void remove_remote(const std::string& url) {
-  require_no_secret(url);
-  psr_detail detail{};
-  const int status = psr_remove(address_for_request(url).c_str(), &detail);
-  if (status != PSR_DONE) fail_with(status, url, detail);
+  request(url, [](const char* address, psr_detail* detail) { return psr_remove(address, detail); });
 }
 
 #else

@@ -30,15 +30,8 @@ struct RemoteEntry {
   std::uint64_t size;
 };
 
-/// The number of requests that this process has made, not counting repeated attempts, and the number of bytes that it
-/// has read.
-struct RemoteTraffic {
-  std::uint64_t requests = 0;
-  std::uint64_t bytes_read = 0;
-};
-
-// Each function below, except remote_traffic(), throws Error on failure, with the URL, what happened and what to do. If
-// a server does not answer, it fails after about half a minute.
+// Each function below throws Error on failure, with the URL, what happened and what to do. If a server does not answer,
+// it fails after about half a minute.
 
 /// Returns the version of an object; nothing if the object does not exist.
 std::optional<RemoteVersion> look_at(const std::string& url);
@@ -60,7 +53,5 @@ void remove_remote(const std::string& url);
 
 /// Throws unless this build can write URLs and `url` is in a bucket. Asks no server.
 void require_writable_url(const std::string& url);
-
-RemoteTraffic remote_traffic();
 
 }  // namespace pointsweep
