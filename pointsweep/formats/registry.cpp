@@ -10,9 +10,9 @@
 #include "pointsweep/formats/chosen_chunks.h"
 #include "pointsweep/formats/files/folders.h"
 #include "pointsweep/points/schema.h"
+#include "pointsweep/program/standard_streams.h"
 #include "pointsweep/storage/local/input_file.h"
 #include "pointsweep/storage/local/place.h"
-#include "pointsweep/storage/local/standard_streams.h"
 #include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {

@@ -8,7 +8,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/files.h"
-#include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/program/standard_streams.h"
 #include "pointsweep/url.h"
 
 namespace pointsweep {

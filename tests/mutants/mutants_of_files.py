@@ -98,7 +98,7 @@ MUTANTS = [
            "    outputs.add(output);", "",
            ("pipeline:Refused.*", "cli:Usage.*", "cli:RunVerb.*")),
     Mutant("a cancelled or failed run leaves its unfinished output", "files", "pointsweep/storage/local/output_file.cpp",
-           "  ::unlink(part_.c_str());\n  --incomplete_files;", "  --incomplete_files;", ("storage:OutputFile.*", "cli:Interrupt.*")),
+           "  if (!part_.empty()) ::unlink(part_.c_str());\n  --incomplete_files;", "  --incomplete_files;", ("storage:OutputFile.*", "cli:Interrupt.*")),
     Mutant("a run ended at once leaves its unfinished output", "files", "pointsweep/storage/local/output_file.cpp",
            "leftover_.emplace(part_);", "", ("cli:Interrupt.*", "storage:OutputFile.*")),
     Mutant("the folder of many outputs is listed for each of them", "files", "pointsweep/storage/local/unfinished_output.cpp",

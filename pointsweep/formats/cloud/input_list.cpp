@@ -18,9 +18,9 @@
 #include "pointsweep/formats/files/file_pattern.h"
 #include "pointsweep/formats/files/folders.h"
 #include "pointsweep/formats/registry.h"
+#include "pointsweep/program/standard_streams.h"
 #include "pointsweep/storage/local/input_file.h"
 #include "pointsweep/storage/local/place.h"
-#include "pointsweep/storage/local/standard_streams.h"
 #include "pointsweep/storage/remote/remote_service.h"
 #include "pointsweep/storage/remote/url.h"
 

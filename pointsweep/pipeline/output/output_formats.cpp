@@ -16,7 +16,7 @@
 #include "pointsweep/points/lower_case.h"
 #include "pointsweep/program/pipeline.h"
 #include "pointsweep/program/run_options.h"
-#include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/program/standard_streams.h"
 #include "pointsweep/storage/local/unfinished_output.h"
 #include "pointsweep/storage/remote/remote_service.h"
 #include "pointsweep/storage/remote/url.h"

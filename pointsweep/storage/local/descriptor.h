@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// Open files and folders of the system.
+/// Open files, folders and standard streams of the system (program/standard_streams.h).
 #pragma once
+
+#include <sys/types.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -49,5 +51,11 @@ FileDescriptor open_folder(const std::filesystem::path& path, bool follow_link);
 FileDescriptor open_nameless(const std::filesystem::path& folder);
 /// Locks an open file or folder until it is closed. Returns 0 or an errno; EWOULDBLOCK if another process has the lock.
 int lock(const FileDescriptor& descriptor);
+
+/// Returns the descriptor from which standard input is read; -1 until take_standard_input() has been called.
+int standard_input_descriptor();
+/// Writes like write(2). Streams other than regular files get small pieces, so that a request to stop is noticed while
+/// the reader is slow. Throws Cancelled on such a request.
+ssize_t write_to_stream(int descriptor, std::span<const std::byte> bytes);
 
 }  // namespace pointsweep

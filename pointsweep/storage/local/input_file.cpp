@@ -13,7 +13,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/program/standard_streams.h"
 #include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
@@ -92,8 +92,7 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
     size_ = object_->version().size;
     return;
   }
-  OpenFilesOfProcess& all = open_files();
-  const std::lock_guard lock(all.mutex);
+  const std::lock_guard lock(open_files().mutex);
   close_idle_files();
   // O_NONBLOCK: opening a pipe would wait for a writer. It has no effect on regular files.
   const bool is_stream = is_standard_stream(path) && standard_input_descriptor() >= 0;
@@ -106,9 +105,7 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
     size_ = static_cast<std::uint64_t>(status.st_size);
     device_ = static_cast<std::uint64_t>(status.st_dev);
     inode_ = static_cast<std::uint64_t>(status.st_ino);
-    ::posix_fadvise(file.number(), 0, 0, POSIX_FADV_SEQUENTIAL);
-    file_ = std::move(file);
-    place_ = all.files.insert(all.files.begin(), this);
+    keep_open(std::move(file));
     return;
   }
   if (known && S_ISDIR(status.st_mode)) fail("{}: is a folder, not a file; name the files in it.", path.string());
@@ -125,6 +122,11 @@ void InputFile::reopen() const {
   if (!known || static_cast<std::uint64_t>(status.st_dev) != device_ ||
       static_cast<std::uint64_t>(status.st_ino) != inode_)
     fail("{}: was replaced by another file while it was read; run again when no other program writes there.", path_);
+  keep_open(std::move(file));
+}
+
+/// Adds this file to the list of open files. The caller holds the lock of the open files.
+void InputFile::keep_open(FileDescriptor file) const {
   ::posix_fadvise(file.number(), 0, 0, POSIX_FADV_SEQUENTIAL);
   file_ = std::move(file);
   place_ = open_files().files.insert(open_files().files.begin(), this);
@@ -132,9 +134,8 @@ void InputFile::reopen() const {
 
 InputFile::~InputFile() {
   if (object_) return;
-  OpenFilesOfProcess& all = open_files();
-  const std::lock_guard lock(all.mutex);
-  if (file_) all.files.erase(place_);
+  const std::lock_guard lock(open_files().mutex);
+  if (file_) open_files().files.erase(place_);
 }
 
 void InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {

@@ -43,6 +43,7 @@ class InputFile final : public Source {
   class Lease;
   using OpenFiles = std::list<const InputFile*>;
   void reopen() const;
+  void keep_open(FileDescriptor file) const;
   static void close_idle_files();
 
   std::string path_;  ///< path as a string, which takes a fourth of the memory of a std::filesystem::path

@@ -11,11 +11,12 @@
 #include <cerrno>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/program/process.h"
+#include "pointsweep/program/standard_streams.h"
 #include "pointsweep/program/whole_file.h"
-#include "pointsweep/storage/local/standard_streams.h"
 #include "pointsweep/storage/local/temp_folder.h"
 #include "pointsweep/storage/local/unfinished_output.h"
 #include "pointsweep/storage/remote/remote_service.h"
@@ -29,14 +30,17 @@ namespace fs = std::filesystem;
 std::atomic<bool> any_complete = false, any_streamed = false, reader_ended = false;
 std::atomic<int> incomplete_files = 0;  ///< number of incomplete outputs, without standard output
 
+[[noreturn]] void fail_since_it_exists(const fs::path& destination) {
+  fail("{}: exists already; choose another name, or allow it to be replaced (--force).", destination.string());
+}
+
 /// Throws Error if no output to the URL is possible. With `overwrite`, does not ask the server whether the object
 /// exists, because a user who may only write cannot see the object.
 void check_url(const fs::path& destination, bool overwrite) {
   const std::string& url = destination.native();
   require_writable_url(url);
   if (!destination.has_filename()) fail("'{}' names no file to write.", url);
-  if (overwrite) return;
-  if (look_at(url)) fail("{}: exists already; choose another name, or allow it to be replaced (--force).", url);
+  if (!overwrite && look_at(url)) fail_since_it_exists(destination);
 }
 
 [[noreturn]] void fail_to_write_to(const fs::path& destination, int error) {
@@ -61,10 +65,6 @@ void check_url(const fs::path& destination, bool overwrite) {
     default:
       fail("{}: cannot be written: {}.", name, std::generic_category().message(error));
   }
-}
-
-[[noreturn]] void fail_since_it_exists(const fs::path& destination) {
-  fail("{}: exists already; choose another name, or allow it to be replaced (--force).", destination.string());
 }
 
 void check_destination(const fs::path& destination, bool overwrite) {
@@ -136,6 +136,7 @@ OutputFile::OutputFile(const fs::path& destination, bool overwrite, const fs::pa
   if (!file_ && errno == EEXIST) fail("{}: is being written already.", destination_.string());
   if (!file_) fail_to_write(errno);
   ++incomplete_files;
+  incomplete_ = true;
   lock(file_);
 }
 
@@ -158,9 +159,8 @@ void OutputFile::fail_to_write(int error) const {
 }
 
 OutputFile::~OutputFile() {
-  if (is_remote_ && incomplete_) --incomplete_files;
-  if (part_.empty()) return;
-  ::unlink(part_.c_str());
+  if (!incomplete_) return;
+  if (!part_.empty()) ::unlink(part_.c_str());
   --incomplete_files;
 }
 
@@ -198,26 +198,22 @@ void OutputFile::seal() {
     // A file without a name is opened again by its descriptor.
     upload(destination_.native(), fmt::format("/proc/self/fd/{}", file_.number()), overwrite_);
     file_.close();
-    incomplete_ = false;
-    --incomplete_files;
-    any_complete = true;
-    return;
+  } else {
+    if (const int error = file_.close()) fail_to_write(error);
+    if (!is_stream_) rename_to_destination();
   }
-  if (const int error = file_.close()) fail_to_write(error);
-  if (is_stream_) {
-    any_complete = true;
-    return;
-  }
+  if (std::exchange(incomplete_, false)) --incomplete_files;
+  leftover_.reset();
+  any_complete = true;
+}
+
+void OutputFile::rename_to_destination() {
   if (overwrite_) {
     if (::rename(part_.c_str(), destination_.c_str()) != 0) fail_to_write(errno);
   } else if (const int error = rename_to_new(part_, destination_); error != 0) {
     if (error == EEXIST) fail_since_it_exists(destination_);
     fail_to_write(error);
   }
-  part_.clear();
-  --incomplete_files;
-  leftover_.reset();
-  any_complete = true;
 }
 
 OutputsSoFar outputs_so_far() { return {any_complete, any_streamed, reader_ended}; }

@@ -48,13 +48,14 @@ class OutputFile final : public Unsealed {
 
  private:
   void open_for_upload(const std::filesystem::path& temp_folder);
+  void rename_to_destination();
   [[noreturn]] void fail_to_write(int error) const;
 
   std::filesystem::path destination_, part_;
   bool overwrite_ = false;
   bool is_stream_ = false;
   bool is_remote_ = false;
-  bool incomplete_ = false;            ///< true while an output to a URL is being written
+  bool incomplete_ = false;            ///< true until the output is complete; false for standard output
   std::filesystem::path temp_folder_;  ///< folder for the bytes of an output to a URL
   FileDescriptor file_;
   std::uint64_t size_ = 0;

@@ -6,7 +6,7 @@
 
 #include <system_error>
 
-#include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/program/standard_streams.h"
 #include "pointsweep/storage/local/unfinished_output.h"
 #include "pointsweep/storage/remote/remote_service.h"
 #include "pointsweep/storage/remote/url.h"

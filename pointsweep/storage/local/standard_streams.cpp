@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/storage/local/standard_streams.h"
+#include "pointsweep/program/standard_streams.h"
 
 #include <fcntl.h>
 #include <poll.h>
