@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
+
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 namespace {
@@ -30,8 +33,8 @@ std::string percent_encoded(std::string_view text) {
 }
 
 template <class Number>
-bool take_number(std::string_view& text, Number& number, int base = 10) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, base);
+bool take_number(std::string_view& text, Number& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc()) return false;
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   return true;
@@ -41,22 +44,6 @@ bool take_word(std::string_view& text, std::string_view word) {
   if (!text.starts_with(word)) return false;
   text.remove_prefix(word.size());
   return true;
-}
-
-std::string percent_decoded(std::string_view text) {
-  std::string out;
-  while (!text.empty()) {
-    std::string_view digits = text.substr(0, 3);
-    unsigned value = 0;
-    if (take_word(digits, "%") && digits.size() == 2 && take_number(digits, value, 16) && digits.empty()) {
-      out += static_cast<char>(value);
-      text.remove_prefix(3);
-    } else {
-      out += text.front();
-      text.remove_prefix(1);
-    }
-  }
-  return out;
 }
 
 /// Appends a line, divided into pieces of at most kLongestProvenanceLine bytes. No piece begins or ends with a space,
@@ -198,8 +185,18 @@ std::optional<std::string> provenance_line(std::string_view text) {
   if (first == text.npos) return std::nullopt;
   text = text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
   if (text.size() > kLongestReadLine) return std::nullopt;
-  if (!text.starts_with(kProvenanceMark) || !std::all_of(text.begin(), text.end(), is_printable)) return std::nullopt;
+  if (!text.starts_with(kProvenanceMark) || !std::ranges::all_of(text, is_printable)) return std::nullopt;
   return std::string(text);
+}
+
+std::vector<std::string> provenance_in(std::string_view text) {
+  std::vector<std::string> lines;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    if (auto found = provenance_line(line)) lines.push_back(std::move(*found));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+  }
+  return lines;
 }
 
 }  // namespace pointsweep

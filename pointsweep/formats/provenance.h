@@ -60,5 +60,7 @@ std::span<const std::string> provenance_beyond(std::span<const std::string> all,
 /// Returns the line without surrounding spaces and line ends if it begins with kProvenanceMark, is printable and
 /// has at most 60,000 bytes; otherwise nothing.
 std::optional<std::string> provenance_line(std::string_view text);
+/// Returns the lines of provenance among the lines of a text.
+std::vector<std::string> provenance_in(std::string_view text);
 
 }  // namespace pointsweep

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 /// Well-known text of coordinate reference systems (OGC 01-009 and 18-010) as a tree of keywords.
 #include "pointsweep/formats/crs.h"
+#include "pointsweep/formats/files/number_text.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr int kMostLevels = 64;
 
-bool is_wkt_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 bool is_wkt_word(char c) {
   return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '.' ||
          c == '+' || c == '-';
@@ -38,7 +38,7 @@ class WktParser {
  private:
   bool at_end() const { return at_ == text_.size(); }
   void skip_space() {
-    while (!at_end() && is_wkt_space(text_[at_])) ++at_;
+    while (!at_end() && is_space(text_[at_])) ++at_;
   }
 
   std::string_view take_word() {
@@ -97,14 +97,14 @@ std::string wkt_in_one_line(std::string_view text) {
   std::string line;
   bool quoted = false, space = false;
   for (const char c : text) {
-    if (!quoted && is_wkt_space(c)) {
+    if (!quoted && is_space(c)) {
       space = !line.empty();
       continue;
     }
     if (space) line += ' ';
     space = false;
     if (c == '"') quoted = !quoted;
-    line += is_wkt_space(c) ? ' ' : c;
+    line += is_space(c) ? ' ' : c;
   }
   return line;
 }

@@ -14,9 +14,9 @@ TEST(NpyReader, ReadsWhatTheWriterWrites) {
   OutputPlan plan = plan_for(folder / "a.npy", 3);
   plan.schema.append("neighbors", Type::u32, 2);
   const std::uint32_t rows[] = {1, 2, 0, 2, 1, 0xffffffff};
-  NpyWriter writer(plan);
-  writer.write(std::as_bytes(std::span(rows)));
-  writer.finish();
+  const auto writer = create_npy_writer(plan);
+  writer->write(std::as_bytes(std::span(rows)));
+  writer->finish();
   const auto reader = open_npy(folder / "a.npy");
   EXPECT_EQ(reader->info().count, 3u);
   EXPECT_EQ(field_names(reader->info().schema), (std::vector<std::string>{"neighbor_0", "neighbor_1"}));

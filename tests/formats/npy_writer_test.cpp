@@ -35,22 +35,22 @@ void expect_array(const std::string& content, const std::string& dictionary, con
 
 TEST(NpyWriter, WritesATableInRowOrder) {
   const TemporaryFolder folder;
-  NpyWriter writer(plan_of(folder / "out.npy", Type::u32, 2, 2));
+  const auto writer = create_npy_writer(plan_of(folder / "out.npy", Type::u32, 2, 2));
   const std::uint32_t values[] = {1, 2, 3, 0xffffffff};
-  writer.write(std::as_bytes(std::span(values)));
-  writer.finish();
+  writer->write(std::as_bytes(std::span(values)));
+  writer->finish();
   expect_array(contents(folder / "out.npy"), "{'descr': '<u4', 'fortran_order': False, 'shape': (2, 2), }",
                std::string(reinterpret_cast<const char*>(values), sizeof values));
 }
 
 TEST(NpyWriter, WritesAColumnInAnyOrderOfRows) {
   const TemporaryFolder folder;
-  NpyWriter writer(plan_of(folder / "out.npy", Type::f64, 1, 3));
+  const auto writer = create_npy_writer(plan_of(folder / "out.npy", Type::f64, 1, 3));
   const double values[] = {0.5, -1, 1e300};
-  ASSERT_TRUE(writer.can_write_at());
-  writer.write_at(1, std::as_bytes(std::span(values).subspan(1)));
-  writer.write_at(0, std::as_bytes(std::span(values).first(1)));
-  writer.finish();
+  ASSERT_TRUE(writer->can_write_at());
+  writer->write_at(1, std::as_bytes(std::span(values).subspan(1)));
+  writer->write_at(0, std::as_bytes(std::span(values).first(1)));
+  writer->finish();
   expect_array(contents(folder / "out.npy"), "{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }",
                std::string(reinterpret_cast<const char*>(values), sizeof values));
 }
@@ -62,9 +62,9 @@ TEST(NpyWriter, AListOfOneValueIsATableAndANumberIsNot) {
   number.made = {scalar("neighbors", Type::u32, "", "")};
   const std::uint32_t values[] = {1, 0};
   for (const OutputPlan& plan : {list, number}) {
-    NpyWriter writer(plan);
-    writer.write(std::as_bytes(std::span(values)));
-    writer.finish();
+    const auto writer = create_npy_writer(plan);
+    writer->write(std::as_bytes(std::span(values)));
+    writer->finish();
   }
   EXPECT_THAT(contents(folder / "list.npy"), HasSubstr("'shape': (2, 1), }"));
   EXPECT_THAT(contents(folder / "n.npy"), HasSubstr("'shape': (2,), }"));
@@ -72,7 +72,7 @@ TEST(NpyWriter, AListOfOneValueIsATableAndANumberIsNot) {
 
 TEST(NpyWriter, WritesAnEmptyTable) {
   const TemporaryFolder folder;
-  NpyWriter(plan_of(folder / "out.npy", Type::u8, 8, 0)).finish();
+  create_npy_writer(plan_of(folder / "out.npy", Type::u8, 8, 0))->finish();
   expect_array(contents(folder / "out.npy"), "{'descr': '|u1', 'fortran_order': False, 'shape': (0, 8), }", "");
 }
 
@@ -80,7 +80,7 @@ TEST(NpyWriter, RefusesMoreThanOneAttribute) {
   const TemporaryFolder folder;
   OutputPlan plan = plan_of(folder / "out.npy", Type::f32, 1, 1);
   plan.schema.append("distance", Type::f32);
-  EXPECT_THAT(sentence_of<UsageError>([&] { NpyWriter{plan}; }), HasSubstr("holds one attribute"));
+  EXPECT_THAT(sentence_of<UsageError>([&] { create_npy_writer(plan); }), HasSubstr("holds one attribute"));
 }
 
 }  // namespace

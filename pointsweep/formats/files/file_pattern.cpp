@@ -3,13 +3,11 @@
 
 #include <fnmatch.h>
 
-#include <algorithm>
 #include <set>
 #include <span>
 #include <string>
 #include <system_error>
 
-#include "pointsweep/fail.h"
 #include "pointsweep/formats/files/folders.h"
 #include "pointsweep/storage/remote/remote_service.h"
 #include "pointsweep/storage/remote/url.h"

@@ -25,7 +25,7 @@ bool is_vertex_line(std::string_view line) {
 }
 
 struct OffHeader {
-  bool texture = false, color = false, normal = false;
+  bool texture = false, normal = false;  ///< the keyword has the letters ST, N
   std::uint64_t vertices = 0, faces = 0;
 };
 
@@ -39,7 +39,7 @@ std::optional<OffHeader> take_keyword(std::string_view& line) {
     return true;
   };
   header.texture = take("ST");
-  header.color = take("C");
+  take("C");  // the first vertex tells whether there are colours
   header.normal = take("N");
   if (!take("OFF") || (!line.empty() && line[0] != ' ' && line[0] != '\t' && line[0] != '\r' && line[0] != '\n'))
     return std::nullopt;
@@ -112,10 +112,7 @@ std::unique_ptr<Reader> open_off(const std::filesystem::path& path) {
 }
 
 bool has_keyword(std::string_view line, std::string_view word) {
-  const std::size_t at = line.find_first_not_of(" \t");
-  if (at == line.npos || !line.substr(at).starts_with(word)) return false;
-  line.remove_prefix(at + word.size());
-  return !line.empty() && (line[0] == ' ' || line[0] == '\t');
+  return take_word(line) == word && !line.empty() && (line[0] == ' ' || line[0] == '\t');
 }
 
 bool is_vertex(std::string_view line) { return has_keyword(line, "v"); }
@@ -124,9 +121,8 @@ bool is_normal(std::string_view line) { return has_keyword(line, "vn"); }
 /// Reads normals, under the names of coordinates.
 class NormalLines final : public VertexLineReader {
  public:
-  explicit NormalLines(const std::filesystem::path& path, std::unique_ptr<InputFile> file, const LineReader& lines)
+  NormalLines(std::unique_ptr<InputFile> file, const LineReader& lines)
       : VertexLineReader(std::move(file), lines, is_normal, std::numeric_limits<std::uint64_t>::max(), true) {
-    info_.path = path;
     set_columns({});
   }
 };
@@ -161,7 +157,7 @@ class ObjReader final : public VertexLineReader {
   void add_normals() {
     auto file = std::make_unique<InputFile>(info_.path);
     const LineReader lines(*file);
-    auto normals = std::make_unique<NormalLines>(info_.path, std::move(file), lines);
+    auto normals = std::make_unique<NormalLines>(std::move(file), lines);
     normal_count_ = normals->info().count;
     if (normal_count_ == 0 || normal_count_ != info_.count) return;
     for (const char* axis : {"nx", "ny", "nz"}) info_.schema.append(axis, Type::f64);

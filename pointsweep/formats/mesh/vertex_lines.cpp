@@ -27,17 +27,12 @@ VertexLineReader::VertexLineReader(std::unique_ptr<InputFile> file, const LineRe
 
 const std::vector<double>& VertexLineReader::numbers(std::string_view line) {
   numbers_.clear();
-  std::size_t begin = line.find_first_not_of(" \t");
-  if (has_keyword_ && begin != line.npos) begin = line.find_first_not_of(" \t", line.find_first_of(" \t", begin));
-  for (std::size_t at = begin; at != line.npos; at = line.find_first_not_of(" \t", at)) {
-    if (line[at] == '#') break;
-    const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
+  if (has_keyword_) take_word(line);
+  for (std::string_view word = take_word(line); !word.empty() && word[0] != '#'; word = take_word(line)) {
     double value = 0;
-    if (!parse_number(line.substr(at, end - at), value))
-      fail("{}: line {}: '{}' is no number; correct it.", file_->path().string(), cursor_.line(),
-           line.substr(at, std::min<std::size_t>(end - at, 40)));
+    if (!parse_number(word, value))
+      fail("{}: line {}: '{}' is no number; correct it.", file_->path().string(), cursor_.line(), word.substr(0, 40));
     numbers_.push_back(value);
-    at = end;
   }
   return numbers_;
 }

@@ -24,6 +24,7 @@ struct VertexColumns {
   std::size_t ignored = 0;  ///< further numbers at the end of the line
 };
 
+/// Reads the vertices of a mesh file, one line each. The constructor of a subclass finds the columns and sets them.
 class VertexLineReader : public Reader {
  public:
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override;

@@ -7,9 +7,10 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/format.h"
 #include "pointsweep/formats/npy/npy_format.h"
-#include "pointsweep/formats/npy/npy_header.h"
 #include "pointsweep/formats/records/columns_reader.h"
+#include "pointsweep/formats/records/record_writer.h"
 #include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
@@ -75,10 +76,24 @@ Schema npy_schema(const OutputPlan& plan) {
   return stored;
 }
 
+constexpr std::string_view kNpyExtensions[] = {".npy"};
+
 }  // namespace
 
 std::unique_ptr<Reader> open_npy(const std::filesystem::path& path) { return std::make_unique<NpyReader>(path); }
 
-NpyWriter::NpyWriter(const OutputPlan& plan) : RecordWriter(plan, npy_header(plan), npy_schema(plan)) {}
+std::unique_ptr<Writer> create_npy_writer(const OutputPlan& plan) {
+  return std::make_unique<RecordWriter>(plan, npy_header(plan), npy_schema(plan));
+}
+
+const Format kNpyFormat = {.name = "NumPy array",
+                           .title = "NumPy array",
+                           .details = "#numpy",
+                           .reads = "by `verify`: neighbours, distances",
+                           .writes = "one attribute: neighbours, distances",
+                           .extensions = kNpyExtensions,
+                           .open = open_npy,
+                           .create = create_npy_writer,
+                           .content = Format::Content::array};
 
 }  // namespace pointsweep

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/npy/npy_header.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -12,6 +10,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/npy/npy_format.h"
 
 namespace pointsweep {
 namespace {

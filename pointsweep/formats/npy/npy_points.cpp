@@ -11,8 +11,6 @@
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/format.h"
 #include "pointsweep/formats/npy/npy_format.h"
-#include "pointsweep/formats/npy/npy_header.h"
-#include "pointsweep/formats/npy/npz_archive.h"
 #include "pointsweep/formats/records/columns_reader.h"
 
 namespace pointsweep {
@@ -185,27 +183,16 @@ class NpyPointsReader final : public ColumnsReader {
   bool has_default_names_ = false;  ///< the first fields have default names
 };
 
-constexpr std::string_view kNpyExtensions[] = {".npy"}, kNpzExtensions[] = {".npz"};
+constexpr std::string_view kNpzExtensions[] = {".npz"};
 
-std::unique_ptr<Writer> create_npy_writer(const OutputPlan& plan) { return std::make_unique<NpyWriter>(plan); }
+/// Returns whether a file that begins with `head` is a NumPy array or an archive of NumPy arrays.
+bool starts_as_npy_points(std::string_view head) { return head.starts_with("\x93NUMPY") || starts_as_npz(head); }
 
 }  // namespace
-
-bool starts_as_npy_points(std::string_view head) { return head.starts_with("\x93NUMPY") || starts_as_npz(head); }
 
 std::unique_ptr<Reader> open_npy_points(const std::filesystem::path& path) {
   return std::make_unique<NpyPointsReader>(path);
 }
-
-const Format kNpyFormat = {.name = "NumPy array",
-                           .title = "NumPy array",
-                           .details = "#numpy",
-                           .reads = "by `verify`: neighbours, distances",
-                           .writes = "one attribute: neighbours, distances",
-                           .extensions = kNpyExtensions,
-                           .open = open_npy,
-                           .create = create_npy_writer,
-                           .content = Format::Content::array};
 
 const Format kNpyPointsFormat = {
     .name = "NumPy array",

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/npy/npz_archive.h"
-
 #include <algorithm>
 #include <array>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/npy/npy_format.h"
 
 namespace pointsweep {
 namespace {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/pcd/pcd_header.h"
-
 #include <optional>
 #include <utility>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/formats/files/number_text.h"
+#include "pointsweep/formats/pcd/pcd_format.h"
 #include "pointsweep/formats/provenance.h"
 
 namespace pointsweep {
@@ -14,17 +13,6 @@ namespace {
 
 constexpr std::uint64_t kMostHeaderLines = 32768;  ///< more than all lines of provenance
 constexpr std::uint32_t kMostBytes = 1u << 20;     ///< largest size of a record
-
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  for (std::size_t at = 0; at < line.size();) {
-    const std::size_t start = line.find_first_not_of(" \t\r", at);
-    if (start == line.npos) break;
-    at = std::min(line.find_first_of(" \t\r", start), line.size());
-    words.push_back(line.substr(start, at - start));
-  }
-  return words;
-}
 
 std::optional<Type> type_of(std::string_view kind, std::uint64_t size) {
   const auto among = [&](Type one, Type two, Type four, Type eight) -> std::optional<Type> {
@@ -49,7 +37,7 @@ class HeaderParser {
       const std::optional<std::string_view> line = lines_.next();
       if (!line || lines_.line() > kMostHeaderLines)
         fail("{}: is a PCD file without the line DATA, which ends its header; get the whole file.", name());
-      take(words_of(*line), *line);
+      take(words_in(*line), *line);
     }
     make_fields();
     if (!points_) points_ = header_.width * header_.height;

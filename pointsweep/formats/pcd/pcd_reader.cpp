@@ -7,7 +7,6 @@
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/pcd/lzf_stream.h"
 #include "pointsweep/formats/pcd/pcd_format.h"
-#include "pointsweep/formats/pcd/pcd_header.h"
 #include "pointsweep/formats/records/columns_reader.h"
 #include "pointsweep/formats/records/row_text_reader.h"
 #include "pointsweep/points/with_type.h"
@@ -20,17 +19,15 @@ std::string_view name_of_data(PcdData data) {
   return data == PcdData::ascii ? "ascii" : data == PcdData::binary ? "binary" : "binary_compressed";
 }
 
-/// Returns whether "VIEWPOINT tx ty tz qw qx qy qz" is the identity.
+/// Returns whether "VIEWPOINT tx ty tz qw qx qy qz" is the identity. An incomplete line states nothing and counts as
+/// it.
 bool is_identity(std::string_view viewpoint) {
-  constexpr double kIdentity[] = {0, 0, 0, 1, 0, 0, 0};
-  std::size_t at = viewpoint.find(' ');
-  for (const double expected : kIdentity) {
-    at = viewpoint.find_first_not_of(" \t", at);
-    if (at == viewpoint.npos) return true;  // an incomplete line states nothing
-    const std::size_t end = std::min(viewpoint.find_first_of(" \t", at), viewpoint.size());
+  take_word(viewpoint);
+  for (const double expected : {0, 0, 0, 1, 0, 0, 0}) {
+    const std::string_view word = take_word(viewpoint);
     double value = 0;
-    if (!parse_number(viewpoint.substr(at, end - at), value) || value != expected) return false;
-    at = end;
+    if (word.empty()) return true;
+    if (!parse_number(word, value) || value != expected) return false;
   }
   return true;
 }
@@ -86,23 +83,19 @@ class PcdLineParser final : public LineParser {
  public:
   PcdLineParser(const std::filesystem::path& path, const PcdHeader& header) : path_(path), header_(header) {}
 
-  static bool is_row(std::string_view line) { return line.find_first_not_of(" \t\r") != line.npos; }
+  static bool is_row(std::string_view line) { return !is_blank(line); }
 
   void parse(std::string_view line, std::uint64_t number, std::byte* record) override {
-    std::size_t at = 0;
     for (const PcdField& field : header_.fields) {
       for (std::uint32_t c = 0; c < field.count; ++c) {
-        const std::size_t start = line.find_first_not_of(" \t\r", at);
-        if (start == line.npos) complain(number, "has fewer values than the header has fields");
-        at = std::min(line.find_first_of(" \t\r", start), line.size());
-        const std::string_view word = line.substr(start, at - start);
+        const std::string_view word = take_word(line);
+        if (word.empty()) complain(number, "has fewer values than the header has fields");
         if (!store(field, word, record + field.offset + c * size_of(field.type)))
           complain(number, fmt::format("'{}' is no {} for the field '{}'", word.substr(0, 40), name_of(field.type),
                                        field.name));
       }
     }
-    if (line.find_first_not_of(" \t\r", at) != line.npos)
-      complain(number, "has more values than the header has fields");
+    if (!is_blank(line)) complain(number, "has more values than the header has fields");
   }
 
  private:

@@ -9,7 +9,6 @@
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/format.h"
 #include "pointsweep/formats/pcd/pcd_format.h"
-#include "pointsweep/formats/pcd/pcd_header.h"
 #include "pointsweep/formats/records/record_writer.h"
 #include "pointsweep/points/schema.h"
 
@@ -120,10 +119,7 @@ std::string pcd_header_text(const OutputPlan& plan) {
                               plan.count);
 }
 
-class PcdWriter final : public RecordWriter {
- public:
-  explicit PcdWriter(const OutputPlan& plan) : RecordWriter(plan, pcd_header_text(plan), pcd_layout(plan).stored) {}
-};
+constexpr std::string_view kPcdExtensions[] = {".pcd"};
 
 }  // namespace
 
@@ -133,6 +129,21 @@ std::string pcd_field_name(const std::string& name) {
   return name;
 }
 
-std::unique_ptr<Writer> create_pcd_writer(const OutputPlan& plan) { return std::make_unique<PcdWriter>(plan); }
+std::unique_ptr<Writer> create_pcd_writer(const OutputPlan& plan) {
+  return std::make_unique<RecordWriter>(plan, pcd_header_text(plan), pcd_layout(plan).stored);
+}
+
+const Format kPcdFormat = {.name = "PCD",
+                           .title = "PCD",
+                           .details = "#pcd",
+                           .reads = "ascii, binary, binary_compressed; versions .5 to 0.7",
+                           .writes = "binary, version 0.7",
+                           .extensions = kPcdExtensions,
+                           .is = starts_as_pcd,
+                           .open = open_pcd,
+                           .create = create_pcd_writer,
+                           .holds_provenance = true,
+                           .is_sequential = true,
+                           .stored_name = pcd_field_name};
 
 }  // namespace pointsweep

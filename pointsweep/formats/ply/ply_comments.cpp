@@ -19,7 +19,7 @@
 
 #include "pointsweep/formats/crs.h"
 #include "pointsweep/formats/files/number_text.h"
-#include "pointsweep/formats/ply/ply_header.h"
+#include "pointsweep/formats/ply/ply_format.h"
 
 namespace pointsweep {
 namespace {
@@ -102,17 +102,14 @@ std::string joined(const std::vector<std::string>& lines, std::string_view prefi
 template <class T>
 std::optional<std::vector<T>> numbers_of(std::string_view text) {
   std::vector<T> numbers;
-  while (!text.empty()) {
-    const std::string_view word = text.substr(0, text.find(' '));
-    if (!word.empty() && !parse_number(word, numbers.emplace_back())) return std::nullopt;
-    text.remove_prefix(std::min(text.size(), word.size() + 1));
-  }
+  for (const std::string_view word : words_in(text))
+    if (!parse_number(word, numbers.emplace_back())) return std::nullopt;
   return numbers;
 }
 
 void remove_lines(std::vector<std::string>& lines, std::initializer_list<std::string_view> prefixes) {
   std::erase_if(lines, [&](const std::string& line) {
-    return std::any_of(prefixes.begin(), prefixes.end(), [&](std::string_view p) { return line.starts_with(p); });
+    return std::ranges::any_of(prefixes, [&](std::string_view p) { return line.starts_with(p); });
   });
 }
 
@@ -129,23 +126,13 @@ GeoTiffKeys take_geotiff(std::vector<std::string>& lines) {
   return {*directory, *doubles, *ascii};
 }
 
-std::vector<std::string_view> comment_words(std::string_view text) {
-  std::vector<std::string_view> words;
-  while (!text.empty()) {
-    const std::string_view word = text.substr(0, text.find(' '));
-    if (!word.empty()) words.push_back(word);
-    text.remove_prefix(std::min(text.size(), word.size() + 1));
-  }
-  return words;
-}
-
 /// Parses three numbers from words[first] on.
 bool parse_vector(const std::vector<std::string_view>& words, std::size_t first, Vec3& v) {
   return parse_number(words[first], v.x) && parse_number(words[first + 1], v.y) && parse_number(words[first + 2], v.z);
 }
 
 std::optional<LasOrigin> las_origin_in(std::string_view line) {
-  const std::vector<std::string_view> words = comment_words(line.substr(kLas.size()));
+  const std::vector<std::string_view> words = words_in(line.substr(kLas.size()));
   LasOrigin origin;
   if (words.size() != 8 && words.size() != 10) return std::nullopt;
   if (words[0] != "scale" || words[4] != "offset") return std::nullopt;

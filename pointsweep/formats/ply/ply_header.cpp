@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/ply/ply_header.h"
-
 #include <algorithm>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/formats/files/number_text.h"
+#include "pointsweep/formats/ply/ply_format.h"
 
 namespace pointsweep {
 namespace {
 
 constexpr std::uint64_t kLongestHeader = 1 << 20;
 
+/// The names of types in PLY. The first name of a type is the one that outputs have.
 struct TypeName {
   std::string_view name;
   Type type;
@@ -23,24 +23,13 @@ constexpr TypeName kTypeNames[] = {
     {"uint64", Type::u64}, {"float32", Type::f32}, {"float64", Type::f64},
 };
 
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  constexpr std::string_view kSpace = " \t\r\v\f";
-  for (std::size_t start = line.find_first_not_of(kSpace); start != line.npos;) {
-    const std::size_t end = std::min(line.find_first_of(kSpace, start), line.size());
-    words.push_back(line.substr(start, end - start));
-    start = line.find_first_not_of(kSpace, end);
-  }
-  return words;
-}
-
 /// Builds a PlyHeader line by line.
 class Parser {
  public:
   explicit Parser(const InputFile& file) : file_(file), lines_(file) {}
 
   PlyHeader run() {
-    const auto magic = words_of(next_line());
+    const auto magic = words_in(next_line());
     if (magic.size() != 1 || magic[0] != "ply") complain("a PLY file starts with a line 'ply'");
     while (parse_line(next_line())) {
     }
@@ -66,7 +55,7 @@ class Parser {
 
   /// Parses a line. Returns false at the end of the header.
   bool parse_line(std::string_view line) {
-    const auto words = words_of(line);
+    const auto words = words_in(line);
     if (words.empty()) return true;
     if (words[0] == "end_header") return false;
     if (words[0] == "comment" || words[0] == "obj_info") {
@@ -143,7 +132,7 @@ class Parser {
 }  // namespace
 
 bool PlyElement::has_list() const {
-  return std::any_of(properties.begin(), properties.end(), [](const PlyProperty& p) { return p.is_list; });
+  return std::ranges::any_of(properties, [](const PlyProperty& p) { return p.is_list; });
 }
 
 std::uint32_t PlyElement::stride() const {
@@ -152,18 +141,13 @@ std::uint32_t PlyElement::stride() const {
   return static_cast<std::uint32_t>(bytes);
 }
 
+std::string_view ply_name_of(Type type) { return std::ranges::find(kTypeNames, type, &TypeName::type)->name; }
+
 PlyHeader read_ply_header(const InputFile& file) { return Parser(file).run(); }
 
 std::string_view name_of(PlyEncoding encoding) {
-  switch (encoding) {
-    case PlyEncoding::little_endian:
-      return "binary_little_endian";
-    case PlyEncoding::big_endian:
-      return "binary_big_endian";
-    case PlyEncoding::ascii:
-      break;
-  }
-  return "ascii";
+  static constexpr std::string_view kNames[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+  return kNames[static_cast<std::size_t>(encoding)];
 }
 
 }  // namespace pointsweep

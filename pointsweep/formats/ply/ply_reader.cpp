@@ -10,7 +10,6 @@
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/ply/ply_format.h"
-#include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/records/columns_reader.h"
 #include "pointsweep/formats/records/row_text_reader.h"
@@ -94,8 +93,7 @@ std::uint64_t end_of_binary_element(const InputFile& file, const PlyElement& ele
   return walker.offset();
 }
 
-/// Returns whether a line contains anything but spaces.
-bool is_ply_row(std::string_view line) { return line.find_first_not_of(" \t\r\v\f") != line.npos; }
+bool is_ply_row(std::string_view line) { return !is_blank(line); }
 
 /// Moves `lines` past the lines of an ascii element. Throws Error if the file ends inside.
 void skip_ascii_element(LineReader& lines, const PlyElement& element) {
@@ -162,9 +160,8 @@ class PlyLineParser final : public LineParser {
   explicit PlyLineParser(const FileInfo& info) : info_(info) {}
 
   void parse(std::string_view line, std::uint64_t number, std::byte* record) override {
-    std::size_t at = 0;
     for (const Field& field : info_.schema.fields) {
-      const std::string_view word = take_word(line, at);
+      const std::string_view word = take_word(line);
       if (word.empty())
         complain(number, fmt::format("has fewer than the {} values of a vertex", info_.schema.fields.size()));
       const bool good = with_type(field.type, [&]<class T>() {
@@ -177,20 +174,11 @@ class PlyLineParser final : public LineParser {
         complain(number, fmt::format("'{}' is no {} for the property '{}'", word.substr(0, 40), name_of(field.type),
                                      field.name));
     }
-    if (!take_word(line, at).empty())
+    if (!is_blank(line))
       complain(number, fmt::format("has more than the {} values of a vertex", info_.schema.fields.size()));
   }
 
  private:
-  /// Returns the next word of `line` from `at` on, empty at its end.
-  static std::string_view take_word(std::string_view line, std::size_t& at) {
-    const auto is_space = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
-    while (at < line.size() && is_space(line[at])) ++at;
-    const std::size_t start = at;
-    while (at < line.size() && !is_space(line[at])) ++at;
-    return line.substr(start, at - start);
-  }
-
   [[noreturn]] void complain(std::uint64_t number, std::string_view what) const {
     fail("{}: line {}: {}; correct the line or the header.", info_.path.string(), number, what);
   }

@@ -5,43 +5,14 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/format.h"
-#include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/ply/ply_format.h"
-#include "pointsweep/formats/ply/ply_header.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/records/record_writer.h"
 #include "pointsweep/points/schema.h"
-#include "pointsweep/points/with_type.h"
 #include "pointsweep/row_error.h"
 
 namespace pointsweep {
 namespace {
-
-std::string_view ply_name_of(Type type) {
-  switch (type) {
-    case Type::i8:
-      return "char";
-    case Type::u8:
-      return "uchar";
-    case Type::i16:
-      return "short";
-    case Type::u16:
-      return "ushort";
-    case Type::i32:
-      return "int";
-    case Type::u32:
-      return "uint";
-    case Type::f32:
-      return "float";
-    case Type::f64:
-      return "double";
-    case Type::i64:
-      return "int64";
-    case Type::u64:
-      break;
-  }
-  return "uint64";
-}
 
 bool is_wide(Type type) { return type == Type::i64 || type == Type::u64; }
 
@@ -126,8 +97,27 @@ class PlyWriter final : public RecordWriter {
   std::vector<Field> narrowed_;
 };
 
+constexpr std::string_view kPlyExtensions[] = {".ply"};
+
+bool is_ply(std::string_view head) {
+  return head.starts_with("ply") && head.size() > 3 && std::string_view("\r\n\t ").find(head[3]) != head.npos;
+}
+
 }  // namespace
 
 std::unique_ptr<Writer> create_ply_writer(const OutputPlan& plan) { return std::make_unique<PlyWriter>(plan); }
+
+const Format kPlyFormat = {.name = "PLY",
+                           .title = "PLY",
+                           .details = "",
+                           .reads = "ascii, binary little- and big-endian",
+                           .writes = "binary little-endian",
+                           .extensions = kPlyExtensions,
+                           .is = is_ply,
+                           .open = open_ply,
+                           .create = create_ply_writer,
+                           .holds_crs = true,
+                           .holds_provenance = true,
+                           .is_sequential = true};
 
 }  // namespace pointsweep

@@ -14,6 +14,16 @@ constexpr std::size_t kWrittenAtOnce = 256 << 10;  ///< bytes that a thread writ
 
 }  // namespace
 
+void require_announced(const OutputPlan& plan, std::uint64_t row, std::uint64_t rows) {
+  if (row > plan.count || rows > plan.count - row)
+    fail("{}: more points came than the {} that were announced.", plan.path.string(), plan.count);
+}
+
+void require_all(const OutputPlan& plan, std::uint64_t rows_written) {
+  if (rows_written < plan.count)
+    fail("{}: only {} of the {} points that were announced came.", plan.path.string(), rows_written, plan.count);
+}
+
 RecordWriter::RecordWriter(const OutputPlan& plan, std::string_view header, const Schema& stored)
     : plan_(plan),
       file_(plan.path, plan.overwrite, plan.temp_folder),
@@ -36,9 +46,7 @@ void RecordWriter::write_at(std::uint64_t row, std::span<const std::byte> record
   const std::size_t stride = plan_.schema.stride;
   assert(records.size() % stride == 0);
   const std::size_t rows = records.size() / stride;
-  if (row > plan_.count || rows > plan_.count - row) {
-    fail("{}: more points came than the {} that were announced.", plan_.path.string(), plan_.count);
-  }
+  require_announced(plan_, row, rows);
   check(row, records);
   write_header();
 
@@ -64,9 +72,7 @@ void RecordWriter::write_at(std::uint64_t row, std::span<const std::byte> record
 }
 
 void RecordWriter::finish() {
-  if (rows_written_ < plan_.count) {
-    fail("{}: only {} of the {} points that were announced came.", plan_.path.string(), rows_written_, plan_.count);
-  }
+  require_all(plan_, rows_written_);
   write_header();
   file_.seal();
 }

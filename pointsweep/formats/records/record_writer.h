@@ -15,18 +15,23 @@
 
 namespace pointsweep {
 
+/// Throws Error if `rows` records from `row` on are more than the plan announces.
+void require_announced(const OutputPlan& plan, std::uint64_t row, std::uint64_t rows);
+/// Throws Error if only `rows_written` of the records that the plan announces came.
+void require_all(const OutputPlan& plan, std::uint64_t rows_written);
+
 /// Writes a file of a header and records. Each record of the plan is converted to the schema `stored`, block by block,
 /// or copied if the schemas are equal. If the output is seekable, all threads write blocks at the same time.
 class RecordWriter : public Writer {
  public:
+  RecordWriter(const OutputPlan& plan, std::string_view header, const Schema& stored);
+
   void write(std::span<const std::byte> records) override;
   bool can_write_at() const override { return file_.is_seekable(); }
   void write_at(std::uint64_t row, std::span<const std::byte> records) override;
   void finish() override;
 
  protected:
-  RecordWriter(const OutputPlan& plan, std::string_view header, const Schema& stored);
-
   /// Checks a block of input records, whose first row is `row`, before it is stored. May throw.
   virtual void check(std::uint64_t row, std::span<const std::byte> records) { (void)row, (void)records; }
   const OutputPlan& plan() const { return plan_; }

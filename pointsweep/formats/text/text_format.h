@@ -1,17 +1,69 @@
 // SPDX-License-Identifier: MIT
-/// A reader and a writer of points as text: .csv with commas, .xyz, .txt, .asc and .pts with spaces.
+/// Points as text: lines as cells, the meaning of the columns from the first lines of a file, a reader, and a writer of
+/// .csv with commas, .xyz, .txt, .asc and .pts with spaces.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "pointsweep/formats/format.h"
 #include "pointsweep/reader.h"
+#include "pointsweep/storage/local/input_file.h"
 #include "pointsweep/writer.h"
 
 namespace pointsweep {
+
+/// The separator of the cells of a line: a semicolon, vertical bar or comma, the first of them that occurs outside of
+/// quotes; else spaces and tabs.
+enum class Separator : char { space = ' ', comma = ',', semicolon = ';', bar = '|' };
+
+Separator separator_of(std::string_view line);
+
+/// Splits a line into cells without surrounding spaces and quotes. With separators other than blanks, cells may be
+/// empty; an empty cell after the last separator is dropped.
+void split_cells(std::string_view line, Separator separator, std::vector<std::string_view>& cells);
+
+/// Returns whether a line has cells: it is neither blank nor a comment, which begins with `#`, `%` or `//`.
+bool is_text_row(std::string_view line);
+/// Returns whether a line is a row of points in files in which other lines state a number of rows (PTS): a row has more
+/// than one cell.
+bool is_pts_row(std::string_view line);
+/// Returns the text after the `#`, `%` or `//` of a comment; empty for other lines.
+std::string_view comment_of(std::string_view line);
+
+/// Parses the number in a cell; an empty cell, "na", "n/a" and "null" are NaN. Returns false if the cell is not a
+/// number.
+bool parse_cell(std::string_view cell, double& value);
+
+/// The name, in --columns, of a column that is skipped.
+inline constexpr std::string_view kSkippedColumn = "-";
+
+/// Returns whether one of the cells that `columns` names is a number.
+bool has_number(std::span<const std::string_view> cells, std::span<const std::string> columns);
+
+struct TextLayout {
+  std::vector<std::string> names;           ///< one for each column; kSkippedColumn for skipped ones
+  bool are_stated = false;                  ///< `names` come from --columns
+  std::vector<std::string> replaced_names;  ///< names in the file's header that stated names replace
+  Separator separator = Separator::space;   ///< separator of the rows; the header may have another one
+  bool has_header = false;
+  std::vector<std::string> provenance;     ///< comments before the rows that say how the file was made
+  std::optional<std::uint64_t> announced;  ///< number of rows that a first line with only an integer states (PTS)
+  std::uint64_t body_offset = 0;           ///< where the rows start
+  std::uint64_t body_line = 1;
+};
+
+/// Finds the layout. Names come from a header: a first line that is not all numbers, or a comment before the rows that
+/// names x, y and z and has a name for each column. Otherwise they follow from the number of columns and the first rows
+/// (default_column_names). Throws Error if there are no x, y and z. `stated`: names that replace all others; a first
+/// line without a number in a named column is then a header.
+TextLayout find_text_layout(const InputFile& file, std::span<const std::string> stated = {});
 
 /// Opens a text file with a row for each line and a float64 field for each column (see TextLayout). Opening reads the
 /// file once to count the rows. A line with too few or too many cells, or a cell that is not a number, causes an Error

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/text/text_layout.h"
-
 #include <algorithm>
 #include <limits>
 
@@ -9,13 +7,13 @@
 #include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/provenance.h"
+#include "pointsweep/formats/text/text_format.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/points/text_file.h"
 
 namespace pointsweep {
 namespace {
 
-bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 bool is_quote(char c) { return c == '"' || c == '\''; }
 
 std::string_view trimmed(std::string_view text) {
@@ -57,7 +55,7 @@ using Cells = std::vector<std::string_view>;
 
 bool all_numbers(const Cells& cells) {
   double ignored = 0;
-  return std::all_of(cells.begin(), cells.end(), [&](std::string_view cell) { return parse_cell(cell, ignored); });
+  return std::ranges::all_of(cells, [&](std::string_view cell) { return parse_cell(cell, ignored); });
 }
 
 bool names_a_point(const Cells& cells) {

@@ -6,7 +6,6 @@
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/records/row_text_reader.h"
 #include "pointsweep/formats/text/text_format.h"
-#include "pointsweep/formats/text/text_layout.h"
 #include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {

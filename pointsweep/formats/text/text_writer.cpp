@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
+#include "pointsweep/formats/records/record_writer.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/formats/text/text_format.h"
 #include "pointsweep/points/decimals.h"
@@ -56,9 +56,7 @@ class TextWriter final : public Writer {
   void write(std::span<const std::byte> records) override {
     const std::size_t stride = plan_.schema.stride;
     const std::size_t rows = records.size() / stride;
-    if (rows > plan_.count - rows_written_) {
-      fail("{}: more points came than the {} that were announced.", plan_.path.string(), plan_.count);
-    }
+    require_announced(plan_, rows_written_, rows);
     for (std::size_t i = 0; i < rows; ++i) {
       append_row(records.data() + i * stride);
       if (text_.size() >= kFlushBytes) flush();
@@ -67,9 +65,7 @@ class TextWriter final : public Writer {
   }
 
   void finish() override {
-    if (rows_written_ < plan_.count) {
-      fail("{}: only {} of the {} points that were announced came.", plan_.path.string(), rows_written_, plan_.count);
-    }
+    require_all(plan_, rows_written_);
     flush();
     if (rounds_)
       add_warning(fmt::format("{}: coordinates are rounded to {} {} after the decimal point.", plan_.path.string(),
@@ -139,6 +135,12 @@ class TextWriter final : public Writer {
   std::uint64_t rows_written_ = 0;
 };
 
+constexpr std::string_view kTextExtensions[] = {".xyz", ".txt", ".asc"};
+constexpr std::string_view kPtsExtensions[] = {".pts"};
+constexpr std::string_view kCsvExtensions[] = {".csv"};
+
+constexpr std::string_view kLayout[] = {"decimals"};
+
 }  // namespace
 
 StoredCoordinate text_stored_coordinate(const OutputPlan& plan) {
@@ -159,5 +161,43 @@ StoredCoordinate text_stored_coordinate(const OutputPlan& plan) {
 }
 
 std::unique_ptr<Writer> create_text_writer(const OutputPlan& plan) { return std::make_unique<TextWriter>(plan); }
+
+const Format kTextFormat = {.name = "text",
+                            .title = "text",
+                            .details = "",
+                            .reads = "columns separated by spaces, tabs, commas, semicolons or bars",
+                            .writes = "columns separated by spaces",
+                            .extensions = kTextExtensions,
+                            .fits = fits_text,
+                            .open = open_text,
+                            .open_columns = open_text_columns,
+                            .create = create_text_writer,
+                            .holds_provenance = true,
+                            .is_sequential = true,
+                            .layout = kLayout,
+                            .stored_coordinate = text_stored_coordinate};
+
+const Format kPtsFormat = {.name = "text",
+                           .title = "PTS",
+                           .details = "#ptx-and-pts",
+                           .reads = "as text, with the number of points in front, also of several scans",
+                           .writes = "the number of points, then columns separated by spaces",
+                           .extensions = kPtsExtensions,
+                           .create = create_text_writer,
+                           .holds_provenance = true,
+                           .is_sequential = true,
+                           .layout = kLayout,
+                           .stored_coordinate = text_stored_coordinate};
+
+const Format kCsvFormat = {.name = "text",
+                           .title = "CSV",
+                           .details = "",
+                           .reads = "as text",
+                           .writes = "columns separated by commas",
+                           .extensions = kCsvExtensions,
+                           .create = create_text_writer,
+                           .is_sequential = true,
+                           .layout = kLayout,
+                           .stored_coordinate = text_stored_coordinate};
 
 }  // namespace pointsweep

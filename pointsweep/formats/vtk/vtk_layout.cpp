@@ -6,6 +6,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
+#include "pointsweep/storage/remote/url.h"
 
 namespace pointsweep {
 namespace {
@@ -18,23 +19,6 @@ std::string upper_case(std::string_view text) {
   std::string upper(text);
   for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
   return upper;
-}
-
-/// Decodes a name, in which %20 means a blank.
-std::string decoded(std::string_view name) {
-  std::string out;
-  const auto digit = [](char c) {
-    return c >= '0' && c <= '9'   ? c - '0'
-           : c >= 'A' && c <= 'F' ? c - 'A' + 10
-           : c >= 'a' && c <= 'f' ? c - 'a' + 10
-                                  : -1;
-  };
-  for (std::size_t i = 0; i < name.size(); ++i) {
-    const bool code = name[i] == '%' && i + 2 < name.size() && digit(name[i + 1]) >= 0 && digit(name[i + 2]) >= 0;
-    out += code ? static_cast<char>(digit(name[i + 1]) * 16 + digit(name[i + 2])) : name[i];
-    if (code) i += 2;
-  }
-  return out;
 }
 
 /// Returns the type for a name that VTK 3 to 9 write; nothing for other names. A vtkIdType is written as an int.
@@ -55,7 +39,8 @@ class VtkParser {
 
   VtkLayout parse() {
     text_.line(), text_.line();  // signature and title
-    const std::string encoding = upper_case(trimmed(text_.line().value_or("")));
+    std::string_view third = text_.line().value_or("");
+    const std::string encoding = upper_case(take_word(third));
     if (encoding != "ASCII" && encoding != "BINARY")
       fail("{}: line 3 of a VTK file should be ASCII or BINARY; the file is damaged.", name());
     layout_.text = encoding == "ASCII";
@@ -70,7 +55,6 @@ class VtkParser {
   enum class Section : std::uint8_t { geometry, points, cells };
 
   std::string name() const { return file_.path().string(); }
-  static std::string_view trimmed(std::string_view line) { return take_word(line); }
   [[noreturn]] void complain(std::string_view what) const {
     fail("{}: before byte {}: {}; correct the file or write it again.", name(), text_.offset(), what);
   }
@@ -156,7 +140,7 @@ class VtkParser {
         first = text_.word();
       }
       if (!first) complain("arrays of FIELD are missing");
-      VtkArray array{.name = decoded(*first)};
+      VtkArray array{.name = percent_decoded(*first)};
       line_ = text_.line().value_or("");
       std::string_view line = line_;
       array.components = components(number(line));
@@ -178,7 +162,7 @@ class VtkParser {
 
   void take_attribute(const std::string& keyword, std::string_view rest) {
     if (section_ == Section::geometry) complain(fmt::format("'{}' is no keyword of VTK", keyword.substr(0, 40)));
-    VtkArray array{.name = decoded(take_word(rest))};
+    VtkArray array{.name = percent_decoded(take_word(rest))};
     if (keyword == "LOOKUP_TABLE") return skip_lookup_table(number(rest));
     if (keyword == "COLOR_SCALARS") {
       array.name = "color";

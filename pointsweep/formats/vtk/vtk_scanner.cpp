@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/vtk/vtk_layout.h"
 
 namespace pointsweep {
@@ -10,10 +11,7 @@ namespace {
 
 constexpr std::size_t kVtkWindow = 16 << 10;
 
-bool is_vtk_blank(std::byte b) {
-  const auto c = static_cast<unsigned char>(b);
-  return c == ' ' || (c >= '\t' && c <= '\r');
-}
+bool is_blank_byte(std::byte b) { return is_space(static_cast<char>(b)); }
 
 }  // namespace
 
@@ -40,7 +38,7 @@ bool VtkScanner::read_more() {
 
 bool VtkScanner::skip_blanks() {
   for (;;) {
-    while (at_ < end_ && is_vtk_blank(block_[at_])) ++at_;
+    while (at_ < end_ && is_blank_byte(block_[at_])) ++at_;
     if (at_ < end_) return true;
     if (!read_more()) return false;
   }
@@ -50,7 +48,7 @@ std::optional<std::string_view> VtkScanner::word() {
   if (!skip_blanks()) return std::nullopt;
   for (std::size_t length = 1;; ++length) {
     if (at_ + length == end_ && !read_more()) length = end_ - at_;
-    if (at_ + length < end_ && !is_vtk_blank(block_[at_ + length])) continue;
+    if (at_ + length < end_ && !is_blank_byte(block_[at_ + length])) continue;
     const std::string_view word(reinterpret_cast<const char*>(block_.data() + at_), length);
     at_ += length;
     return word;

@@ -73,8 +73,18 @@ int digit_of(char c) {
   return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
 }
 
-/// Replaces percent-encoded bytes, such as "%20", for use in paths.
-std::string unescaped(std::string_view text) {
+/// Returns the path of a file URL: "/tmp/a.laz" for "file:///tmp/a.laz" and "file://localhost/tmp/a.laz".
+std::string local_path(std::string_view url) {
+  std::string_view rest = url.substr(url.find(kAuthority) + kAuthority.size());
+  if (rest.starts_with("localhost/")) rest.remove_prefix(rest.find('/'));
+  return percent_decoded(rest);
+}
+
+bool is_of_scheme(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '+' || c == '-' || c == '.'; }
+
+}  // namespace
+
+std::string percent_decoded(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const bool is_escape =
@@ -84,17 +94,6 @@ std::string unescaped(std::string_view text) {
   }
   return out;
 }
-
-/// Returns the path of a file URL: "/tmp/a.laz" for "file:///tmp/a.laz" and "file://localhost/tmp/a.laz".
-std::string local_path(std::string_view url) {
-  std::string_view rest = url.substr(url.find(kAuthority) + kAuthority.size());
-  if (rest.starts_with("localhost/")) rest.remove_prefix(rest.find('/'));
-  return unescaped(rest);
-}
-
-bool is_of_scheme(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '+' || c == '-' || c == '.'; }
-
-}  // namespace
 
 bool is_url(std::string_view name) {
   const std::size_t end = name.find(kAuthority);

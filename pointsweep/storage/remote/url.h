@@ -22,4 +22,7 @@ std::filesystem::path without_query(const std::filesystem::path& path);
 /// Returns the URL to which a reference in the document with the URL `base` leads.
 std::string resolved(const std::string& base, const std::string& reference);
 
+/// Returns the text with each percent sign and two hexadecimal digits, such as "%20", as the byte they stand for.
+std::string percent_decoded(std::string_view text);
+
 }  // namespace pointsweep
