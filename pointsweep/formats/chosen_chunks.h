@@ -2,11 +2,9 @@
 /// A reader of only some chunks of a file, and the choice of chunks by levels of detail.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string_view>
 #include <vector>
 
@@ -14,6 +12,7 @@
 
 namespace pointsweep {
 
+/// The chosen chunks of a file, as if the file had no others.
 class ChosenChunks final : public Reader {
  public:
   using Choice = std::function<bool(const Chunk&)>;

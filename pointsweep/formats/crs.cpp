@@ -97,7 +97,7 @@ KeyValues values_of(const GeoTiffKeys& keys) {
 }
 
 bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
+  return std::ranges::find(words, word) != words.end();
 }
 
 CrsKind kind_of(const WktNode& node) {

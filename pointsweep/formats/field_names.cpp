@@ -10,6 +10,7 @@
 #include <unordered_set>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
 namespace {
@@ -36,7 +37,7 @@ bool is_normal(const std::vector<double>& row, std::size_t first) {
 
 template <class Predicate>
 bool in_all(const std::vector<std::vector<double>>& rows, std::size_t first, Predicate holds) {
-  return std::all_of(rows.begin(), rows.end(), [&](const auto& row) { return holds(row, first); });
+  return std::ranges::all_of(rows, [&](const auto& row) { return holds(row, first); });
 }
 
 }  // namespace
@@ -55,6 +56,17 @@ std::vector<std::string> column_names(const Schema& schema) {
     for (std::uint32_t c = 0; field.count > 1 && c < field.count; ++c) give(fmt::format("{}_{}", name, c));
   }
   return names;
+}
+
+bool has_name(const Schema& schema, std::string_view name) {
+  const std::string lower = in_lower_case(name);
+  return std::ranges::any_of(schema.fields, [&](const Field& field) { return in_lower_case(field.name) == lower; });
+}
+
+std::string unused_name(const Schema& schema, const std::string& name) {
+  std::string unused = name;
+  for (int n = 2; has_name(schema, unused); ++n) unused = fmt::format("{}_{}", name, n);
+  return unused;
 }
 
 std::vector<std::string> default_column_names(const std::vector<std::vector<double>>& rows) {

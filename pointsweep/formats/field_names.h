@@ -15,6 +15,11 @@ namespace pointsweep {
 /// ...; spaces, commas, semicolons, quotes and control characters become '_'; a repeated name gets _2, _3, ... added.
 std::vector<std::string> column_names(const Schema& schema);
 
+/// Returns whether a field has this name, in any case.
+bool has_name(const Schema& schema, std::string_view name);
+/// Returns the first of `name`, NAME_2, NAME_3, ... that no field has, in any case.
+std::string unused_name(const Schema& schema, const std::string& name);
+
 /// Returns names for at least three unnamed columns, from their number and the values of the first rows:
 /// 3: x y z;  4: x y z intensity;  6: x y z and a normal or colour;  7: x y z intensity and a colour;
 /// 9: x y z, a colour and a normal;  else x y z column_4 column_5 ...

@@ -23,6 +23,9 @@ class InputCloud;
 /// Returns the coordinate on an axis (0, 1, 2) that is read back from an output after `value` was written.
 using StoredCoordinate = std::function<double(std::size_t axis, double value)>;
 
+/// Returns whether this library was built with the codecs (codecs/).
+bool has_codecs();
+
 struct Format {
   enum class Content : std::uint8_t {
     points,  ///< points with attributes
@@ -40,7 +43,6 @@ struct Format {
   /// The codec that files of the format need; "" if none. A build without the codec recognises the files and refuses
   /// them with an error.
   std::string_view codec = "";
-  bool (*has_codec)() = nullptr;  ///< returns whether this build has the codec; null without a codec
 
   /// The word for this format in --format (CloudOptions::format). A format with such a word has no signature, and its
   /// files are read only if the user names it. "" for all other formats.
@@ -98,7 +100,7 @@ struct Format {
   StoredCoordinate (*stored_coordinate)(const OutputPlan& plan) = nullptr;
 
   /// Returns whether this build has the codec that the format needs, or the format needs none.
-  bool is_built_in() const { return has_codec == nullptr || has_codec(); }
+  bool is_built_in() const { return codec.empty() || has_codecs(); }
 };
 
 // The formats, each defined in its folder.

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pointsweep/points/schema.h"
 #include "pointsweep/reader.h"
 
 namespace pointsweep {
@@ -79,6 +80,11 @@ const char* name_of_time(const LasOrigin& origin) {
 }
 
 }  // namespace
+
+LasQuantization grid_of(const PositionFields& fields) {
+  const auto& [x, y, z] = fields;
+  return {{x.scale, y.scale, z.scale}, {x.bias, y.bias, z.bias}};
+}
 
 bool las_grid_reaches(double value, double scale, double offset) {
   return std::abs((value - offset) / scale) <= kMostLasSteps;

@@ -13,6 +13,8 @@
 
 namespace pointsweep {
 
+struct PositionFields;
+
 /// The largest coordinate, in steps of the scale from the offset.
 inline constexpr double kMostLasSteps = 2147483647;
 
@@ -24,6 +26,9 @@ inline constexpr double kRoundSteps = 1000;
 struct LasQuantization {
   Vec3 scale{1, 1, 1}, offset;
 };
+
+/// Returns the grid of three scaled coordinates.
+LasQuantization grid_of(const PositionFields& fields);
 
 /// Returns whether LAS can store `value` on this grid to within half a step.
 bool las_grid_reaches(double value, double scale, double offset);

@@ -2,6 +2,7 @@
 #include "pointsweep/formats/registry.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +10,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/chosen_chunks.h"
 #include "pointsweep/formats/files/folders.h"
+#include "pointsweep/points/lower_case.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/program/standard_streams.h"
 #include "pointsweep/storage/local/input_file.h"
@@ -50,28 +52,18 @@ constexpr Magic kExtensions[] = {
     {".stl"sv, "an STL file", kWithMeshTool},
 };
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const Magic& magic) {
-  fail("{}: is {}, which pointsweep does not read; {}.", path.string(), magic.what, magic.remedy);
+/// Returns the description of a file that begins with `head` if it is of a known format that is not read; null for all
+/// other files.
+const Magic* foreign_format(const std::filesystem::path& path, std::string_view head) {
+  for (const Magic& magic : kMagics)
+    if (head.starts_with(magic.bytes)) return &magic;
+  for (const Magic& magic : kExtensions)
+    if (extension_of(path) == magic.bytes) return &magic;
+  return nullptr;
 }
 
-/// Throws Error for a file that begins with `head` if it is of a known format that is not read, or binary. The message
-/// names the format and a remedy. For a binary file, it lists the formats with signatures, `known` ("A, B nor C"), and
-/// the formats that a user can choose, `asked_for` ("a or b", Format::asked_for_as). Returns for all other files.
-void refuse_foreign_format(const std::filesystem::path& path, std::string_view head, std::string_view known,
-                           std::string_view asked_for) {
-  for (const Magic& magic : kMagics) {
-    if (head.starts_with(magic.bytes)) refuse(path, magic);
-  }
-  for (const Magic& magic : kExtensions) {
-    if (extension_of(path) == magic.bytes) refuse(path, magic);
-  }
-  const std::size_t zero = head.find('\0');
-  if (zero != head.npos) {
-    fail(
-        "{}: is binary (byte {} is 0) but neither {}; convert it to one of these, or, if it is nothing but float32 "
-        "records, name their format with --format {}.",
-        path.string(), zero, known, asked_for);
-  }
+bool is_foreign(const std::filesystem::path& path, std::string_view head) {
+  return foreign_format(path, head) != nullptr || head.find('\0') != head.npos;
 }
 
 constexpr std::array kFormats{&kPlyFormat,    &kLasFormat,   &kLazFormat,     &kCopcFormat, &kPcdFormat,
@@ -87,6 +79,10 @@ bool is_read_as_points(const Format& format) {
 }
 bool has_extension(const Format& format, std::string_view extension) {
   return std::ranges::find(format.extensions, extension) != format.extensions.end();
+}
+/// Returns whether files with the extension are read as points of the format without --format.
+bool is_read_by_extension(const Format& format, std::string_view extension) {
+  return is_read_as_points(format) && format.asked_for_as.empty() && has_extension(format, extension);
 }
 
 /// Returns the format that --format NAME means; null for "" and for other words.
@@ -148,43 +144,37 @@ std::string names_of(Chosen chosen, std::string_view last) {
   std::vector<std::string_view> names;
   for (const Format* format : kFormats)
     if (chosen(*format) && std::ranges::find(names, format->name) == names.end()) names.push_back(format->name);
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (i != 0) text += i + 1 == names.size() ? last : ", ";
-    text += names[i];
-  }
-  return text;
+  const std::string_view end = names.empty() ? "" : names.back();
+  if (!names.empty()) names.pop_back();
+  return fmt::format("{}{}{}", fmt::join(names, ", "), names.empty() ? "" : last, end);
 }
 
 std::string names_asked_for(std::string_view separator) {
-  std::string names;
+  std::vector<std::string_view> names;
   for (const Format* format : kFormats)
-    if (!format->asked_for_as.empty())
-      names += fmt::format("{}{}", names.empty() ? "" : separator, format->asked_for_as);
-  return names;
+    if (!format->asked_for_as.empty()) names.push_back(format->asked_for_as);
+  return fmt::format("{}", fmt::join(names, separator));
 }
 
-/// Returns the names of the formats with a signature that are read, for refuse_foreign_format().
-std::string formats_with_signature() {
-  return names_of([](const Format& f) { return is_read_as_points(f) && f.is; }, " nor ");
-}
-
-bool is_foreign(const std::filesystem::path& path, std::string_view head) {
-  try {
-    refuse_foreign_format(path, head, "", "");
-    return false;
-  } catch (const Error&) {
-    return true;
-  }
+/// Throws Error for a file that begins with `head` if it is of a known format that is not read, or binary. The message
+/// names the format and a remedy; for a binary file, the formats with signatures and those that a user can choose.
+void refuse_foreign_format(const std::filesystem::path& path, std::string_view head) {
+  if (const Magic* const magic = foreign_format(path, head))
+    fail("{}: is {}, which pointsweep does not read; {}.", path.string(), magic->what, magic->remedy);
+  const std::size_t zero = head.find('\0');
+  if (zero == head.npos) return;
+  fail(
+      "{}: is binary (byte {} is 0) but neither {}; convert it to one of these, or, if it is nothing but float32 "
+      "records, name their format with --format {}.",
+      path.string(), zero, names_of([](const Format& f) { return is_read_as_points(f) && f.is; }, " nor "),
+      names_asked_for(" or "));
 }
 
 /// Returns whether a file with this extension has points. Objects of a bucket are not opened to find out, since each
 /// would cost a request.
 bool is_named_as_points(const std::string& extension, std::string_view format_name) {
   if (format_asked_for(format_name) != nullptr && extension == ".bin") return true;
-  return std::ranges::any_of(kFormats, [&](const Format* format) {
-    return is_read_as_points(*format) && format->asked_for_as.empty() && has_extension(*format, extension);
-  });
+  return std::ranges::any_of(kFormats, [&](const Format* f) { return is_read_by_extension(*f, extension); });
 }
 
 void warn_of_lost_crs(const Format& format, const OutputPlan& plan, Writer& writer) {
@@ -197,12 +187,10 @@ void warn_of_lost_crs(const Format& format, const OutputPlan& plan, Writer& writ
 }
 
 std::string row_of(const Format& format) {
-  std::string extensions;
-  for (const std::string_view extension : format.extensions)
-    extensions += fmt::format("{}{}", extensions.empty() ? "" : " ", extension);
   const bool points = format.content == Format::Content::points;
   const auto answer = [&](bool yes) { return points ? (yes ? "yes" : "no") : ""; };
-  if (!extensions.empty()) extensions = fmt::format("`{}`", extensions);
+  const std::string extensions =
+      format.extensions.empty() ? "" : fmt::format("`{}`", fmt::join(format.extensions, " "));
   return fmt::format("| {}{} | {} | {} | {} | {} | {} | {} |\n", format.title,
                      format.details.empty() ? "" : fmt::format(" ([details]({}))", format.details), format.reads,
                      format.writes, extensions, answer(format.holds_crs), answer(format.holds_provenance),
@@ -210,6 +198,12 @@ std::string row_of(const Format& format) {
 }
 
 }  // namespace
+
+#if POINTSWEEP_CODECS
+bool has_codecs() { return true; }
+#else
+bool has_codecs() { return false; }
+#endif
 
 std::span<const Format* const> formats() { return kFormats; }
 
@@ -245,11 +239,8 @@ const Format& point_format_of_output(const std::filesystem::path& output) {
   const Format* const format = format_of_output(output);
   if (format != nullptr && is_written_as_points(*format)) return *format;
   const std::string extension = extension_of(output);
-  std::string known;
-  for (const std::string_view other : writable_extensions())
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", other);
   fail_usage("{}: cannot write {}; use {}{}.", output.string(),
-             extension.empty() ? "a file without an extension" : extension, known,
+             extension.empty() ? "a file without an extension" : extension, fmt::join(writable_extensions(), ", "),
              extension.empty() ? ", or end the name of a folder of outputs with '/'" : "");
 }
 
@@ -301,7 +292,7 @@ std::unique_ptr<Reader> open_reader(const std::filesystem::path& named, std::str
     return asked->open(path);
   for (const Format* format : kFormats)
     if (is_read_as_points(*format) && format->is != nullptr && format->is(head)) return format->open(path);
-  refuse_foreign_format(path, head, formats_with_signature(), names_asked_for(" or "));
+  refuse_foreign_format(path, head);
   const std::vector<std::string> columns = stated_columns(format_name);
   for (const Format* format : kFormats) {
     if (!is_read_as_points(*format) || format->is != nullptr || !format->asked_for_as.empty()) continue;
@@ -319,9 +310,7 @@ bool is_point_file(const std::filesystem::path& path, std::string_view format_na
   const InputFile file(path);
   if (format_asked_for(format_name) != nullptr && extension == ".bin") return true;
   for (const Format* format : kFormats)
-    if (is_read_as_points(*format) && format->asked_for_as.empty() && has_extension(*format, extension) &&
-        (format->is != nullptr || file.size() == 0))
-      return true;
+    if (is_read_by_extension(*format, extension) && (format->is != nullptr || file.size() == 0)) return true;
   const std::string head = head_of(file);
   for (const Format* format : kFormats)
     if (is_read_as_points(*format) && format->is != nullptr && format->is(head)) return true;

@@ -6,7 +6,6 @@
 #include <span>
 
 #include "pointsweep/formats/format.h"
-#include "pointsweep/points/lower_case.h"
 #include "pointsweep/program/formats.h"
 
 namespace pointsweep {

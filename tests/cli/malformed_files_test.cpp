@@ -2,8 +2,7 @@
 /// Runs over every broken or odd file of $POINTSWEEP_DATA/malformed: each gives a whole output or one error sentence.
 #include <set>
 
-#include "pointsweep/formats/e57/e57_file.h"
-#include "pointsweep/formats/las/laz_layout.h"
+#include "pointsweep/formats/format.h"
 #include "pointsweep/program/quantities.h"
 #include "tests/cli/tool.h"
 #include "tests/support/data_folder.h"
@@ -132,9 +131,9 @@ TEST_F(MalformedFiles, GiveAWholeOutputOrOneSentence) {
   for (Outcome outcome : kOutcomes) {
     SCOPED_TRACE(outcome.file);
     const bool laz = std::string_view(outcome.file).ends_with(".laz");
-    if (laz && !has_laz() && outcome.sentence == nullptr) outcome.sentence = "is compressed (LAZ)";
+    if (laz && !has_codecs() && outcome.sentence == nullptr) outcome.sentence = "is compressed (LAZ)";
     const bool e57 = std::string_view(outcome.file).ends_with(".e57");
-    if (e57 && !has_e57()) outcome.sentence = "is an E57 file, and this pointsweep was built without";
+    if (e57 && !has_codecs()) outcome.sentence = "is an E57 file, and this pointsweep was built without";
     expect(outcome);
     EXPECT_LE(std::distance(std::filesystem::directory_iterator(folder_), {}), 5) << "hidden files were left";
   }

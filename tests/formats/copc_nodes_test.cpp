@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
+#include "pointsweep/formats/format.h"
 #include "tests/support/scratch_in_memory.h"
 
 namespace pointsweep {
@@ -19,7 +20,7 @@ constexpr std::size_t kRecordBytes = 30;  // point format 6
 class CopcNodesOfPoints : public testing::Test {
  protected:
   void SetUp() override {
-    if (!has_laz()) GTEST_SKIP() << "this build has no LAZ codec";
+    if (!has_codecs()) GTEST_SKIP() << "this build has no LAZ codec";
     laz_ = LazLayout::for_format(6, 0, LazLayout::kVariable, "a.copc.laz");
   }
   CopcNodes nodes(std::uint64_t memory, std::uint64_t most_node_bytes) {

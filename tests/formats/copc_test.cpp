@@ -14,7 +14,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_reader.h"
-#include "pointsweep/formats/las/laz_layout.h"
+#include "pointsweep/formats/las/laz_codec.h"
 #include "pointsweep/points/schema.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/temporary_folder.h"
@@ -39,7 +39,7 @@ std::string page_entry(std::int32_t level, std::int32_t x, std::int32_t y, std::
 class Copc : public testing::Test {
  protected:
   void SetUp() override {
-    if (!has_laz()) GTEST_SKIP() << "built without codecs";
+    if (!has_codecs()) GTEST_SKIP() << "built without codecs";
     las_test::File file;
     file.minor = 4;
     file.format = 6;
@@ -98,7 +98,8 @@ class Copc : public testing::Test {
     const auto& warnings = reader->info().warnings;
     EXPECT_EQ(std::ranges::count_if(warnings,
                                     [&](const std::string& w) {
-                                      return w.find("the hierarchy of the COPC file was ignored: ") == 0 &&
+                                      return w.find(": the hierarchy of the COPC file was ignored: ") !=
+                                                 std::string::npos &&
                                              w.find(reason) != std::string::npos;
                                     }),
               1)
@@ -202,7 +203,7 @@ TEST_F(Copc, AnInfoWithoutASizeIsIgnored) {
 
 TEST(CopcData, PointsOfAChunkLieInTheBoxOfItsNode) {
   if (!std::filesystem::exists(data_folder() / "lidar")) GTEST_SKIP() << "no real data in " << data_folder();
-  if (!has_laz()) GTEST_SKIP() << "built without codecs";
+  if (!has_codecs()) GTEST_SKIP() << "built without codecs";
   for (const char* name : {"lidar/laspy/simple_with_page.copc.laz", "lidar/pdal/copc/1.2-with-color.copc.laz",
                            "lidar/las-rs/autzen.copc.laz", "models/potree_lion/lion_takanawa.copc.laz"}) {
     SCOPED_TRACE(name);

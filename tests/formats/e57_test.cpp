@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/formats/e57/e57_file.h"
 #include "pointsweep/formats/e57/e57_format.h"
+#include "pointsweep/formats/format.h"
 #include "tests/formats/e57_test_file.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/support/data_folder.h"
@@ -27,7 +27,7 @@ using e57_test::singles;
 class E57 : public testing::Test {
  protected:
   void SetUp() override {
-    if (!has_e57()) GTEST_SKIP() << "built without codecs";
+    if (!has_codecs()) GTEST_SKIP() << "built without codecs";
   }
 
   std::unique_ptr<Reader> opened(const std::string& bytes) {
@@ -211,7 +211,7 @@ TEST_F(E57, TruncatedAndDamagedFilesAreErrorsNotCrashes) {
 TEST(E57Data, HasThePointsOfTheInventory) {
   const std::filesystem::path scans = data_folder() / "scans";
   if (!std::filesystem::exists(scans)) GTEST_SKIP() << "no real data in " << data_folder();
-  if (!has_e57()) GTEST_SKIP() << "built without codecs";
+  if (!has_codecs()) GTEST_SKIP() << "built without codecs";
   const std::pair<const char*, std::uint64_t> files[] = {
       {"libE57Format/reference/bunnyDouble.e57", 30571},
       {"libE57Format/self/ColouredCubeDouble.e57", 7680},

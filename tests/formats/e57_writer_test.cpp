@@ -13,8 +13,8 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/e57/e57_columns.h"
 #include "pointsweep/formats/e57/e57_format.h"
+#include "pointsweep/formats/format.h"
 #include "pointsweep/formats/provenance.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
@@ -25,7 +25,7 @@ namespace {
 class E57Writing : public testing::Test {
  protected:
   void SetUp() override {
-    if (!has_e57()) GTEST_SKIP() << "built without codecs";
+    if (!has_codecs()) GTEST_SKIP() << "built without codecs";
   }
 
   OutputPlan plan(std::uint64_t count) const {

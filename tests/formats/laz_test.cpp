@@ -13,7 +13,7 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_reader.h"
-#include "pointsweep/formats/las/laz_layout.h"
+#include "pointsweep/formats/las/laz_codec.h"
 #include "tests/formats/las_test_file.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/support/data_folder.h"
@@ -59,7 +59,7 @@ void copy_points(const std::filesystem::path& from, const std::filesystem::path&
 class Laz : public testing::Test {
  protected:
   void SetUp() override {
-    if (!has_laz()) GTEST_SKIP() << "built without codecs";
+    if (!has_codecs()) GTEST_SKIP() << "built without codecs";
   }
 
   /// Returns a compressed file of two chunks, of which the second is not full.
@@ -218,7 +218,7 @@ TEST_F(Laz, TruncatedAndDamagedFilesAreErrorsNotCrashes) {
 TEST(LazData, HasTheRecordsOfTheSameFileAsLas) {
   const std::filesystem::path lidar = data_folder() / "lidar";
   if (!std::filesystem::exists(lidar)) GTEST_SKIP() << "no real data in " << data_folder();
-  if (!has_laz()) GTEST_SKIP() << "built without codecs";
+  if (!has_codecs()) GTEST_SKIP() << "built without codecs";
   const std::pair<const char*, const char*> pairs[] = {
       {"laz-perf/1815.las", "laz-perf/1815.laz"},
       {"laz-perf/extrabytes.las", "laz-perf/extrabytes.laz"},
@@ -244,7 +244,7 @@ TEST(LazData, EveryFileIsReadToItsEnd) {
     if (entry.path().extension() != ".laz" || entry.path().filename() == "bad-ellipsoid.copc.laz") continue;
     SCOPED_TRACE(entry.path());
     ++files;
-    if (has_laz()) {
+    if (has_codecs()) {
       EXPECT_NO_THROW(record_text_of(entry.path()));
     } else {
       const std::string sentence = sentence_of<Error>([&] { open_las(entry.path()); });

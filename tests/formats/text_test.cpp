@@ -11,7 +11,6 @@
 #include "pointsweep/error.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/formats/text/text_format.h"
-#include "pointsweep/formats/text/text_layout.h"
 #include "tests/formats/point_files.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/support/fixed_seed.h"

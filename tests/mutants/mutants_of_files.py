@@ -91,10 +91,10 @@ MUTANTS = [
            ("formats:FiniteRows.*",)),
 
     # Files that must not be lost
-    Mutant("hard links to an input are other files", "files", "pointsweep/formats/separate_files.cpp",
-           "by_inode_.try_emplace({status.st_dev, status.st_ino}, path);", "(void)by_inode_;",
+    Mutant("hard links to an input are other files", "files", "pointsweep/formats/cloud/input_list.cpp",
+           "by_identity_.try_emplace(*identity, path);", "(void)by_identity_;",
            ("cli:SharedOptions.*", "cli:Usage.*")),
-    Mutant("an output may be another output", "files", "pointsweep/formats/separate_files.cpp",
+    Mutant("an output may be another output", "files", "pointsweep/formats/cloud/input_list.cpp",
            "    outputs.add(output);", "",
            ("pipeline:Refused.*", "cli:Usage.*", "cli:RunVerb.*")),
     Mutant("a cancelled or failed run leaves its unfinished output", "files", "pointsweep/storage/local/output_file.cpp",
@@ -120,12 +120,12 @@ MUTANTS = [
            "if (length == 7) length += next();", "if (length == 7) next();", ("formats:Pcd.*",)),
 
     # LAZ
-    Mutant("a chunk goes on where it was left though an earlier row is asked for", "formats", FORMATS + "las/laz_points.cpp",
+    Mutant("a chunk goes on where it was left though an earlier row is asked for", "formats", FORMATS + "las/laz_codec.cpp",
            "open_->chunk() == all[0].chunk && open_->next() <= all[0].first", "open_->chunk() == all[0].chunk",
            ("formats:Laz.*",)),
-    Mutant("a chunk left in its middle is not skipped to the row asked for", "formats", FORMATS + "las/laz_points.cpp",
+    Mutant("a chunk left in its middle is not skipped to the row asked for", "formats", FORMATS + "las/laz_codec.cpp",
            "decoders[i]->skip_to(piece.first);", "decoders[i]->skip_to(std::min<std::uint64_t>(piece.first, 0));", ("formats:Laz.*",)),
-    Mutant("a chunk table may have any number of chunks", "formats", FORMATS + "las/laz_points.cpp",
+    Mutant("a chunk table may have any number of chunks", "formats", FORMATS + "las/laz_codec.cpp",
            "chunks != (count - 1) / each + 1", "chunks > (count - 1) / each + 1", ("formats:Laz.*",)),
     Mutant("pages of a COPC hierarchy may lead in circles", "formats", FORMATS + "las/copc_layout.cpp",
            "!seen_.insert(offset).second || bytes > file_.size() - read_", "(seen_.insert(offset).second && bytes > file_.size() - read_)",
@@ -135,7 +135,7 @@ MUTANTS = [
            "points_.first_row(low + 1) - points_.first_row(low) > 0", ("formats:Copc*",)),
     Mutant("nodes of a COPC file are half as large", "formats", FORMATS + "las/copc_layout.cpp",
            "const double side = 2 * info_.half_size /", "const double side = info_.half_size /", ("formats:Copc*",)),
-    Mutant("the last chunk of a LAZ output is left out if it is not full", "formats", FORMATS + "las/laz_writer.cpp",
+    Mutant("the last chunk of a LAZ output is left out if it is not full", "formats", FORMATS + "las/las_writer.cpp",
            "compressed((batch_.size() + chunk - 1) / chunk)", "compressed(batch_.size() / chunk)", ("formats:Laz.*",)),
     Mutant("the LASzip VLR of the input stays in a LAS output", "formats", FORMATS + "las/las_pieces.cpp",
            "{vlrs.laszip, vlrs.copc}", "{vlrs.copc, vlrs.copc}", ("formats:Laz.*",)),

@@ -6,11 +6,12 @@
 #include <filesystem>
 #include <random>
 
-#include "pointsweep/formats/las/laz_points.h"
+#include "pointsweep/formats/format.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/program/generate.h"
+#include "pointsweep/shapes/registry.h"
 #include "tests/pipeline/in_memory.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/data_folder.h"
@@ -218,7 +219,7 @@ TEST(RealScans, HaveExactNeighbors) {
 TEST(RealScans, CopcNodesPutInOrderOnDemandGiveTheBytesOfADistribution) {
   const std::filesystem::path file = data_folder() / "models/potree_lion/lion_takanawa.copc.laz";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no real data in " << data_folder();
-  if (!has_laz()) GTEST_SKIP() << "built without codecs";
+  if (!has_codecs()) GTEST_SKIP() << "built without codecs";
   InputCloud cloud({file});
   std::vector<RowBox> boxes;
   EXPECT_EQ(cloud.stated_boxes(boxes), nullptr);

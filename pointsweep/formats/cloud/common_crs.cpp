@@ -59,7 +59,7 @@ CommonCrs stated_crs(const std::vector<std::shared_ptr<Reader>>& readers, const 
 CommonCrs common_crs(const std::vector<std::shared_ptr<Reader>>& readers, bool ignore) {
   CommonCrs common;
   const auto states = [](const auto& reader) { return reader->info().crs.has_value(); };
-  const auto first_with = std::find_if(readers.begin(), readers.end(), states);
+  const auto first_with = std::ranges::find_if(readers, states);
   if (first_with == readers.end()) return common;
   const FileInfo& first = (*first_with)->info();
   common.crs = first.crs;

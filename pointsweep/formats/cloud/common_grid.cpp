@@ -46,8 +46,7 @@ class AxisGrid {
   explicit AxisGrid(std::vector<AxisOfInput> inputs) : inputs_(std::move(inputs)) {}
 
   bool find() {
-    if (!std::all_of(inputs_.begin(), inputs_.end(), [](const AxisOfInput& i) { return is_grid(i.field); }))
-      return false;
+    if (!std::ranges::all_of(inputs_, [](const AxisOfInput& i) { return is_grid(i.field); })) return false;
     scale = inputs_.front().field.scale;
     for (const AxisOfInput& input : inputs_) scale = std::min(scale, input.field.scale);
     for (const AxisOfInput& input : inputs_) {
@@ -69,8 +68,7 @@ class AxisGrid {
     std::vector<double> offsets;
     double lo = std::numeric_limits<double>::infinity(), hi = -lo;
     for (const AxisOfInput& input : inputs_) {
-      if (std::find(offsets.begin(), offsets.end(), input.field.bias) == offsets.end())
-        offsets.push_back(input.field.bias);
+      if (std::ranges::find(offsets, input.field.bias) == offsets.end()) offsets.push_back(input.field.bias);
       lo = std::min(lo, input.lo);
       hi = std::max(hi, input.hi);
     }

@@ -2,7 +2,6 @@
 #include "pointsweep/formats/cloud/common_schema.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/points/color_depth.h"
@@ -25,48 +24,23 @@ Schema on_grid(Schema schema, const LasQuantization& grid) {
   return schema;
 }
 
-struct IntegerRange {
-  double lo, hi;
-};
-
-/// Returns the range of integers of a field; nothing if it is scaled or floating.
-std::optional<IntegerRange> integers_of(const Field& field) {
-  if (field.scale != 1 || field.bias != 0) return std::nullopt;
-  if (field.bit_width != 0) return IntegerRange{0, std::ldexp(1.0, field.bit_width) - 1};
-  const int bits = static_cast<int>(8 * size_of(field.type));
-  switch (field.type) {
-    case Type::u8:
-    case Type::u16:
-    case Type::u32:
-    case Type::u64:
-      return IntegerRange{0, std::ldexp(1.0, bits) - 1};
-    case Type::i8:
-    case Type::i16:
-    case Type::i32:
-    case Type::i64:
-      return IntegerRange{-std::ldexp(1.0, bits - 1), std::ldexp(1.0, bits - 1) - 1};
-    default:
-      return std::nullopt;
-  }
-}
-
 bool is_plain_float(const Field& field) { return field.type == Type::f32 && field.is_plain(); }
 
 /// Returns whether a float holds every value of the field.
 bool fits_float(const Field& field) {
-  const auto integers = integers_of(field);
-  return is_plain_float(field) || (integers && integers->lo >= -16777216 && integers->hi <= 16777216);
+  return is_plain_float(field) || (has_whole_numbers(field) && range_of_type(field).within(-16777216, 16777216));
 }
 
 /// Returns the smallest type that holds every value of both fields; float64 if there is none.
 Type common_type(const Field& a, const Field& b) {
-  const auto p = integers_of(a), q = integers_of(b);
-  if (!p || !q) return fits_float(a) && fits_float(b) ? Type::f32 : Type::f64;
+  if (!has_whole_numbers(a) || !has_whole_numbers(b)) return fits_float(a) && fits_float(b) ? Type::f32 : Type::f64;
+  ValueRange both = range_of_type(a);
+  both.include(range_of_type(b));
   for (const Type type : {Type::u8, Type::i8, Type::u16, Type::i16, Type::u32, Type::i32, Type::u64, Type::i64}) {
     Field whole;
     whole.type = type;
-    const IntegerRange range = *integers_of(whole);
-    if (range.lo <= std::min(p->lo, q->lo) && range.hi >= std::max(p->hi, q->hi)) return type;
+    const ValueRange range = range_of_type(whole);
+    if (both.within(range.lo, range.hi)) return type;
   }
   return Type::f64;
 }
@@ -81,7 +55,7 @@ Field unpacked(const Field& field) {
   out.offset = 0;
   if (field.bit_width == 0) return out;
   out.bit_shift = out.bit_width = 0;
-  if (const auto range = integers_of(field); range && range->hi <= 255) out.type = Type::u8;
+  if (has_whole_numbers(field) && range_of_type(field).hi <= 255) out.type = Type::u8;
   return out;
 }
 
@@ -224,7 +198,7 @@ CommonSchema common_schema(const Readers& readers) {
     schemas.push_back(grid ? on_grid(schema, grid->grid) : schema);
   }
   common.schema = schemas.front();
-  if (std::all_of(schemas.begin(), schemas.end(), [&](const Schema& s) { return s == common.schema; })) {
+  if (std::ranges::all_of(schemas, [&](const Schema& s) { return s == common.schema; })) {
     for (const Field& field : common.schema.fields) common.ranges.push_back(range_of_type(field));
     return common;
   }

@@ -96,7 +96,7 @@ void InputCloud::begin(CloudOptions options) {
   warnings_.insert(warnings_.end(), missing_attributes_.begin(), missing_attributes_.end());
   const PositionFields p = position_fields(schema_, readers_.front()->info().path.string());
   if (las && p.x.type == Type::i32)  // the common grid of the inputs may have another offset
-    las->grid = {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
+    las->grid = grid_of(p);
   if (las) las_ = std::make_shared<const LasOrigin>(*las);
   count_rows();
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+/// The files that arguments stand for, and arguments that name the same file (files.h).
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -251,15 +252,68 @@ class Lister {
   std::map<Identity, Seen> seen_;
 };
 
+/// Returns the path without links, `.` and `..`, as far as the path exists.
+fs::path canonical_form(const fs::path& path) {
+  if (is_url(path)) return path;
+  std::error_code error;
+  const fs::path canonical = fs::weakly_canonical(fs::absolute(path, error), error);
+  return error ? path.lexically_normal() : canonical;
+}
+
+/// Returns a text for messages: "b.las", or "./b.las (b.las)" if the paths are spelled differently.
+std::string both_names(const fs::path& named, const fs::path& other) {
+  return named == other ? named.string() : fmt::format("{} ({})", named.string(), other.string());
+}
+
+/// A set of files, found by identity or canonical path. Each file keeps the path by which it was first named.
+class KnownFiles {
+ public:
+  /// Returns the known path that leads to the same file as `path`; null if the set does not hold the file.
+  const fs::path* find(const fs::path& path) const {
+    if (const std::optional<Identity> identity = identity_of(path))
+      if (const auto known = by_identity_.find(*identity); known != by_identity_.end()) return &known->second;
+    const auto known = by_path_.find(canonical_form(path));
+    return known == by_path_.end() ? nullptr : &known->second;
+  }
+  void add(const fs::path& path) {
+    if (const std::optional<Identity> identity = identity_of(path)) by_identity_.try_emplace(*identity, path);
+    by_path_.try_emplace(canonical_form(path), path);
+  }
+
+ private:
+  std::map<Identity, fs::path> by_identity_;
+  std::map<fs::path, fs::path> by_path_;
+};
+
 }  // namespace
 
 InputList list_inputs(const std::vector<fs::path>& named, bool recursive, const std::string& format) {
   return Lister(recursive, format).run(named);
 }
 
+void require_separate_files(const std::vector<fs::path>& read, const std::vector<fs::path>& written) {
+  KnownFiles inputs, outputs;
+  for (const fs::path& input : read)
+    if (!input.empty() && !is_standard_stream(input)) inputs.add(input);
+  bool to_stream = false;
+  for (const fs::path& output : written) {
+    if (output.empty()) continue;
+    if (is_standard_output(output)) {
+      if (std::exchange(to_stream, true)) fail_usage("-: is named for two outputs; give each its own file.");
+      continue;
+    }
+    if (const fs::path* input = inputs.find(output))
+      fail_usage("{}: is an input, and an input is never overwritten; write to another file.",
+                 both_names(output, *input));
+    if (const fs::path* other = outputs.find(output))
+      fail_usage("{}: is named for two outputs; give each its own file.", both_names(output, *other));
+    outputs.add(output);
+  }
+}
+
 bool stands_for_files(const fs::path& path) { return kind_of(known_place(path)) != ArgumentKind::file; }
 
-std::filesystem::path tile_name(const std::filesystem::path& relative, const std::string& format) {
+fs::path tile_name(const fs::path& relative, const std::string& format) {
   if (format.empty()) return relative;
   const std::string name = relative.filename().string();
   return relative.parent_path() / (name.substr(0, name.size() - extension_of(relative).size()) + format);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/e57/e57_columns.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include <set>
 #include <utility>
 
+#include "pointsweep/formats/e57/e57_format.h"
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/points/with_type.h"
 
@@ -29,10 +28,6 @@ constexpr std::array<std::string_view, 1> kRow{"row"}, kColumn{"column"}, kInten
 std::string stored_name_of(std::string_view ours) {
   const E57Name& name = *std::ranges::find(kE57Names, ours, &E57Name::ours);
   return name.extension.empty() ? std::string(name.theirs) : fmt::format("{}:{}", name.extension, name.theirs);
-}
-
-bool is_integer(const Field& field) {
-  return field.type != Type::f32 && field.type != Type::f64 && field.scale == 1 && field.bias == 0;
 }
 
 /// Returns the range of the integers of a field; for unsigned 64-bit fields, the lower half of the range.
@@ -54,7 +49,7 @@ E57Attribute attribute_for(const Field& field, std::string name) {
   E57Attribute a{.name = std::move(name)};
   if (field.type == Type::f32 && field.is_plain()) a.kind = Kind::single;
   if (field.type == Type::f32 || field.type == Type::f64) return a;
-  a.kind = is_integer(field) ? Kind::integer : Kind::scaled_integer;
+  a.kind = has_whole_numbers(field) ? Kind::integer : Kind::scaled_integer;
   std::tie(a.least, a.most) = range_of(field);
   a.scale = field.scale;
   a.offset = field.bias;
@@ -88,9 +83,9 @@ std::vector<std::string> standard_names(const Schema& schema) {
   name_group(schema, kPosition, any, names);
   name_group(schema, kColors, any, names);
   name_group(schema, kNormal, any, names);
-  name_group(schema, kReturns, is_integer, names);
-  name_group(schema, kRow, is_integer, names);
-  name_group(schema, kColumn, is_integer, names);
+  name_group(schema, kReturns, has_whole_numbers, names);
+  name_group(schema, kRow, has_whole_numbers, names);
+  name_group(schema, kColumn, has_whole_numbers, names);
   name_group(schema, kIntensity, any, names);
   name_group(schema, kTime, any, names);
   return names;

@@ -81,8 +81,6 @@ double bits_of(const E57Scan& scan) {
 
 }  // namespace
 
-bool has_e57() { return true; }
-
 E57File::E57File(const std::filesystem::path& path) : file_(std::make_unique<const InputFile>(path)) {
   psc_error error;
   psc_e57* codec = nullptr;
@@ -121,8 +119,6 @@ void E57File::Points::read(std::span<std::uint64_t> values) {
 }
 
 #else
-
-bool has_e57() { return false; }
 
 E57File::E57File(const std::filesystem::path& path) {
   fail(

@@ -77,7 +77,4 @@ class E57File {
   std::string coordinate_system_;
 };
 
-/// Returns whether this library was built with codecs.
-bool has_e57();
-
 }  // namespace pointsweep

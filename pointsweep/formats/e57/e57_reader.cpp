@@ -15,7 +15,6 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/e57/e57_columns.h"
 #include "pointsweep/formats/e57/e57_file.h"
 #include "pointsweep/formats/e57/e57_format.h"
 #include "pointsweep/formats/provenance.h"
@@ -33,6 +32,9 @@ std::string name_of(const std::string& e57) {
                                   [&](const E57Name& name) { return name.theirs == e57; });
   return known == std::end(kE57Names) ? e57 : std::string(known->ours);
 }
+
+constexpr std::array<std::string_view, 3> kCartesian{"cartesianX", "cartesianY", "cartesianZ"},
+    kSpherical{"sphericalRange", "sphericalAzimuth", "sphericalElevation"};
 
 std::optional<std::size_t> find(const E57Scan& scan, std::string_view name) {
   const auto found = std::ranges::find(scan.attributes, name, &E57Attribute::name);
@@ -55,17 +57,6 @@ Type integer_type(std::int64_t least, std::int64_t most) {
   if (holds(std::int16_t{})) return Type::i16;
   if (holds(std::int32_t{})) return Type::i32;
   return Type::i64;
-}
-
-/// Returns the lines of provenance in the description of a scan.
-std::vector<std::string> provenance_of(std::string_view description) {
-  std::vector<std::string> lines;
-  while (!description.empty()) {
-    const std::string_view line = description.substr(0, description.find('\n'));
-    if (auto made = provenance_line(line)) lines.push_back(std::move(*made));
-    description.remove_prefix(std::min(description.size(), line.size() + 1));
-  }
-  return lines;
 }
 
 /// An attribute of one or more scans, which becomes one field.
@@ -103,7 +94,7 @@ class E57Reader : public Reader {
       Crs crs = crs_of_wkt(file_.coordinate_system());
       if (crs.kind != CrsKind::unknown || !crs.name.empty()) info_.crs = std::move(crs);
     }
-    for (const E57Scan& scan : file_.scans()) add_provenance(info_.provenance, provenance_of(scan.description));
+    for (const E57Scan& scan : file_.scans()) add_provenance(info_.provenance, provenance_in(scan.description));
     if (file_.images() != 0)
       info_.warnings.push_back(
           fmt::format("its {} image{} left out.", file_.images(), file_.images() == 1 ? " is" : "s are"));
@@ -162,20 +153,18 @@ class E57Reader : public Reader {
   bool has_scan_numbers() const { return file_.scans().size() == 1 && find(file_.scans().front(), "scan"); }
 
   static bool is_cartesian(const E57Scan& scan) {
-    return find(scan, "cartesianX") && find(scan, "cartesianY") && find(scan, "cartesianZ");
+    return std::ranges::all_of(kCartesian, [&](std::string_view name) { return find(scan, name).has_value(); });
   }
   static bool is_position(const E57Scan& scan, std::string_view name) {
-    if (is_cartesian(scan)) return name == "cartesianX" || name == "cartesianY" || name == "cartesianZ";
-    return name == "sphericalRange" || name == "sphericalAzimuth" || name == "sphericalElevation";
+    const auto& position = is_cartesian(scan) ? kCartesian : kSpherical;
+    return std::ranges::find(position, name) != position.end();
   }
 
   Columns columns_of(const E57Scan& scan) const {
     Columns columns;
     columns.spherical = !is_cartesian(scan);
-    const char* const cartesian[] = {"cartesianX", "cartesianY", "cartesianZ"};
-    const char* const spherical[] = {"sphericalRange", "sphericalAzimuth", "sphericalElevation"};
     for (std::size_t axis = 0; axis < 3 && scan.points > 0; ++axis) {
-      const auto found = find(scan, columns.spherical ? spherical[axis] : cartesian[axis]);
+      const auto found = find(scan, (columns.spherical ? kSpherical : kCartesian)[axis]);
       if (!found)
         fail("{}: scan {} has neither Cartesian nor spherical coordinates.", info_.path.string(), columns_.size() + 1);
       columns.position[axis] = *found;

@@ -10,8 +10,9 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/e57/e57_columns.h"
 #include "pointsweep/formats/e57/e57_format.h"
+#include "pointsweep/formats/format.h"
+#include "pointsweep/formats/records/record_writer.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/storage/local/output_file.h"
 
@@ -61,8 +62,6 @@ E57Attribute invalid_state() {
   return {.name = "cartesianInvalidState", .kind = E57Attribute::Kind::integer, .least = 0, .most = kInvalid};
 }
 
-std::string lines_in_one(const std::vector<std::string>& lines) { return fmt::format("{}", fmt::join(lines, "\n")); }
-
 class E57Writer final : public Writer {
  public:
   explicit E57Writer(const OutputPlan& plan)
@@ -78,7 +77,7 @@ class E57Writer final : public Writer {
       if (c == 2) attributes.push_back(codec_attribute(invalid_state()));
     }
     width_ = attributes.size();
-    const std::string guid = identifier_of(plan), made = lines_in_one(plan.provenance);
+    const std::string guid = identifier_of(plan), made = fmt::format("{}", fmt::join(plan.provenance, "\n"));
     const psc_e57_about about{guid.c_str(), made.c_str(), plan.crs ? plan.crs->wkt.c_str() : ""};
     psc_error error;
     require(psc_e57_writer_create(read_back, write_out, this, attributes.data(), width_, &about, &codec_, &error),
@@ -90,8 +89,7 @@ class E57Writer final : public Writer {
 
   void write(std::span<const std::byte> records) override {
     const std::size_t stride = plan_.schema.stride, rows = records.size() / stride;
-    if (rows > plan_.count - rows_written_)
-      fail("{}: more points came than the {} that were announced.", plan_.path.string(), plan_.count);
+    require_announced(plan_, rows_written_, rows);
     for (std::size_t first = 0; first < rows; first += kBatchPoints) {
       stop_if_cancelled();
       const std::size_t n = std::min(kBatchPoints, rows - first);
@@ -105,8 +103,7 @@ class E57Writer final : public Writer {
   }
 
   void finish() override {
-    if (rows_written_ < plan_.count)
-      fail("{}: only {} of the {} points that were announced came.", plan_.path.string(), rows_written_, plan_.count);
+    require_all(plan_, rows_written_);
     psc_error error;
     require(psc_e57_writer_finish(codec_, &error), error);
     psc_e57_writer_free(codec_);
@@ -192,5 +189,36 @@ std::unique_ptr<Writer> create_e57_writer(const OutputPlan& plan) {
 }
 
 #endif
+
+namespace {
+
+constexpr std::string_view kE57Extensions[] = {".e57"};
+
+bool starts_as_e57(std::string_view head) { return head.starts_with("ASTM-E57"); }
+
+/// Returns 0 for the number of the scan and the invalid state, since an output is one scan; nothing for other names.
+std::optional<double> own_field(std::string_view name) {
+  if (name == "scan" || name == "invalid_state") return 0;
+  return std::nullopt;
+}
+
+}  // namespace
+
+const Format kE57Format = {.name = "E57",
+                           .title = "E57",
+                           .details = "#e57",
+                           .reads = "all scans as one cloud, poses applied",
+                           .writes = "one scan",
+                           .extensions = kE57Extensions,
+                           .codec = "E57",
+                           .is = starts_as_e57,
+                           .open = open_e57,
+                           .create = create_e57_writer,
+                           .holds_crs = true,
+                           .holds_provenance = true,
+                           .encoder_bytes = e57_encoder_bytes,
+                           .name_bytes = 252,
+                           .stored_name = e57_name,
+                           .own_field = own_field};
 
 }  // namespace pointsweep

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -24,20 +23,6 @@ constexpr std::int32_t kIsPage = -1;  ///< count of points of an entry that refe
 /// Returns the sort key of nodes in a page and of their chunks in the file.
 auto order_of(const Octant& octant) { return std::pair(octant.depth, first_key(octant)); }
 
-/// Calls `use` with the offset and the value of each entry of the info VLR.
-template <class Info, class Use>
-void each_entry(Info& info, const Use& use) {
-  use(0, info.center.x);
-  use(8, info.center.y);
-  use(16, info.center.z);
-  use(24, info.half_size);
-  use(32, info.spacing);
-  use(40, info.root_offset);
-  use(48, info.root_bytes);
-  use(56, info.least_time);
-  use(64, info.greatest_time);
-}
-
 void add_ancestors(std::vector<CopcNode>& nodes) {
   const auto less = [](const Octant& a, const Octant& b) { return order_of(a) < order_of(b); };
   std::set<Octant, decltype(less)> all(less);
@@ -50,12 +35,6 @@ void add_ancestors(std::vector<CopcNode>& nodes) {
       nodes.push_back({octant});
     }
   if (all.empty()) nodes.push_back({});
-}
-
-CopcInfo read_info(const InputFile& file, std::uint64_t at) {
-  std::array<std::byte, kCopcInfoBytes> bytes;
-  file.read_at(at, bytes);
-  return copc_info_of(bytes);
 }
 
 /// An entry of the hierarchy, as it is stored.
@@ -168,35 +147,29 @@ class Hierarchy {
 
 std::vector<std::byte> copc_info_bytes(const CopcInfo& info) {
   std::vector<std::byte> bytes(kCopcInfoBytes);
-  each_entry(info, [&](std::size_t at, const auto& entry) { std::memcpy(&bytes[at], &entry, sizeof entry); });
+  std::memcpy(bytes.data(), &info, sizeof info);
   return bytes;
-}
-
-CopcInfo copc_info_of(std::span<const std::byte> bytes) {
-  CopcInfo info;
-  each_entry(info, [&](std::size_t at, auto& entry) { std::memcpy(&entry, &bytes[at], sizeof entry); });
-  return info;
 }
 
 std::vector<std::byte> copc_hierarchy_bytes(std::vector<CopcNode> nodes) {
   add_ancestors(nodes);
   std::ranges::sort(nodes, {}, [](const CopcNode& node) { return order_of(node.octant); });
   std::vector<std::byte> bytes(nodes.size() * kCopcEntryBytes);
-  std::byte* entry = bytes.data();
-  for (const CopcNode& node : nodes) {
-    std::memcpy(entry, &node.octant.depth, 4);
-    std::memcpy(entry + 4, node.octant.at.data(), 12);
-    std::memcpy(entry + 16, &node.offset, 8);
-    std::memcpy(entry + 24, &node.bytes, 4);
-    std::memcpy(entry + 28, &node.points, 4);
-    entry += kCopcEntryBytes;
+  std::byte* place = bytes.data();
+  for (const auto& [octant, offset, size, points] : nodes) {
+    const auto at = [&](std::size_t axis) { return static_cast<std::int32_t>(octant.at[axis]); };
+    const Entry entry{
+        octant.depth, at(0), at(1), at(2), offset, static_cast<std::int32_t>(size), static_cast<std::int32_t>(points)};
+    std::memcpy(place, &entry, sizeof entry);
+    place += sizeof entry;
   }
   return bytes;
 }
 
 CopcChunks read_copc_nodes(const InputFile& file, std::uint64_t info, const LazPoints& points, std::string& why_not) {
   if (points.chunks() == 0) return {};
-  const CopcInfo about = read_info(file, info);
+  CopcInfo about;
+  file.read_at(info, std::as_writable_bytes(std::span(&about, 1)));
   Hierarchy hierarchy(file, about, points);
   why_not = hierarchy.read();
   if (!why_not.empty()) return {};

@@ -5,12 +5,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "pointsweep/formats/las/las_reader.h"
-#include "pointsweep/formats/las/laz_points.h"
+#include "pointsweep/formats/las/laz_codec.h"
 #include "pointsweep/geometry.h"
 #include "pointsweep/levels/curve_key.h"
 #include "pointsweep/math/box.h"
@@ -23,7 +22,7 @@ namespace pointsweep {
 /// Bytes of the content of the info VLR, and of an entry of the hierarchy.
 inline constexpr std::size_t kCopcInfoBytes = 160, kCopcEntryBytes = 32;
 
-/// The content of the info VLR.
+/// The content of the info VLR, as it is stored; reserved bytes follow it.
 struct CopcInfo {
   Vec3 center;
   double half_size = 0;
@@ -31,9 +30,9 @@ struct CopcInfo {
   std::uint64_t root_offset = 0, root_bytes = 0;
   double least_time = 0, greatest_time = 0;
 };
+static_assert(sizeof(CopcInfo) == 72);
+/// Returns the content of the info VLR with its reserved bytes.
 std::vector<std::byte> copc_info_bytes(const CopcInfo& info);
-/// Decodes the info VLR. `bytes`: kCopcInfoBytes of content.
-CopcInfo copc_info_of(std::span<const std::byte> bytes);
 
 /// A node of the octree and its chunk in the file. A node without points has offset and bytes 0.
 struct CopcNode {

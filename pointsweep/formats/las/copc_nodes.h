@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "pointsweep/formats/las/copc_layout.h"
-#include "pointsweep/formats/las/laz_layout.h"
+#include "pointsweep/formats/las/laz_codec.h"
 #include "pointsweep/levels/curve_key.h"
 #include "pointsweep/points/scratch.h"
 

@@ -2,9 +2,7 @@
 /// A writer of COPC: LAZ whose chunks are the nodes of an octree, the coarsest first.
 #include <algorithm>
 #include <cassert>
-#include <cstring>
 #include <functional>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,7 +11,7 @@
 #include "pointsweep/formats/las/copc_nodes.h"
 #include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_frame.h"
-#include "pointsweep/formats/las/laz_layout.h"
+#include "pointsweep/formats/las/laz_codec.h"
 #include "pointsweep/levels/levelled_records.h"
 #include "pointsweep/threads.h"
 
@@ -28,7 +26,9 @@ constexpr std::uint64_t kLeastNodeBytes = 16 << 20;
 /// Memory beyond the minimum that makes small files faster.
 constexpr std::uint64_t kUsefulBytes = 96 << 20;
 /// Number of copies of a node that are in memory while the node is sorted and compressed.
-constexpr std::uint64_t kCopiesOfNode = 3, kAnyNumberOfBytes = ~std::uint64_t{0};
+constexpr std::uint64_t kCopiesOfNode = 3;
+/// Largest size of a node of a writer that keeps all points in memory: nodes may have any size.
+constexpr std::uint64_t kAnyNumberOfBytes = ~std::uint64_t{0};
 
 /// Returns the memory that a writer of `bytes` bytes of records uses: `memory`, but at least the minimum, and at most
 /// the amount beyond which the writer gets no faster.
@@ -45,20 +45,15 @@ OutputPlan with_copc_layout(OutputPlan plan) {
   return plan;
 }
 
-class CopcWriter : public Writer {
+class CopcWriter final : public LasFamilyWriter {
  public:
   explicit CopcWriter(const OutputPlan& plan)
-      : path_(plan.path.string()),
+      : LasFamilyWriter(plan, LasPoints::nodes),
+        path_(plan.path.string()),
         progress_(plan.progress),
-        frame_(plan, LasPoints::nodes),
-        encoder_(frame_.layout(), path_),
-        statistics_(frame_.layout().header.point_format),
         memory_(useful_memory(plan.count * encoder_.record_bytes_out(), plan.encoder_bytes, thread_count())),
         most_node_bytes_(plan.scratch ? std::max(memory_, plan.encoder_bytes) / kCopiesOfNode : kAnyNumberOfBytes),
-        records_(encoder_.record_bytes_out(), record_memory(memory_), plan.scratch) {
-    bytes_written_ = frame_.bytes_written();
-    warnings_ = frame_.layout().warnings;
-  }
+        records_(encoder_.record_bytes_out(), record_memory(memory_), plan.scratch) {}
 
   void write(std::span<const std::byte> records) override {
     const std::size_t in = encoder_.record_bytes_in(), out = encoder_.record_bytes_out();
@@ -66,8 +61,7 @@ class CopcWriter : public Writer {
     for (std::size_t rows = records.size() / in, done = 0; done < rows;) {
       const std::size_t n = std::min(rows - done, kBatchOfRows);
       batch_.resize(n * out);
-      encode_rows(encoder_, frame_.layout().header.point_format, statistics_.count(), records.data() + done * in,
-                  batch_.data(), n, statistics_);
+      encode(records.data() + done * in, batch_.data(), n);
       records_.add(batch_);
       done += n;
     }
@@ -76,7 +70,7 @@ class CopcWriter : public Writer {
   void finish() override {
     frame_.require_count(statistics_.count());
     if (progress_) progress_(0);
-    records_.choose(frame_.layout().header.scale);
+    records_.choose(header().scale);
     const std::size_t record_bytes = encoder_.record_bytes_out();
     CopcNodes nodes(*frame_.layout().laz, record_bytes, memory_ / 4, most_node_bytes_,
                     records_.room().make(statistics_.count() * record_bytes / 4), path_);
@@ -91,38 +85,29 @@ class CopcWriter : public Writer {
           bytes_written_ = frame_.bytes_written();
         });
     if (progress_) progress_(added);  // may throw, so it comes before the file is complete
-    finish_file(chunks, nodes.times());
+    write_after_points(chunks, nodes.times());
   }
 
  private:
   /// Writes the chunk table, the hierarchy, the info VLR and the header.
-  void finish_file(const std::vector<CopcNode>& nodes, TimeRange times) {
+  void write_after_points(const std::vector<CopcNode>& nodes, TimeRange times) {
     std::vector<LazLayout::ChunkSize> chunks;
     std::uint64_t at = first_chunk();
     for (const CopcNode& node : nodes) {
       chunks.push_back({node.points, node.bytes});
       at += node.bytes;
     }
-    std::byte table_at[kLazOffsetBytes];
-    std::memcpy(table_at, &at, sizeof table_at);
-    frame_.put(frame_.layout().header.offset_to_points, table_at);
-    const std::vector<std::byte> table = frame_.layout().laz->write_chunk_table(chunks);
-    frame_.put(at, table);
-    at += table.size();
+    at = put_chunk_table(at, chunks);
     const std::vector<std::byte> hierarchy = copc_hierarchy_bytes(nodes);
-    const LasHeader& header = frame_.layout().header;
-    frame_.put(header.header_size + kLasVlrHeader,
-               copc_info_bytes(info_of(header, times, at + frame_.tail_bytes() + kLasEvlrHeader, hierarchy.size())));
-    if (std::string rounding = encoder_.rounding(); !rounding.empty()) add_warning(std::move(rounding));
-    frame_.finish(statistics_, at, las_evlr(kCopcUser, kCopcHierarchyRecord, "COPC hierarchy", hierarchy));
-    bytes_written_ = frame_.bytes_written();
+    frame_.put(header().header_size + kLasVlrHeader,
+               copc_info_bytes(info_of(times, at + frame_.tail_bytes() + kLasEvlrHeader, hierarchy.size())));
+    finish_file(at, las_evlr(kCopcUser, kCopcHierarchyRecord, "COPC hierarchy", hierarchy));
   }
 
-  CopcInfo info_of(const LasHeader& header, TimeRange times, std::uint64_t root_offset,
-                   std::uint64_t root_bytes) const {
+  CopcInfo info_of(TimeRange times, std::uint64_t root_offset, std::uint64_t root_bytes) const {
     const LevelGrid& grid = records_.grid();
     const double half = grid.width() * grid.unit() / 2;
-    return {.center = grid.corner(header.offset) + Vec3{half, half, half},
+    return {.center = grid.corner(header().offset) + Vec3{half, half, half},
             .half_size = half,
             .spacing = records_.spacing(),
             .root_offset = root_offset,
@@ -131,13 +116,10 @@ class CopcWriter : public Writer {
             .greatest_time = times.greatest};
   }
 
-  std::uint64_t first_chunk() const { return frame_.layout().header.offset_to_points + kLazOffsetBytes; }
+  std::uint64_t first_chunk() const { return header().offset_to_points + kLazOffsetBytes; }
 
   std::string path_;
   std::function<void(std::uint64_t points)> progress_;  ///< may be empty
-  LasFrame frame_;
-  LasEncoder encoder_;
-  LasStatistics statistics_;
   std::uint64_t memory_, most_node_bytes_;
   LevelledRecords records_;
   std::vector<std::byte> batch_;  ///< encoded records

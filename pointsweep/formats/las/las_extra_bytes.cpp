@@ -8,6 +8,9 @@
 #include <cstring>
 #include <utility>
 
+#include "pointsweep/formats/field_names.h"
+#include "pointsweep/points/lower_case.h"
+
 namespace pointsweep {
 namespace {
 
@@ -44,7 +47,7 @@ constexpr Words kWords[] = {
 };
 
 const Words* las_words_of(std::string_view name) {
-  const auto words = std::find_if(std::begin(kWords), std::end(kWords), [&](const Words& w) { return w.ours == name; });
+  const auto words = std::ranges::find_if(kWords, [&](const Words& w) { return w.ours == name; });
   return words == std::end(kWords) ? nullptr : words;
 }
 
@@ -54,9 +57,9 @@ std::vector<Descriptor> descriptors_of(std::span<const std::byte> bytes) {
   return all;
 }
 
-bool same_word(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char p, char q) { return lower(p) == lower(q); });
+void append_descriptor(const Descriptor& d, std::vector<std::byte>& all) {
+  const auto* const bytes = reinterpret_cast<const std::byte*>(&d);
+  all.insert(all.end(), bytes, bytes + sizeof d);
 }
 
 /// Returns the name up to its first NUL, without surrounding blanks. Control characters are replaced, since they would
@@ -69,17 +72,6 @@ std::string name_of(const Descriptor& d) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '_';
   }
   return name.empty() ? "extra_bytes" : name;
-}
-
-std::string unused_name(const Schema& schema, const std::string& name) {
-  const auto taken = [&](const std::string& candidate) {
-    return std::any_of(schema.fields.begin(), schema.fields.end(),
-                       [&](const Field& f) { return same_word(f.name, candidate); });
-  };
-  if (!taken(name)) return name;
-  int number = 2;
-  while (taken(fmt::format("{}_{}", name, number))) ++number;
-  return fmt::format("{}_{}", name, number);
 }
 
 double scale_of(const Descriptor& d, std::size_t component) {
@@ -104,7 +96,7 @@ std::string shortened(std::string_view text, std::size_t most) {
     if (end == std::string_view::npos) return std::string(text.substr(0, most));
     rest = rest.substr(0, end);
     const std::string_view last = rest.substr(rest.find_last_of(' ') + 1);
-    if (std::find(std::begin(kNoEnd), std::end(kNoEnd), last) == std::end(kNoEnd)) return std::string(rest);
+    if (std::ranges::find(kNoEnd, last) == std::end(kNoEnd)) return std::string(rest);
   }
 }
 
@@ -179,7 +171,8 @@ std::string extra_bytes_description(const Attribute& attribute, std::size_t comp
 
 bool ExtraBytesVlr::has(std::string_view name) const {
   const std::vector<Descriptor> all = descriptors_of(bytes_);
-  return std::any_of(all.begin(), all.end(), [&](const Descriptor& d) { return same_word(name_of(d), name); });
+  return std::ranges::any_of(all,
+                             [&](const Descriptor& d) { return in_lower_case(name_of(d)) == in_lower_case(name); });
 }
 
 std::string ExtraBytesVlr::unused(std::string_view name) const {
@@ -194,7 +187,7 @@ std::string ExtraBytesVlr::unused(std::string_view name) const {
 void ExtraBytesVlr::make_way_for(std::string_view name) {
   std::vector<Descriptor> all = descriptors_of(bytes_);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!same_word(name_of(all[i]), name)) continue;
+    if (in_lower_case(name_of(all[i])) != in_lower_case(name)) continue;
     const std::string other = unused(fmt::format("{}_input", name.substr(0, kLasNameBytes - 6)));
     std::memset(all[i].name, 0, kLasNameBytes);
     std::memcpy(all[i].name, other.data(), other.size());
@@ -210,15 +203,14 @@ void ExtraBytesVlr::append_one(std::string name, const Field& field, std::string
   name = las_dimension_name(name);
   make_way_for(name);
   std::memcpy(d.name, name.data(), name.size());
-  const auto type = std::find(std::begin(kTypes), std::end(kTypes), field.type);
+  const auto type = std::ranges::find(kTypes, field.type);
   d.type = static_cast<std::uint8_t>(type - std::begin(kTypes) + 1);
   if (field.scale != 1 || field.bias != 0) {
     d.options = kHasScale | kHasOffset;
     d.scale[0] = field.scale;
     d.offset[0] = field.bias;
   }
-  const auto* bytes = reinterpret_cast<const std::byte*>(&d);
-  bytes_.insert(bytes_.end(), bytes, bytes + sizeof d);
+  append_descriptor(d, bytes_);
 }
 
 void ExtraBytesVlr::append_again(std::span<const std::byte> descriptor) {
@@ -226,8 +218,7 @@ void ExtraBytesVlr::append_again(std::span<const std::byte> descriptor) {
   std::memcpy(&d, descriptor.data(), sizeof d);
   make_way_for(name_of(d));
   d.options = static_cast<std::uint8_t>(d.options & ~(kHasLeast | kHasMost));
-  const auto* bytes = reinterpret_cast<const std::byte*>(&d);
-  bytes_.insert(bytes_.end(), bytes, bytes + sizeof d);
+  append_descriptor(d, bytes_);
 }
 
 void ExtraBytesVlr::append(const Field& field, std::string_view description) {
@@ -244,8 +235,7 @@ void ExtraBytesVlr::append_undocumented(std::uint32_t count) {
     d.options = static_cast<std::uint8_t>(std::min(count, 255u));
     const std::string name = unused("undocumented");
     std::memcpy(d.name, name.data(), name.size());
-    const auto* bytes = reinterpret_cast<const std::byte*>(&d);
-    bytes_.insert(bytes_.end(), bytes, bytes + sizeof d);
+    append_descriptor(d, bytes_);
     count -= d.options;
   }
 }

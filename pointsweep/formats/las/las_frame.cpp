@@ -81,7 +81,6 @@ void LasStatistics::put_into(LasHeader& header) const {
 LasFrame::LasFrame(const OutputPlan& plan, LasPoints points)
     : path_(plan.path.string()),
       planned_(plan.count),
-      extras_(plan.extras),
       layout_(lay_out_las(plan, points)),
       out_(plan.path, plan.overwrite, plan.temp_folder) {
   put_header();
@@ -123,7 +122,11 @@ void LasFrame::put_header() {
 
 void LasFrame::require_count(std::uint64_t came) const {
   if (came < planned_) fail("{}: {} points were announced, but {} came; nothing was written.", path_, planned_, came);
-  if (came > planned_) fail("{}: {} points were announced, but more came; nothing was written.", path_, planned_);
+  if (came > planned_) fail_since_more_came();
+}
+
+void LasFrame::fail_since_more_came() const {
+  fail("{}: {} points were announced, but more came; nothing was written.", path_, planned_);
 }
 
 std::uint64_t LasFrame::tail_bytes() const {
@@ -198,17 +201,6 @@ void LasEncoder::refuse(int axis, std::uint64_t row, double value) const {
                                            value, offset_[axis], scale_[axis], remedy)});
 }
 
-void encode_rows(const LasEncoder& encoder, int point_format, std::uint64_t row, const std::byte* from, std::byte* to,
-                 std::size_t count, LasStatistics& statistics) {
-  const std::size_t in = encoder.record_bytes_in(), out = encoder.record_bytes_out();
-  std::vector<LasStatistics> of_tasks((count + kTaskRows - 1) / kTaskRows, LasStatistics(point_format));
-  parallel_for_blocks(count, kTaskRows, [&](std::size_t first, std::size_t rows, unsigned) {
-    encoder.run(row + first, from + first * in, to + first * out, rows);
-    of_tasks[first / kTaskRows].add(to + first * out, out, rows);
-  });
-  for (const LasStatistics& some : of_tasks) statistics.add(some);
-}
-
 std::string LasEncoder::rounding() const {
   if (!rounds_) return "";
   const double coarsest = std::max({scale_.x, scale_.y, scale_.z});
@@ -217,6 +209,37 @@ std::string LasEncoder::rounding() const {
       alike ? fmt::format("{}", scale_.x) : fmt::format("{} in x, {} in y and {} in z", scale_.x, scale_.y, scale_.z);
   return fmt::format("{}: {}coordinates are rounded to steps of {}, by at most {}.", path_, moved_ ? "moved " : "",
                      steps, coarsest / 2);
+}
+
+LasFamilyWriter::LasFamilyWriter(const OutputPlan& plan, LasPoints points)
+    : frame_(plan, points), encoder_(frame_.layout(), plan.path.string()), statistics_(header().point_format) {
+  bytes_written_ = frame_.bytes_written();
+  warnings_ = frame_.layout().warnings;
+}
+
+void LasFamilyWriter::encode(const std::byte* from, std::byte* to, std::size_t count) {
+  const std::size_t in = encoder_.record_bytes_in(), out = encoder_.record_bytes_out();
+  std::vector<LasStatistics> of_tasks((count + kTaskRows - 1) / kTaskRows, LasStatistics(header().point_format));
+  parallel_for_blocks(count, kTaskRows, [&](std::size_t first, std::size_t rows, unsigned) {
+    encoder_.run(statistics_.count() + first, from + first * in, to + first * out, rows);
+    of_tasks[first / kTaskRows].add(to + first * out, out, rows);
+  });
+  for (const LasStatistics& some : of_tasks) statistics_.add(some);
+}
+
+std::uint64_t LasFamilyWriter::put_chunk_table(std::uint64_t at, std::span<const LazLayout::ChunkSize> chunks) {
+  std::byte table_at[kLazOffsetBytes];
+  std::memcpy(table_at, &at, sizeof table_at);
+  frame_.put(header().offset_to_points, table_at);
+  const std::vector<std::byte> table = frame_.layout().laz->write_chunk_table(chunks);
+  frame_.put(at, table);
+  return at + table.size();
+}
+
+void LasFamilyWriter::finish_file(std::uint64_t points_end, std::span<const std::byte> last) {
+  if (std::string rounding = encoder_.rounding(); !rounding.empty()) add_warning(std::move(rounding));
+  frame_.finish(statistics_, points_end, last);
+  bytes_written_ = frame_.bytes_written();
 }
 
 }  // namespace pointsweep

@@ -58,6 +58,9 @@ class LasFrame {
   void put(std::uint64_t at, std::span<const std::byte> bytes);
   std::uint64_t bytes_written() const { return bytes_written_; }
 
+  /// Returns the number of points in the plan.
+  std::uint64_t planned() const { return planned_; }
+  [[noreturn]] void fail_since_more_came() const;
   /// Throws Error unless `came` equals the number of points in the plan.
   void require_count(std::uint64_t came) const;
   /// Returns the number of bytes that are copied from the input to the place after the points.
@@ -73,7 +76,6 @@ class LasFrame {
 
   std::string path_;
   std::uint64_t planned_;
-  std::shared_ptr<const FormatExtras> extras_;
   LasLayout layout_;
   OutputFile out_;
   std::vector<std::byte> scratch_;
@@ -116,8 +118,23 @@ class LasEncoder {
   std::string path_;
 };
 
-/// Encodes `count` records on all threads, and adds them to `statistics`; `row` is the number of the first.
-void encode_rows(const LasEncoder& encoder, int point_format, std::uint64_t row, const std::byte* from, std::byte* to,
-                 std::size_t count, LasStatistics& statistics);
+/// The parts that the writers of LAS, LAZ and COPC share.
+class LasFamilyWriter : public Writer {
+ protected:
+  LasFamilyWriter(const OutputPlan& plan, LasPoints points);
+
+  const LasHeader& header() const { return frame_.layout().header; }
+  /// Encodes the next `count` records on all threads and takes them into the statistics.
+  void encode(const std::byte* from, std::byte* to, std::size_t count);
+  /// Writes the table of the chunks of a compressed file, which end before byte `at`, and its offset before the first
+  /// chunk. Returns the byte after the table.
+  std::uint64_t put_chunk_table(std::uint64_t at, std::span<const LazLayout::ChunkSize> chunks);
+  /// Finishes the file like LasFrame::finish(), and warns of rounded coordinates.
+  void finish_file(std::uint64_t points_end, std::span<const std::byte> last = {});
+
+  LasFrame frame_;
+  LasEncoder encoder_;
+  LasStatistics statistics_;
+};
 
 }  // namespace pointsweep

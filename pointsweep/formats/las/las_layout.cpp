@@ -134,9 +134,8 @@ class Builder {
   }
 
   bool is_made(std::string_view field) const {
-    return std::any_of(plan_.made.begin(), plan_.made.end(), [&](const Attribute& a) {
-      return std::find(a.fields.begin(), a.fields.end(), field) != a.fields.end();
-    });
+    return std::ranges::any_of(
+        plan_.made, [&](const Attribute& a) { return std::ranges::find(a.fields, field) != a.fields.end(); });
   }
 
   std::string description_of(std::string_view field) const {
@@ -346,11 +345,10 @@ class Builder {
   /// get the grid in the header of the LAS input.
   void choose_scale(const PositionFields& p) {
     LasHeader& header = layout_.header;
-    const LasQuantization of_fields{{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
     if (layout_.grid_is_stated) {
-      take_stated_grid(las_keeps_scale(p) ? std::optional(of_fields) : has_grid() ? plan_.values->grid : std::nullopt);
+      take_stated_grid(las_keeps_scale(p) ? std::optional(grid_of(p)) : has_grid() ? plan_.values->grid : std::nullopt);
     } else if (las_keeps_scale(p)) {
-      set_grid(of_fields);
+      set_grid(grid_of(p));
     } else if (plan_.bounds && has_grid()) {
       const LasQuantization& grid = *plan_.values->grid;
       layout_.keeps_scale = true;

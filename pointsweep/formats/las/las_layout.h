@@ -14,7 +14,7 @@
 #include "pointsweep/formats/las/las_header.h"
 #include "pointsweep/formats/las/las_point_formats.h"
 #include "pointsweep/formats/las/las_reader.h"
-#include "pointsweep/formats/las/laz_layout.h"
+#include "pointsweep/formats/las/laz_codec.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/writer.h"
 

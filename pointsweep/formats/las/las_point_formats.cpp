@@ -26,13 +26,8 @@ constexpr Parts kParts[kLasPointFormats] = {
 };
 
 void append_bits(Schema& schema, std::string name, std::uint32_t byte, std::uint8_t shift, std::uint8_t width) {
-  Field field;
-  field.name = std::move(name);
-  field.type = Type::u8;
-  field.offset = byte;
-  field.bit_shift = shift;
-  field.bit_width = width;
-  schema.fields.push_back(std::move(field));
+  schema.fields.push_back(
+      {.name = std::move(name), .type = Type::u8, .offset = byte, .bit_shift = shift, .bit_width = width});
 }
 
 void append_position(Schema& schema, Vec3 scale, Vec3 offset) {
@@ -105,13 +100,11 @@ bool has_single(const Schema& schema, std::string_view name) {
 /// Returns false for a colour or a part of a waveform packet if other members of its group are missing.
 template <class Group>
 bool is_complete(const Schema& schema, std::string_view name, const Group& group) {
-  if (std::find(group.begin(), group.end(), name) == group.end()) return true;
-  return std::all_of(group.begin(), group.end(), [&](std::string_view other) { return has_single(schema, other); });
+  if (std::ranges::find(group, name) == group.end()) return true;
+  return std::ranges::all_of(group, [&](std::string_view other) { return has_single(schema, other); });
 }
 
-bool only_modern_has(const std::string& name) {
-  return !las_point_schema(kFullestLegacy, {1, 1, 1}, {}).find(name).has_value();
-}
+bool only_modern_has(const std::string& name) { return !las_point_schema(kFullestLegacy).find(name).has_value(); }
 
 const Field* target_in(const Schema& format, const std::string& name) {
   const auto at = format.find(name);
@@ -124,9 +117,7 @@ int las_minor_of(int point_format) { return point_format >= 6 ? 4 : point_format
 
 bool las_has_waveforms(int point_format) { return kParts[point_format].waveform; }
 
-bool las_has_time(int point_format) {
-  return las_point_schema(point_format, {1, 1, 1}, {}).find("gps_time").has_value();
-}
+bool las_has_time(int point_format) { return las_point_schema(point_format).find("gps_time").has_value(); }
 
 std::optional<std::uint16_t> las_record_length(int point_format) {
   if (point_format < 0 || point_format >= kLasPointFormats) return std::nullopt;
@@ -153,8 +144,8 @@ Schema las_point_schema(int point_format, Vec3 scale, Vec3 offset) {
 std::vector<std::string> las_names_in(const Schema& schema) {
   std::vector<std::string> names;
   for (const int format : {kFullestModern, kFullestLegacy}) {
-    for (const Field& field : las_point_schema(format, {1, 1, 1}, {}).fields) {
-      if (is_coordinate(field.name) || std::find(names.begin(), names.end(), field.name) != names.end()) continue;
+    for (const Field& field : las_point_schema(format).fields) {
+      if (is_coordinate(field.name) || std::ranges::find(names, field.name) != names.end()) continue;
       if (!has_single(schema, field.name)) continue;
       if (is_complete(schema, field.name, kColors) && is_complete(schema, field.name, kWaveform))
         names.push_back(field.name);
@@ -165,7 +156,7 @@ std::vector<std::string> las_names_in(const Schema& schema) {
 
 bool is_las_name(const std::string& name) {
   return !is_coordinate(name) && std::ranges::any_of(std::array{kFullestModern, kFullestLegacy}, [&](int format) {
-    return las_point_schema(format, {1, 1, 1}, {}).find(name).has_value();
+    return las_point_schema(format).find(name).has_value();
   });
 }
 
@@ -191,8 +182,8 @@ int choose_las_point_format(const Schema& schema, const std::vector<ValueRange>&
   std::ptrdiff_t fewest = std::numeric_limits<std::ptrdiff_t>::max();
   for (const int format : kByLength) {
     if (!choice.has(format)) continue;
-    const Schema fields = las_point_schema(format, {1, 1, 1}, {});
-    const auto left_out = std::count_if(names.begin(), names.end(), [&](const std::string& name) {
+    const Schema fields = las_point_schema(format);
+    const auto left_out = std::ranges::count_if(names, [&](const std::string& name) {
       const Field* target = target_in(fields, name);
       const std::size_t source = *schema.find(name);
       return target == nullptr || !las_field_holds(*target, schema.fields[source], ranges[source]);
@@ -213,13 +204,13 @@ std::vector<std::size_t> undecided_las_fields(const Schema& schema, const std::v
                                       : choice.most_minor < 3 ? 3
                                       : choice.most_minor < 4 ? kFullestLegacy
                                                               : kFullestModern)};
-  else if (choice.legacy && std::none_of(names.begin(), names.end(), only_modern_has))
+  else if (choice.legacy && std::ranges::none_of(names, only_modern_has))
     formats.push_back(kFullestLegacy);
   std::vector<std::size_t> undecided;
   for (const std::string& name : names) {
     const std::size_t source = *schema.find(name);
     for (const int format : formats) {
-      const Schema fields = las_point_schema(format, {1, 1, 1}, {});
+      const Schema fields = las_point_schema(format);
       const Field* target = target_in(fields, name);
       const bool decided =
           target == nullptr ? !choice.is_stated() : las_field_holds(*target, schema.fields[source], ranges[source]);

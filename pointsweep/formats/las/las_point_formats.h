@@ -22,7 +22,7 @@ std::optional<std::uint16_t> las_record_length(int point_format);
 
 /// Returns the fields of `point_format`, 0 to 10, under the library's names; stride is las_record_length(). x, y and z
 /// are int32 with this scale and offset; scan_angle is in degrees in all formats.
-Schema las_point_schema(int point_format, Vec3 scale, Vec3 offset);
+Schema las_point_schema(int point_format, Vec3 scale = {1, 1, 1}, Vec3 offset = {});
 
 /// Returns the first version, LAS 1.`minor`, that has `point_format`.
 int las_minor_of(int point_format);

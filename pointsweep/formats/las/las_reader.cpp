@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <span>
-#include <sstream>
 #include <string>
 #include <utility>
 
@@ -14,7 +14,7 @@
 #include "pointsweep/formats/las/copc_layout.h"
 #include "pointsweep/formats/las/las_extra_bytes.h"
 #include "pointsweep/formats/las/las_point_formats.h"
-#include "pointsweep/formats/las/laz_points.h"
+#include "pointsweep/formats/las/laz_codec.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/formats/records/columns_reader.h"
@@ -61,9 +61,7 @@ void read_extra_bytes(LasParts& parts, const LasVlr& vlr, std::vector<std::strin
 void read_provenance(LasParts& parts, const LasVlr& vlr) {
   std::string text(static_cast<std::size_t>(vlr.length), '\0');
   parts.file->read_at(vlr.content, std::as_writable_bytes(std::span(text)));
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);)
-    if (auto found = provenance_line(line)) parts.provenance.push_back(std::move(*found));
+  std::ranges::move(provenance_in(text), std::back_inserter(parts.provenance));
 }
 
 /// Returns the byte after the points. The header does not state the end of compressed points; all bytes before the
@@ -105,10 +103,9 @@ std::shared_ptr<LasParts> read_parts(const std::shared_ptr<const InputFile>& fil
 }
 
 LasOrigin origin_of(const LasHeader& header) {
-  const bool has_time = las_point_schema(header.point_format, header.scale, header.offset).find("gps_time").has_value();
   // Before LAS 1.2 the time bit was reserved, and times were seconds of the GPS week.
   return {.grid = {header.scale, header.offset},
-          .has_time = has_time,
+          .has_time = las_has_time(header.point_format),
           .standard_time = header.minor >= 2 && (header.global_encoding & kLasStandardTimeBit) != 0,
           .overlap_is_class_12 = header.point_format < kFirstModernLasFormat};
 }
@@ -244,8 +241,8 @@ bool LasExtras::is_like(const FormatExtras& other) const {
 }
 
 std::shared_ptr<const LasParts> LasExtras::parts() const {
-  std::vector<std::string> told;  // discarded: the reader has reported these warnings
-  return read_parts(file, told);
+  std::vector<std::string> ignored;  // the reader has reported these warnings
+  return read_parts(file, ignored);
 }
 
 std::unique_ptr<Reader> open_las(const std::filesystem::path& path) {

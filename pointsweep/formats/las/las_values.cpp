@@ -17,10 +17,6 @@ constexpr std::size_t kBlockRows = 8192;
 
 bool is_las(const std::shared_ptr<Reader>& reader) { return extras_as<LasExtras>(reader->info().extras) != nullptr; }
 
-LasQuantization grid_of(const PositionFields& p) {
-  return {{p.x.scale, p.y.scale, p.z.scale}, {p.x.bias, p.y.bias, p.z.bias}};
-}
-
 /// Reads points to find the ranges of some fields and the grid of the coordinates. Ends early if no ranges are wanted
 /// and the coordinates lie on no grid.
 class Look {
@@ -96,9 +92,7 @@ struct Sought {
   Look::For coordinates = Look::For::nothing;
 };
 
-bool all_are_las(const InputCloud& cloud) {
-  return std::all_of(cloud.readers().begin(), cloud.readers().end(), is_las);
-}
+bool all_are_las(const InputCloud& cloud) { return std::ranges::all_of(cloud.readers(), is_las); }
 
 Sought sought_in(const InputCloud& cloud, const FileLayout& layout) {
   Sought sought;

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-#include "pointsweep/formats/las/laz_layout.h"
+#include "pointsweep/formats/las/laz_codec.h"
 
 namespace pointsweep {
 namespace {

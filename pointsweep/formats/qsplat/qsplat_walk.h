@@ -19,13 +19,11 @@ struct QsplatSphere {
   float x = 0, y = 0, z = 0, radius = 0;
 };
 
-/// Number of codes of spheres that the format defines; 13 bits hold 8192.
-constexpr unsigned kQsplatSphereCodes = 7621;
-
 /// Returns the sphere with the 13-bit `code` inside `parent`. Its radius is the parent's radius times s/13. Its centre
 /// is the parent's centre plus the parent's radius times (s + 2x)/13 - 1 on each axis. Here (s, x, y, z) is the code-th
 /// quadruple of 1 <= s <= 13, 0 <= x, y, z <= 13 - s that fits (the cube of the child meets the parent's sphere).
-/// Evaluated in single precision, as in QSplat. Returns nothing for an unused code.
+/// Evaluated in single precision, as in QSplat. Returns nothing for an unused
+/// code: the format defines 7,621 codes, and 13 bits hold 8,192.
 std::optional<QsplatSphere> qsplat_sphere(unsigned code, const QsplatSphere& parent);
 
 /// Returns the unit normal with the 14-bit `code`, one of 52×52 places on a face of a cube. Returns (0, 0, 0) for codes

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/formats/records/columns_reader.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
 #include <initializer_list>
 #include <string_view>
 
+#include "pointsweep/formats/field_names.h"
 #include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
@@ -43,11 +42,6 @@ void reverse_values(std::span<const Field> fields, std::size_t stride, std::span
 
 bool is_word_of(std::string_view name, std::initializer_list<std::string_view> names) {
   return std::ranges::find(names, name) != names.end();
-}
-
-bool has_field_named(const Schema& schema, const std::string& name) {
-  return std::ranges::any_of(schema.fields,
-                             [&](const Field& f) { return in_lower_case(f.name) == in_lower_case(name); });
 }
 
 /// Returns the library's names of the components; none for an unknown array.
@@ -129,13 +123,11 @@ std::unique_ptr<RowDecoder> ColumnsReader::decoder(const WantedFields& wanted) c
 std::size_t append_array(Schema& schema, const std::string& name, Type type, std::uint32_t components) {
   const std::size_t first = schema.fields.size();
   const std::vector<std::string> known = known_components(name, type, components);
-  if (!known.empty() && std::ranges::none_of(known, [&](const auto& n) { return has_field_named(schema, n); })) {
+  if (!known.empty() && std::ranges::none_of(known, [&](const auto& n) { return has_name(schema, n); })) {
     for (const std::string& component : known) schema.append(component, type);
     return first;
   }
-  std::string free = name;
-  for (int i = 2; has_field_named(schema, free); ++i) free = fmt::format("{}_{}", name, i);
-  schema.append(free, type, components);
+  schema.append(unused_name(schema, name), type, components);
   return first;
 }
 

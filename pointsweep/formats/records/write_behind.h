@@ -21,12 +21,30 @@ class WriteBehind {
   const std::vector<std::unique_ptr<Writer>>& writers() const { return writers_; }
 
   /// Waits until the previous records are written, then takes whole records and leaves a used buffer in `records`.
-  void write(std::vector<std::byte>& records);
+  void write(std::vector<std::byte>& records) {
+    wait();
+    under_way_.swap(records);
+    task_.emplace([this] {
+      for (const auto& writer : writers_) writer->write(under_way_);
+    });
+  }
   /// Waits until all records are written.
-  void wait();
+  void wait() {
+    if (!task_) return;
+    task_->wait();
+    task_.reset();
+  }
   /// Completes the files and gives them their names.
-  void finish();
-  std::uint64_t bytes_written() const;  ///< after finish()
+  void finish() {
+    wait();
+    for (const auto& writer : writers_) writer->finish();
+  }
+  /// Returns the bytes of all files. Must be called after finish().
+  std::uint64_t bytes_written() const {
+    std::uint64_t bytes = 0;
+    for (const auto& writer : writers_) bytes += writer->bytes_written();
+    return bytes;
+  }
 
  private:
   std::vector<std::unique_ptr<Writer>> writers_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The C++ side of the LASzip codec (codecs/), with errors as exceptions: the content of the LASzip VLR, the chunk
-/// table and the compression of chunks.
+/// table, the compression of chunks, and the compressed points of a file.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "pointsweep/storage/local/input_file.h"
 
 struct psc_laz;
 
@@ -25,7 +27,8 @@ inline constexpr std::uint32_t kLazChunkPoints = 50'000;
 /// Bytes before the first chunk, which store the offset of the chunk table.
 inline constexpr std::uint64_t kLazOffsetBytes = 8;
 
-/// The compression of records. Immutable, so that any number of threads may use it.
+/// The compression of records. Immutable, so that any number of threads may use it. Without codecs (has_codecs()),
+/// parse() and for_format() throw Error.
 class LazLayout {
  public:
   /// Decodes the content of the LASzip VLR. Throws Error, which begins with `path`.
@@ -64,8 +67,51 @@ class LazLayout {
   std::string path_;
 };
 
-/// Returns whether this library was built with codecs. Without codecs, parse() and for_format() of LazLayout throw
-/// Error.
-bool has_laz();
+/// Rows of records as LAS stores them. Immutable, so that each of many threads may have a Cursor.
+class LazPoints {
+  class Decoder;
+
+ public:
+  /// `begin`: the byte where the compressed data begin. `count`: records of `record_bytes`. Throws Error if the VLR or
+  /// the chunk table contradicts these arguments or the file.
+  LazPoints(std::shared_ptr<const InputFile> file, std::span<const std::byte> vlr, std::uint64_t begin,
+            std::uint64_t count, std::uint32_t record_bytes);
+
+  /// Reads rows for one thread. Chunks within one read are decoded in parallel, by all threads. A chunk that is read in
+  /// successive pieces is decoded once.
+  class Cursor {
+   public:
+    /// `points` must outlive the cursor.
+    explicit Cursor(const LazPoints& points);
+    ~Cursor();
+    /// Reads whole records from `row` on, all of which must exist. Throws Error for damaged data.
+    void read(std::uint64_t row, std::span<std::byte> records);
+
+   private:
+    const LazPoints& points_;
+    std::unique_ptr<Decoder> open_;  ///< decoder of a chunk that was read in part
+  };
+
+  std::size_t chunks() const { return first_row_.size() - 1; }
+  std::size_t chunk_of(std::uint64_t row) const;
+  /// Return the first row and the first byte of a chunk. `chunk` may be chunks(), for the end of the last chunk.
+  std::uint64_t first_row(std::size_t chunk) const { return first_row_[chunk]; }
+  std::uint64_t first_byte(std::size_t chunk) const { return first_byte_[chunk]; }
+
+ private:
+  struct Piece {
+    std::size_t chunk;
+    std::uint64_t first, rows;  ///< rows in the chunk
+    std::byte* records;
+  };
+
+  void read_chunk_table(std::uint64_t begin, std::uint64_t count);
+  std::vector<Piece> pieces(std::uint64_t row, std::span<std::byte> records) const;
+
+  std::shared_ptr<const InputFile> file_;
+  LazLayout layout_;
+  std::uint32_t record_bytes_;
+  std::vector<std::uint64_t> first_row_, first_byte_;  ///< for each chunk, and for the end of the last chunk
+};
 
 }  // namespace pointsweep
