@@ -158,6 +158,13 @@ TEST_F(E57, GivesAnyRowsInAnyOrder) {
   }
 }
 
+TEST_F(E57, ImagesAreLeftOutWithAWarningThatNamesTheFile) {
+  const std::string image = "<vectorChild type=\"Structure\"><guid type=\"String\">{i}</guid></vectorChild>";
+  const auto reader = opened(e57_test::file({three_points()}, "", image));
+  ASSERT_EQ(reader->info().warnings.size(), 1u);
+  EXPECT_EQ(reader->info().warnings[0], reader->info().path.string() + ": its 1 image is left out.");
+}
+
 TEST_F(E57, KeepsTheCoordinateReferenceSystem) {
   const auto reader = opened(
       e57_test::file({three_points()}, "GEOGCS[&quot;WGS 84&quot;,AUTHORITY[&quot;EPSG&quot;,&quot;4326&quot;]]"));

@@ -105,7 +105,9 @@ inline std::string compressed_vector(const Scan& scan, std::uint64_t logical) {
   return bytes + packet;
 }
 
-inline std::string file(const std::vector<Scan>& scans, const std::string& coordinate_system = "") {
+/// Returns a file. `images`: elements of the list of images.
+inline std::string file(const std::vector<Scan>& scans, const std::string& coordinate_system = "",
+                        const std::string& images = "") {
   std::string body, data3d;
   for (const Scan& scan : scans) {
     const std::uint64_t at = 48 + body.size();
@@ -124,7 +126,7 @@ inline std::string file(const std::vector<Scan>& scans, const std::string& coord
       "<versionMajor type=\"Integer\">1</versionMajor><versionMinor type=\"Integer\">0</versionMinor>"
       "<coordinateMetadata type=\"String\">" +
       coordinate_system + "</coordinateMetadata><data3D type=\"Vector\" allowHeterogeneousChildren=\"1\">" + data3d +
-      "</data3D><images2D type=\"Vector\" allowHeterogeneousChildren=\"1\"/></e57Root>";
+      "</data3D><images2D type=\"Vector\" allowHeterogeneousChildren=\"1\">" + images + "</images2D></e57Root>";
   const std::uint64_t logical = 48 + body.size() + xml.size();
   std::string header = "ASTM-E57";
   append(header, std::uint32_t{1});

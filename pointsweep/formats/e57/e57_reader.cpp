@@ -96,8 +96,8 @@ class E57Reader : public Reader {
     }
     for (const E57Scan& scan : file_.scans()) add_provenance(info_.provenance, provenance_in(scan.description));
     if (file_.images() != 0)
-      info_.warnings.push_back(
-          fmt::format("its {} image{} left out.", file_.images(), file_.images() == 1 ? " is" : "s are"));
+      info_.warnings.push_back(fmt::format("{}: its {} image{} left out.", path.string(), file_.images(),
+                                           file_.images() == 1 ? " is" : "s are"));
   }
 
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override {

@@ -132,7 +132,7 @@ std::shared_ptr<const LasExtras> extras_of(const LasParts& parts) {
   return extras;
 }
 
-FileInfo info_of(const LasParts& parts, std::vector<std::string> warnings) {
+FileInfo info_of(const LasParts& parts, const std::vector<std::string>& warnings) {
   const LasHeader& header = parts.header;
   FileInfo info;
   info.path = parts.file->path();
@@ -148,7 +148,8 @@ FileInfo info_of(const LasParts& parts, std::vector<std::string> warnings) {
   }
   info.claims = claims_of(header);
   info.z_is_up = true;
-  info.warnings = std::move(warnings);
+  for (const std::string& warning : warnings)
+    info.warnings.push_back(fmt::format("{}: {}", info.path.string(), warning));
   info.extras = extras_of(parts);
   info.crs = parts.crs;
   info.las = std::make_shared<const LasOrigin>(origin_of(header));
@@ -158,8 +159,8 @@ FileInfo info_of(const LasParts& parts, std::vector<std::string> warnings) {
 
 class LasReader final : public ColumnsReader {
  public:
-  LasReader(const LasParts& parts, std::vector<std::string> warnings) {
-    info_ = info_of(parts, std::move(warnings));
+  LasReader(const LasParts& parts, const std::vector<std::string>& warnings) {
+    info_ = info_of(parts, warnings);
     has_records(parts.file, parts.header.offset_to_points);
   }
 };
@@ -189,7 +190,7 @@ class LazReader final : public Reader {
  public:
   LazReader(const LasParts& parts, std::vector<std::string> warnings)
       : points_(open_compressed(parts)), nodes_(copc_nodes(parts, points_, warnings)) {
-    info_ = info_of(parts, std::move(warnings));
+    info_ = info_of(parts, warnings);
     constexpr std::uint64_t kDecoderBytes =
         3 << 20;  // buffers, layers and models; an estimate from the peak memory of runs
     info_.decoder_bytes = kDecoderBytes;
@@ -249,7 +250,7 @@ std::unique_ptr<Reader> open_las(const std::filesystem::path& path) {
   std::vector<std::string> warnings;
   const std::shared_ptr<const LasParts> parts = read_parts(std::make_shared<const InputFile>(path), warnings);
   if (parts->header.is_compressed) return std::make_unique<LazReader>(*parts, std::move(warnings));
-  return std::make_unique<LasReader>(*parts, std::move(warnings));
+  return std::make_unique<LasReader>(*parts, warnings);
 }
 
 }  // namespace pointsweep
