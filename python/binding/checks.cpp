@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "python/binding/checks.h"
-
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -10,9 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/cancellation.h"
+#include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/formats/crs.h"
 #include "pointsweep/info.h"
+#include "pointsweep/program/render.h"
+#include "pointsweep/render/canvas.h"
 #include "pointsweep/verify.h"
+#include "python/binding/bindings.h"
 #include "python/binding/crs_values.h"
 #include "python/binding/requests.h"
 #include "python/binding/watched_run.h"
@@ -27,14 +29,10 @@ namespace {
 nb::tuple summarize_file(const std::filesystem::path& path, const std::string& format, bool spacing,
                          const nb::object& progress) {
   FileSummary summary;
-  watch({progress, nb::none()}, [&](Observer& observer) {
-    const CancellationScope scope(&observer.token());
+  watch_reports({progress, nb::none()}, [&](Observer&, const Report& report) {
     const std::unique_ptr<Reader> reader = open_reader(path, format);
-    const auto report = [&](std::uint64_t done, std::uint64_t total) {
-      stop_if_cancelled();
-      observer.on_progress({"reading", done, total, 0});
-    };
-    summary = summarize(*reader, {.spacing = spacing, .progress = report});
+    const auto read = [&](std::uint64_t done, std::uint64_t total) { report("reading", done, total); };
+    summary = summarize(*reader, {.spacing = spacing, .progress = read});
   });
   return nb::make_tuple(to_json(summary), crs_value(summary.info.crs));
 }
@@ -50,13 +48,9 @@ std::string statistics_of_points(const nb::list& source, const nb::dict& given, 
   options.histograms = nb::cast<std::vector<std::string>>(given["histograms"]);
   options.bins = nb::cast<std::uint64_t>(given["bins"]);
   PointStatistics statistics;
-  watch({progress, warn}, [&](Observer& observer) {
-    const CancellationScope scope(&observer.token());
+  watch_reports({progress, warn}, [&](Observer& observer, const Report& report) {
     for (const std::string& warning : cloud.warnings()) observer.on_warning(warning);
-    options.progress = [&](unsigned, std::uint64_t done, std::uint64_t total) {
-      stop_if_cancelled();
-      observer.on_progress({"reading", done, total, 0});
-    };
+    options.progress = [&](unsigned, std::uint64_t done, std::uint64_t total) { report("reading", done, total); };
     statistics = point_statistics(cloud, options);
   });
   return to_json(statistics);
@@ -126,15 +120,44 @@ nb::dict verify_files(const std::vector<std::filesystem::path>& inputs, const st
                       const nb::dict& options, const nb::object& progress) {
   VerifyOptions check = verify_options(options);
   Verdict verdict;
-  watch({progress, nb::none()}, [&](Observer& observer) {
-    const CancellationScope scope(&observer.token());
-    check.progress = [&](const char* phase, std::uint64_t done, std::uint64_t total) {
-      stop_if_cancelled();
-      observer.on_progress({phase, done, total, 0});
-    };
+  watch_reports({progress, nb::none()}, [&](Observer&, const Report& report) {
+    check.progress = report;
     verdict = verify(inputs, output, check);
   });
   return verdict_values(verdict);
+}
+
+/// Converts the options of a picture. `given` has every key that pointsweep._render.render() gives.
+RenderOptions render_options(const nb::dict& given) {
+  RenderOptions options;
+  options.width = nb::cast<unsigned>(given["width"]);
+  options.height = nb::cast<unsigned>(given["height"]);
+  options.angles = parse_view(nb::cast<std::string>(given["view"]));
+  options.up = parse_up(nb::cast<std::string>(given["up"]));
+  options.color = nb::cast<std::string>(given["color"]);
+  options.point_size = nb::cast<double>(given["point_size"]);
+  options.background = parse_color(nb::cast<std::string>(given["background"]));
+  options.legend = nb::cast<bool>(given["legend"]);
+  return options;
+}
+
+/// Returns (bytes of the PNG, source of the colours, (lo, hi) if the colours show numbers or else None, number of
+/// points outside of the picture).
+nb::tuple render_picture(const nb::list& source, const nb::dict& given, const nb::object& progress,
+                         const nb::object& warn) {
+  Cloud cloud = open_cloud(source, true, given);
+  RenderOptions options = render_options(given);
+  if (const auto& crs = cloud.inputs().crs()) options.length_unit = length_unit_of(*crs);
+  Rendering made;
+  std::vector<std::byte> png;
+  watch_reports({progress, warn}, [&](Observer&, const Report& report) {
+    options.progress = report;
+    made = render(cloud, options);
+    png = to_png(made.picture);
+  });
+  const nb::object range = made.is_number ? nb::object(nb::make_tuple(made.lo, made.hi)) : nb::none();
+  return nb::make_tuple(nb::bytes(reinterpret_cast<const char*>(png.data()), png.size()), made.color, range,
+                        made.outside);
 }
 
 }  // namespace
@@ -143,6 +166,7 @@ void bind_checks(nb::module_& module) {
   module.def("summarize", &summarize_file, "path"_a, "format"_a, "spacing"_a, "progress"_a.none());
   module.def("statistics", &statistics_of_points, "source"_a, "options"_a, "progress"_a.none(), "warn"_a.none());
   module.def("verify", &verify_files, "inputs"_a, "output"_a, "options"_a, "progress"_a.none());
+  module.def("render", &render_picture, "source"_a, "options"_a, "progress"_a.none(), "warn"_a.none());
 }
 
 }  // namespace pointsweep

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pointsweep/formats/crs.h"
+#include "python/binding/bindings.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;

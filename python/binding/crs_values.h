@@ -16,7 +16,4 @@ nanobind::object crs_value(const std::optional<Crs>& crs);
 /// Returns the system from which crs_value() made the tuple `value`; absent for None.
 std::optional<Crs> crs_from(nanobind::handle value);
 
-/// Adds the functions wkt_crs, parse_crs, las_crs, short_text and differ to the module.
-void bind_crs(nanobind::module_& module);
-
 }  // namespace pointsweep

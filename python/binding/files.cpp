@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "python/binding/files.h"
+#include "pointsweep/files.h"
 
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/pair.h>
@@ -10,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/files.h"
+#include "pointsweep/program/formats.h"
+#include "python/binding/bindings.h"
 #include "python/binding/crs_values.h"
 #include "python/binding/requests.h"
 #include "python/binding/result_arrays.h"
@@ -73,6 +74,7 @@ nb::dict describe(const nb::list& source, const nb::dict& options) {
 void bind_files(nb::module_& module) {
   module.def("list_files", &list_files, "named"_a, "recursive"_a, "format"_a);
   module.def("describe", &describe, "source"_a, "options"_a);
+  module.def("extension_of", &extension_of, "name"_a);
 }
 
 }  // namespace pointsweep

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "python/binding/generated.h"
-
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -8,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "pointsweep/cancellation.h"
 #include "pointsweep/program/generate.h"
+#include "python/binding/bindings.h"
 #include "python/binding/result_arrays.h"
 #include "python/binding/watched_run.h"
 
@@ -50,11 +48,8 @@ nb::object generate(const std::string& shape, std::uint64_t points, const std::f
   ResultArrays arrays({{{"xyz", {"x", "y", "z"}}, {"normal", {"nx", "ny", "nz"}}}, {}, false});
   const std::unique_ptr<Writer> writer = path.empty() ? arrays.writer(plan) : create_writer(plan);
   const auto threads = nb::cast<unsigned>(options["threads"]);
-  watch({progress, warn}, [&](Observer& observer) {
-    const CancellationScope scope(&observer.token());
-    write_generated(*reader, *writer, threads, [&](std::uint64_t done) {
-      observer.on_progress({"generating", done, plan.count, 0});
-    });
+  watch_reports({progress, warn}, [&](Observer&, const Report& report) {
+    write_generated(*reader, *writer, threads, [&](std::uint64_t done) { report("generating", done, plan.count); });
   });
   return path.empty() ? nb::object(arrays.arrays()) : nb::none();
 }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "python/binding/parts.h"
-
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
@@ -19,6 +17,7 @@
 #include "pointsweep/program/process.h"
 #include "pointsweep/storage/local/folder_storage.h"
 #include "pointsweep/storage/local/unfinished_output.h"
+#include "python/binding/bindings.h"
 #include "python/binding/python_threads.h"
 #include "python/binding/requests.h"
 #include "python/binding/watched_run.h"
@@ -33,19 +32,22 @@ const std::array<std::string, 10> kRoundNames{"look",  "other", "order", "sweep"
                                               "label", "rows",  "write", "cut",   "gather"};
 const std::array<std::string, 6> kJoinNames{"", "tiles", "borders", "components", "values", "pieces"};
 
-/// The arguments that all tasks of a run share, as run_pipeline() in runs.cpp gets them. `to`: an output for each
-/// input, or one pattern for the names of the files among which the output is divided. `known`: facts of the whole
-/// cloud, (points, metres per unit).
+/// The arguments that all tasks of a run share. `shared`: (source, pipeline, keep, options, outputs, facts), of which
+/// the first four are those of run_pipeline() in runs.cpp. The outputs are a path for each input, or one pattern for
+/// the names of the files among which the output is divided. The facts of the whole cloud are (points, metres per
+/// unit), or None where they are those of `source`.
 struct PartRequest {
-  PartRequest(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
-              const nb::dict& given, std::vector<std::filesystem::path> to, const nb::object& known = nb::none())
-      : options(run_options(given)), cloud(open_cloud(source, false, given)), facts(facts_of(cloud.inputs())) {
-    if (!known.is_none()) {
-      facts.points = nb::cast<std::uint64_t>(known[nb::int_(0)]);
-      facts.metres_per_unit = nb::cast<double>(known[nb::int_(1)]);
+  explicit PartRequest(const nb::tuple& shared)
+      : options(run_options(nb::cast<nb::dict>(shared[3]))),
+        cloud(open_cloud(nb::cast<nb::list>(shared[0]), false, nb::cast<nb::dict>(shared[3]))),
+        facts(facts_of(cloud.inputs())) {
+    if (const nb::object known = shared[5]; !known.is_none()) {
+      facts.points = nb::cast<std::uint64_t>(known[0]);
+      facts.metres_per_unit = nb::cast<double>(known[1]);
     }
-    chain = chain_to_run(pipeline, facts);
-    chain.keep = keep;
+    chain = chain_to_run(nb::cast<nb::list>(shared[1]), facts);
+    chain.keep = nb::cast<std::vector<std::string>>(shared[2]);
+    auto to = nb::cast<std::vector<std::filesystem::path>>(shared[4]);
     if (options.division.divides())
       outputs.points = to.front();
     else
@@ -101,9 +103,8 @@ void call_watched(PartRequest& request, const std::function<void()>& work, const
 /// Returns (rounds, rows by tile, the option `nonfinite` for the tasks, notes, bytes of a point in the scratch, files
 /// of other clouds by pass, stages for the record, facts). A round: (steps, kind of the results to be joined). A step:
 /// (kind, pass). Files: (paths, points of each).
-nb::tuple planned_parts(const nb::list& source, const nb::list& pipeline, const std::vector<std::string>& keep,
-                        const nb::dict& given, std::vector<std::filesystem::path> to) {
-  PartRequest request(source, pipeline, keep, given, std::move(to));
+nb::tuple planned_parts(const nb::tuple& shared) {
+  PartRequest request(shared);
   PartPlan planned;
   call_watched(request, [&] { planned = plan_parts(request.shared()); });
   nb::list rounds;
@@ -118,10 +119,9 @@ nb::tuple planned_parts(const nb::list& source, const nb::list& pipeline, const 
 }
 
 /// Performs a task. Returns (rows left, points of the tile, points swept, statistics as JSON).
-nb::tuple perform(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
-                  const std::vector<std::string>& keep, const nb::dict& given, std::vector<std::filesystem::path> to,
-                  const nb::object& facts, const nb::dict& task, const nb::object& progress) {
-  PartRequest request(source, pipeline, keep, given, std::move(to), facts);
+nb::tuple perform(const std::filesystem::path& scratch, const nb::tuple& shared, const nb::dict& task,
+                  const nb::object& progress) {
+  PartRequest request(shared);
   const auto text = [&](const char* name) { return nb::cast<std::string>(task[name]); };
   const auto number = [&](const char* name) { return nb::cast<std::uint64_t>(task[name]); };
   const PartTask wanted{.round = round_of(nb::cast<nb::tuple>(task["round"])),
@@ -155,30 +155,26 @@ void join_the_tiles(const std::filesystem::path& scratch, const std::vector<std:
   join_tiles(*place, left, paths, key);
 }
 
-void join_the_values(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
-                     const std::vector<std::string>& keep, const nb::dict& given, std::vector<std::filesystem::path> to,
-                     const nb::object& facts, const nb::tuple& round, const std::string& before,
-                     const std::vector<std::string>& left, const std::string& key) {
-  PartRequest request(source, pipeline, keep, given, std::move(to), facts);
+void join_the_values(const std::filesystem::path& scratch, const nb::tuple& shared, const nb::tuple& round,
+                     const std::string& before, const std::vector<std::string>& left, const std::string& key) {
+  PartRequest request(shared);
   const std::unique_ptr<Storage> place = shared_storage(scratch);
   const PartRound of = round_of(round);
   call_watched(request, [&] { join_values(request.shared(), of, *place, before, left, key); });
 }
 
-void join_the_graph(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
-                    const std::vector<std::string>& keep, const nb::dict& given, std::vector<std::filesystem::path> to,
-                    const nb::object& facts, const nb::tuple& round, const std::string& catalogue,
-                    const std::string& borders, const std::vector<std::string>& left, const std::string& key) {
-  PartRequest request(source, pipeline, keep, given, std::move(to), facts);
+void join_the_graph(const std::filesystem::path& scratch, const nb::tuple& shared, const nb::tuple& round,
+                    const std::string& catalogue, const std::string& borders, const std::vector<std::string>& left,
+                    const std::string& key) {
+  PartRequest request(shared);
   const std::unique_ptr<Storage> place = shared_storage(scratch);
   const PartRound of = round_of(round);
   call_watched(request, [&] { join_graph(request.shared(), of, *place, {catalogue, borders}, left, key); });
 }
 
-void join_the_pieces(const std::filesystem::path& scratch, const nb::list& source, const nb::list& pipeline,
-                     const std::vector<std::string>& keep, const nb::dict& given, std::vector<std::filesystem::path> to,
-                     const nb::object& facts, const std::vector<std::string>& left, const std::string& key) {
-  PartRequest request(source, pipeline, keep, given, std::move(to), facts);
+void join_the_pieces(const std::filesystem::path& scratch, const nb::tuple& shared,
+                     const std::vector<std::string>& left, const std::string& key) {
+  PartRequest request(shared);
   const std::unique_ptr<Storage> place = shared_storage(scratch);
   call_watched(request, [&] { join_pieces(request.shared(), *place, left, key); });
 }
@@ -198,16 +194,13 @@ void forget_task(const std::filesystem::path& scratch, const std::string& left) 
 }  // namespace
 
 void bind_parts(nb::module_& module) {
-  module.def("plan_parts", &planned_parts, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a);
-  module.def("perform_part", &perform, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a, "facts"_a,
-             "task"_a, "progress"_a.none());
+  module.def("plan_parts", &planned_parts, "shared"_a);
+  module.def("perform_part", &perform, "scratch"_a, "shared"_a, "task"_a, "progress"_a.none());
   module.def("join_tiles", &join_the_tiles, "scratch"_a, "left"_a, "paths"_a, "key"_a);
-  module.def("join_values", &join_the_values, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a,
-             "facts"_a, "round"_a, "before"_a, "left"_a, "key"_a);
-  module.def("join_graph", &join_the_graph, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a,
-             "facts"_a, "round"_a, "catalogue"_a, "borders"_a, "left"_a, "key"_a);
-  module.def("join_pieces", &join_the_pieces, "scratch"_a, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "to"_a,
-             "facts"_a, "left"_a, "key"_a);
+  module.def("join_values", &join_the_values, "scratch"_a, "shared"_a, "round"_a, "before"_a, "left"_a, "key"_a);
+  module.def("join_graph", &join_the_graph, "scratch"_a, "shared"_a, "round"_a, "catalogue"_a, "borders"_a, "left"_a,
+             "key"_a);
+  module.def("join_pieces", &join_the_pieces, "scratch"_a, "shared"_a, "left"_a, "key"_a);
   module.def("with_absolute_files", &with_absolute_files, "pipeline"_a);
   nb::list left;
   for (const char* const end : kLeftByTasks) left.append(end);

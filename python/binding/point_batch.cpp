@@ -10,6 +10,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/points/fixed_copy.h"
+#include "python/binding/bindings.h"
 #include "python/binding/result_arrays.h"
 
 namespace nb = nanobind;

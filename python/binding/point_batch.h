@@ -44,7 +44,4 @@ class PointBatch {
   std::size_t first_, size_, width_ = 0;
 };
 
-/// Adds the class PointBatch to the module.
-void bind_point_batch(nanobind::module_& module);
-
 }  // namespace pointsweep

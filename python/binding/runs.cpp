@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "python/binding/runs.h"
-
 #include <fmt/format.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/pair.h>
@@ -24,6 +22,7 @@
 #include "pointsweep/program/declaration.h"
 #include "pointsweep/program/pipeline.h"
 #include "pointsweep/program/run_options.h"
+#include "python/binding/bindings.h"
 #include "python/binding/columns_of_arrays.h"
 #include "python/binding/neighbor_arrays.h"
 #include "python/binding/place_search.h"
@@ -60,17 +59,8 @@ std::string run_watched(Cloud& cloud, const PythonChain& chain, const Outputs& o
 
 std::string run_into(ResultArrays& results, Cloud& cloud, const PythonChain& chain, const RunOptions& options,
                      const Callbacks& callbacks) {
-  Outputs outputs;
-  outputs.writer = [&](const OutputPlan& plan) { return results.writer(plan); };
+  const Outputs outputs{.writer = [&](const OutputPlan& plan) { return results.writer(plan); }};
   return run_watched(cloud, chain, outputs, options, callbacks);
-}
-
-/// Runs the chain and returns the results as arrays.
-nb::tuple run_to_arrays(Cloud& cloud, const PythonChain& chain, const WantedArrays& wanted, const RunOptions& options,
-                        const Callbacks& callbacks) {
-  ResultArrays results(wanted);
-  const std::string statistics = run_into(results, cloud, chain, options, callbacks);
-  return nb::make_tuple(results.arrays(), statistics);
 }
 
 /// Returns the arrays that `chain.keep` names; if it is empty, the made attributes, or all attributes if the rows
@@ -105,7 +95,9 @@ nb::tuple run_pipeline(const nb::list& source, const nb::list& pipeline, const s
       const auto known = nb::cast<std::string>(name);
       wanted.into[known] = borrow_writable(array, known);
     }
-    return run_to_arrays(cloud, chain, wanted, options, callbacks);
+    ResultArrays results(std::move(wanted));
+    const std::string statistics = run_into(results, cloud, chain, options, callbacks);
+    return nb::make_tuple(results.arrays(), statistics);
   }
   Outputs outputs;
   if (nb::isinstance<nb::list>(to))
@@ -162,31 +154,6 @@ nb::tuple run_to_blocks(const nb::list& source, const nb::list& pipeline, const 
   return nb::make_tuple(nb::cast(std::move(results)), changed, statistics);
 }
 
-nb::tuple neighbors(const nb::list& source, std::size_t k, double radius, const nb::dict& given,
-                    const nb::object& progress, const nb::object& warn) {
-  Cloud cloud = open_cloud(source, false, given);
-  NeighborArrays made(k, cloud.count());
-  const PythonChain chain{
-      {.neighborhood = {.k = k, .radius = radius}, .stages = {made.op()}, .keep = {"neighbor_count", "x"}}, {}};
-  Outputs outputs;
-  outputs.writer = [&](const OutputPlan& plan) { return made.writer(plan); };
-  run_watched(cloud, chain, outputs, run_options(given), {progress, warn});
-  return made.arrays();
-}
-
-nb::tuple radius_neighbors(const nb::list& source, double radius, const nb::dict& given, const nb::object& progress,
-                           const nb::object& warn) {
-  Cloud cloud = open_cloud(source, false, given);
-  RadiusLists lists;
-  const PythonChain chain{{.neighborhood = {.k = Neighborhood::kUnlimited, .radius = radius},
-                           .stages = {lists.op()},
-                           .keep = {"neighbor_count", "x"}},
-                          {}};
-  ResultArrays counts({{}, {"neighbor_count"}, false});
-  run_into(counts, cloud, chain, run_options(given), {progress, warn});
-  return lists.arrays(counts.rows(), counts.rows());
-}
-
 /// Writer that discards the records of a run, whose results an operator has stored.
 class NoRecords final : public Writer {
  public:
@@ -202,14 +169,22 @@ void search_places(Cloud& cloud, const ArrayColumn& queries, std::optional<std::
   const PythonChain chain{{.stages = {std::make_shared<PlaceSearch>(queries, k, radius, std::move(take))},
                            .keep = {"neighbor_queries", "x"}},
                           {}};
-  Outputs outputs;
-  outputs.writer = [](const OutputPlan&) { return std::make_unique<NoRecords>(); };
+  const Outputs outputs{.writer = [](const OutputPlan&) { return std::make_unique<NoRecords>(); }};
   run_watched(cloud, chain, outputs, run_options(given), callbacks);
 }
 
-nb::tuple query_neighbors(const nb::list& source, const nb::object& queries, std::size_t k, double radius,
-                          const nb::dict& given, const nb::object& progress, const nb::object& warn) {
+/// Finds the k nearest neighbours of the places `queries`, an N×3 array; if it is None, of each point.
+nb::tuple neighbors(const nb::list& source, const nb::object& queries, std::size_t k, double radius,
+                    const nb::dict& given, const nb::object& progress, const nb::object& warn) {
   Cloud cloud = open_cloud(source, false, given);
+  if (queries.is_none()) {
+    NeighborArrays made(k, cloud.count());
+    const PythonChain chain{
+        {.neighborhood = {.k = k, .radius = radius}, .stages = {made.op()}, .keep = {"neighbor_count", "x"}}, {}};
+    const Outputs outputs{.writer = [&](const OutputPlan& plan) { return made.writer(plan); }};
+    run_watched(cloud, chain, outputs, run_options(given), {progress, warn});
+    return made.arrays();
+  }
   const ArrayColumn places = borrow_array(queries, {"x", "y", "z"});
   NeighborArrays made = NeighborArrays::of_places(k, places.rows, cloud.count());
   search_places(cloud, places, k, radius, given, {progress, warn}, [&](const PlaceLists& lists) { made.put(lists); });
@@ -219,11 +194,21 @@ nb::tuple query_neighbors(const nb::list& source, const nb::object& queries, std
   return made.arrays();
 }
 
-nb::tuple query_radius_neighbors(const nb::list& source, const nb::object& queries, double radius,
-                                 const nb::dict& given, const nb::object& progress, const nb::object& warn) {
+/// Finds all neighbours within the radius of the places `queries`, an N×3 array; if it is None, of each point.
+nb::tuple radius_neighbors(const nb::list& source, const nb::object& queries, double radius, const nb::dict& given,
+                           const nb::object& progress, const nb::object& warn) {
   Cloud cloud = open_cloud(source, false, given);
-  const ArrayColumn places = borrow_array(queries, {"x", "y", "z"});
   RadiusLists lists;
+  if (queries.is_none()) {
+    const PythonChain chain{{.neighborhood = {.k = Neighborhood::kUnlimited, .radius = radius},
+                             .stages = {lists.op()},
+                             .keep = {"neighbor_count", "x"}},
+                            {}};
+    ResultArrays counts({{}, {"neighbor_count"}, false});
+    run_into(counts, cloud, chain, run_options(given), {progress, warn});
+    return lists.arrays(counts.rows(), counts.rows());
+  }
+  const ArrayColumn places = borrow_array(queries, {"x", "y", "z"});
   search_places(cloud, places, {}, radius, given, {progress, warn}, [&](const PlaceLists& found) { lists.put(found); });
   return lists.arrays(places.rows, cloud.count());
 }
@@ -245,12 +230,9 @@ void bind_runs(nb::module_& module) {
       .def("read", &ResultArrays::read, "first"_a, "rows"_a);
   module.def("run_to_blocks", &run_to_blocks, "source"_a, "pipeline"_a, "keep"_a, "options"_a, "groups"_a,
              "numbers"_a.none(), "progress"_a.none(), "warn"_a.none());
-  module.def("neighbors", &neighbors, "source"_a, "k"_a, "radius"_a, "options"_a, "progress"_a.none(), "warn"_a.none());
-  module.def("radius_neighbors", &radius_neighbors, "source"_a, "radius"_a, "options"_a, "progress"_a.none(),
-             "warn"_a.none());
-  module.def("query_neighbors", &query_neighbors, "source"_a, "queries"_a, "k"_a, "radius"_a, "options"_a,
+  module.def("neighbors", &neighbors, "source"_a, "queries"_a.none(), "k"_a, "radius"_a, "options"_a,
              "progress"_a.none(), "warn"_a.none());
-  module.def("query_radius_neighbors", &query_radius_neighbors, "source"_a, "queries"_a, "radius"_a, "options"_a,
+  module.def("radius_neighbors", &radius_neighbors, "source"_a, "queries"_a.none(), "radius"_a, "options"_a,
              "progress"_a.none(), "warn"_a.none());
 }
 

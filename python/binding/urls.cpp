@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "python/binding/urls.h"
-
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -11,6 +9,7 @@
 
 #include "pointsweep/storage/remote/remote_service.h"
 #include "pointsweep/url.h"
+#include "python/binding/bindings.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;

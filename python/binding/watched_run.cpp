@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "pointsweep/cancellation.h"
+
 namespace nb = nanobind;
 
 namespace pointsweep {
@@ -101,6 +103,16 @@ void watch(const Callbacks& callbacks, const std::function<void(Observer&)>& wor
   }
   if (raised) std::rethrow_exception(raised);
   if (failed) std::rethrow_exception(failed);
+}
+
+void watch_reports(const Callbacks& callbacks, const std::function<void(Observer&, const Report&)>& work) {
+  watch(callbacks, [&](Observer& observer) {
+    const CancellationScope scope(&observer.token());
+    work(observer, [&](const char* phase, std::uint64_t done, std::uint64_t total) {
+      stop_if_cancelled();
+      observer.on_progress({phase, done, total, 0});
+    });
+  });
 }
 
 }  // namespace pointsweep

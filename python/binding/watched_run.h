@@ -4,6 +4,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <cstdint>
 #include <functional>
 
 #include "pointsweep/run.h"
@@ -20,5 +21,11 @@ struct Callbacks {
 /// signals and makes the callbacks. Their exceptions, such as KeyboardInterrupt, cancel the work and are thrown when it
 /// has ended; otherwise the exception of the work is thrown.
 void watch(const Callbacks& callbacks, const std::function<void(Observer&)>& work);
+
+/// Reports the progress of work. Throws Cancelled if the work has been cancelled.
+using Report = std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)>;
+
+/// Calls work(observer, report) like watch(), for work that is no run and looks for a cancellation in `report`.
+void watch_reports(const Callbacks& callbacks, const std::function<void(Observer&, const Report&)>& work);
 
 }  // namespace pointsweep

@@ -90,7 +90,7 @@ def run_on_cluster(
     try:
         begun = place.has_request()
         given = {**options, "overwrite": "yes" if begun else options["overwrite"]}
-        planned, rows, nonfinite, notes, bytes_of_point, others, record, facts = _core.plan_parts(inputs, stages, keep, given, outputs)
+        planned, rows, nonfinite, notes, bytes_of_point, others, record, facts = _core.plan_parts((inputs, stages, keep, given, outputs, None))
         rounds = [Round([Step(*step) for step in steps], join) for steps, join in planned]
         others = {number: ([absolute(path) for path in paths], counts) for number, (paths, counts) in others.items()}
         other_states = {path: state_of(path) for paths, _ in others.values() for path in paths}
@@ -189,16 +189,17 @@ class _Run:
             key = _joined_by(number)
             if not is_new and self._place.has_object(key):
                 return None
-            shared = (objects, r.inputs[:1], r.stages, r.keep, r.options, r.outputs[:1], r.facts, this)
+            shared = (r.inputs[:1], r.stages, r.keep, r.options, r.outputs[:1], r.facts)
             if this.join == "tiles":
                 _core.join_tiles(objects, names, r.others[this.number] if this.kind == "other" else r.inputs, key)
             if this.join in ("borders", "components"):
-                _core.join_graph(*shared, self._joined_before(number, _stores_tiles), self._joined_before(number, _has_borders), names, key)
+                catalogue, borders = self._joined_before(number, _stores_tiles), self._joined_before(number, _has_borders)
+                _core.join_graph(objects, shared, this, catalogue, borders, names, key)
             if this.join == "pieces":
                 options = {**r.options, "overwrite": "yes"} if self._done[number + 1] else r.options  # this run may have written some files
-                _core.join_pieces(objects, r.inputs, r.stages, r.keep, options, r.outputs, r.facts, names, key)
+                _core.join_pieces(objects, (r.inputs, r.stages, r.keep, options, r.outputs, r.facts), names, key)
             if this.join == "values":
-                _core.join_values(*shared, self._joined_before(number, _has_values), names, key)
+                _core.join_values(objects, shared, this, self._joined_before(number, _has_values), names, key)
         except Error as error:
             damaged = _damaged_by(error)
             if damaged is None:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from . import _core
 from ._errors import UsageError
 from ._options import path
 from ._sources import Source
@@ -35,10 +36,10 @@ def _writable(name: str, array: np.ndarray) -> np.ndarray:
     return array.reshape(len(array), -1) if len(array) else array.reshape(0, array.shape[1] if array.ndim == 2 else 1)
 
 
-def outputs_of(to: Path | Sequence[Path], source: Source, divides: bool) -> str | list[str]:
-    """Returns the file to write, or a list with a file for each input; if the run `divides` its output, the path has a
+def outputs_of(to: Path | Sequence[Path], source: Source) -> str | list[str]:
+    """Returns the file to write, or a list with a file for each input; if the run divides its output, the path has a
     * for the names of the files."""
-    if divides:
+    if source.divides:
         return _divided(to, source)
     if not isinstance(to, (str, os.PathLike)):
         files = [path("to", file) for file in to]
@@ -61,11 +62,6 @@ def _divided(to: Path | Sequence[Path], source: Source) -> str:
         return named
     if not source.is_files:
         raise UsageError(f"to: {named} says no format for arrays; name the files, e.g. {os.path.join(named, '*.laz')}.")
-    return os.path.join(named, "*" + _extension(source.names[0]))
-
-
-def _extension(name: str) -> str:
-    """Returns the extension of a file name: ".laz" for "1.laz", ".copc.laz" for "1.copc.laz"."""
-    stem, last = os.path.splitext(name)
-    before = os.path.splitext(stem)[1]
-    return before + last if (before.lower(), last.lower()) == (".copc", ".laz") else last
+    first = source.names[0]
+    extension = first[len(first) - len(_core.extension_of(first)) :]  # extension_of() makes it lower case
+    return os.path.join(named, "*" + extension)

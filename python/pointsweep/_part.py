@@ -133,7 +133,7 @@ def perform(request_path: str, objects: str, task: dict[str, Any]) -> Done:
     with _one_at_a_time:
         start = time.perf_counter()
         rows, own, swept, text = _core.perform_part(
-            objects, paths, request.stages, request.keep, options, [request.outputs[output]], request.facts,
+            objects, (paths, request.stages, request.keep, options, [request.outputs[output]], request.facts),
             {**task, "other_file": other_file, "record": request.record, "after": left}, None,
         )
         seconds = time.perf_counter() - start

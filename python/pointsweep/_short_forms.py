@@ -176,22 +176,17 @@ def neighbors(
     coordinates have no neighbours and are neighbours of no point; with nonfinite='drop' they have no rows, and rows are
     counted without them. Queries with such coordinates have no neighbours, and keep their rows in any case.
     """
-    checked = run_options(**options)
-    source = source_of(points, attributes, crs, checked)
-    given = {**checked, **source.options}
+    source = source_of(points, attributes, crs, run_options(**options))
+    given = source.options
     refuse_options(given, ("order", "positions", *OPTIONS_OF_FILES), "is not an option of neighbors")
     asked = None if queries is None else positions_of("queries", queries, source, given["ignore_crs"])
     if k is None and radius is not None:
         limit = number("radius", radius)
         with called(progress) as shown:
-            if asked is None:
-                return RadiusNeighbors(*_core.radius_neighbors(source.inputs, limit, given, shown, warn))
-            return RadiusNeighbors(*_core.query_radius_neighbors(source.inputs, asked, limit, given, shown, warn))
+            return RadiusNeighbors(*_core.radius_neighbors(source.inputs, asked, limit, given, shown, warn))
     count = _core.default_neighbors if k is None else whole("k", k)
     if not 1 <= count < 2**32:
         raise UsageError(f"k: {count} is not a number of neighbours; choose 1 or more, below 2**32.")
     limit = math.inf if radius is None else number("radius", radius)
     with called(progress) as shown:
-        if asked is None:
-            return Neighbors(*_core.neighbors(source.inputs, count, limit, given, shown, warn))
-        return Neighbors(*_core.query_neighbors(source.inputs, asked, count, limit, given, shown, warn))
+        return Neighbors(*_core.neighbors(source.inputs, asked, count, limit, given, shown, warn))
