@@ -15,30 +15,27 @@ operators are stages of pipelines, and `operator` and `select` make such of func
 
 from . import _core, _stages
 from ._check import Check, check
-from ._chunks import Chunks, chunks
+from ._chunks import Chunks, Reduction, chunks, reduce
 from ._columns import CloudWithColumns
-from ._copies import read, write
 from ._crs import Crs
 from ._errors import Error, PointsweepWarning, UsageError
-from ._files import Cloud
+from ._files import Cloud, read, write
 from ._files import open as open
 from ._generate import generate
 from ._info import FileSummary, info
 from ._operator import Operator, PointNeighbors, Points, Select, operator, select
 from ._pipeline import Pipeline
-from ._plan import Plan, plan
-from ._reduce import Reduction, reduce
 from ._render import Picture, render
 from ._results import Arrays, Neighbors, RadiusNeighbors, Report
-from ._renamed import set as set
-from ._runs import run
+from ._runs import Plan, plan, run
 from ._short_forms import neighbors, normals
-from ._stage import Stage
+from ._stage import Stage, former_name
 from ._stages import *  # noqa: F403
 from ._summary import AttributeSummary, GroupedSummary, Histogram, PointSummary, summary
 from ._verify import Verdict, verify
 
 __version__: str = _core.version
+set = former_name("set", _stages.assign)
 # The public names without `open` and `set`, so that `from pointsweep import *` keeps the builtins of these names.
 __all__ = [
     "Arrays", "AttributeSummary", "Check", "Chunks", "Cloud", "CloudWithColumns", "Crs", "Error", "FileSummary", "GroupedSummary", "Histogram", "Neighbors", "Operator", "Pipeline", "Plan",

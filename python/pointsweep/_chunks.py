@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Results block by block, in bounded memory."""
+"""Results block by block, in bounded memory, and values of the whole cloud that are computed from the blocks."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import copy
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from . import _core
 from ._crs import Crs
 from ._errors import UsageError, warn
+from ._function import MadeOfFunction
 from ._operator import Operator, Points, operator
 from ._options import names, refuse_options_of_files, run_options, whole, with_run_options
 from ._progress import called
@@ -109,11 +111,10 @@ def chunks(
     stages: list[str | FunctionStage] = [_row()] if pipeline is None else stages_of(pipeline)
     if pipeline is None and not kept:
         kept = _all_names(source.field_names(), source.groups)
-    given = {**checked, **source.options}
     numbers = _row() if source.is_files else None
     with called(progress) as shown:
         results, has_rows, statistics = _core.run_to_blocks(
-            source.inputs, stages, kept, given, source.groups, numbers, shown, warn
+            source.inputs, stages, kept, source.options, source.groups, numbers, shown, warn
         )
     if kept and has_rows and "row" not in kept:
         kept.append("row")
@@ -125,3 +126,42 @@ def _all_names(fields: list[str], groups: list[tuple[str, list[str]]]) -> list[s
     there = {name: parts for name, parts in groups if set(parts) <= set(fields)}
     grouped = {part for parts in there.values() for part in parts}
     return [*there, *(field for field in fields if field not in grouped)]
+
+
+class Reduction(MadeOfFunction):
+    """A function that takes a cloud block by block; made with `pointsweep.reduce`. Call it with points."""
+
+    def __init__(self, function: Callable[[Any, Arrays], Any], start: Any, keep: Any) -> None:
+        self._takes_the_place_of(function)
+        self.start = start
+        self.keep = keep
+
+    def __call__(self, points: Any, pipeline: PipelineLike | None = None, *, rows: int = 1 << 20, **options: Any) -> Any:
+        """Reduces the results of a pipeline, or the points themselves. `options` are options of `run`."""
+        value = copy.deepcopy(self.start)
+        with chunks(points, rows, pipeline, **{"keep": self.keep, **options}) as blocks:
+            for block in blocks:
+                value = self.function(value, block)
+        return value
+
+    def __repr__(self) -> str:
+        return f"<pointsweep.Reduction {getattr(self.function, '__name__', '')}>"
+
+
+def reduce(*, start: Any, keep: Any = None) -> Callable[[Callable[[Any, Arrays], Any]], Reduction]:
+    """Turns a function over blocks of rows into a value of the whole cloud, computed in bounded memory.
+
+    Parameters
+    ----------
+    start : the value before the first block. It is copied for each call.
+    keep : the arrays that the function needs, as for `run`.
+
+    The function gets the value so far and a block as `chunks` gives it, and returns the new value. Blocks come in the
+    order of the input, `rows` rows each: memory and threads do not change the result.
+
+    >>> @reduce(start=-np.inf, keep=["xyz"])
+    ... def highest(z, block):
+    ...     return max(z, block["xyz"][:, 2].max())
+    >>> highest("tiles/*.laz")
+    """
+    return lambda function: Reduction(function, start, keep)

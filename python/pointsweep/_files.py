@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Point files."""
+"""Point files, and copies of points from files to arrays and from arrays to files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ._runs import COPY, Workers, performed
 from ._sources import opened
 from ._summary import GroupedSummary, PointSummary, summary
 from ._tables import html_table
-from ._types import Files, Path, PipelineLike, ProgressCallback, RunOptions
+from ._types import Files, Path, PipelineLike, ProgressCallback, RunOptions, SummaryOptions
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -153,26 +153,10 @@ class Cloud(Files):
         return chunks(self, rows, pipeline, keep=keep, progress=progress, **options)
 
     @overload
-    def summary(
-        self,
-        *,
-        by: None = None,
-        histogram: Sequence[str] | str | None = None,
-        bins: int = 20,
-        keep: Sequence[str] | str | None = None,
-        progress: ProgressCallback | bool | None = None,
-    ) -> PointSummary: ...
+    def summary(self, *, by: None = None, **options: Unpack[SummaryOptions]) -> PointSummary: ...
 
     @overload
-    def summary(
-        self,
-        *,
-        by: str,
-        histogram: Sequence[str] | str | None = None,
-        bins: int = 20,
-        keep: Sequence[str] | str | None = None,
-        progress: ProgressCallback | bool | None = None,
-    ) -> GroupedSummary: ...
+    def summary(self, *, by: str, **options: Unpack[SummaryOptions]) -> GroupedSummary: ...
 
     def summary(
         self,
@@ -258,3 +242,38 @@ def open(
         crs=crs,
         replace_crs=replace_crs,
     )
+
+
+@with_run_options
+def read(
+    files: Path | Sequence[Path],
+    *,
+    keep: Sequence[str] | str | None = None,
+    progress: ProgressCallback | bool | None = None,
+    **options: Unpack[RunOptions],
+) -> Arrays:
+    """Reads the points of files into a dict of arrays: 'xyz', (n, 3), and every attribute, or those that `keep` names.
+
+    ``ps.open(files).chunks(rows)`` reads files that are larger than memory. Takes the options of `run`.
+    """
+    return open(files, ignore_crs=bool(options.get("ignore_crs"))).read(keep=keep, progress=progress, **options)
+
+
+@with_run_options
+def write(
+    to: Path,
+    points: Any,
+    *,
+    keep: Sequence[str] | str | None = None,
+    attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
+    progress: ProgressCallback | bool | None = None,
+    **options: Unpack[RunOptions],
+) -> Report:
+    """Writes points, in arrays or files as `run` takes them, with all their attributes to the file `to`.
+
+    ``ps.write("a.laz", {"xyz": xyz, "intensity": i}, crs=2154, scale=0.001)``. Takes the options of `run`.
+    """
+    result = performed(points, COPY, to, keep, None, attributes, crs, progress, options)
+    assert isinstance(result, Report)
+    return result

@@ -4,51 +4,38 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import overload
+from typing import TYPE_CHECKING, TypedDict, overload
 
 from . import _core, _options
 from ._errors import UsageError, warn
 from ._files import Cloud, open
-from ._options import number, run_options, whole
+from ._options import count, number, run_options
 from ._progress import called
 from ._results import Arrays, arrays_of
 from ._types import Path, ProgressCallback
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
-@overload
-def generate(
-    shape: str,
-    n: int,
-    path: None = None,
-    *,
-    seed: int = ...,
-    noise: float = ...,
-    outliers: float = ...,
-    outlier_box: float = ...,
-    origin: Sequence[float] | None = ...,
-    float64: bool = ...,
-    overwrite: bool = ...,
-    threads: int | None = ...,
-    progress: ProgressCallback | bool | None = ...,
-) -> Arrays: ...
+
+class _Options(TypedDict, total=False):
+    seed: int
+    noise: float
+    outliers: float
+    outlier_box: float
+    origin: Sequence[float] | None
+    float64: bool
+    overwrite: bool
+    threads: int | None
+    progress: ProgressCallback | bool | None
 
 
 @overload
-def generate(
-    shape: str,
-    n: int,
-    path: Path,
-    *,
-    seed: int = ...,
-    noise: float = ...,
-    outliers: float = ...,
-    outlier_box: float = ...,
-    origin: Sequence[float] | None = ...,
-    float64: bool = ...,
-    overwrite: bool = ...,
-    threads: int | None = ...,
-    progress: ProgressCallback | bool | None = ...,
-) -> Cloud: ...
+def generate(shape: str, n: int, path: None = None, **options: Unpack[_Options]) -> Arrays: ...
+
+
+@overload
+def generate(shape: str, n: int, path: Path, **options: Unpack[_Options]) -> Cloud: ...
 
 
 def generate(
@@ -82,12 +69,9 @@ def generate(
     """
     if origin is not None and len(origin) != 3:
         raise UsageError("origin: give three numbers, (x, y, z).")
-    count, first = whole("n", n), whole("seed", seed)
-    for name, value in (("n", count), ("seed", first)):
-        if value < 0:
-            raise UsageError(f"{name}: {value} is negative.")
+    points = count("n", n)
     options = {
-        "seed": first,
+        "seed": count("seed", seed),
         "noise": number("noise", noise),
         "outliers": number("outliers", outliers),
         "outlier_box": number("outlier_box", outlier_box),
@@ -98,5 +82,5 @@ def generate(
     }
     file = "" if path is None else _options.path("path", path)
     with called(progress) as shown:
-        known = _core.generate(shape, count, file, options, shown, warn)
+        known = _core.generate(shape, points, file, options, shown, warn)
     return open(file) if known is None else arrays_of(known, None)

@@ -49,6 +49,14 @@ def whole(name: str, value: Any) -> int:
         raise UsageError(f"{name}: {value!r} is not a whole number.") from None
 
 
+def count(name: str, value: Any) -> int:
+    """Returns `value` as an int. Raises UsageError if it is not a whole number of 0 or more."""
+    result = whole(name, value)
+    if result < 0:
+        raise UsageError(f"{name}: {result} is negative.")
+    return result
+
+
 def number(name: str, value: Any) -> float:
     """Returns `value` as a float. Raises UsageError if it is not a finite number."""
     try:

@@ -87,10 +87,8 @@ def render(
         width, height = size
     except (TypeError, ValueError):
         raise UsageError(f"size: {size!r} is not a pair of width and height in pixels, e.g. (1200, 900).") from None
-    checked = run_options(ignore_crs=ignore_crs)
-    source = source_of(points, attributes, crs, checked)
+    source = source_of(points, attributes, crs, run_options(ignore_crs=ignore_crs))
     given = {
-        **checked,
         **source.options,
         "color": "" if color is None else color,
         "view": view,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Runs over arrays and files."""
+"""Runs over arrays and files, and descriptions of runs before they run."""
 
 from __future__ import annotations
 
@@ -156,22 +156,23 @@ def _spread(
     if workers.scratch is None:
         raise UsageError("client: needs a folder that all workers see; name it with scratch=.")
     scratch = path("scratch", workers.scratch)
-    checked = run_options(**options)
-    source = source_of(points, None, crs, checked)
+    source = source_of(points, None, crs, run_options(**options))
     if not source.is_files:
         raise UsageError("client: is for files that all workers see; write the arrays to files first.")
-    given = {**checked, **source.options}
-    divides = bool(given["tile"] or given["split"])
-    named = outputs_of(to, source, divides)
-    if isinstance(named, str) and not divides:
+    named = outputs_of(to, source)
+    if isinstance(named, str) and not source.divides:
         raise UsageError("client: many processes write a file for each input; name a folder with to=.")
     files = [named] if isinstance(named, str) else named
     stages = identified(stages, resumed=True)
     cluster = importlib.import_module("pointsweep._cluster")  # imported here, since it is slow to load and other runs do not need it
     with called(progress) as shown:
         statistics = cluster.run_on_cluster(
-            workers.client, scratch, workers.take_over, source.inputs, stages, names("keep", keep), given, files, shown
+            workers.client, scratch, workers.take_over, source.inputs, stages, names("keep", keep), source.options, files, shown
         )
+    return _report_on(statistics, to, files)
+
+
+def _report_on(statistics: str, to: Path | Sequence[Path], files: str | list[str]) -> Report:
     return Report(statistics, os.fspath(to) if isinstance(to, (str, os.PathLike)) else f"{len(files)} files")
 
 
@@ -204,9 +205,8 @@ def performed(
         raise UsageError("scratch: is for the workers of a client; name one with client=.")
     into = outputs_to(out)
     kept = names("keep", list(out) if keep is None and out else keep)
-    checked = run_options(**options)
-    source = source_of(points, attributes, crs, checked)
-    given = {**checked, **source.options}
+    source = source_of(points, attributes, crs, run_options(**options))
+    given = source.options
     if to is None:
         refuse_options_of_files(given, "name one with to=, or leave the option out")
         missing = [name for name in into if kept and name not in kept]
@@ -219,8 +219,45 @@ def performed(
         raise UsageError("out: is for results in arrays; leave it out, or to=.")
     if given["resume"] and not source.is_files:
         raise UsageError("resume: is for files; arrays are gone when this process ends.")
-    files = outputs_of(to, source, divides=bool(given["tile"] or given["split"]))
+    files = outputs_of(to, source)
     stages = identified(stages, resumed=bool(given["resume"]))
     with called(progress) as shown:
         _, statistics = _core.run(source.inputs, stages, kept, given, source.groups, files, {}, shown, warn)
-    return Report(statistics, os.fspath(to) if isinstance(to, (str, os.PathLike)) else f"{len(files)} files")
+    return _report_on(statistics, to, files)
+
+
+class Plan(str):
+    """The passes of a run with their stages, columns and memory, in lines for people."""
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        import html
+
+        return f"<pre>{html.escape(self)}</pre>"
+
+
+@with_run_options
+def plan(
+    points: Any,
+    pipeline: PipelineLike,
+    *,
+    to: Path | None = None,
+    keep: Sequence[str] | str | None = None,
+    attributes: Mapping[str, Any] | None = None,
+    crs: Any = None,
+    **options: Unpack[RunOptions],
+) -> Plan:
+    """Describes what `run` would do with the same arguments: passes, stages with their buffers, columns, slabs and memory.
+
+    Reads a sample of the cloud and writes nothing. Raises the errors that the run would raise before its work. `to` is a file.
+    """
+    stages = stages_of(pipeline)
+    source = source_of(points, attributes, crs, run_options(**options))
+    file = "" if to is None else path("to", to)
+    if not source.divides and (file.endswith(os.sep) or os.path.isdir(file or os.devnull)):
+        raise UsageError(f"to: {file} is a folder; a plan is that of a run to one file, or one that divides its output.")
+    if file and source.divides:
+        file = str(outputs_of(file, source))
+    return Plan(_core.plan(source.inputs, stages, names("keep", keep), source.options, source.groups, file))

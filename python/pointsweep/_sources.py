@@ -29,9 +29,14 @@ class Source(NamedTuple):
     inputs: list[Any]  #: paths as str, or pairs (names of components, (n, m) array)
     groups: list[tuple[str, list[str]]]  #: components of the input that make one array
     is_files: bool
-    options: dict[str, Any]  #: options of opening files, and the coordinate system of arrays
+    options: dict[str, Any]  #: options of the run and of opening files, and the coordinate system of arrays
     crs: Crs | None
     names: list[str] = []  #: names of files in a folder of outputs
+
+    @property
+    def divides(self) -> bool:
+        """True if the run divides its output among files, which it names itself."""
+        return bool(self.options["tile"] or self.options["split"])
 
     def field_names(self) -> list[str]:
         """Names of the components that the points have."""
@@ -56,7 +61,7 @@ def source_of(
         ignores = {"ignore_crs": options["ignore_crs"] or points._options["ignore_crs"]}
         crs_of_files = points._known["crs"]
         stated = None if crs_of_files is None else Crs(crs_of_files)
-        return Source(list(points.files), groups, True, {**points._options, **ignores}, stated, points._names)
+        return Source(list(points.files), groups, True, {**options, **points._options, **ignores}, stated, points._names)
     if hasattr(points, "chunk_iterator"):  # a reader of laspy
         points = points.chunk_iterator(_LAS_BLOCK)
     stated = crs_stated_by(points)
@@ -69,7 +74,7 @@ def source_of(
         if name in columns:
             raise UsageError(f"attributes: '{name}' is among the points, too; give it once.")
         columns[name] = values
-    return _source_of_arrays(columns, given_or_stated(crs, stated))
+    return _source_of_arrays(columns, given_or_stated(crs, stated), options)
 
 
 def positions_of(option: str, points: Any, among: Source, ignore_crs: bool) -> np.ndarray:
@@ -139,11 +144,11 @@ def _is_list_of_paths(points: Any) -> bool:
 def _checked_arrays(block: Any) -> dict[str, np.ndarray]:
     """Returns the arrays of one block, whose columns must have the same length."""
     arrays = {name: numbers(name, values) for name, values in arrays_by_name(block).items()}
-    _source_of_arrays(dict(arrays))
+    _source_of_arrays(arrays, None, {})
     return arrays
 
 
-def _source_of_arrays(arrays: dict[str, Any], crs: Crs | None = None) -> Source:
+def _source_of_arrays(arrays: dict[str, Any], crs: Crs | None, options: Mapping[str, Any]) -> Source:
     columns: list[tuple[list[str], np.ndarray]] = []
     groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]
     if "xyz" in arrays:
@@ -165,8 +170,8 @@ def _source_of_arrays(arrays: dict[str, Any], crs: Crs | None = None) -> Source:
             groups.append((name, fields))
     _require_equal_lengths(columns)
     _require_different_names([field for fields, _ in columns for field in fields])
-    options = {"format": "", "crs": None if crs is None else crs._known}
-    return Source(columns, list(dict(groups).items()), False, options, crs)
+    given = {**options, "format": "", "crs": None if crs is None else crs._known}
+    return Source(columns, list(dict(groups).items()), False, given, crs)
 
 
 def _fields(name: str, values: int, is_list: bool) -> list[str]:

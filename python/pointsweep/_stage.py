@@ -7,7 +7,8 @@ import functools
 import itertools
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,10 +17,12 @@ from ._adapters import are_points
 from ._errors import UsageError
 from ._options import number, path, whole
 from ._pipeline import Joinable
-from ._shapes import is_shape, polygons_as_text
 from ._types import Files, FunctionStage
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+
+#: for each type of object that holds other geometries, the key of these
+_PARTS = {"FeatureCollection": "features", "Feature": "geometry", "GeometryCollection": "geometries"}
 
 
 class Stage(Joinable):
@@ -70,7 +73,7 @@ def makes_stage(function: _Function) -> _Function:
     @functools.wraps(function)
     def checked(*arguments: Any, **options: Any) -> Any:
         for name, value in [*itertools.zip_longest(positional[: len(arguments)], arguments), *options.items()]:
-            if name == "polygon" and is_shape(value):
+            if name == "polygon" and _is_shape(value):
                 continue
             if name in takes_arrays and are_points(value):
                 if not _is_matrix(value):
@@ -85,6 +88,22 @@ def makes_stage(function: _Function) -> _Function:
     return checked  # type: ignore[return-value]
 
 
+def former_name(name: str, function: _Function) -> _Function:
+    """Returns `function` under a former name, which works for one release and warns with the new name."""
+
+    @functools.wraps(function)
+    def renamed(*arguments: Any, **options: Any) -> Any:
+        warnings.warn(
+            f"pointsweep.{name} is now called pointsweep.{function.__name__}; the former name will go with the next release.",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+        return function(*arguments, **options)
+
+    renamed.__name__ = renamed.__qualname__ = name
+    return renamed  # type: ignore[return-value]
+
+
 def _texts_of(stage: str, options: Iterable[tuple[str, str, Any, Any]]) -> dict[str, str]:
     """Returns the texts of the options that have a value other than None and their default."""
     return {
@@ -95,8 +114,8 @@ def _texts_of(stage: str, options: Iterable[tuple[str, str, Any, Any]]) -> dict[
 
 
 def _path_of(where: str, value: Any) -> str:
-    if where == "crop: polygon" and is_shape(value):
-        return polygons_as_text(where, value)
+    if where == "crop: polygon" and _is_shape(value):
+        return _polygons_as_text(where, value)
     if isinstance(value, Files):
         if len(value.files) > 1:
             raise UsageError(f"{where}: is a cloud of {len(value.files)} files; give their folder or a pattern instead.")
@@ -141,3 +160,36 @@ def _text_of(where: str, kind: str, value: Any) -> str:
     if re.fullmatch(r"[A-Za-z0-9_]+", value):
         return value
     return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def _is_shape(value: Any) -> bool:
+    """Returns whether the value is a geometry. Text, paths and arrays are not."""
+    return hasattr(value, "__geo_interface__")
+
+
+def _polygons_as_text(where: str, shape: Any) -> str:
+    """Returns all polygons of `shape` as WKT, with unchanged x and y and without heights. Errors begin with `where`."""
+    polygons = list(_polygons_of(where, shape.__geo_interface__))
+    if not polygons:
+        raise UsageError(f"{where}: there are no polygons in this {type(shape).__name__}; give one or more.")
+    return f"MULTIPOLYGON ({', '.join(polygons)})"
+
+
+def _polygons_of(where: str, geometry: Mapping[str, Any] | None) -> Iterator[str]:
+    if geometry is None:  # a feature may have no geometry
+        return
+    kind = geometry["type"]
+    if kind in _PARTS:
+        parts = geometry[_PARTS[kind]]
+        for part in parts if isinstance(parts, (list, tuple)) else [parts]:
+            yield from _polygons_of(where, part)
+    elif kind in ("Polygon", "MultiPolygon"):
+        for rings in [geometry["coordinates"]] if kind == "Polygon" else geometry["coordinates"]:
+            if rings:
+                yield f"({', '.join(_ring(ring) for ring in rings)})"
+    else:
+        raise UsageError(f"{where}: a {kind} has no inside; give polygons, or the polygons of a buffer around it.")
+
+
+def _ring(places: Any) -> str:
+    return f"({', '.join(f'{float(x)!r} {float(y)!r}' for x, y, *_ in places)})"

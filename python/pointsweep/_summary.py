@@ -15,10 +15,11 @@ from ._options import names, run_options, whole
 from ._progress import called
 from ._sources import source_of
 from ._tables import html_table
-from ._types import ProgressCallback
+from ._types import ProgressCallback, SummaryOptions
 
 if TYPE_CHECKING:
     import pandas
+    from typing_extensions import Unpack
 
 
 class AttributeSummary(NamedTuple):
@@ -120,32 +121,17 @@ class GroupedSummary(Mapping[int, PointSummary]):
         return html_table(f"points by {self.by}", [self.by, "points", *means], rows)
 
 
-@overload
-def summary(
-    points: Any,
-    *,
-    by: None = None,
-    histogram: Sequence[str] | str | None = None,
-    bins: int = 20,
-    keep: Sequence[str] | str | None = None,
-    attributes: Mapping[str, Any] | None = None,
-    ignore_crs: bool = False,
-    progress: ProgressCallback | bool | None = None,
-) -> PointSummary: ...
+class _Options(SummaryOptions, total=False):
+    attributes: Mapping[str, Any] | None
+    ignore_crs: bool
 
 
 @overload
-def summary(
-    points: Any,
-    *,
-    by: str,
-    histogram: Sequence[str] | str | None = None,
-    bins: int = 20,
-    keep: Sequence[str] | str | None = None,
-    attributes: Mapping[str, Any] | None = None,
-    ignore_crs: bool = False,
-    progress: ProgressCallback | bool | None = None,
-) -> GroupedSummary: ...
+def summary(points: Any, *, by: None = None, **options: Unpack[_Options]) -> PointSummary: ...
+
+
+@overload
+def summary(points: Any, *, by: str, **options: Unpack[_Options]) -> GroupedSummary: ...
 
 
 def summary(
@@ -189,8 +175,7 @@ def summary(
     """
     import json
 
-    checked = run_options(ignore_crs=ignore_crs)
-    source = source_of(points, attributes, None, checked)
+    source = source_of(points, attributes, None, run_options(ignore_crs=ignore_crs))
     components = dict(source.groups)
 
     def fields(option: str, named: Sequence[str] | str | None) -> list[str]:
@@ -200,7 +185,6 @@ def summary(
     if len(grouping) > 1:
         raise UsageError("by: name one attribute.")
     given = {
-        **checked,
         **source.options,
         "by": grouping[0] if grouping else "",
         "values": keep is None or len(kept) > 0,

@@ -84,3 +84,12 @@ class PointOptions(RunOptions, total=False):
     attributes: Mapping[str, Any] | None
     crs: Any
     progress: ProgressCallback | bool | None
+
+
+class SummaryOptions(TypedDict, total=False):
+    """The options of `Cloud.summary` that do not decide the type of its result."""
+
+    histogram: Sequence[str] | str | None
+    bins: int
+    keep: Sequence[str] | str | None
+    progress: ProgressCallback | bool | None

@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 from . import _core
 from ._errors import UsageError
-from ._options import names, number, path, run_options, whole, way_of_reading, word
+from ._options import count, names, number, path, run_options, whole, way_of_reading, word
 from ._progress import called
 from ._stage_list import stages_of
 from ._types import Path, PipelineLike, ProgressCallback
@@ -114,9 +114,9 @@ def verify(
         "pipeline": "" if pipeline is None else _text_of(pipeline),
         "neighborhood": neighborhood,
         "keep": names("keep", keep),
-        "sample": _count("sample", sample),
-        "seed": _count("seed", seed),
-        "rows": [_count("rows", row) for row in rows],
+        "sample": count("sample", sample),
+        "seed": count("seed", seed),
+        "rows": [count("rows", row) for row in rows],
         "order": word("order", order),
         "recursive": bool(recursive),
         "format": way_of_reading(format, columns, depth, resolution),
@@ -126,13 +126,6 @@ def verify(
         found = _core.verify([path("inputs", file) for file in named], path("output", output), options, shown)
     values: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in found.items()}
     return Verdict(**values)
-
-
-def _count(name: str, value: int) -> int:
-    count = whole(name, value)
-    if count < 0:
-        raise UsageError(f"{name}: {count} is negative.")
-    return count
 
 
 def _text_of(pipeline: PipelineLike) -> str:
