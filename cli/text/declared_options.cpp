@@ -34,13 +34,6 @@ std::vector<std::string> names_of_shapes() {
   return names;
 }
 
-std::vector<std::string> names_of_verbs(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(verb->get_name());
-  return names;
-}
-
 /// Sets the kind of completions of an argument from the name that its verb gives it.
 void set_offer_of_argument(DeclaredOption& argument, const CLI::App& app) {
   const std::string& name = argument.value;
@@ -91,7 +84,7 @@ std::string usage_of(const CLI::App& verb, const CLI::App& app) {
 
 std::vector<DeclaredVerb> declared_verbs(const CLI::App& app) {
   std::vector<DeclaredVerb> verbs;
-  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+  for (const CLI::App* verb : verbs_of(app)) {
     DeclaredVerb& declared = verbs.emplace_back();
     declared.name = verb->get_name();
     declared.meaning = verb->get_description();

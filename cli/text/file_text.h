@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A summary of a file as lines, and a table of many files, for people.
+/// The texts of `pointsweep info`: a summary of a file as lines, a table of many files, and statistics of points.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "cli/text/text_table.h"
 #include "pointsweep/info.h"
 
 namespace pointsweep {
@@ -19,6 +19,27 @@ std::string to_text(const FileSummary& summary);
 std::string attribute_text(const Schema& schema);
 /// Returns only the lines about points and bounds.
 std::string to_text(std::uint64_t points, const Box& bounds);
+
+/// Returns tables with the number of points of each group and a line for each attribute of each group, and histograms
+/// with bars.
+std::string to_text(const PointStatistics& statistics);
+
+/// A table: headings and lines of cells, in columns as wide as their longest cells.
+class TextTable {
+ public:
+  /// `left`: the columns that are aligned to the left; all others are aligned to the right.
+  TextTable(std::vector<std::string> headings, std::vector<std::size_t> left, std::string indent = "  ")
+      : left_(std::move(left)), indent_(std::move(indent)), lines_{std::move(headings)} {}
+  /// Adds a line with at most as many cells as there are headings.
+  void add(std::vector<std::string> line) { lines_.push_back(std::move(line)); }
+  /// Returns the headings, then the lines.
+  std::string text() const;
+
+ private:
+  std::vector<std::size_t> left_;
+  std::string indent_;
+  std::vector<std::vector<std::string>> lines_;
+};
 
 /// A table with a line for each file: points, bounds, density, coordinate reference system, and the number of its list
 /// of attributes. The numbered lists follow the table.

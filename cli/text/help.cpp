@@ -34,6 +34,11 @@ std::string wrapped(std::string_view text, std::size_t indent, std::size_t colum
   return out;
 }
 
+std::string capitalized(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
 HelpFormatter::HelpFormatter() {
   column_width(kLeftColumns);
   label("SUBCOMMAND", "VERB");

@@ -7,6 +7,7 @@
 #include <CLI/Formatter.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cli/console/console.h"
 
@@ -26,6 +27,9 @@ inline constexpr const char* kGroups[] = {kOwnGroup, kNeighborGroup, kOutputGrou
 /// `indent` of a line that the caller has begun; the others get `indent` blanks. A word longer than a line is not
 /// broken.
 std::string wrapped(std::string_view text, std::size_t indent, std::size_t columns = text_columns());
+
+/// Returns the text with its first letter, if that is one of a to z, in upper case.
+std::string capitalized(std::string text);
 
 /// Lays out help. In footers, lines that begin with a blank (examples, tables) are kept; the other lines form
 /// paragraphs, which are wrapped.
@@ -48,6 +52,10 @@ class HelpFormatter : public CLI::Formatter {
 
 /// Returns a sentence about the error in the command line that `app` has just refused, with the remedy.
 std::string usage_sentence(const CLI::App& app, const CLI::ParseError& error);
+
+/// Returns the verbs of the tool, in the order of the help.
+std::vector<const CLI::App*> verbs_of(const CLI::App& app);
+std::vector<std::string> names_of_verbs(const CLI::App& app);
 
 /// Returns the verb; null if no verb has that name.
 const CLI::App* find_verb(const CLI::App& app, const std::string& name);

@@ -92,7 +92,6 @@ constexpr const char* kKindsOfOptions[] = {"whole",     "number",     "choice", 
                                            "attribute", "condition",  "numbers",    "file",  "matrix",
                                            "word",      "attributes", "assignments"};
 static_assert(std::size(kKindsOfOptions) == 1 + static_cast<std::size_t>(OptionKind::assignments));
-constexpr const char* kKindsOfAttributes[] = {"position", "vector", "normal", "scalar", "index", "color"};
 
 OrderedJson json_of(const OptionValue& value) {
   if (const auto* whole = std::get_if<std::uint64_t>(&value)) return *whole;
@@ -125,7 +124,7 @@ OrderedJson json_of(const std::vector<Attribute>& attributes) {
                     {"type", name_of(a.type)},
                     {"fields", a.fields},
                     {"unit", a.unit},
-                    {"kind", kKindsOfAttributes[static_cast<std::size_t>(a.kind)]},
+                    {"kind", kind_text(a)},
                     {"meaning", a.meaning}});
   return list;
 }
@@ -149,6 +148,11 @@ OrderedJson json_of(const ListedOperator& listed) {
 }
 
 }  // namespace
+
+const char* kind_text(const Attribute& attribute) {
+  constexpr const char* kKinds[] = {"position", "vector", "normal", "scalar", "index", "color"};
+  return kKinds[static_cast<std::size_t>(attribute.kind)];
+}
 
 std::string default_k_text(const ListedOperator& listed) {
   if (listed.contract.default_k == 0) return "";

@@ -16,6 +16,9 @@ struct ListedOperator {
   Contract contract = {};
 };
 
+/// Returns the kind of an attribute as a word, e.g. "normal".
+const char* kind_text(const Attribute& attribute);
+
 /// Returns a sentence about the number of neighbours that the operator uses by default; empty if it uses no neighbours
 /// or needs a radius.
 std::string default_k_text(const ListedOperator& listed);

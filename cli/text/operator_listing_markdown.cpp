@@ -11,8 +11,6 @@
 namespace pointsweep {
 namespace {
 
-constexpr const char* kKindNames[] = {"position", "vector", "normal", "scalar", "index", "color"};
-
 /// Returns the type as the docs write it: "f32", "u8".
 std::string short_type(Type type) {
   const std::string_view name = name_of(type);
@@ -44,10 +42,7 @@ std::string table_head(const std::vector<std::string>& titles) {
   return table_row(titles) + rule + "\n";
 }
 
-std::string sentence(std::string text) {
-  if (text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
-  return text + (text.ends_with('.') ? "" : ".");
-}
+std::string sentence(const std::string& text) { return capitalized(text) + (text.ends_with('.') ? "" : "."); }
 
 std::string options_table(const std::vector<OptionDeclaration>& options) {
   if (options.empty()) return "No options.\n\n";
@@ -145,8 +140,7 @@ std::string attribute_row(const OperatorDeclaration& declaration, const Attribut
   const std::string shape = a.fields.size() > 1 ? fmt::format("N×{}", a.fields.size()) : "N";
   return table_row({fmt::format("`{}`", a.name), own_type ? note->type : short_type(a.type),
                     own_shape ? note->shape : shape, own_shape ? fmt::format("`{}` ...", a.fields[0]) : fields_text(a),
-                    unit_text(a.unit), kKindNames[static_cast<std::size_t>(a.kind)], made_by,
-                    meaning_of(declaration, a)});
+                    unit_text(a.unit), kind_text(a), made_by, meaning_of(declaration, a)});
 }
 
 std::string attribute_rows(const OperatorDeclaration& declaration) {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "cli/text/statistics_text.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +7,6 @@
 #include <vector>
 
 #include "cli/text/file_text.h"
-#include "cli/text/text_table.h"
 
 namespace pointsweep {
 namespace {

@@ -15,13 +15,6 @@
 namespace pointsweep {
 namespace {
 
-std::vector<std::string> verbs_of(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(verb->get_name());
-  return names;
-}
-
 /// A verb of other programs, and the command of pointsweep that does the same.
 struct OtherVerb {
   std::string_view word, command;
@@ -88,8 +81,18 @@ std::string parser_sentence(const CLI::ParseError& error) {
 
 }  // namespace
 
+std::vector<const CLI::App*> verbs_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+std::vector<std::string> names_of_verbs(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : verbs_of(app)) names.push_back(verb->get_name());
+  return names;
+}
+
 const CLI::App* find_verb(const CLI::App& app, const std::string& name) {
-  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
+  for (const CLI::App* verb : verbs_of(app))
     if (verb->get_name() == name) return verb;
   return nullptr;
 }
@@ -101,7 +104,7 @@ std::string unknown_verb_sentence(const CLI::App& app, const std::string& word) 
     return fmt::format("'{}' is not a verb; 'pointsweep {}' does it.", word, other->command);
   if (const std::string_view advice = advice_for(word); !advice.empty())
     return fmt::format("'{}' is not a verb; in the pipeline of 'pointsweep run', {}.", word, advice);
-  const auto meant = probable_name(word, verbs_of(app));
+  const auto meant = probable_name(word, names_of_verbs(app));
   return fmt::format("'{}' is not a verb.{}", word, meant ? fmt::format(" Did you mean '{}'?", *meant) : "");
 }
 

@@ -8,11 +8,11 @@
 #include <optional>
 #include <set>
 
+#include "cli/console/console.h"
 #include "cli/console/interrupt.h"
 #include "cli/console/program.h"
 #include "cli/console/refuse.h"
 #include "cli/verbs/progress.h"
-#include "pointsweep/cancellation.h"
 #include "pointsweep/program/formats.h"
 #include "pointsweep/program/report.h"
 #include "pointsweep/program/standard_streams.h"
@@ -70,10 +70,7 @@ void add_result(const ResolvedFiles& files, const Cloud& input, ProgressDisplay&
   std::vector<std::string> operators;
   for (const auto& [name, seconds] : statistics.operator_seconds) operators.push_back(name);
   options.color = pictured_attribute(operators, input.schema(), cloud.schema());
-  options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
-    stop_if_cancelled();
-    display.report(phase, done, total);
-  };
+  options.progress = reporting_to(display);
   summary.picture = render(cloud, options);
   summary.made = value_summaries(cloud.schema(), summary.picture->sample,
                                  made_numbers(operators, input.schema(), cloud.schema()), summary.unit);
@@ -161,10 +158,10 @@ void add_run_options(CLI::App& verb, CommonOptions& options) {
   add_progress_options(verb, options);
 }
 
-void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
-                    const std::function<Statistics(Cloud&, const ResolvedFiles&, const RunOptions&)>& work) {
+void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options, const CloudWork& work) {
   const ResolvedFiles files = files_of(paths, options);
   Cloud cloud(files.inputs, cloud_options(options));
+  if (options.dry_run) return print(work.plan(cloud, files, run_options(options)));
   std::optional<WholeFile> stats;  // made before the work, so that an unwritable path is refused at once
   if (!options.stats.empty()) stats.emplace(options.stats, options.overwrite);
   std::optional<WholeFile> report;
@@ -174,19 +171,12 @@ void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options,
   RunDisplay watching(display);
   run.observer = &watching;
   for (const std::string& notice : files.notices) display.say(Severity::note, notice);
-  const Statistics statistics = work(cloud, files, run);
+  const Statistics statistics = work.run(cloud, files, run);
   if (stats) stats->complete(to_json(statistics) + "\n");
   if (report) report->complete(report_of(summary_of(files, cloud, statistics, display)));
   for (const std::string& sentence : about_degenerate(statistics, options.stats))
     display.say(Severity::warning, sentence);
   display.say(Severity::note, conclusion(files, statistics));
-}
-
-void look_at_cloud(const InputsAndOutput& paths, const CommonOptions& options,
-                   const std::function<void(Cloud&, const ResolvedFiles&, const RunOptions&)>& work) {
-  const ResolvedFiles files = files_of(paths, options);
-  Cloud cloud(files.inputs, cloud_options(options));
-  work(cloud, files, run_options(options));
 }
 
 }  // namespace pointsweep

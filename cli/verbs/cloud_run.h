@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/verbs/common_options.h"
@@ -21,16 +22,18 @@ void take_standard_input(const std::vector<std::filesystem::path>& inputs, const
 /// and add_progress_options().
 void add_run_options(CLI::App& verb, CommonOptions& options);
 
-/// Opens the inputs as one cloud, lets `work` run over it, shows progress and warnings, writes --stats and --report,
-/// and prints a summary.
-void run_over_cloud(
-    const InputsAndOutput& paths, const CommonOptions& options,
-    const std::function<Statistics(Cloud& cloud, const ResolvedFiles& files, const RunOptions& options)>& work);
+/// The work of a verb over a whole cloud.
+struct CloudWork {
+  std::function<Statistics(Cloud&, const ResolvedFiles&, const RunOptions&)> run;
+  std::function<std::string(Cloud&, const ResolvedFiles&, const RunOptions&)> plan;  ///< describes `run`, for --dry-run
+};
 
-/// Opens the inputs as one cloud and calls `work`, which writes nothing. Shows no progress and writes no statistics.
-void look_at_cloud(
-    const InputsAndOutput& paths, const CommonOptions& options,
-    const std::function<void(Cloud& cloud, const ResolvedFiles& files, const RunOptions& options)>& work);
+/// Opens the inputs as one cloud and runs the work over it: shows progress and warnings, writes --stats and --report,
+/// and prints a summary. With --dry-run, prints the plan and writes nothing.
+void run_over_cloud(const InputsAndOutput& paths, const CommonOptions& options, const CloudWork& work);
+
+/// Returns whether the option `name` is among `options`.
+bool gives(const std::vector<OptionText>& options, std::string_view name);
 
 /// Adds a flag for each option: "--f" for the option f, "--k-from" for k_from. Values on the command line are appended
 /// to `into`, which must outlive the parsing.
@@ -62,6 +65,14 @@ void add_file_options(CLI::App& verb, PipelineRun& run);
 /// Gives every stage `normals` the orientation. Throws UsageError if there is no such stage, or if a stage states an
 /// orientation itself. Does nothing if `orientation` is empty.
 void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText>& orientation);
+
+/// Adds --dask, --scratch and --take-over.
+void add_cluster_options(CLI::App& verb, ClusterOptions& options);
+
+/// Replaces this process by a process of the Python package, which performs the run. `stages`: texts of
+/// canonical_stages(). Throws UsageError for options that such a run does not have, and Error if Python cannot be
+/// started.
+[[noreturn]] void run_on_cluster(const std::vector<std::string>& stages, const PipelineRun& run);
 
 /// Builds the chain for the cloud and runs it. With --dry-run, prints the plan instead; with --dask, replaces this
 /// process by run_on_cluster().

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "cli/verbs/cluster_run.h"
+/// The options and the start of a run that the Python package performs on the workers of Dask: over a folder of tiles,
+/// or with an output that is divided among files.
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/text/help.h"
+#include "cli/verbs/cloud_run.h"
 #include "pointsweep/crs.h"
 #include "pointsweep/error.h"
 

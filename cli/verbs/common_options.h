@@ -101,7 +101,9 @@ struct ResolvedFiles {
 
 /// Adds IN... OUT and --recursive. `output_meaning` follows "then output" in the help, e.g. "with the attributes of the
 /// input".
-void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning);
+void add_files(CLI::App& verb, InputsAndOutput& paths, const std::string& output_meaning);
+/// Adds the arguments and options of add_files(), and -o, --output.
+void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const std::string& output_meaning);
 /// Adds --recursive.
 void add_recursive_option(CLI::App& verb, bool& recursive);
 /// Adds --output-format.

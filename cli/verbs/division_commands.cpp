@@ -2,7 +2,6 @@
 /// The verbs that divide an output:
 /// - `pointsweep tile IN... OUT/ --size S` cuts a cloud into square tiles;
 /// - `pointsweep split IN... OUT/ --by A` writes a file for each value of an attribute.
-#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -26,7 +25,6 @@ constexpr const char* kOutput =
 void declare_tile_verb(CLI::App& verb) {
   auto run = std::make_shared<PipelineRun>();
   add_inputs_and_output(verb, run->paths, kOutput);
-  add_output_option(verb, run->paths.named_output);
   add_run_option(verb, run->common, "tile", "Length of the edge of a tile, in the unit of x and y (required)",
                  "--size");
   add_run_option(verb, run->common, "tile_origin", nullptr, "--origin");
@@ -50,7 +48,6 @@ void declare_split_verb(CLI::App& verb) {
   auto command = std::make_shared<SplitCommand>();
   PipelineRun& run = command->run;
   add_inputs_and_output(verb, run.paths, kOutput);
-  add_output_option(verb, run.paths.named_output);
   add_run_option(verb, run.common, "split", "A file for each value of this attribute, e.g. classification", "--by");
   for (const OptionDeclaration& option : declaration_of("parts")->options)
     add_stage_option(verb, option.name == "number" ? "--parts" : "--" + option.name, option, command->parts);
@@ -64,7 +61,7 @@ void declare_split_verb(CLI::App& verb) {
       "  pointsweep split scan.laz parts/ --parts 10");
   verb.callback([command] {
     PipelineRun& given = command->run;
-    const bool has_parts = std::ranges::any_of(command->parts, [](const OptionText& o) { return o.name == "number"; });
+    const bool has_parts = gives(command->parts, "number");
     if (has_parts == !given.common.division.split.empty())
       throw UsageError("split: give one of --by ATTRIBUTE and --parts NUMBER.");
     if (!has_parts && !command->parts.empty()) throw UsageError("--seed: belongs to --parts; leave it out.");

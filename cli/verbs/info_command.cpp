@@ -8,7 +8,6 @@
 #include "cli/console/console.h"
 #include "cli/console/refuse.h"
 #include "cli/text/file_text.h"
-#include "cli/text/statistics_text.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/common_options.h"

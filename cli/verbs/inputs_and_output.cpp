@@ -143,7 +143,7 @@ std::string parse_output_format(const std::string& text) {
 
 }  // namespace
 
-void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* output_meaning) {
+void add_files(CLI::App& verb, InputsAndOutput& paths, const std::string& output_meaning) {
   verb.add_option(kInputsAndOutput, paths.files,
                   fmt::format("Input files (merged), then output {}. A folder or a quoted pattern such as "
                               "'tiles/*.laz' stands for its point files; - is standard input or output (PLY); a URL "
@@ -151,6 +151,11 @@ void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const char* o
                               output_meaning))
       ->type_name("");
   add_recursive_option(verb, paths.recursive);
+}
+
+void add_inputs_and_output(CLI::App& verb, InputsAndOutput& paths, const std::string& output_meaning) {
+  add_files(verb, paths, output_meaning);
+  add_output_option(verb, paths.named_output);
 }
 
 void add_recursive_option(CLI::App& verb, bool& recursive) {

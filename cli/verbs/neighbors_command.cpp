@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "cli/console/console.h"
 #include "cli/console/refuse.h"
 #include "cli/text/help.h"
 #include "cli/verbs/cloud_run.h"
@@ -54,8 +53,7 @@ Arrays arrays_of(const NeighborsCommand& command) {
 /// Returns the neighbourhood of the request, always with a limit k, since the array has k columns.
 Neighborhood neighborhood_of(const NeighborsCommand& command) {
   StageText knn{neighborhood_declaration().name, command.neighborhood, "neighbors"};
-  if (std::ranges::find(knn.options, "k", &OptionText::name) == knn.options.end())
-    knn.options.push_back({"k", default_k(), "neighbors"});
+  if (!gives(knn.options, "k")) knn.options.push_back({"k", default_k(), "neighbors"});
   return make_neighborhood(read_options(neighborhood_declaration().options, knn));
 }
 
@@ -74,16 +72,16 @@ void neighbors(const NeighborsCommand& command) {
   require_npy(paths.output());
   neighborhood_of(command);  // wrong options are refused before files are opened
   if (!command.distances.empty()) require_npy(command.distances);
-  if (command.common.dry_run) {
-    look_at_cloud(paths, command.common, [&](Cloud& cloud, const ResolvedFiles&, const RunOptions& options) {
-      print(plan_text(cloud, chain_of(command, arrays_of(command), cloud.count()), {}, options));
-    });
-    return;
-  }
-  run_over_cloud(paths, command.common, [&](Cloud& cloud, const ResolvedFiles&, const RunOptions& options) {
-    const Outputs outputs{.points = {}, .arrays = arrays_of(command), .writer = {}};
-    return run(cloud, chain_of(command, outputs.arrays, cloud.count()), outputs, options);
-  });
+  run_over_cloud(paths, command.common,
+                 {.run =
+                      [&](Cloud& cloud, const ResolvedFiles&, const RunOptions& options) {
+                        const Outputs outputs{.points = {}, .arrays = arrays_of(command), .writer = {}};
+                        return run(cloud, chain_of(command, outputs.arrays, cloud.count()), outputs, options);
+                      },
+                  .plan =
+                      [&](Cloud& cloud, const ResolvedFiles&, const RunOptions& options) {
+                        return plan_text(cloud, chain_of(command, arrays_of(command), cloud.count()), {}, options);
+                      }});
 }
 
 }  // namespace
@@ -91,7 +89,6 @@ void neighbors(const NeighborsCommand& command) {
 void declare_neighbors_verb(CLI::App& verb) {
   auto command = std::make_shared<NeighborsCommand>();
   add_inputs_and_output(verb, command->paths, ".npy array: n rows of k input rows, nearest first");
-  add_output_option(verb, command->paths.named_output);
   add_neighborhood_options(verb, default_k(), command->neighborhood);
   verb.get_option("-k")->description(
       fmt::format("Number of neighbours, excluding the point, and of columns (default: {})", default_k()));

@@ -155,9 +155,7 @@ std::vector<StageText> thinning_stages(const ThinCommand& command) {
   move_seed(stages);
   std::erase_if(stages, [](const StageText& stage) { return stage.options.empty(); });
   const auto first_of = [](const StageText& stage) { return declaration_of(stage.name)->options.front().name; };
-  const auto says_how = [&](const StageText& stage) {
-    return std::ranges::find(stage.options, first_of(stage), &OptionText::name) != stage.options.end();
-  };
+  const auto says_how = [&](const StageText& stage) { return gives(stage.options, first_of(stage)); };
   if (std::ranges::count_if(stages, says_how) != 1)
     refuse("thin: give one of --voxel SIZE, --poisson RADIUS, --decimate SHARE and --number N.");
   for (const StageText& stage : stages)
@@ -172,7 +170,6 @@ void declare_run_verb(CLI::App& verb) {
   auto command = std::make_shared<RunCommand>();
   add_inputs_and_output(verb, command->run.paths,
                         "with the attributes of the input, and the computed ones (in a folder, one for each input)");
-  add_output_option(verb, command->run.paths.named_output);
   verb.add_option("--pipeline", command->pipeline,
                   "Stages such as 'knn(k=12) | normals', or a .json file of them (default: none, which is 'pointsweep "
                   "convert')")
@@ -196,7 +193,6 @@ void declare_convert_verb(CLI::App& verb) {
   auto command = std::make_shared<PipelineRun>();
   add_inputs_and_output(verb, command->paths,
                         "with the attributes of the input, in its order (in a folder, one for each input)");
-  add_output_option(verb, command->paths.named_output);
   add_output_options(verb, *command);
   verb.footer(
       "Points of several inputs follow one another. Nothing is searched, so any number of points streams through a few "
@@ -214,8 +210,7 @@ void declare_short_form(CLI::App& verb) {
   const std::string k = default_k_of(form);
   const std::string output =
       fmt::format("with the attributes of the input{} (in a folder, one for each input)", form.output);
-  add_inputs_and_output(verb, command->run.paths, output.c_str());
-  add_output_option(verb, command->run.paths.named_output);
+  add_inputs_and_output(verb, command->run.paths, output);
   add_neighborhood_options(verb, k, command->neighborhood);
   if (const OperatorDeclaration* own = declaration_of(form.with_options))
     add_stage_options(verb, own->options, command->options);
@@ -230,7 +225,6 @@ void declare_ground_verb(CLI::App& verb) {
   auto command = std::make_shared<GroundCommand>();
   add_inputs_and_output(verb, command->run.paths,
                         "with the attributes of the input, and classification (in a folder, one for each input)");
-  add_output_option(verb, command->run.paths.named_output);
   add_stage_options(verb, declaration_of("ground")->options, command->options);
   verb.add_flag("--height", command->height, "Also make height, above the nearest point of the ground in the plane");
   add_output_options(verb, command->run);
@@ -246,7 +240,6 @@ void declare_transform_verb(CLI::App& verb) {
   auto command = std::make_shared<TransformCommand>();
   add_inputs_and_output(verb, command->run.paths,
                         "with the attributes of the input and the moved coordinates (in a folder, one for each input)");
-  add_output_option(verb, command->run.paths.named_output);
   for (const OptionDeclaration& option : declaration_of("transform")->options)
     if (option.name != "inverse" && option.name != "scale")
       add_stage_option(verb, "--" + option.name, option, command->options);
@@ -274,7 +267,6 @@ void declare_thin_verb(CLI::App& verb) {
   auto command = std::make_shared<ThinCommand>();
   add_inputs_and_output(verb, command->run.paths,
                         "with the attributes of the input, of fewer points (in a folder, one for each input)");
-  add_output_option(verb, command->run.paths.named_output);
   for (const char* name : {"voxel", "poisson", "decimate", "sample"}) command->stages.push_back({name, {}, "thin"});
   for (const ThinningFlag& flag : kThinningFlags) {
     StageText& stage = *std::ranges::find(command->stages, std::string(flag.stage), &StageText::name);

@@ -5,11 +5,9 @@
 
 #include <algorithm>
 
-#include "cli/console/console.h"
 #include "cli/console/refuse.h"
 #include "cli/text/help.h"
 #include "cli/verbs/cloud_run.h"
-#include "cli/verbs/cluster_run.h"
 
 namespace pointsweep {
 namespace {
@@ -49,9 +47,8 @@ std::string value_name(const OptionDeclaration& option) {
 
 /// Returns the help of an option: "Number of neighbours, excluding the point (1 or more; default: 8)".
 std::string help_of(const OptionDeclaration& option, const std::string& preset) {
-  std::string meaning = option.meaning, range;
-  if (!meaning.empty() && meaning[0] >= 'a' && meaning[0] <= 'z')
-    meaning[0] = static_cast<char>(meaning[0] - 'a' + 'A');
+  const std::string meaning = capitalized(option.meaning);
+  std::string range;
   if (option.kind == OptionKind::whole || option.kind == OptionKind::number || option.kind == OptionKind::names)
     range = option.allowed();
   if (!preset.empty()) range += (range.empty() ? "default: " : "; default: ") + preset;
@@ -75,14 +72,10 @@ std::string flag_of(std::string name) {
   return "--" + name;
 }
 
-bool says(const std::vector<OptionText>& options, const std::string& name) {
-  return std::ranges::find(options, name, &OptionText::name) != options.end();
-}
-
 /// Throws UsageError for --orient viewpoint without --viewpoint, which is a separate flag.
 void require_viewpoint(const std::vector<OptionText>& orientation) {
   const auto orient = std::ranges::find(orientation, "orient", &OptionText::name);
-  if (orient != orientation.end() && orient->value == "viewpoint" && !says(orientation, "viewpoint"))
+  if (orient != orientation.end() && orient->value == "viewpoint" && !gives(orientation, "viewpoint"))
     refuse("--orient viewpoint needs the position of the scanner; add --viewpoint X,Y,Z.");
 }
 
@@ -92,6 +85,10 @@ Outputs outputs_of(const ResolvedFiles& files) {
 }
 
 }  // namespace
+
+bool gives(const std::vector<OptionText>& options, std::string_view name) {
+  return std::ranges::find(options, name, &OptionText::name) != options.end();
+}
 
 void add_stage_options(CLI::App& verb, const std::vector<OptionDeclaration>& options, std::vector<OptionText>& into) {
   for (const OptionDeclaration& option : options)
@@ -138,7 +135,7 @@ void orient_normals(std::vector<StageText>& stages, const std::vector<OptionText
   bool any = false;
   for (StageText& stage : stages) {
     if (stage.name != "normals") continue;
-    if (says(stage.options, "orient") || says(stage.options, "viewpoint"))
+    if (gives(stage.options, "orient") || gives(stage.options, "viewpoint"))
       refuse("{}: normals has an orientation in the pipeline; leave out --orient or that one.", stage.place);
     stage.options.insert(stage.options.end(), orientation.begin(), orientation.end());
     any = true;
@@ -156,19 +153,17 @@ void run_stages(std::vector<StageText> stages, const PipelineRun& command) {
     run_on_cluster(stages.empty() ? std::vector<std::string>() : canonical_stages(known, Presets::left_out), command);
   if (!cluster.scratch.empty() || cluster.take_over)
     refuse("--scratch and --take-over: are for the workers of --dask; name a scheduler, or 'local'.");
-  if (command.common.dry_run) {
-    look_at_cloud(command.paths, command.common,
-                  [&](Cloud& cloud, const ResolvedFiles& files, const RunOptions& options) {
-                    const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
-                    print(plan_text(cloud, chain, outputs_of(files), options));
-                  });
-    return;
-  }
-  run_over_cloud(command.paths, command.common,
-                 [&](Cloud& cloud, const ResolvedFiles& files, const RunOptions& options) {
-                   const Chain chain = build_chain(stages, cloud, command.common.keep, command.common.prefix);
-                   return run(cloud, chain, outputs_of(files), options);
-                 });
+  const auto chain_for = [&](const Cloud& cloud) {
+    return build_chain(stages, cloud, command.common.keep, command.common.prefix);
+  };
+  run_over_cloud(
+      command.paths, command.common,
+      {.run = [&](Cloud& cloud, const ResolvedFiles& files,
+                  const RunOptions& options) { return run(cloud, chain_for(cloud), outputs_of(files), options); },
+       .plan =
+           [&](Cloud& cloud, const ResolvedFiles& files, const RunOptions& options) {
+             return plan_text(cloud, chain_for(cloud), outputs_of(files), options);
+           }});
 }
 
 }  // namespace pointsweep

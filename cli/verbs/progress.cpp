@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "pointsweep/cancellation.h"
+
 namespace pointsweep {
 namespace {
 
@@ -148,6 +150,13 @@ void ProgressDisplay::write(int& descriptor, std::string_view text) {
     else if (errno != EINTR)
       descriptor = -1;
   }
+}
+
+std::function<void(const char*, std::uint64_t, std::uint64_t)> reporting_to(ProgressDisplay& display) {
+  return [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
+    stop_if_cancelled();
+    display.report(phase, done, total);
+  };
 }
 
 }  // namespace pointsweep

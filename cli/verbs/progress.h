@@ -61,4 +61,7 @@ class ProgressDisplay {
   Time start_, next_for_people_, next_for_programs_;
 };
 
+/// Returns a function that reports to `display`, which must outlive it. Throws Cancelled after an interruption.
+std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)> reporting_to(ProgressDisplay& display);
+
 }  // namespace pointsweep

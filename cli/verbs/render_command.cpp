@@ -8,7 +8,6 @@
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/progress.h"
-#include "pointsweep/cancellation.h"
 #include "pointsweep/program/formats.h"
 #include "pointsweep/program/render.h"
 #include "pointsweep/program/whole_file.h"
@@ -62,10 +61,7 @@ void render_picture(RenderCommand& command) {
   Cloud cloud(files.inputs, cloud_options(command.common));
   if (const auto& crs = cloud.input(0).crs) options.length_unit = length_unit_of(*crs);
   ProgressDisplay display(command.common);
-  options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
-    stop_if_cancelled();
-    display.report(phase, done, total);
-  };
+  options.progress = reporting_to(display);
   const Rendering rendering = render(cloud, options);
   for (const std::string& notice : files.notices) display.say(Severity::note, notice);
   for (const std::string& warning : cloud.warnings()) display.say(Severity::warning, warning);
@@ -84,7 +80,6 @@ void render_picture(RenderCommand& command) {
 void declare_render_verb(CLI::App& verb) {
   auto command = std::make_shared<RenderCommand>();
   add_inputs_and_output(verb, command->paths, "picture (.png)");
-  add_output_option(verb, command->paths.named_output);
   verb.add_option("--color", command->options.color,
                   "Colour points by rgb, normal, height, curvature, classification, an attribute, or not at all "
                   "(plain) (default: rgb if it varies, else plain with normals, else height)")

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// The verb `pointsweep sort IN... OUT`, which writes the points in order along an axis.
-#include "cli/console/console.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 
@@ -16,19 +15,17 @@ constexpr const char* kOneOrder = "sort puts the points of all inputs in one ord
 
 void sort_points(const SortCommand& command) {
   const std::vector<std::string>& keep = command.common.keep;
-  if (command.common.dry_run) {
-    look_at_cloud(command.paths, command.common,
-                  [&](Cloud& cloud, const ResolvedFiles& files, const RunOptions& options) {
-                    require_one_output(files, kOneOrder);
-                    print(sort_plan_text(cloud, files.output, options, keep));
-                  });
-    return;
-  }
   run_over_cloud(command.paths, command.common,
-                 [&](Cloud& cloud, const ResolvedFiles& files, const RunOptions& options) {
-                   require_one_output(files, kOneOrder);
-                   return sort(cloud, files.output, options, keep);
-                 });
+                 {.run =
+                      [&](Cloud& cloud, const ResolvedFiles& files, const RunOptions& options) {
+                        require_one_output(files, kOneOrder);
+                        return sort(cloud, files.output, options, keep);
+                      },
+                  .plan =
+                      [&](Cloud& cloud, const ResolvedFiles& files, const RunOptions& options) {
+                        require_one_output(files, kOneOrder);
+                        return sort_plan_text(cloud, files.output, options, keep);
+                      }});
 }
 
 }  // namespace
@@ -36,7 +33,6 @@ void sort_points(const SortCommand& command) {
 void declare_sort_verb(CLI::App& verb) {
   auto command = std::make_shared<SortCommand>();
   add_inputs_and_output(verb, command->paths, "with the attributes of the input, unchanged");
-  add_output_option(verb, command->paths.named_output);
   add_keep_option(verb, command->common.keep,
                   "Attributes to write, e.g. intensity,classification; x, y and z always are (default: all)");
   add_named_options(verb, command->common,

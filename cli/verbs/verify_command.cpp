@@ -9,7 +9,6 @@
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/progress.h"
-#include "pointsweep/cancellation.h"
 #include "pointsweep/verify.h"
 
 namespace pointsweep {
@@ -48,10 +47,7 @@ VerifyOptions check_options(const VerifyCommand& command, ProgressDisplay& displ
   options.recursive = command.paths.recursive;
   options.cloud = cloud_options(command.common);
   if (command.common.resources.memory_bytes != 0) options.memory_bytes = command.common.resources.memory_bytes;
-  options.progress = [&display](const char* phase, std::uint64_t done, std::uint64_t total) {
-    stop_if_cancelled();
-    display.report(phase, done, total);
-  };
+  options.progress = reporting_to(display);
   return options;
 }
 
@@ -99,7 +95,7 @@ void add_check_options(CLI::App& verb, VerifyCommand& command) {
 
 void declare_verify_verb(CLI::App& verb) {
   auto command = std::make_shared<VerifyCommand>();
-  add_inputs_and_output(verb, command->paths, "file or folder that a run has written from them");
+  add_files(verb, command->paths, "file or folder that a run has written from them");
   add_neighborhood_options(verb, "", command->neighborhood);
   verb.add_option("--pipeline", command->check.pipeline,
                   "The pipeline of the run (default: the record in the output, or guessed from its attributes)")
