@@ -17,7 +17,13 @@ int first_error = 0;
 
 constexpr std::string_view kNames[] = {"error", "warning", "note"};
 
-/// Writes the whole text to a descriptor. Returns 0 or the errno of a failure.
+/// Opens /dev/null at the number of a closed descriptor. This relies on open(), which takes the lowest free number.
+void take_place_of_closed(int descriptor) {
+  if (::fcntl(descriptor, F_GETFD) < 0) ::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
+}  // namespace
+
 int write_all(int descriptor, std::string_view text) {
   while (!text.empty()) {
     const ssize_t written = ::write(descriptor, text.data(), text.size());
@@ -28,13 +34,6 @@ int write_all(int descriptor, std::string_view text) {
   }
   return 0;
 }
-
-/// Opens /dev/null at the number of a closed descriptor. This relies on open(), which takes the lowest free number.
-void take_place_of_closed(int descriptor) {
-  if (::fcntl(descriptor, F_GETFD) < 0) ::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);
-}
-
-}  // namespace
 
 void open_console() {
   for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) take_place_of_closed(descriptor);

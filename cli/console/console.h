@@ -16,6 +16,9 @@ namespace pointsweep {
 /// files, become errors of writing instead of signals.
 void open_console();
 
+/// Writes the whole text to a descriptor. Returns 0 or the errno of a failure.
+int write_all(int descriptor, std::string_view text);
+
 /// Writes a text to standard output. If that is closed, or its reader has ended, the text is dropped.
 void print(std::string_view text);
 

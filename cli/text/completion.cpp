@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-
+/// Scripts that complete commands in bash, zsh and fish.
 #include <fmt/format.h>
 
 #include "cli/text/declared_options.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-
+/// Manual pages in roff.
 #include <fmt/format.h>
 
 #include <algorithm>

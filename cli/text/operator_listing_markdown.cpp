@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+/// Declarations of operators as pages of docs/.
 #include <fmt/format.h>
 
 #include <algorithm>

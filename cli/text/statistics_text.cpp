@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+/// Statistics of points as tables, for people.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "cli/console/console.h"
 #include "cli/text/help.h"
 #include "cli/verbs/cloud_run.h"
 #include "pointsweep/crs.h"
@@ -46,11 +47,8 @@ with open(int(sys.argv[1])) as request:
 /// Returns the descriptor of a file in memory that holds the text. A program that replaces this one can read it.
 int descriptor_of(const std::string& text) {
   const int descriptor = ::memfd_create("request", 0);
-  for (std::size_t at = 0; at < text.size();) {
-    const ssize_t written = ::write(descriptor, text.data() + at, text.size() - at);
-    if (written <= 0) throw Error(std::string("--dask: the request cannot be passed on: ") + std::strerror(errno));
-    at += static_cast<std::size_t>(written);
-  }
+  if (const int error = write_all(descriptor, text); error != 0)
+    throw Error(std::string("--dask: the request cannot be passed on: ") + std::strerror(error));
   ::lseek(descriptor, 0, SEEK_SET);
   return descriptor;
 }

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
@@ -143,13 +142,7 @@ void ProgressDisplay::clear_bar() {
 
 /// Writes a text to a descriptor. After a failure, for example of a closed terminal, the descriptor is not used again.
 void ProgressDisplay::write(int& descriptor, std::string_view text) {
-  while (!text.empty() && descriptor >= 0) {
-    const ssize_t written = ::write(descriptor, text.data(), text.size());
-    if (written >= 0)
-      text.remove_prefix(static_cast<std::size_t>(written));
-    else if (errno != EINTR)
-      descriptor = -1;
-  }
+  if (descriptor >= 0 && write_all(descriptor, text) != 0) descriptor = -1;
 }
 
 std::function<void(const char*, std::uint64_t, std::uint64_t)> reporting_to(ProgressDisplay& display) {

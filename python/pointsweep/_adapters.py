@@ -15,8 +15,7 @@ from ._types import Files
 
 _SCAN_ANGLE_STEP = 0.006  # degrees for each unit of the LAS field scan_angle, in point format 6 and later
 _CPU_DEVICES = (1, 3, 11)  # device types of DLPack: plain memory, and memory pinned by CUDA or ROCm
-
-
+#: attributes of which each cloud or table of another library has at least one
 _OF_CLOUDS = ("chunk_iterator", "column_names", "columns", "geometry", "has_normals", "point", "point_format")
 
 

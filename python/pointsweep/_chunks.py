@@ -110,7 +110,7 @@ def chunks(
     source = source_of(points, attributes, crs, checked)
     stages: list[str | FunctionStage] = [_row()] if pipeline is None else stages_of(pipeline)
     if pipeline is None and not kept:
-        kept = _all_names(source.field_names(), source.groups)
+        kept = source.array_names()
     numbers = _row() if source.is_files else None
     with called(progress) as shown:
         results, has_rows, statistics = _core.run_to_blocks(
@@ -119,13 +119,6 @@ def chunks(
     if kept and has_rows and "row" not in kept:
         kept.append("row")
     return Chunks(results, has_rows, statistics, kept, count, source.crs)
-
-
-def _all_names(fields: list[str], groups: list[tuple[str, list[str]]]) -> list[str]:
-    """Returns the names of the groups whose fields all exist, and the fields that are in no such group."""
-    there = {name: parts for name, parts in groups if set(parts) <= set(fields)}
-    grouped = {part for parts in there.values() for part in parts}
-    return [*there, *(field for field in fields if field not in grouped)]
 
 
 class Reduction(MadeOfFunction):

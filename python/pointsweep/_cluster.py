@@ -9,6 +9,7 @@ replies in the scratch: after the client was killed or has lost its scheduler, t
 
 from __future__ import annotations
 
+import itertools
 import json
 import pickle
 import time
@@ -148,7 +149,7 @@ class _Run:
         self._client, self._place, self._request, self._rounds, self._rows = client, place, request, rounds, rows
         self._progress, self._other_rows = progress, other_rows
         self._tiles = len(rows)
-        self._first_row = _sums_before(rows)
+        self._first_row = list(itertools.accumulate(rows, initial=0))  # of each tile; and the number of all rows
         self._done: list[dict[int, Done]] = [{} for _ in rounds]
         self._longest, self._damages = 0.0, 0
         self._hanging: set[str] = set()  #: addresses of workers that have taken much too long for a task
@@ -193,13 +194,13 @@ class _Run:
             if this.join == "tiles":
                 _core.join_tiles(objects, names, r.others[this.number] if this.kind == "other" else r.inputs, key)
             if this.join in ("borders", "components"):
-                catalogue, borders = self._joined_before(number, _stores_tiles), self._joined_before(number, _has_borders)
+                catalogue, borders = self._joined_before(number, "tiles"), self._joined_before(number, "borders")
                 _core.join_graph(objects, shared, this, catalogue, borders, names, key)
             if this.join == "pieces":
                 options = {**r.options, "overwrite": "yes"} if self._done[number + 1] else r.options  # this run may have written some files
                 _core.join_pieces(objects, (r.inputs, r.stages, r.keep, options, r.outputs, r.facts), names, key)
             if this.join == "values":
-                _core.join_values(objects, shared, this, self._joined_before(number, _has_values), names, key)
+                _core.join_values(objects, shared, this, self._joined_before(number, "values"), names, key)
         except Error as error:
             damaged = _damaged_by(error)
             if damaged is None:
@@ -314,12 +315,9 @@ class _Run:
             "rows": self._rows_of(number)[tile],
             "dropped": look,
             "before": before,
-            "catalogue": self._joined_before(number, _stores_tiles),
-            "values": self._joined_before(number, _has_values),
-            "borders": self._joined_before(number, _has_borders),
-            "components": self._joined_before(number, lambda round: round.join == "components"),
-            "pieces": self._joined_before(number, lambda round: round.join == "pieces"),
-            "other_catalogue": self._joined_before(number, lambda round: (round.kind, round.number) == ("other", this.number)),
+            "catalogue": self._joined_before(number, "tiles"),
+            **{join: self._joined_before(number, join) for join in ("values", "borders", "components", "pieces")},
+            "other_catalogue": self._joined_before(number, "tiles", of_other=this.number),
         }
         key = f"{_PHASES[this.kind]}-{number}-{tile}-{time.monotonic_ns()}"
         return self._client.submit(perform, self._place.request, self._place.objects, task, key=key, pure=False, workers=self._workers())
@@ -336,9 +334,14 @@ class _Run:
             return f"{this.kind} {task + 1} of {self._tiles}"
         return self._request.others[this.number][task] if this.kind == "other" else self._request.inputs[task]
 
-    def _joined_before(self, number: int, is_wanted: Callable[[Round], bool]) -> str:
-        """Returns the key of the join of the last round before `number` for which is_wanted() holds; empty without one."""
-        return next((_joined_by(n) for n in reversed(range(number)) if is_wanted(self._rounds[n])), "")
+    def _joined_before(self, number: int, join: str, of_other: int | None = None) -> str:
+        """Returns the key of the last join of the kind `join` before round `number`; empty without one. `of_other`: number of
+        the pass that reads the other cloud whose tiles were joined; None for joins over the points of the run."""
+        for earlier in reversed(range(number)):
+            this = self._rounds[earlier]
+            if (this.join, this.number if this.kind == "other" else None) == (join, of_other):
+                return _joined_by(earlier)
+        return ""
 
     def _double_slow(self, number: int, running: dict[Any, Any]) -> None:
         """Submits a copy of each task that may hang to another worker."""
@@ -401,28 +404,8 @@ class _Run:
         )
 
 
-def _stores_tiles(round: Round) -> bool:
-    return round.join == "tiles" and round.kind != "other"
-
-
-def _has_borders(round: Round) -> bool:
-    return round.join == "borders"
-
-
-def _has_values(round: Round) -> bool:
-    return round.join == "values"
-
-
 def _joined_by(number: int) -> str:
     return f"joined-{number:02d}"
-
-
-def _sums_before(rows: list[int]) -> list[int]:
-    sums, before = [], 0
-    for count in rows:
-        sums.append(before)
-        before += count
-    return sums
 
 
 def _damaged_by(error: BaseException) -> tuple[int, int | None] | None:

@@ -25,8 +25,7 @@ class Identity(NamedTuple):
 
 def identity_of(function: Callable[..., Any], *more: Any) -> Identity:
     """Returns the identity of a function: its code, defaults, variables of enclosing functions, the globals and the
-    attributes of modules that it uses, and
-    recursively what these use. Libraries count by their names and versions."""
+    attributes of modules that it uses, and what these use in turn. Libraries count by their names and versions."""
     digests = _Digests()
     digest = digests.of("function", (function, more))
     return Identity(digest.hex()[:16], list(dict.fromkeys(digests.unknown)))

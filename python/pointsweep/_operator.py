@@ -18,7 +18,20 @@ from ._types import FunctionStage
 _TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64")
 
 
-class PointNeighbors:
+class _Batch:
+    """The arrays of a batch of points, which are made when they are first used."""
+
+    def __init__(self, batch: Any) -> None:
+        self._batch = batch
+        self._known: dict[str, np.ndarray] = {}
+
+    def _once(self, name: str, make: Callable[[], np.ndarray]) -> np.ndarray:
+        if name not in self._known:
+            self._known[name] = make()
+        return self._known[name]
+
+
+class PointNeighbors(_Batch):
     """The neighbours of the points of a batch: m places for each point. `mask` is True for the places that are taken.
 
     With ``knn(k=16)`` m is 16 and all places are taken, unless the cloud has fewer points. With a radius, points have different numbers of
@@ -27,14 +40,8 @@ class PointNeighbors:
     and `flat` give the same without such places: the neighbours of point i are ``offsets[i]:offsets[i + 1]``. """
 
     def __init__(self, batch: Any, names: list[str]) -> None:
-        self._batch = batch
+        super().__init__(batch)
         self._names = names
-        self._known: dict[str, np.ndarray] = {}
-
-    def _once(self, name: str, make: Callable[[], np.ndarray]) -> np.ndarray:
-        if name not in self._known:
-            self._known[name] = make()
-        return self._known[name]
 
     @property
     def xyz(self) -> np.ndarray:
@@ -73,16 +80,15 @@ class PointNeighbors:
         return self._once(name, lambda: self._batch.of_neighbors(self._names.index(name)))
 
 
-class Points:
+class Points(_Batch):
     """A batch of a few hundred points, as passed to an operator. Arrays are copies: they may be changed and kept.
 
     The batch itself is valid only during the call.
     """
 
     def __init__(self, batch: Any, reads: list[str], reads_neighbors: list[str]) -> None:
-        self._batch = batch
+        super().__init__(batch)
         self._reads = reads
-        self._own: dict[str, np.ndarray] = {}
         #: the neighbours
         self.neighbors = PointNeighbors(batch, reads_neighbors)
 
@@ -92,9 +98,7 @@ class Points:
     @property
     def xyz(self) -> np.ndarray:
         """(n, 3) float64: positions."""
-        if "xyz" not in self._own:
-            self._own["xyz"] = self._batch.positions()
-        return self._own["xyz"]
+        return self._once("xyz", self._batch.positions)
 
     @property
     def rows(self) -> np.ndarray:
@@ -110,9 +114,7 @@ class Points:
         """(n,) or (n, components): an attribute that ``reads`` names."""
         if name not in self._reads:
             raise UsageError(f"the operator does not read '{name}'; name it in reads.")
-        if name not in self._own:
-            self._own[name] = self._batch.own(self._reads.index(name))
-        return self._own[name]
+        return self._once(name, lambda: self._batch.own(self._reads.index(name)))
 
     def __getattr__(self, name: str) -> np.ndarray:
         if name.startswith("_"):

@@ -38,11 +38,15 @@ class Source(NamedTuple):
         """True if the run divides its output among files, which it names itself."""
         return bool(self.options["tile"] or self.options["split"])
 
-    def field_names(self) -> list[str]:
-        """Names of the components that the points have."""
-        if not self.is_files:
-            return [name for fields, _ in self.inputs for name in fields]
-        return [name for name, _, _ in _core.describe(self.inputs, self.options)["attributes"]]
+    def array_names(self) -> list[str]:
+        """Returns the names of all arrays that hold the points: groups whose components all exist, and other components."""
+        if self.is_files:
+            fields = [name for name, _, _ in _core.describe(self.inputs, self.options)["attributes"]]
+        else:
+            fields = [name for components, _ in self.inputs for name in components]
+        there = {name: parts for name, parts in self.groups if set(parts) <= set(fields)}
+        grouped = {part for parts in there.values() for part in parts}
+        return [*there, *(field for field in fields if field not in grouped)]
 
 
 def source_of(

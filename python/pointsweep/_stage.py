@@ -21,7 +21,7 @@ from ._types import Files, FunctionStage
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
-#: for each type of object that holds other geometries, the key of these
+#: the key under which each type of GeoJSON object holds other objects
 _PARTS = {"FeatureCollection": "features", "Feature": "geometry", "GeometryCollection": "geometries"}
 
 
