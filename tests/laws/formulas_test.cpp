@@ -17,7 +17,7 @@
 namespace pointsweep {
 namespace {
 
-bool has_formula(const Operator& op) { return formula_of(op) || has_cloud_formula(op) || has_kept_formula(op); }
+bool has_formula(const Operator& op) { return has_stage_formula(op) || has_cloud_formula(op) || has_kept_formula(op); }
 
 TEST(EveryOperator, HasAFormulaOfItsOwn) {
   const TemporaryFolder folder;

@@ -234,6 +234,10 @@ std::vector<double> NamedOptions::numbers(std::string_view name) const {
 
 FormulaSetup setup_of(const Operator& op) { return {{op.name(), op.declared_options()}, op.contract()}; }
 
+bool has_stage_formula(const Operator& op) {
+  return std::ranges::find(all_formulas(), op.name(), &NamedFormula::name) != all_formulas().end();
+}
+
 StageFormula formula_of(const Operator& op, const CloudThreshold& threshold) {
   const auto found = std::ranges::find(all_formulas(), op.name(), &NamedFormula::name);
   if (found == all_formulas().end()) return {};

@@ -96,7 +96,9 @@ StageFormula formula_made(const FormulaSetup& stage) {
   return Formula(stage);
 }
 
-/// Returns the formula that has the name of the operator; empty if there is none.
+/// Returns whether a formula has the name of the operator. It may still lack options that a run computes.
+bool has_stage_formula(const Operator& op);
+/// Returns the formula of an operator; empty if has_stage_formula() is false.
 StageFormula formula_of(const Operator& op, const CloudThreshold& threshold = {});
 
 /// A function that returns how many of the found neighbours a rule keeps. `values`: values of the point that the rule
