@@ -155,7 +155,7 @@ void KdHeap::dissolve(Link& link, std::vector<StreamPoint*>& points) {
 KdHeap::Link KdHeap::build(std::span<StreamPoint*> points) {
   if (points.empty()) return nullptr;
   const auto earlier = [](const StreamPoint* a, const StreamPoint* b) { return a->index < b->index; };
-  std::iter_swap(points.begin(), std::min_element(points.begin(), points.end(), earlier));
+  std::iter_swap(points.begin(), std::ranges::min_element(points, earlier));
   Link link = make(points.front());
   points = points.subspan(1);
   if (!points.empty()) {

@@ -60,7 +60,7 @@ std::vector<double> NearestDistances::distances() const {
   std::vector<double> found;
   for (const double d2 : nearest2_)
     if (d2 < kInf) found.push_back(std::sqrt(d2));
-  std::sort(found.begin(), found.end());
+  std::ranges::sort(found);
   return found;
 }
 

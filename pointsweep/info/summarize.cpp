@@ -208,7 +208,7 @@ std::optional<double> FileSummary::spacing() const {
 }
 
 std::size_t FileSummary::duplicates() const {
-  return static_cast<std::size_t>(std::upper_bound(nearest.begin(), nearest.end(), 0.0) - nearest.begin());
+  return static_cast<std::size_t>(std::ranges::upper_bound(nearest, 0.0) - nearest.begin());
 }
 
 FileSummary summarize(Reader& reader, const SummaryOptions& options) {

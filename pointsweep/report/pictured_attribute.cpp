@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 6> kParts = {"splat_",     "k1_",       "
 
 bool is_part(std::string_view name) {
   return name == "nx" || name == "ny" || name == "nz" ||
-         std::any_of(kParts.begin(), kParts.end(), [&](std::string_view part) { return name.starts_with(part); });
+         std::ranges::any_of(kParts, [&](std::string_view part) { return name.starts_with(part); });
 }
 
 /// Returns the colouring that shows the results of the operator `op`; empty if it has none to show. `made`: the fields
@@ -35,7 +35,7 @@ std::string shown_by(std::string_view op, const std::vector<std::string>& made, 
       if (output.find(name)) return name;
     return {};
   }
-  if (std::find(kNotPictured.begin(), kNotPictured.end(), op) != kNotPictured.end()) return {};
+  if (std::ranges::find(kNotPictured, op) != kNotPictured.end()) return {};
   for (const std::string& name : made)
     if (output.fields[*output.find(name)].count == 1 && !is_part(name)) return name;
   return {};

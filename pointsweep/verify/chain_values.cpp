@@ -21,7 +21,7 @@ formulas::Place place_of(const Surroundings& around, std::size_t i) {
 }
 
 bool is_kept(const std::vector<std::string>& keep, const Attribute& a) {
-  return keep.empty() || ChainValues::is_selection(a) || std::find(keep.begin(), keep.end(), a.name) != keep.end();
+  return keep.empty() || ChainValues::is_selection(a) || std::ranges::find(keep, a.name) != keep.end();
 }
 
 /// Splits the points into pieces of kCellCapacity, so that the number of a point is its NeighborRef.
@@ -151,7 +151,7 @@ ChainValues::Values ChainValues::values_of_input(const Surroundings& around, Row
   if (file_columns_.empty()) return values;
   std::vector<std::size_t> order(around.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return around.row[a] < around.row[b]; });
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return around.row[a] < around.row[b]; });
   std::vector<std::uint64_t> rows;
   for (const std::size_t i : order) rows.push_back(around.row[i]);
   for (const FileColumn& f : file_columns_) values.bits[f.column].resize(around.size() * f.attribute.bytes());
@@ -322,10 +322,9 @@ void ChainValues::estimate(const Stage& stage, const Surroundings& around, const
     FormulaInput in = input_of(stage, around, i, columns);
     in.place = place(i), in.neighbors = places, in.rows = rows;
     const auto is_open = [](const formulas::Place& p) { return !(p.error < formulas::kInfinity); };
-    const bool unsure =
-        (in_doubt[i] && !stage.alone) || is_open(in.place) || std::any_of(places.begin(), places.end(), is_open);
+    const bool unsure = (in_doubt[i] && !stage.alone) || is_open(in.place) || std::ranges::any_of(places, is_open);
     std::vector<Estimate> made = stage.formula(in);
-    if (unsure) std::fill(made.begin(), made.end(), formulas::open());
+    if (unsure) std::ranges::fill(made, formulas::open());
     std::size_t next = 0;
     for (const std::uint16_t c : stage.makes)
       for (std::size_t e = 0; e < estimates_of(columns_[c]); ++e) columns[c].push_back(made[next++]);

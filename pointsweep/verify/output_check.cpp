@@ -185,8 +185,8 @@ MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, cons
   const std::vector<Field>& columns = out.schema().fields;
   const bool distances = columns.front().type == Type::f64;
   Chain chain = build_chain({knn_of(check)}, Facts{.points = cloud.count()});
-  const bool k_given = std::any_of(check.neighborhood.begin(), check.neighborhood.end(),
-                                   [](const OptionText& option) { return option.name == "k"; });
+  const bool k_given =
+      std::ranges::any_of(check.neighborhood, [](const OptionText& option) { return option.name == "k"; });
   if (k_given && chain.neighborhood.k != columns.size())
     fail_usage("-k: the array has {} columns, and {} neighbours need as many.", columns.size(), chain.neighborhood.k);
   chain.neighborhood.k = columns.size();
@@ -206,8 +206,7 @@ class MadeAttributes {
     return out_.find(field) && (!old || changed_.contains(in_.fields[*old].name));
   }
   bool has(const Attribute& attribute) const {
-    return std::all_of(attribute.fields.begin(), attribute.fields.end(),
-                       [&](const std::string& field) { return has(field); });
+    return std::ranges::all_of(attribute.fields, [&](const std::string& field) { return has(field); });
   }
   /// Returns the stages that usually make the output's attributes; empty if it has none that are known.
   std::string likely_pipeline() const {

@@ -22,7 +22,7 @@ std::vector<std::uint64_t> rows_to_check(std::uint64_t count, const VerifyOption
   for (const std::uint64_t row : options.rows)
     if (row >= count) fail_usage("Row {} is to be checked, and the input has {} rows, numbered from 0.", row, count);
   rows.insert(rows.end(), options.rows.begin(), options.rows.end());
-  std::sort(rows.begin(), rows.end());
+  std::ranges::sort(rows);
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
   return rows;
 }
@@ -83,7 +83,7 @@ class Verification {
     std::vector<std::string> others;
     for (const Field& field : out_.schema().fields)
       if (!is_field_of(in_.schema(), field.name) && !is_field_of(results, field.name) &&
-          std::find(verdict_.unknown.begin(), verdict_.unknown.end(), field.name) == verdict_.unknown.end())
+          std::ranges::find(verdict_.unknown, field.name) == verdict_.unknown.end())
         others.push_back(field.name);
     const std::vector<std::string> unfilled = unfilled_fields(out_, others, made_by_.own_field);
     for (const std::string& name : others)
@@ -101,7 +101,7 @@ class Verification {
       else
         differences_.add("the output has no '{}', which is to be made", name);
     }
-    if (std::any_of(pairs.begin(), pairs.end(), [](const auto& pair) { return pair.has_value(); }))
+    if (std::ranges::any_of(pairs, [](const auto& pair) { return pair.has_value(); }))
       made_values_.add(estimate, MadeValue(std::move(pairs)));
   }
 
@@ -181,9 +181,8 @@ class Verification {
   bool sweep_is_meant() const {
     const Arrivals& a = verdict_.arrivals;
     if (options_.order) return *options_.order == Order::sweep;
-    const bool most_differ = std::any_of(a.attributes.begin(), a.attributes.end(), [&](const AttributeArrival& one) {
-      return one.rows_different > a.points_in / 2;
-    });
+    const bool most_differ = std::ranges::any_of(
+        a.attributes, [&](const AttributeArrival& one) { return one.rows_different > a.points_in / 2; });
     return !a.row_by_row() &&
            (a.in_some_order() || (most_differ && a.ascending[static_cast<std::size_t>(a.bounds.longest_axis())]));
   }

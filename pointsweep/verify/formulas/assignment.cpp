@@ -110,7 +110,7 @@ void PlainExpression::read(std::string_view text) {
       } else if (text.substr(next).starts_with("(")) {
         waiting.push_back({word, 0});
       } else {
-        const auto known = std::find(names_.begin(), names_.end(), word);
+        const auto known = std::ranges::find(names_, word);
         postfix_.push_back({.sign = {}, .is_name = true, .name = static_cast<std::size_t>(known - names_.begin())});
         if (known == names_.end()) names_.push_back(word);
         operand_before = true;

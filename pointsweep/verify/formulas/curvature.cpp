@@ -165,7 +165,7 @@ void allow_undefined(Curvatures& c) {
 Curvatures curvature(const Place& p, const Estimate& n, std::span<const Place> neighbors,
                      std::span<const Estimate> normals) {
   if (!may_have_normal(n)) return every_curvature(undefined());
-  if (in_doubt(n) || std::any_of(normals.begin(), normals.end(), in_doubt)) return every_curvature(open());
+  if (in_doubt(n) || std::ranges::any_of(normals, in_doubt)) return every_curvature(open());
   const std::vector<Seen> seen = seen_from(p, neighbors, normals);
   if (seen.size() < 3) return every_curvature(undefined());
   const WeightedNeighbors weighted = weigh(p, neighbors);

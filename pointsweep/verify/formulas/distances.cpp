@@ -131,8 +131,7 @@ GraphRow graph_row(const Place& p, std::span<const Place> neighbors, std::span<c
     const bool nowhere = std::isnan(n.distance2);
     return std::tuple(nowhere, nowhere ? 0 : n.distance2, at.x, at.y, at.z, rows[n.index]);
   };
-  std::sort(row.neighbors.begin(), row.neighbors.end(),
-            [&](const GraphNeighbor& a, const GraphNeighbor& b) { return key(a) < key(b); });
+  std::ranges::sort(row.neighbors, [&](const GraphNeighbor& a, const GraphNeighbor& b) { return key(a) < key(b); });
   for (std::size_t j = 1; j < row.neighbors.size(); ++j) {
     const Estimate &a = row.neighbors[j - 1].distance, &b = row.neighbors[j].distance;
     row.certain = row.certain && (b.value.x - a.value.x > a.error + b.error || a.error + b.error == 0);
@@ -188,9 +187,7 @@ Estimate reachability_density(const Place& p, std::span<const Place> neighbors, 
 }
 
 Estimate local_outlier_factor(const Estimate& density, std::span<const Estimate> of_neighbors) {
-  const auto any = [&](auto test) {
-    return test(density) || std::any_of(of_neighbors.begin(), of_neighbors.end(), test);
-  };
+  const auto any = [&](auto test) { return test(density) || std::ranges::any_of(of_neighbors, test); };
   if (any([](const Estimate& e) { return e.is_open(); })) return open();
   if (of_neighbors.empty() || any([](const Estimate& e) { return std::isnan(e.value.x); })) return exactly(kNaN);
   const Real own = density.value.x, n = static_cast<Real>(of_neighbors.size());

@@ -39,7 +39,7 @@ Eigen eigen_of(const Matrix& symmetric) {
     for (const auto& [p, q] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}})
       rotate(a, axes, static_cast<std::size_t>(p), static_cast<std::size_t>(q));
   std::array<std::size_t, 3> order{0, 1, 2};
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return a[i][i] < a[j][j]; });
+  std::ranges::sort(order, [&](std::size_t i, std::size_t j) { return a[i][i] < a[j][j]; });
   Eigen result;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t k = order[i];

@@ -45,7 +45,7 @@ struct Cloud {
     return sum / size();
   }
   bool is_one_place() const {
-    return std::all_of(offset.begin(), offset.end(), [&](const Vector& d) { return norm(d - offset.front()) == 0; });
+    return std::ranges::all_of(offset, [&](const Vector& d) { return norm(d - offset.front()) == 0; });
   }
 };
 
@@ -186,13 +186,12 @@ Features all_open() {
 Features features(const Place& p, std::span<const Place> neighbors, Lambda lambda, bool with_point) {
   const Cloud cloud(p, neighbors, with_point);
   Features f;
-  const bool finite = std::all_of(cloud.offset.begin(), cloud.offset.end(), fits_double);
+  const bool finite = std::ranges::all_of(cloud.offset, fits_double);
   if (finite && cloud.extent >= kTooFar) f = all_open();
   f.number_of_neighbors = exactly(cloud.size());
   if (!finite || cloud.extent >= kTooFar || cloud.offset.empty()) return f;
   f.height_range = height_range(cloud);
-  const bool may_have_moved =
-      std::any_of(neighbors.begin(), neighbors.end(), [](const Place& q) { return q.error > 0; });
+  const bool may_have_moved = std::ranges::any_of(neighbors, [](const Place& q) { return q.error > 0; });
   if (cloud.is_one_place() && !may_have_moved && p.error == 0) return f;
   const Spectrum s = covariance_spectrum(cloud);
   if (s.value[2] <= s.value_error[2]) {

@@ -42,7 +42,7 @@ std::size_t GroundParameters::radius() const { return static_cast<std::size_t>(s
 
 CellNumbers::CellNumbers(std::vector<double> numbers, std::size_t reach, std::size_t radius)
     : numbers_(std::move(numbers)) {
-  std::sort(numbers_.begin(), numbers_.end());
+  std::ranges::sort(numbers_);
   numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
   // The largest distance that matters between two cells: for filled cells, for cells that a disk needs, and for slopes.
   const auto apart = static_cast<double>(2 * reach + 2 * radius + 4);
@@ -55,8 +55,7 @@ CellNumbers::CellNumbers(std::vector<double> numbers, std::size_t reach, std::si
 }
 
 std::size_t CellNumbers::place(double number) const {
-  return places_[static_cast<std::size_t>(std::lower_bound(numbers_.begin(), numbers_.end(), number) -
-                                          numbers_.begin())];
+  return places_[static_cast<std::size_t>(std::ranges::lower_bound(numbers_, number) - numbers_.begin())];
 }
 
 GroundRaster::GroundRaster(const GroundParameters& parameters, CellNumbers columns, CellNumbers rows)

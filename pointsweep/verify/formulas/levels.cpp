@@ -37,11 +37,11 @@ class Levels {
   }
 
   std::vector<std::uint8_t> run() {
-    const int deepest = leaf_.empty() ? 0 : *std::max_element(leaf_.begin(), leaf_.end());
+    const int deepest = leaf_.empty() ? 0 : *std::ranges::max_element(leaf_);
     double s0 = 0;
     for (int k = 0;; ++k) {
       s0 = width_ / 128 * std::exp2(0.5 * k);
-      std::fill(level_.begin(), level_.end(), kNone);
+      std::ranges::fill(level_, kNone);
       take(0, s0);
       const auto in_root = static_cast<std::size_t>(std::count(level_.begin(), level_.end(), 0));
       if (deepest == 0 || in_root <= kMostOfRoot) break;
@@ -83,8 +83,7 @@ class Levels {
   }
 
   void divide(std::vector<std::size_t> rows, int depth) {
-    const bool is_one_place =
-        std::all_of(rows.begin(), rows.end(), [&](std::size_t i) { return steps_[i] == steps_[rows[0]]; });
+    const bool is_one_place = std::ranges::all_of(rows, [&](std::size_t i) { return steps_[i] == steps_[rows[0]]; });
     if (rows.size() <= kMostOfLeaf || is_one_place || depth == kDeepest) {
       for (const std::size_t i : rows) leaf_[i] = depth;
       return;
@@ -115,7 +114,7 @@ class Levels {
       const Steps at = octant(i, depth);
       turns.emplace_back((at[0] & 1) + 2 * (at[1] & 1) + 4 * (at[2] & 1), rank(i), i);
     }
-    std::sort(turns.begin(), turns.end(), [&](const auto& a, const auto& b) {
+    std::ranges::sort(turns, [&](const auto& a, const auto& b) {
       const auto key = [&](const auto& t) {
         return std::tuple(std::get<0>(t), std::get<1>(t), steps_[std::get<2>(t)], std::get<2>(t));
       };

@@ -45,7 +45,7 @@ Estimate statistic_of(std::string_view name, const std::vector<Estimate>& values
     const Real deviation = std::sqrt(squares / n);
     return scalar(deviation, error + rounding_of_m + kDouble * (3 * far + (n + 4) * deviation));
   }
-  std::sort(v.begin(), v.end());
+  std::ranges::sort(v);
   if (name == "min") return scalar(v.front(), error);
   if (name == "max") return scalar(v.back(), error);
   if (name == "range") return scalar(v.back() - v.front(), 2 * error + kDouble * (v.back() - v.front()));

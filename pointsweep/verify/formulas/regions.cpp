@@ -80,7 +80,7 @@ EdgesAlongX::EdgesAlongX(std::span<const PolygonRings> polygons) {
       }
     ++polygons_;
   }
-  std::sort(ends_.begin(), ends_.end());
+  std::ranges::sort(ends_);
   ends_.erase(std::unique(ends_.begin(), ends_.end()), ends_.end());
   stretches_ = std::bit_ceil(2 * ends_.size() + 1);
   listed_.resize(2 * stretches_);
@@ -90,7 +90,7 @@ EdgesAlongX::EdgesAlongX(std::span<const PolygonRings> polygons) {
 /// Adds an edge to the nodes of the tree. `node` covers the stretches from `first` to `last`.
 void EdgesAlongX::list(std::uint32_t edge, std::size_t node, std::size_t first, std::size_t last) {
   const auto at = [&](double x) {
-    return 2 * static_cast<std::size_t>(std::lower_bound(ends_.begin(), ends_.end(), x) - ends_.begin());
+    return 2 * static_cast<std::size_t>(std::ranges::lower_bound(ends_, x) - ends_.begin());
   };
   const std::size_t begin = at(edges_[edge].left[0]), end = at(edges_[edge].right[0]);
   if (begin > last || end < first) return;
@@ -102,7 +102,7 @@ void EdgesAlongX::list(std::uint32_t edge, std::size_t node, std::size_t first, 
 
 bool EdgesAlongX::hold(const Corner& p) const {
   if (!std::isfinite(p[0]) || !std::isfinite(p[1])) return false;
-  const auto above = std::upper_bound(ends_.begin(), ends_.end(), p[0]);
+  const auto above = std::ranges::upper_bound(ends_, p[0]);
   if (above == ends_.begin()) return false;
   const auto i = static_cast<std::size_t>(above - ends_.begin()) - 1;
   std::vector<std::uint32_t> crossed;  // numbers of polygons, one entry for each of their edges above p
@@ -120,7 +120,7 @@ bool EdgesAlongX::hold(const Corner& p) const {
       if (side < 0 && p[0] > e.left[0]) crossed.push_back(e.polygon);
     }
   }
-  std::sort(crossed.begin(), crossed.end());
+  std::ranges::sort(crossed);
   for (std::size_t c = 0; c < crossed.size();) {
     std::size_t end = c;
     while (end < crossed.size() && crossed[end] == crossed[c]) ++end;

@@ -61,7 +61,7 @@ Reach reach(const WeightedOffset& o, Vector n, const Estimate& n_estimate, const
 }
 
 Real held(std::vector<Real> q) {
-  std::sort(q.begin(), q.end());
+  std::ranges::sort(q);
   if (q.size() >= kHeld) return q[kHeld - 1];
   return q.back() * std::sqrt(static_cast<Real>(kHeld) / static_cast<Real>(q.size()));
 }
@@ -121,8 +121,8 @@ Splat splat(const Place& p, const Estimate& n, std::span<const Place> neighbors,
   if (!weighted.finite) return whole_splat(undefined());
   if (!(weighted.farthest > 0)) return whole_splat(undefined());
   // A neighbour that may coincide with p_i may or may not count.
-  const bool unsure = std::any_of(weighted.offsets.begin(), weighted.offsets.end(),
-                                  [](const WeightedOffset& o) { return o.error > 0 && norm(o.d) <= o.error; });
+  const bool unsure = std::ranges::any_of(weighted.offsets,
+                                          [](const WeightedOffset& o) { return o.error > 0 && norm(o.d) <= o.error; });
   if (unsure) return whole_splat(open());
   const bool curved = curvature != nullptr && !is_zero(curvature->k1_direction) && !is_zero(curvature->k1);
   if (curved && (curvature->k1.may_be_undefined || curvature->k1.error >= curvature->k1.value.x))

@@ -43,9 +43,8 @@ Schema schema_of_made(const std::vector<Attribute>& made, const std::string& pre
 bool is_field_of(const Schema& schema, const std::string& name) {
   const auto copy = [&](const Field& field) { return name == fmt::format("{}_{}", field.name, name_of(field.type)); };
   const std::vector<std::string> columns = column_names(schema);
-  return schema.find(name) || schema.find(library_name_of(name)) ||
-         std::find(columns.begin(), columns.end(), name) != columns.end() ||
-         std::any_of(schema.fields.begin(), schema.fields.end(), copy);
+  return schema.find(name) || schema.find(library_name_of(name)) || std::ranges::find(columns, name) != columns.end() ||
+         std::ranges::any_of(schema.fields, copy);
 }
 
 std::vector<std::string> unfilled_fields(RowSource& out, const std::vector<std::string>& names, OwnField own_field) {

@@ -141,7 +141,7 @@ std::vector<std::uint64_t> sample_rows(std::uint64_t count, std::uint64_t size, 
     if (!chosen.insert(draw).second) chosen.insert(last);
   }
   rows.assign(chosen.begin(), chosen.end());
-  std::sort(rows.begin(), rows.end());
+  std::ranges::sort(rows);
   return rows;
 }
 

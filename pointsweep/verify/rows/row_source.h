@@ -64,7 +64,8 @@ class RowSource {
   std::vector<std::byte> block_;
 };
 
-/// Calls `use(first, records, n)` for successive blocks of rows: `n` records from row `first` on.
+/// Calls `use(first, records, n)` for successive blocks of rows: `n` records from row `first` on. After each block it
+/// calls `progress`, unless that is empty, with `phase`.
 template <class Use>
 void for_each_block(RowSource& source, const char* phase, const PhaseProgress& progress, Use use) {
   for (std::uint64_t first = 0; first < source.count();) {
@@ -77,7 +78,7 @@ void for_each_block(RowSource& source, const char* phase, const PhaseProgress& p
   }
 }
 
-/// Calls `use(row, record)` for every row, in order.
+/// Calls `use(row, record)` for every row, in order. Reports progress like for_each_block().
 template <class Use>
 void for_each_row(RowSource& source, const char* phase, const PhaseProgress& progress, Use use) {
   for_each_block(source, phase, progress, [&](std::uint64_t first, const std::byte* records, std::size_t n) {

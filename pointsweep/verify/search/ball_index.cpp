@@ -62,11 +62,11 @@ void BallIndex::fill(Grid& grid, const std::vector<std::uint32_t>& members, cons
     for (std::uint32_t x = lo[0]; x <= hi[0]; ++x)
       for (std::uint32_t y = lo[1]; y <= hi[1]; ++y)
         for (std::uint32_t z = lo[2]; z <= hi[2]; ++z) buckets.push_back(grid.bucket({x, y, z}));
-    std::sort(buckets.begin(), buckets.end());
+    std::ranges::sort(buckets);
     buckets.erase(std::unique(buckets.begin(), buckets.end()), buckets.end());
     for (const std::uint32_t bucket : buckets) entries.emplace_back(bucket, ball);
   }
-  std::sort(entries.begin(), entries.end());
+  std::ranges::sort(entries);
   grid.begin.assign(std::size_t{grid.mask} + 2, 0);
   for (const auto& [bucket, ball] : entries) ++grid.begin[bucket + 1], grid.balls.push_back(ball);
   for (std::size_t b = 1; b < grid.begin.size(); ++b) grid.begin[b] += grid.begin[b - 1];

@@ -61,7 +61,7 @@ class Finder {
     std::vector<std::size_t> order(end - begin);
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = begin + i;
     const auto key = [&](std::size_t i) { return std::tuple(out_.x[i], out_.y[i], out_.z[i]); };
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+    std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
     Places places;
     places.of_point.resize(order.size());
     for (std::size_t i = 0; i < order.size(); ++i) {
