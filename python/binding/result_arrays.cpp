@@ -129,15 +129,20 @@ void ResultArrays::add(const std::string& name, const std::vector<std::string>& 
   if (has_name || (!all && !wanted_.names.contains(name))) return;
   std::vector<Field> found;
   std::size_t values = 0;
+  std::set<std::string> taken;
   for (const std::string& field : fields) {
-    const auto known = std::ranges::find(plan.schema.fields, field, &Field::name);
-    if (known == plan.schema.fields.end() || taken_.contains(field)) return;
-    found.push_back(*known);
-    values += known->count;
+    const auto known = plan.schema.find(field);
+    if (!known || taken_.contains(plan.schema.fields[*known].name)) return;
+    found.push_back(plan.schema.fields[*known]);
+    taken.insert(std::exchange(found.back().name, field));  // a file may call x "X"
+    values += found.back().count;
   }
-  const Type type = result_type(found.front());
-  if (!std::ranges::all_of(found, [&](const Field& field) { return result_type(field) == type; })) return;
-  if (all) taken_.insert(fields.begin(), fields.end());
+  Type type = result_type(found.front());
+  if (!std::ranges::all_of(found, [&](const Field& field) { return result_type(field) == type; })) {
+    if (name != "xyz") return;
+    type = Type::f64;  // coordinates of different types, such as those of LAS with a scale of 1 for some
+  }
+  if (all) taken_.merge(taken);
   const bool is_list = values != 1 || fields.front() != name;
   const std::size_t bytes = rows_ * values * size_of(type);
   std::byte* first = place_in(name, type, values);
@@ -157,6 +162,11 @@ std::byte* ResultArrays::place_in(const std::string& name, Type type, std::size_
   return array.first;
 }
 
+void ResultArrays::add_in_other_spellings(const OutputPlan& plan) {
+  for (const std::string& name : wanted_.names)
+    if (plan.schema.find(name)) add(name, {name}, plan);
+}
+
 void ResultArrays::require_all_wanted() const {
   for (const std::string& name : wanted_.names)
     if (std::ranges::find(arrays_, name, &Array::name) == arrays_.end())
@@ -173,6 +183,7 @@ std::unique_ptr<Writer> ResultArrays::writer(const OutputPlan& plan) {
   }
   if (!wanted_.made_only)
     for (const Field& field : plan.schema.fields) add(field.name, {field.name}, plan);
+  add_in_other_spellings(plan);
   require_all_wanted();
   return std::make_unique<Collector>(*this, plan.schema.stride);
 }
@@ -180,7 +191,7 @@ std::unique_ptr<Writer> ResultArrays::writer(const OutputPlan& plan) {
 nb::dict ResultArrays::arrays() {
   nb::dict arrays;
   for (Array& array : arrays_)
-    arrays[array.name.c_str()] = wanted_.into.contains(array.name) ? nb::make_tuple(nb::none(), array.components())
+    arrays[array.name.c_str()] = wanted_.into.contains(array.name) ? nb::make_tuple(rows_, array.components())
                                                                    : array.with_names(std::move(array.memory), rows_);
   arrays_.clear();
   wanted_.into.clear();

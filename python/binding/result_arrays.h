@@ -56,8 +56,8 @@ class ResultArrays {
   /// Returns a writer for Outputs::writer. *this must outlive the run. Throws UsageError for a wanted name that does
   /// not exist.
   std::unique_ptr<Writer> writer(const OutputPlan& plan);
-  /// Returns name -> (N or N×m array, or None for an existing array that was filled; names of its components) after the
-  /// run. The calling thread must be attached to the interpreter. Empties *this.
+  /// Returns name -> (N or N×m array, or for an existing array the number of its first rows that were filled; names of
+  /// its components) after the run. The calling thread must be attached to the interpreter. Empties *this.
   nanobind::dict arrays();
   /// Returns the arrays of the rows [first, first + rows), or of fewer rows at the end. Only for arrays in a file.
   nanobind::dict read(std::size_t first, std::size_t rows) const;
@@ -84,6 +84,9 @@ class ResultArrays {
   /// Returns the address of the existing array with that name; null if there is none. Throws UsageError if its type or
   /// shape differs.
   std::byte* place_in(const std::string& name, Type type, std::size_t values) const;
+  /// Adds arrays for wanted names that spell a field in another way than the records, such as "intensity" for
+  /// "Intensity".
+  void add_in_other_spellings(const OutputPlan& plan);
   void require_all_wanted() const;
 
   WantedArrays wanted_;

@@ -63,7 +63,7 @@ class CloudWithColumns:
     ) -> Arrays:
         """Returns all points with their attributes and the columns, in a dict of arrays, like `Cloud.read`."""
         if keep is None:
-            keep = ["xyz", *(name for name in self.attributes if name not in ("x", "y", "z"))]
+            keep = ["xyz", *(name for name in self.attributes if name.lower() not in ("x", "y", "z"))]
         result = self._performed([], None, keep, progress, options)
         assert isinstance(result, Arrays)
         return result

@@ -115,7 +115,7 @@ class Cloud(Files):
     ) -> Arrays:
         """Returns all points in a dict of arrays: 'xyz', (n, 3), and every attribute, or those that `keep` names."""
         if keep is None:
-            keep = ["xyz", *(name for name in self.attributes if name not in ("x", "y", "z"))]
+            keep = ["xyz", *(name for name in self.attributes if name.lower() not in ("x", "y", "z"))]
         result = performed(self, COPY, None, keep, None, None, None, progress, options)
         assert isinstance(result, Arrays)
         return result

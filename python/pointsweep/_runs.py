@@ -83,7 +83,8 @@ def run(
         rows out, or the order is another one, also of everything that the input has, and of 'row', the number of the
         input row (of points in arrays).
     out : arrays that the results of these names are written to, of the type and shape that they have, contiguous, e.g. a
-        `numpy.memmap` for what does not fit in memory. They are what is kept where `keep` does not say.
+        `numpy.memmap` for what does not fit in memory. They are what is kept where `keep` does not say. Where the
+        pipeline leaves rows out, they have the rows of the input, and the result is a view of the first rows.
     attributes : more attributes of points in arrays, by name.
     crs : coordinate reference system of points in arrays, or of paths, which outputs state: an EPSG code, WKT, a file with
         WKT (.prj), a `pyproj.CRS`, or the `crs` of a cloud. Of files `open` can also replace it. Default: what a laspy.LasData, a laspy reader or a table of geopandas states.
@@ -183,6 +184,10 @@ class _Copy:
 COPY = _Copy()
 
 
+def _first_rows(array: np.ndarray, rows: int) -> np.ndarray:
+    return array if rows == len(array) else array[:rows]
+
+
 def performed(
     points: Any,
     pipeline: PipelineLike | _Copy,
@@ -214,7 +219,8 @@ def performed(
             raise UsageError(f"out: '{missing[0]}' is not among what keep names; name it there, too.")
         with called(progress) as shown:
             known, statistics = _core.run(source.inputs, stages, kept, given, source.groups, None, into, shown, warn)
-        return arrays_of({**(known or {}), **{n: (out[n], known[n][1]) for n in into if known}}, statistics, kept, source.crs)  # type: ignore[index]
+        filled = {n: (_first_rows(out[n], known[n][0]), known[n][1]) for n in into if known}  # type: ignore[index]
+        return arrays_of({**(known or {}), **filled}, statistics, kept, source.crs)
     if into:
         raise UsageError("out: is for results in arrays; leave it out, or to=.")
     if given["resume"] and not source.is_files:

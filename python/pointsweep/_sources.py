@@ -44,7 +44,8 @@ class Source(NamedTuple):
             fields = [name for name, _, _ in _core.describe(self.inputs, self.options)["attributes"]]
         else:
             fields = [name for components, _ in self.inputs for name in components]
-        there = {name: parts for name, parts in self.groups if set(parts) <= set(fields)}
+        spelled = {field.lower(): field for field in fields}
+        there = {name: [spelled[part] for part in parts] for name, parts in self.groups if set(parts) <= spelled.keys()}
         grouped = {part for parts in there.values() for part in parts}
         return [*there, *(field for field in fields if field not in grouped)]
 
@@ -93,7 +94,7 @@ def positions_of(option: str, points: Any, among: Source, ignore_crs: bool) -> n
         raise UsageError(
             f"{option}: are in {stated}, but the points in {among.crs}; transform one of them, or give ignore_crs=True."
         )
-    arrays = arrays_by_name(points)
+    arrays = _with_small_axes(arrays_by_name(points))
     if "xyz" in arrays:
         return _positions(arrays["xyz"], option)
     missing = [axis for axis in _AXES if axis not in arrays]
@@ -139,6 +140,13 @@ def opened(
     return kind(paths, [name for _, name in listed], options, _core.describe(paths, options))
 
 
+def _with_small_axes(arrays: dict[str, Any]) -> dict[str, Any]:
+    """Returns the arrays with the names 'x', 'y' and 'z' for coordinates that are called 'X', 'Y' and 'Z'."""
+    if "xyz" in arrays or set(_AXES) & arrays.keys():
+        return arrays
+    return {name.lower() if name in ("X", "Y", "Z") else name: values for name, values in arrays.items()}
+
+
 def _is_list_of_paths(points: Any) -> bool:
     return (
         isinstance(points, (list, tuple)) and len(points) > 0 and all(isinstance(p, (str, os.PathLike)) for p in points)
@@ -153,6 +161,7 @@ def _checked_arrays(block: Any) -> dict[str, np.ndarray]:
 
 
 def _source_of_arrays(arrays: dict[str, Any], crs: Crs | None, options: Mapping[str, Any]) -> Source:
+    arrays = _with_small_axes(arrays)
     columns: list[tuple[list[str], np.ndarray]] = []
     groups = [("xyz", list(_AXES)), ("normal", ["nx", "ny", "nz"])]
     if "xyz" in arrays:

@@ -212,6 +212,14 @@ def test_arrays_that_results_do_not_fit_are_refused(surface, array, sentence):
         ps.run(surface, "knn(k=8) | normals", out={"normal": array})
 
 
+def test_out_gives_the_first_rows_where_rows_are_left_out():
+    line = np.c_[np.arange(6.0), np.zeros((6, 2))]
+    into = np.full((6, 3), -9, "f4")
+    kept = ps.run(line, "knn(k=1) | normals | where(x < 2)", keep=["xyz", "normal"], out={"normal": into})
+    assert kept["normal"].shape == kept["xyz"].shape == (2, 3)
+    assert np.shares_memory(kept["normal"], into) and (into[2:] == -9).all()
+
+
 def test_out_is_for_arrays_of_the_result(surface, tmp_path):
     normal = np.empty((3000, 3), np.float32)
     with pytest.raises(ps.UsageError, match="leave it out"):

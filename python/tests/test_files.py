@@ -95,6 +95,35 @@ def test_a_cloud_is_an_array_of_its_positions(tiles):
         cloud.__array__(copy=False)
 
 
+def test_coordinates_in_capitals_are_positions(tmp_path):
+    file = tmp_path / "capitals.csv"
+    file.write_text("X,Y,Z,Intensity\n1,2,3,4\n4,5,6,7\n")
+    xyz = [[1, 2, 3], [4, 5, 6]]
+    assert list(ps.read(file)) == ["xyz", "Intensity"] and ps.read(file)["xyz"].tolist() == xyz
+    assert np.asarray(ps.open(file)).tolist() == xyz
+    assert ps.run(file, "transform(scale=2)")["xyz"].tolist() == [[2, 4, 6], [8, 10, 12]]
+    assert ps.read(file, keep=["intensity"])["intensity"].tolist() == [4, 7]
+    assert np.concatenate([block["xyz"] for block in ps.chunks(file, 1)]).tolist() == xyz
+    assert ps.open(file).with_columns(more=[8, 9]).read()["xyz"].tolist() == xyz
+    capitals = {axis: np.array(values) for axis, values in zip("XYZ", np.transpose(xyz).astype(float))}
+    assert ps.run(capitals, "where(x > 2)")["xyz"].tolist() == [[4, 5, 6]]
+
+
+def test_coordinates_of_different_types_are_positions_in_float64(tmp_path):
+    ps.write(tmp_path / "far.las", np.array([[0, 0, 0], [1e10, 1, 1]]))
+    assert ps.read(tmp_path / "far.las")["xyz"].tolist() == [[0, 0, 0], [1e10, 1, 1]]
+    mixed = {"x": np.arange(3), "y": np.arange(3.0), "z": np.arange(3.0)}
+    assert [block["xyz"].dtype for block in ps.chunks(mixed, 2)] == [np.float64] * 2
+
+
+def test_made_coordinates_replace_those_of_las(tmp_path):
+    ps.write(tmp_path / "in.las", np.random.default_rng(3).random((5, 3)))
+    columns = ps.open(tmp_path / "in.las").with_columns(x=np.arange(5.0))
+    assert columns.run("where(x < 2)", keep="xyz")["xyz"][:, 0].tolist() == [0, 1]
+    columns.write(tmp_path / "out.las")
+    assert np.allclose(ps.read(tmp_path / "out.las")["xyz"][:, 0], np.arange(5), atol=1e-3)
+
+
 def test_a_run_of_files_is_resumed(tiles, tmp_path):
     to, folder = tmp_path / "out.las", tmp_path / "progress"
     whole = tmp_path / "whole.las"

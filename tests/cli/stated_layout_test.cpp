@@ -98,17 +98,16 @@ TEST_F(StatedLayout, PointsOutOfReachAreRefusedWithTheRowTheValueAndAScale) {
 }
 
 TEST_F(StatedLayout, AValueThatTheFormatCannotHoldIsNamedByItsRowInTheInput) {
-  std::string text = "x,y,z,id\n";
-  for (int i = 0; i < 300; ++i) text += fmt::format("{},0,0,{}\n", i, i == 205 ? "9007199254740993" : "1");
+  std::string text = "x,y,z\n";
+  for (int i = 0; i < 300; ++i) text += fmt::format("{},0,0\n", i);
   write("ids.csv", text);
-  write("first.csv", "x,y,z,id\n0,5,5,1\n");
-  const std::string drop = " out.ply -q -f --pipeline 'where(row >= 100)'";
-  refused(1, "run ids.csv" + drop, "row 205: 'id' needs all of its 64 bits");
-  refused(1, "run first.csv ids.csv" + drop, "row 205 of ");
-  refused(1, "run ids.csv out.ply -q -f --order sweep --pipeline 'where(row >= 100)'", "row 105 of the output: 'id'");
-  refused(1, "run ids.csv cut/ --output-format ply --tile 1000 --pipeline 'where(row >= 100)'",
-          "row 105 of the output: 'id'");
-  refused(1, "run ids.csv out.las -q --scale 1e-7 --pipeline 'where(row >= 100)'", "x of row 215 is 215");
+  write("first.csv", "x,y,z\n0,5,5\n");
+  const std::string stages = " -f --pipeline 'set(id = 9007199254740993 where x == 205, as=int64) | where(x >= 100)' ";
+  refused(1, "run ids.csv -o out.ply" + stages, "row 205: 'id' needs all of its 64 bits");
+  refused(1, "run first.csv ids.csv -o out.ply" + stages, "row 205 of ");
+  refused(1, "run ids.csv -o out.ply --order sweep" + stages, "row 105 of the output: 'id'");
+  refused(1, "run ids.csv -o cut/ --output-format ply --tile 1000" + stages, "row 105 of the output: 'id'");
+  refused(1, "run ids.csv -o out.las -f --scale 1e-7 --pipeline 'where(x >= 100)'", "x of row 215 is 215");
 }
 
 TEST_F(StatedLayout, MovedPointsGetTheStatedScale) {
