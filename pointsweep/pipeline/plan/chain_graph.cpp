@@ -39,7 +39,6 @@ class GraphBuilder {
     if (neighborhood.rule)
       for (const Attribute& a : neighborhood.rule->reads())
         node.reads.push_back(version_ruled_by(a, *neighborhood.rule));
-    for (const std::size_t v : node.reads) note_reader(v, graph_.nodes.size(), ReadAs::self);
     neighborhood_ = neighborhood;
     graph_.nodes.push_back(std::move(node));
   }
@@ -88,8 +87,6 @@ class GraphBuilder {
     for (const Attribute& a : contract.reads_neighbors) node.reads_neighbors.push_back(version_read(a, name));
     for (const auto& reduction : contract.values) node.values.push_back(reduce_node(reduction, name));
     const std::size_t number = graph_.nodes.size();
-    for (const std::size_t v : node.reads) note_reader(v, number, ReadAs::self);
-    for (const std::size_t v : node.reads_neighbors) note_reader(v, number, ReadAs::neighbors);
     for (const Attribute& a : contract.makes)
       node.makes.push_back(a.name == selection_attribute().name ? new_version(a, number) : make(a, number));
     if (node.drops_rows()) ++drops_rows_;
@@ -192,9 +189,7 @@ class GraphBuilder {
     }
     const auto [known, is_new] =
         reduce_nodes_.try_emplace({reduction->text(), node.reads, drops_rows_}, graph_.nodes.size());
-    if (!is_new) return known->second;
-    for (const std::size_t v : node.reads) note_reader(v, known->second, ReadAs::whole_cloud);
-    graph_.nodes.push_back(std::move(node));
+    if (is_new) graph_.nodes.push_back(std::move(node));
     return known->second;
   }
 
@@ -231,7 +226,7 @@ class GraphBuilder {
   }
 
   std::size_t new_version(const Attribute& a, std::size_t node) {
-    graph_.versions.push_back({.attribute = a, .version = ++versions_made_[a.name], .producer = node});
+    graph_.versions.push_back({.attribute = a, .producer = node});
     return graph_.versions.size() - 1;
   }
 
@@ -241,10 +236,6 @@ class GraphBuilder {
     made_ = updated(std::move(made_), {a});
     if (a.name == position_attribute().name) position_ = version;
     return version;
-  }
-
-  void note_reader(std::size_t version, std::size_t node, ReadAs as) {
-    graph_.versions[version].readers.push_back({node, as});
   }
 
   /// Lets the last Resort, which decides the order of the output, make stream_position_attribute() if points may have
@@ -260,7 +251,6 @@ class GraphBuilder {
 
   void find_moved_bounds() {
     graph_.moved_bounds = graph_.nodes.size();
-    note_reader(*position_, *graph_.moved_bounds, ReadAs::whole_cloud);
     graph_.nodes.push_back({.what = std::make_shared<const MovedBounds>(), .reads = {*position_}});
   }
 
@@ -274,7 +264,6 @@ class GraphBuilder {
   std::map<std::string, std::size_t> latest_;  ///< current version of each attribute, by name
   std::map<std::pair<std::string, Type>, std::size_t> of_input_;  ///< version of each field of the input, by name and
                                                                   ///< type
-  std::map<std::string, std::size_t> versions_made_;
   std::map<std::tuple<std::string, std::vector<std::size_t>, std::size_t>, std::size_t> reduce_nodes_;
   std::size_t drops_rows_ = 0;           ///< number of stages so far that drop rows
   std::optional<std::size_t> position_;  ///< version of the moved positions; absent: no stage moves points

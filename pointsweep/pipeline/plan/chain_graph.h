@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <set>
@@ -21,25 +20,10 @@
 
 namespace pointsweep {
 
-/// The points whose values a node reads when it reads a version of an attribute.
-enum class ReadAs : std::uint8_t {
-  self,         ///< the value of the point itself
-  neighbors,    ///< the values of its neighbours
-  whole_cloud,  ///< the values of all points that no earlier stage has dropped
-};
-
-struct VersionReader {
-  std::size_t node;
-  ReadAs as;
-};
-
 /// One version of an attribute: as the input has it, or as a node makes it. No version is ever overwritten.
 struct AttributeVersion {
   Attribute attribute;
-  std::size_t version = 0;                   ///< 0 for the input's version; versions of nodes count from 1
   std::optional<std::size_t> producer = {};  ///< the node that makes the version; absent if the input has it
-  std::vector<VersionReader> readers = {};   ///< in the order of the nodes
-  bool is_written = false;                   ///< written to the output
 };
 
 /// A node. Versions are indices into ChainGraph::versions, nodes are indices into ChainGraph::nodes.
@@ -107,8 +91,8 @@ std::vector<Attribute> updated(std::vector<Attribute> before, const std::vector<
 /// in any spelling (Schema::find()).
 Schema with_carried(const Schema& input, const std::vector<Attribute>& carried);
 
-/// Returns the offset of the attribute `name` in records that hold the values of `attributes` one after another; nullopt
-/// if it is not among them.
+/// Returns the offset of the attribute `name` in records that hold the values of `attributes` one after another;
+/// nullopt if it is not among them.
 std::optional<std::size_t> offset_in(const std::vector<Attribute>& attributes, std::string_view name);
 
 /// Returns the name of the attribute of `carried` that holds `field`; empty if the record of `input` holds the field,

@@ -167,7 +167,7 @@ void put_in_order(PlannedPass& pass, const Attributes& order) {
 }
 
 /// Finds the made attributes and the fields of the input that are written: those that Chain::keep names, or all,
-/// without dropped fields. Notes the written attributes in the graph.
+/// without dropped fields.
 void find_written(ChainPlan& plan, const Schema& input) {
   plan.made = plan.graph.made_attributes();
   Schema visible{{}, input.stride};
@@ -184,9 +184,6 @@ void find_written(ChainPlan& plan, const Schema& input) {
     for (std::size_t& f : *plan.kept.input) f = index[f];
   else if (!plan.graph.dropped.empty())
     plan.kept.input = std::move(index);
-  for (const std::size_t v : plan.graph.made)
-    plan.graph.versions[v].is_written =
-        std::ranges::find(plan.made, plan.graph.versions[v].attribute.name, &Attribute::name) != plan.made.end();
   if (plan.made.empty() && !plan.selects() && !plan.graph.drops && !plan.chain.stages.empty())
     fail_usage(
         "the pipeline computes nothing; add an operator, as in knn(k=8) | normals, or leave the pipeline out to copy "

@@ -88,8 +88,9 @@ void RowUpdate::run(const std::byte* carried, const std::byte* made, std::size_t
   from_made_.copy(made, made_bytes_, after, after_bytes_, n);
 }
 
-void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
+void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update,
                  const std::function<void(const UpdatedRows&)>& use) {
+  const std::size_t made_bytes = update.made_bytes();
   const std::size_t before = carried == nullptr ? 0 : carried->record_bytes();
   const std::size_t chunk = rows_at_once(std::max(before, update.record_bytes()));
   std::vector<std::byte> old, updated;
@@ -138,12 +139,12 @@ PointSource updated_source(const PointSource& input, const RowFile& carried, con
   return {pass.input, input.count, joining(input.read), for_thread, input.chunk_end};
 }
 
-PassUpdate::PassUpdate(const PlannedPass& pass, const InputCloud& cloud, PointSource input, std::size_t carried_bytes,
-                       const SpillPlace& rows, const SpillPlace& mask)
+PassUpdate::PassUpdate(const PlannedPass& pass, const InputCloud& cloud, PointSource input, const SpillPlace& rows,
+                       const SpillPlace& mask)
     : cloud_(cloud),
-      carried_bytes_(carried_bytes),
+      carried_bytes_(pass.carried_bytes()),
       made_bytes_(pass.plan.result_bytes),
-      rows_(std::make_unique<RowFile>(cloud.count(), carried_bytes, rows)),
+      rows_(std::make_unique<RowFile>(cloud.count(), carried_bytes_, rows)),
       values_(pass, cloud.schema()),
       input_rows_(std::move(input)),
       rooms_(thread_count()) {

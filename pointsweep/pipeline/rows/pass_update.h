@@ -56,6 +56,7 @@ class RowUpdate {
  public:
   RowUpdate(const std::vector<Attribute>& carried, const std::vector<Attribute>& made,
             const std::vector<Attribute>& after);
+  std::size_t made_bytes() const { return made_bytes_; }
   std::size_t record_bytes() const { return after_bytes_; }
   /// Makes `n` records at `after`. `carried` may be null if the pass has made all attributes.
   void run(const std::byte* carried, const std::byte* made, std::size_t n, std::byte* after) const;
@@ -79,8 +80,8 @@ using MadeRows = std::function<void(
     const std::function<void(std::uint64_t first_row, std::size_t count, const std::byte* made)>& use)>;
 
 /// Updates the rows of `results` in order, at most rows_at_once() at a time, on all threads. `carried` is null for the
-/// first pass; `made_bytes` is the size of a record of `results`.
-void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update, std::size_t made_bytes,
+/// first pass.
+void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdate& update,
                  const std::function<void(const UpdatedRows&)>& use);
 
 /// Returns the cloud as `pass` sees it: the records of `input`, followed by those of `carried`, which must outlive the
@@ -90,9 +91,9 @@ PointSource updated_source(const PointSource& input, const RowFile& carried, con
 /// Collects what a pass leaves: the carried records and the selection of the kept rows, and values of the whole cloud.
 class PassUpdate {
  public:
-  /// `input`: the rows of `cloud`. `carried_bytes`: bytes of a record of pass.carried.
-  PassUpdate(const PlannedPass& pass, const InputCloud& cloud, PointSource input, std::size_t carried_bytes,
-             const SpillPlace& rows, const SpillPlace& mask);
+  /// `input`: the rows of `cloud`.
+  PassUpdate(const PlannedPass& pass, const InputCloud& cloud, PointSource input, const SpillPlace& rows,
+             const SpillPlace& mask);
 
   /// Takes the next rows. Works on all threads.
   void add(const UpdatedRows& rows);

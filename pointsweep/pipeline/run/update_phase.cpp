@@ -64,9 +64,9 @@ Rows update_pass(const Context& context, const WorkPlan& work, std::size_t p, Ro
   const PlannedPass& pass = context.plan.passes[p];
   const RowUpdate after = update_after(context.plan, p);
   const bool spills = work.memory.spill_rows;
-  PassUpdate to(pass, context.cloud, context.cloud_source(), after.record_bytes(),
-                context.places.place("rows", p + 1, spills), context.places.place("mask", p + 1, spills));
-  update_rows(made_by_pass(context, p, before, results.get()), before.carried.get(), after, pass.plan.result_bytes,
+  PassUpdate to(pass, context.cloud, context.cloud_source(), context.places.place("rows", p + 1, spills),
+                context.places.place("mask", p + 1, spills));
+  update_rows(made_by_pass(context, p, before, results.get()), before.carried.get(), after,
               [&](const UpdatedRows& rows) {
                 to.add(rows);
                 context.progress("updating", rows.first + rows.count);

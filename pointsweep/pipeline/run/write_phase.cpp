@@ -32,7 +32,7 @@ void write_made(const Context& context, std::size_t p, const Rows& rows, RowStor
   if (p == 0)
     return made([&](std::uint64_t first, std::size_t n, const std::byte* records) { use(first, n, records, bytes); });
   const RowUpdate after = update_after(context.plan, p);
-  update_rows(made, rows.carried.get(), after, bytes, [&](const UpdatedRows& updated) {
+  update_rows(made, rows.carried.get(), after, [&](const UpdatedRows& updated) {
     use(updated.first, updated.count, updated.after, after.record_bytes());
   });
 }
@@ -52,7 +52,7 @@ void write_rows(const Context& context, const Rows& rows, OutputFiles& files) {
       rows.carried->read(first, records);
       files.write_results(context.cloud, first, records);
     } else if (files.are_tiles()) {
-      files.write_tiled_inputs(first, n);
+      files.write_tiled_inputs(n);
     } else {
       inputs.read(first, records);
       files.write_piece(first, records);
