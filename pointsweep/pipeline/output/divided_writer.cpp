@@ -36,13 +36,6 @@ DividedFiles::DividedFiles(const Divider& divider, const std::vector<DividedFile
   for (const DividedFile& file : files_) all_ += file.all;
 }
 
-/// Returns a sentence that tells how many files are complete, to append to an error; empty if none is complete.
-std::string DividedFiles::state() const {
-  if (complete_ == 0) return "";
-  const auto with_points = std::ranges::count_if(files_, [](const DividedFile& file) { return file.own > 0; });
-  return fmt::format(" {} of {} outputs are complete and stay.", complete_.load(), with_points);
-}
-
 void DividedFiles::take(std::uint32_t file, std::span<const std::byte> records) {
   taken_ += records.size() / divider_.plan().schema.stride;
   if (progress_) progress_(static_cast<double>(taken_) / static_cast<double>(all_));

@@ -53,7 +53,7 @@ class DividedFiles {
     std::uint32_t file;
     std::vector<std::byte> records;
   };
-  std::string state() const;
+  std::string state() const { return complete_outputs_text(complete_, files_with_points(files_)); }
   void begin(std::uint32_t number);
   void put(std::uint32_t number, std::span<const std::byte> records);
   void write_together();

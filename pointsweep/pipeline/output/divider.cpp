@@ -61,6 +61,10 @@ std::size_t FileKeyHash::operator()(const FileKey& key) const {
   return mix(mix(std::bit_cast<std::uint64_t>(key.first)) ^ std::bit_cast<std::uint64_t>(key.second));
 }
 
+std::size_t files_with_points(std::span<const DividedFile> files) {
+  return static_cast<std::size_t>(std::ranges::count_if(files, [](const DividedFile& file) { return file.own > 0; }));
+}
+
 TileGrid::TileGrid(double size, const std::array<double, 2>& origin) : size_(size), origin_(origin), digits_{} {
   for (std::size_t axis = 0; axis < 2; ++axis) digits_[axis] = std::max(digits_of(size), digits_of(origin[axis]));
 }

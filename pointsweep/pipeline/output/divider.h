@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "pointsweep/formats/format.h"
@@ -35,6 +36,9 @@ struct DividedFile {
   FileKey key;
   std::uint64_t own = 0, all = 0;  ///< its number of points, without and with the points of its buffer
 };
+
+/// Returns the number of files with points outside of their buffer.
+std::size_t files_with_points(std::span<const DividedFile> files);
 
 /// Square tiles in x and y. Tile i of an axis holds [edge(i), edge(i + 1)), its lower edge included. edge(i) = origin +
 /// i * size in float64, with one rounding for the product and one for the sum. So each finite coordinate is in exactly

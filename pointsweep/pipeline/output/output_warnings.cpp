@@ -54,6 +54,10 @@ std::vector<std::string> OutputWarnings::sentences() const {
   return all;
 }
 
+std::string complete_outputs_text(std::size_t complete, std::size_t all) {
+  return complete == 0 ? "" : fmt::format(" {} of {} outputs are complete and stay.", complete, all);
+}
+
 FloatRounding::FloatRounding(const Schema& input, const std::vector<Attribute>& made, const Schema& output)
     : stride_(output.stride) {
   const PositionFields before = position_fields(input, "the input"), after = position_fields(output, "the output");

@@ -32,6 +32,10 @@ class OutputWarnings {
   std::map<std::string, Warning> warnings_;  ///< keys: texts after the name of the file
 };
 
+/// Returns a sentence such as " 3 of 5 outputs are complete and stay.", to append to an error; empty if none is
+/// complete.
+std::string complete_outputs_text(std::size_t complete, std::size_t all);
+
 /// Finds by how much the coordinates of the records of an output may have been rounded to float32.
 class FloatRounding {
  public:

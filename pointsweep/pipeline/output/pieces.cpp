@@ -78,10 +78,6 @@ FilesOfRanges FilesOfRanges::decode(Decoder& in) {
   return all;
 }
 
-std::size_t FilesOfRanges::with_points() const {
-  return static_cast<std::size_t>(std::ranges::count_if(files, [](const DividedFile& file) { return file.own > 0; }));
-}
-
 /// Divides the points of all files into equal shares, one for each task. A task writes the files that begin in its
 /// share.
 std::vector<std::size_t> FilesOfRanges::of_task(std::size_t task, std::size_t tasks) const {

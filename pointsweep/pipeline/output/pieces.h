@@ -35,8 +35,6 @@ struct FilesOfRanges {
 
   void encode(Encoder& out) const;
   static FilesOfRanges decode(Decoder& in);
-  /// Returns the number of files with points outside of their buffer.
-  std::size_t with_points() const;
   /// Returns the indices of the files that task `task` of `tasks` writes. The tasks get about equal numbers of points.
   std::vector<std::size_t> of_task(std::size_t task, std::size_t tasks) const;
 };

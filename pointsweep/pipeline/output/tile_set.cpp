@@ -263,14 +263,14 @@ void TileSet::for_each_part(std::uint64_t rows, const WriteRows& write) {
   }
 }
 
-void TileSet::write_results(std::uint64_t, std::span<const std::byte> results) {
+void TileSet::write_results(std::span<const std::byte> results) {
   const std::size_t bytes = bytes_of(request_.names.made);
   for_each_part(results.size() / bytes, [&](Tile& tile, std::uint64_t row, std::uint64_t skip, std::uint64_t rows) {
     tile.files->write_results(tile.cloud, row, results.subspan(skip * bytes, rows * bytes));
   });
 }
 
-void TileSet::write_inputs(std::uint64_t, std::uint64_t rows) {
+void TileSet::write_inputs(std::uint64_t rows) {
   for_each_part(rows, [&](Tile& tile, std::uint64_t row, std::uint64_t, std::uint64_t part) {
     std::vector<std::byte> records(part * tile.cloud.schema().stride);
     if (!tile.input_rows) tile.input_rows.emplace(source_of(tile.cloud));
@@ -291,8 +291,7 @@ void TileSet::finish() {
 
 std::string TileSet::progress() {
   completing_.clear();  // waits for the tasks
-  if (complete_ == 0) return "";
-  return fmt::format(" {} of {} outputs are complete and stay.", complete_.load(), request_.outputs.tiles.size());
+  return complete_outputs_text(complete_, request_.outputs.tiles.size());
 }
 
 std::vector<std::string> TileSet::warnings() const {

@@ -65,9 +65,9 @@ class TileSet {
   ~TileSet();
 
   /// Writes the next rows of the cloud with their results, like OutputSet::write_results().
-  void write_results(std::uint64_t first_row, std::span<const std::byte> results);
+  void write_results(std::span<const std::byte> results);
   /// Writes the next rows of the cloud without results.
-  void write_inputs(std::uint64_t first_row, std::uint64_t rows);
+  void write_inputs(std::uint64_t rows);
   /// Completes the remaining tiles. Must be called after the last row.
   void finish();
 

@@ -210,7 +210,7 @@ void join_pieces(const SharedRequest& request, Storage& scratch, const std::vect
   MadeFolders folders;
   folders.make_for(request.outputs.points);
   const DivisionRun run(request);
-  run.divider().require_few(joined.with_points());
+  run.divider().require_few(files_with_points(joined.files));
   require_files_possible(run.divider(), joined.files);
   seal_bytes(scratch, key, encoded(joined));
 }

@@ -303,7 +303,7 @@ void OutputFiles::open_files(const Context& context, const WorkPlan& work, const
 }
 
 void OutputFiles::write_results(InputCloud& cloud, std::uint64_t first, std::span<const std::byte> results) {
-  tiles_ ? tiles_->write_results(first, results) : files_->write_results(cloud, first, results);
+  tiles_ ? tiles_->write_results(results) : files_->write_results(cloud, first, results);
 }
 
 void OutputFiles::finish(const Context& context) {

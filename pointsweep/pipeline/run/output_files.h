@@ -48,7 +48,7 @@ class OutputFiles {
   /// Writes the next rows of the cloud with their results.
   void write_results(InputCloud& cloud, std::uint64_t first, std::span<const std::byte> results);
   /// Writes the next rows of the cloud without results. Must be called for tiles only.
-  void write_tiled_inputs(std::uint64_t first, std::uint64_t rows) { tiles_->write_inputs(first, rows); }
+  void write_tiled_inputs(std::uint64_t rows) { tiles_->write_inputs(rows); }
   /// Writes the next records of the input without results. Must not be called for tiles.
   void write_inputs(std::uint64_t first, std::span<const std::byte> records) { files_->write_inputs(first, records); }
   /// Writes the next records of the input as one piece (OutputSet::write_piece). Must not be called for tiles.
