@@ -8,6 +8,10 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "pointsweep/fail.h"
@@ -23,14 +27,40 @@ namespace {
 /// A part of a divided output: the two numbers of a tile, or the value of the dividing attribute and 0.
 using Part = std::array<double, 2>;
 
-/// Removes the last separator and the number after it from `name`, and returns the number.
-std::optional<double> take_number(std::string_view& name) {
-  const std::size_t at = name.rfind('_');
-  const std::string_view word = name.substr(at == std::string_view::npos ? 0 : at + 1);
-  name = name.substr(0, at == std::string_view::npos ? 0 : at);
+/// The texts before and after the name of a part in the name of a file.
+using Surrounding = std::pair<std::string, std::string>;
+
+bool is_number(std::string_view word, double value) {
   double number = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-  return error == std::errc() && end == word.data() + word.size() ? std::optional(number) : std::nullopt;
+  return error == std::errc() && end == word.data() + word.size() &&
+         std::abs(number - value) <= 1e-9 * std::max(1.0, std::abs(value));
+}
+
+/// Calls `use(end)` for every end of a text that begins at `begin` of `name` and is the number `value`.
+template <class Use>
+void for_each_end(std::string_view name, std::size_t begin, double value, Use use) {
+  for (std::size_t end = begin + 1; end <= name.size(); ++end)
+    if (is_number(name.substr(begin, end - begin), value)) use(end);
+}
+
+/// Returns what may stand around the name of a part in the file name `name`, for each place where the name of the part
+/// stands: `numbers` with '_' between them, or "unplaced" if there are none.
+std::set<Surrounding> surroundings_in(std::string_view name, std::span<const double> numbers) {
+  constexpr std::string_view kUnplaced = "unplaced";
+  std::set<Surrounding> all;
+  for (std::size_t begin = 0; begin < name.size(); ++begin) {
+    const auto add = [&](std::size_t end) { all.emplace(name.substr(0, begin), name.substr(end)); };
+    if (numbers.empty()) {
+      if (name.substr(begin).starts_with(kUnplaced)) add(begin + kUnplaced.size());
+      continue;
+    }
+    for_each_end(name, begin, numbers[0], [&](std::size_t end) {
+      if (numbers.size() == 1) return add(end);
+      if (end < name.size() && name[end] == '_') for_each_end(name, end + 1, numbers[1], add);
+    });
+  }
+  return all;
 }
 
 /// Returns a hash of a point in the buffer of a part. Sums of hashes do not depend on the order of points.
@@ -120,21 +150,24 @@ class PlacesOfPoints {
   void take_file(const std::optional<Part>& part) {
     part_ = part;
     for (const Vec3& p : std::exchange(waiting_, {})) see_buffer(p);
-    const std::string stem = path_.stem().string();
-    std::string_view rest = stem;
-    if (!part) {
-      if (!stem.ends_with("unplaced")) misplaced_.add("{}: has points without a place", path_.string());
-      return;
-    }
-    const auto last = take_number(rest), before = take_number(rest);
-    const auto is = [](const std::optional<double>& number, double value) {
-      return number && std::abs(*number - value) <= 1e-9 * std::max(1.0, std::abs(value));
-    };
-    const bool is_named =
-        division_.tile ? is(last, edge(1, (*part)[1])) && is(before, edge(0, (*part)[0])) : is(last, (*part)[0]);
-    if (!is_named) misplaced_.add("{}: is not named after its points", path_.string());
+    take_name(part);
+    if (!part) return;
     if (!file_of_.try_emplace(*part, path_.string()).second)
       misplaced_.add("{}: holds the same part as {}", path_.string(), file_of_.at(*part));
+  }
+
+  /// Compares the name of the current file with its part. The texts before and after the name of the part are the same
+  /// in the names of all files.
+  void take_name(const std::optional<Part>& part) {
+    std::vector<double> numbers;
+    if (part && division_.tile) numbers = {edge(0, (*part)[0]), edge(1, (*part)[1])};
+    if (part && !division_.tile) numbers = {(*part)[0]};
+    std::set<Surrounding> here = surroundings_in(path_.filename().string(), numbers);
+    if (surroundings_) std::erase_if(here, [&](const Surrounding& one) { return !surroundings_->contains(one); });
+    if (here.empty())
+      misplaced_.add("{}: {}", path_.string(), part ? "is not named after its points" : "has points without a place");
+    else
+      surroundings_ = std::move(here);
   }
 
   void see_buffer(Vec3 p) {
@@ -164,6 +197,8 @@ class PlacesOfPoints {
   std::vector<Vec3> waiting_;  ///< buffer points of the current file before its first own point
   std::map<Part, std::string> file_of_;
   std::map<Part, MultisetSum> wanted_, found_;  ///< sums over the points that each buffer must hold, and does hold
+  /// The texts around the name of the part that all files so far may have; absent before the first file.
+  std::optional<std::set<Surrounding>> surroundings_;
   std::vector<bool> own_;
   Differences misplaced_;
 };

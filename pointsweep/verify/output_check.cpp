@@ -14,6 +14,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/files.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/formats/files/file_pattern.h"
 #include "pointsweep/formats/files/folders.h"
 #include "pointsweep/formats/registry.h"
 #include "pointsweep/operators/statistics/neighbor_rows.h"
@@ -116,13 +117,14 @@ fs::path tile_of(const ListedFile& input, const fs::path& folder) {
        input.path.string());
 }
 
-/// Lists the files in the folder if a run has divided its output among them, according to the options or to the record
-/// of the first file.
+/// Lists the files in the folder, or those of the pattern, if a run has divided its output among them, according to the
+/// options or to the record of the first file.
 void list_parts(OutputCheck& check) {
   const auto is_file = [](const fs::directory_entry& entry) {
     return !is_hidden(entry.path()) && entry.is_regular_file() && is_point_file(entry.path());
   };
-  if (!is_url(check.output) && std::ranges::none_of(entries_of(check.output), is_file)) return;
+  if (is_folder(check.output) && !is_url(check.output) && std::ranges::none_of(entries_of(check.output), is_file))
+    return;
   const InputList files = list_inputs({check.output}, false, "");
   OutputDivision& division = check.options.division;
   const std::optional<ProvenanceRecord> record = recorded_run(files.files.front().path);
@@ -135,7 +137,11 @@ void list_parts(OutputCheck& check) {
 void list_files(OutputCheck& check) {
   const fs::path& output = check.output;
   const bool is_folder = pointsweep::is_folder(output);
-  if (is_folder) list_parts(check);
+  const bool is_pattern = !is_url(output) && is_file_pattern(output);
+  if (is_folder || is_pattern) list_parts(check);
+  if (is_pattern && !check.is_divided())
+    fail_usage("{}: its files are no tiles and no parts of one output; name one of them, or their folder.",
+               output.string());
   if (check.inputs.empty() && is_folder && !check.is_divided())
     fail_usage("{}: is a folder; name the inputs too: pointsweep verify tiles/ {}.", output.string(), output.string());
   if (check.inputs.empty()) return;

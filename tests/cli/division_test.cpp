@@ -105,6 +105,21 @@ TEST_F(Divided, VerifyFindsAPointThatIsLostDoubledOrMisplaced) {
   refused(1, "verify all.csv wide --tile 250 --tile-buffer 10", "does not hold the points around its tile");
 }
 
+TEST_F(Divided, VerifyKnowsTheNamesOfTilesOfEveryPattern) {
+  made("tile all.las 'tiles/a_*_x.laz' --size 250 -q");
+  expect_verified("all.las tiles/");
+  expect_verified("all.las 'tiles/a_*_x.laz'");
+  fs::rename(folder_ / "tiles/a_0_0_x.laz", folder_ / "tiles/a_5_0_x.laz");
+  refused(1, "verify all.las tiles/", "a_5_0_x.laz: is not named after its points");
+  fs::rename(folder_ / "tiles/a_5_0_x.laz", folder_ / "tiles/b_0_0_x.laz");
+  refused(1, "verify all.las tiles/", "b_0_0_x.laz: is not named after its points");
+  refused(2, "verify all.las '*.las'", "are no tiles and no parts of one output");
+  made("tile all.las copc/ --size 250 --output-format copc.laz -q");
+  expect_verified("all.las copc/");
+  made("split all.las 'parts/*_x.copc.laz' --by return_number -q");
+  expect_verified("all.las parts/");
+}
+
 TEST_F(Divided, ThePlaceOfTheOutputIsCheckedFirst) {
   refused(2, "tile all.las out", "give the length of the edge of a tile, --size LENGTH");
   refused(2, "tile all.las out --size 0", "--size: '0' is not above 0");
