@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <set>
 #include <span>
@@ -63,15 +65,31 @@ std::set<Surrounding> surroundings_in(std::string_view name, std::span<const dou
   return all;
 }
 
-/// Returns a hash of a point in the buffer of a part. Sums of hashes do not depend on the order of points.
-std::uint64_t word_of(const Part& part, Vec3 p) {
-  std::uint64_t word = 0;
-  for (const double value : {part[0], part[1], p.x, p.y, p.z}) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    word = mix(word ^ bits);
-  }
-  return word;
+/// The hashes of a point in a buffer. Sums of hashes do not depend on the order of points.
+struct BufferPoint {
+  std::uint64_t place;
+  std::uint64_t values;  ///< hash of all values of the point
+};
+
+/// The points of a buffer.
+struct BufferSum {
+  MultisetSum places, values;
+
+  void add(const BufferPoint& point) { places.add(point.place), values.add(point.values); }
+};
+
+std::uint64_t with_value(std::uint64_t word, double value) { return mix(word ^ std::bit_cast<std::uint64_t>(value)); }
+
+/// Returns the fields of the cloud that a file stores as float32 and its records hold as float64. Different files may
+/// hold a different float64 for the same value, but the same float32.
+std::vector<bool> fields_of_singles(const RowSource& rows) {
+  std::vector<bool> singles;
+  for (const Field& field : rows.schema().fields)
+    singles.push_back(field.type == Type::f64 && std::ranges::any_of(rows.files(), [&](const FileOfRows& file) {
+                        const auto at = file.schema->find(field.name);
+                        return at && file.schema->fields[*at].type == Type::f32;
+                      }));
+  return singles;
 }
 
 class PlacesOfPoints {
@@ -84,6 +102,7 @@ class PlacesOfPoints {
 
   void look(const PhaseProgress& progress) {
     RowSource rows(cloud_);
+    singles_ = fields_of_singles(rows);
     const std::span<const FileOfRows> files = rows.files();
     std::size_t next = 0;  // index of the next file
     for_each_row(rows, "comparing", progress, [&](std::uint64_t row, const std::byte* record) {
@@ -92,11 +111,15 @@ class PlacesOfPoints {
     });
     if (!buffer_) return;
     // A tile without own points has no file and no buffer. All tiles with own points are known by now.
-    for (const auto& [part, sum] : wanted_)
-      if (file_of_.contains(part) && sum.sum() != found_[part].sum())
+    for (const auto& [part, sum] : wanted_) {
+      if (!file_of_.contains(part)) continue;
+      if (sum.places.sum() != found_[part].places.sum())
         misplaced_.add("{}: its buffer does not hold the points around its tile", file_of_.at(part));
+      else if (sum.values.sum() != found_[part].values.sum())
+        misplaced_.add("{}: points of its buffer have other values than in their own tiles", file_of_.at(part));
+    }
     for (const auto& [part, sum] : found_)
-      if (!wanted_.contains(part) && sum.sum() != 0)
+      if (!wanted_.contains(part) && sum.places.sum() != 0)
         misplaced_.add("{}: its buffer holds points that are not around its tile", file_of_.at(part));
   }
 
@@ -139,17 +162,17 @@ class PlacesOfPoints {
     const Vec3 p = position_in(position_, record);
     const bool is_own = !buffer_ || value_of(*buffer_, record) == 0;
     own_.push_back(is_own);
-    if (!is_own) return see_buffer(p);
+    if (!is_own) return see_buffer(buffer_point(record, p));
     const std::optional<Part> part = part_of(record, p);
     if (!std::exchange(name_is_known_, true)) take_file(part);
     if (part != part_) misplaced_.add("{}: row {} of all files belongs into another file", path_.string(), row);
-    if (buffer_ && part) want_in_buffers(*part, p);
+    if (buffer_ && part) want_in_buffers(*part, p, record);
   }
 
   /// Takes the part of the first own point of a file as the part of the file. The file's name must state the same part.
   void take_file(const std::optional<Part>& part) {
     part_ = part;
-    for (const Vec3& p : std::exchange(waiting_, {})) see_buffer(p);
+    for (const BufferPoint& point : std::exchange(waiting_, {})) see_buffer(point);
     take_name(part);
     if (!part) return;
     if (!file_of_.try_emplace(*part, path_.string()).second)
@@ -170,19 +193,52 @@ class PlacesOfPoints {
       surroundings_ = std::move(here);
   }
 
-  void see_buffer(Vec3 p) {
-    if (!name_is_known_) return void(waiting_.push_back(p));
-    if (part_) found_[*part_].add(word_of(*part_, p));
+  BufferPoint buffer_point(const std::byte* record, Vec3 p) const {
+    const std::uint64_t place = with_value(with_value(with_value(0, p.x), p.y), p.z);
+    std::uint64_t values = place;
+    for (std::size_t f = 0; f < schema_.fields.size(); ++f) {
+      if (schema_.fields[f].name == buffer_->name) continue;
+      Field field = schema_.fields[f];
+      for (field.count = 1; field.offset < end_of(schema_.fields[f]);
+           field.offset += static_cast<std::uint32_t>(size_of(field.type)))
+        values = mix(values ^ bits_of(field, record, singles_[f]));
+    }
+    return {place, values};
   }
 
-  void want_in_buffers(const Part& own, Vec3 p) {
+  static std::uint32_t end_of(const Field& field) {
+    return field.offset + field.count * static_cast<std::uint32_t>(size_of(field.type));
+  }
+
+  /// Returns bits that are equal for equal values. `single`: only the nearest float32 counts.
+  static std::uint64_t bits_of(const Field& field, const std::byte* record, bool single) {
+    const bool is_wide = field.type == Type::i64 || field.type == Type::u64;
+    if (is_wide && field.is_plain()) {
+      std::uint64_t bits = 0;
+      std::memcpy(&bits, record + field.offset, sizeof bits);
+      return bits;
+    }
+    const double value = value_of(field, record);
+    if (std::isnan(value)) return std::bit_cast<std::uint64_t>(std::numeric_limits<double>::quiet_NaN());
+    return std::bit_cast<std::uint64_t>(single ? static_cast<double>(static_cast<float>(value)) : value);
+  }
+
+  void see_buffer(const BufferPoint& point) {
+    if (!name_is_known_) return void(waiting_.push_back(point));
+    if (part_) found_[*part_].add(point);
+  }
+
+  void want_in_buffers(const Part& own, Vec3 p, const std::byte* record) {
     const double width = division_.tile_buffer;
+    std::optional<BufferPoint> point;
     for (double i = own[0] - 1; i <= own[0] + 1; ++i)
       for (double j = own[1] - 1; j <= own[1] + 1; ++j) {
         const Part part = {i, j};
         if (part != own && p.x >= edge(0, i) - width && p.x < edge(0, i + 1) + width && p.y >= edge(1, j) - width &&
-            p.y < edge(1, j + 1) + width)
-          wanted_[part].add(word_of(part, p));
+            p.y < edge(1, j + 1) + width) {
+          if (!point) point = buffer_point(record, p);
+          wanted_[part].add(*point);
+        }
       }
   }
 
@@ -194,9 +250,10 @@ class PlacesOfPoints {
   std::filesystem::path path_;  ///< path of the current file
   std::optional<Part> part_;    ///< part of the current file; absent for points without a finite place
   bool name_is_known_ = false;
-  std::vector<Vec3> waiting_;  ///< buffer points of the current file before its first own point
+  std::vector<BufferPoint> waiting_;  ///< buffer points of the current file before its first own point
   std::map<Part, std::string> file_of_;
-  std::map<Part, MultisetSum> wanted_, found_;  ///< sums over the points that each buffer must hold, and does hold
+  std::map<Part, BufferSum> wanted_, found_;  ///< sums over the points that each buffer must hold, and does hold
+  std::vector<bool> singles_;                 ///< fields_of_singles()
   /// The texts around the name of the part that all files so far may have; absent before the first file.
   std::optional<std::set<Surrounding>> surroundings_;
   std::vector<bool> own_;

@@ -105,6 +105,16 @@ TEST_F(Divided, VerifyFindsAPointThatIsLostDoubledOrMisplaced) {
   refused(1, "verify all.csv wide --tile 250 --tile-buffer 10", "does not hold the points around its tile");
 }
 
+TEST_F(Divided, VerifyFindsAChangedValueOfAPointInABuffer) {
+  made("convert all.las all.csv -q");
+  made("tile all.csv wide --size 250 --buffer 9 -q");
+  std::string tile = contents(folder_ / "wide/0_0.csv");
+  std::size_t at = tile.rfind('\n', tile.find(",1\n"));  // the line of a point of the buffer
+  for (int column = 0; column < 3; ++column) at = tile.find(',', at + 1);
+  write("wide/0_0.csv", tile.insert(at + 1, "1"));
+  refused(1, "verify all.csv wide --tile 250 --tile-buffer 9", "have other values than in their own tiles");
+}
+
 TEST_F(Divided, VerifyKnowsTheNamesOfTilesOfEveryPattern) {
   made("tile all.las 'tiles/a_*_x.laz' --size 250 -q");
   expect_verified("all.las tiles/");

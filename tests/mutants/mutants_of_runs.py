@@ -249,5 +249,5 @@ MUTANTS = [
     Mutant("records wait in runs that are not merged in their order", "tiles", PIPELINE + "output/grouped_records.cpp",
            "std::uint64_t left = runs.size();", "std::uint64_t left = runs.size();\n  std::swap(runs.front(), runs.back());", ("pipeline:Division.*",)),
     Mutant("verify takes points of buffers for points of the tile", "verify", "pointsweep/verify/divided_output.cpp",
-           "sum.sum() != found_[part].sum()", "sum.sum() == 0", ("cli:Divided.*",)),
+           "sum.places.sum() != found_[part].places.sum()", "sum.places.sum() == 0", ("cli:Divided.*",)),
 ]
