@@ -47,6 +47,12 @@ TEST_F(VerifyFormats, OneOutputInEveryFormat) {
   }
 }
 
+/// The fewest digits that identify a float32 differ from it by up to half of its last place.
+TEST_F(VerifyFormats, MovedPointsAsFloatsInText) {
+  for (const char* output : {"moved.xyz", "moved.pts"})
+    accepted(output, "transform(scale=1.0001, translate=[500000, 5000000, 0])", "--positions float32");
+}
+
 TEST_F(VerifyFormats, TilesInEveryFormatHaveTheStepsOfTheirOwnGrids) {
   for (const std::string_view extension : writable_extensions()) {
     const std::string format = fmt::format("--output-format {}", extension);

@@ -150,6 +150,11 @@ std::uint64_t FieldPair::found(const std::byte* to_record) const {
   return bitwise_ ? bits_at(to_, to_record) : word_of(value_of(to_, to_record));
 }
 
+double FieldPair::found_number(const std::byte* to_record) const {
+  const double value = found_value(to_record);
+  return single_ && !places_.decimals ? static_cast<double>(static_cast<float>(value)) : value;
+}
+
 double FieldPair::resolution(double value) const {
   // Both the value and the number that a reader computes from the stored integer are rounded a few times in double
   // precision.

@@ -48,6 +48,9 @@ class FieldPair {
   double resolution(double value) const;
   double expected_value(const std::byte* from_record) const { return value_of(from_, from_record); }
   double found_value(const std::byte* to_record) const { return value_of(to_, to_record); }
+  /// Returns found_value() as the nearest float32 if text stands for it: the fewest digits that identify a float are
+  /// not its exact value.
+  double found_number(const std::byte* to_record) const;
 
  private:
   void compare_as(const Field& from_file, const Field& to_file);

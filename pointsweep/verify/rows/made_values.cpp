@@ -76,7 +76,7 @@ Real MadeValue::distance_to(Vector expected, const std::byte* record) const {
   Real sum2 = 0;
   for (std::size_t c = 0; c < pairs_.size(); ++c) {
     if (!pairs_[c]) continue;
-    const Real wanted = expected[c], found = pairs_[c]->found_value(record);
+    const Real wanted = expected[c], found = pairs_[c]->found_number(record);
     const Real beyond = std::fabs(found - wanted) - pairs_[c]->resolution(static_cast<double>(wanted));
     if (std::isnan(beyond)) return formulas::kInfinity;
     sum2 += beyond > 0 ? beyond * beyond : 0;
@@ -101,10 +101,11 @@ std::optional<std::size_t> MadeValue::wrong_component(const Estimate& e, const s
   }
   if (distance(e, record) <= e.error) return std::nullopt;
   std::size_t worst = 0;
-  Real most = -1;
+  Real most = -formulas::kInfinity;
   for (std::size_t c = 0; c < pairs_.size(); ++c) {
     if (!pairs_[c]) continue;
-    const Real off = std::fabs(pairs_[c]->found_value(record) - e.value[c]);
+    const double wanted = static_cast<double>(e.value[c]);
+    const Real off = std::fabs(pairs_[c]->found_number(record) - e.value[c]) - pairs_[c]->resolution(wanted);
     if (!(off <= most)) most = off, worst = c;
   }
   return worst;
