@@ -84,6 +84,18 @@ void take_recorded_pipeline(OutputCheck& check, const ProvenanceRecord& record) 
   }
 }
 
+/// Returns whether the record does not tell the order of the output's rows among those of the named inputs: it names
+/// others, or it is that of tiles or parts from which the single file of the output was made.
+bool is_of_other_rows(const OutputCheck& check, const ProvenanceRecord& record) {
+  if (check.inputs.empty()) return false;
+  if (check.tiles.empty() && recorded_division(record).divides()) return true;
+  if (check.inputs.size() != record.inputs.size() + record.more_inputs) return true;
+  return !std::ranges::equal(
+      std::span(check.inputs).first(record.inputs.size()), record.inputs, {},
+      [](const fs::path& path) { return path.filename(); },
+      [](const ProvenanceInput& input) { return fs::path(input.name).filename(); });
+}
+
 /// Completes the options from the record of the output.
 void take_record(OutputCheck& check, const ProvenanceRecord& record) {
   VerifyOptions& options = check.options;
@@ -101,7 +113,9 @@ void take_record(OutputCheck& check, const ProvenanceRecord& record) {
   if (check.says_how()) return;
   take_recorded_pipeline(check, record);
   const bool sorted = record.stages == std::vector<std::string>{"sort"};
-  if (!options.order) options.order = setting("order") == "sweep" || sorted ? Order::sweep : Order::input;
+  const bool is_swept = setting("order") == "sweep" || sorted;
+  if (!options.order && (is_swept || !is_of_other_rows(check, record)))
+    options.order = is_swept ? Order::sweep : Order::input;
   const std::string axis = setting("axis");
   if (!options.axis && axis.size() == 1 && axis >= "x" && axis <= "z") options.axis = axis[0] - 'x';
 }

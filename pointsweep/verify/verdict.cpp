@@ -26,6 +26,11 @@ std::string checksum_text(const AttributeArrival& a) {
   return fmt::format("  {:<18} {:016x} in the input, {:016x} in the output\n", a.name, a.sum_in, a.sum_out);
 }
 
+std::string order_text(const Verdict& v) {
+  if (v.order.empty()) return v.same() ? "in another order than those of the input" : "?";
+  return "in the order of the " + v.order;
+}
+
 std::string differences_text(const Verdict& v) {
   std::string text;
   for (const std::string& difference : v.differences) text += fmt::format("  DIFFERENT          {}\n", difference);
@@ -85,8 +90,7 @@ std::string to_text(const Verdict& v, Checksums checksums) {
                        v.dropped);
   text += fmt::format("{} against {}\n", v.output, v.input) + differences_text(v);
   text += fmt::format("  points             {}\n", grouped_text(v.arrivals.points_out));
-  if (v.attributes_compared)
-    text += fmt::format("  rows               {}\n", v.order.empty() ? "?" : "in the order of the " + v.order);
+  if (v.attributes_compared) text += fmt::format("  rows               {}\n", order_text(v));
   if (checksums == Checksums::show)
     for (const AttributeArrival& a : v.arrivals.attributes) text += checksum_text(a);
   if (v.made.empty())

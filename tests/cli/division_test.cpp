@@ -130,6 +130,15 @@ TEST_F(Divided, VerifyKnowsTheNamesOfTilesOfEveryPattern) {
   expect_verified("all.las parts/");
 }
 
+TEST_F(Divided, VerifyComparesMergedTilesWithTheInputInAnyOrder) {
+  made("tile all.las tiles/ --size 130 -q");
+  for (const char* options : {"", "--no-provenance"}) {
+    made(fmt::format("convert tiles/ back.las -q -f {}", options));
+    expect_verified("all.las back.las");
+  }
+  expect_verified("tiles/ back.las");
+}
+
 TEST_F(Divided, ThePlaceOfTheOutputIsCheckedFirst) {
   refused(2, "tile all.las out", "give the length of the edge of a tile, --size LENGTH");
   refused(2, "tile all.las out --size 0", "--size: '0' is not above 0");

@@ -88,6 +88,17 @@ TEST_F(VerifyVerb, SaysInItsLastLineWhatWasChecked) {
   ends_with("two.xyz more.xyz", 3, "not checked: 1 attribute; all else is correct");
 }
 
+TEST_F(VerifyVerb, ComparesTwoFilesOfDifferentOrders) {
+  write("one.xyz", "x y z a\n0 0 0 1\n2 0 0 2\n1 0 0 3\n0 5 0 4\n");
+  write("other.xyz", "x y z a\n2 0 0 2\n0 5 0 4\n1 0 0 3\n0 0 0 1\n");
+  same("one.xyz other.xyz", "rows               in another order than those of the input");
+  refused(1, "verify one.xyz other.xyz --order input", "row 0: x is 2, but 0 in the input");
+  write("other.xyz", "x y z a\n2 0 0 2\n0 5 0 4\n1 0 0 1\n0 0 0 3\n");
+  const Result result = tool("verify one.xyz other.xyz");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_EQ(result.out.find("in the order of the input"), std::string::npos) << result.out;
+}
+
 /// The data do not determine a normal: all points lie on a line.
 TEST_F(VerifyVerb, EndsWithStatus3WhereItCannotDecide) {
   std::string line = "x y z\n";
