@@ -69,6 +69,8 @@ struct Format {
   /// True if coordinates may be any float64, NaN and infinity included; false if they are integers on a grid of finite
   /// steps.
   bool real_coordinates = true;
+  /// True if a point with a coordinate that is not finite is read back with NaN for all coordinates.
+  bool loses_nonfinite = false;
   /// True if the header states the box of all points (FileInfo::bounds), so that it is known without reading the
   /// points.
   bool states_bounds = false;

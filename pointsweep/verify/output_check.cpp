@@ -314,7 +314,10 @@ Verdict checked_points(const OutputCheck& check, const InputCloud& all, InputClo
   const auto made_with = [&](const std::set<std::string>& changed) {
     Compared compared = made_by_pipeline(check, all, cloud, out, changed);
     MadeBy& made = compared.made;
-    if (format != nullptr) made.own_field = format->own_field;
+    if (format != nullptr) {
+      made.own_field = format->own_field, made.stored_name = format->stored_name;
+      made.loses_nonfinite = format->loses_nonfinite;
+    }
     made.in_any_order = is_in_any_order(check);
     made.known = misplaced;
     return compared;

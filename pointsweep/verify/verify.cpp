@@ -31,6 +31,7 @@ class Verification {
  public:
   Verification(InputCloud& in, RowSource& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options)
       : in_(in),
+        stored_in_(made_by.loses_nonfinite ? RowSource::without_nonfinite(in_) : in_),
         out_(out),
         made_by_(made_by),
         options_(options),
@@ -96,7 +97,7 @@ class Verification {
       const std::string& name = results.fields[first + c].name;
       if (made_by_.left_out_made.contains(name)) continue;
       if (const auto old = in_.schema().find(name)) replaced_[*old] = true;
-      if (const auto found = pairs_of_field(results, first + c, out_.schema(), ways().places))
+      if (const auto found = pairs_in_output(results, first + c))
         pairs[c] = found->front();
       else
         differences_.add("the output has no '{}', which is to be made", name);
@@ -110,18 +111,18 @@ class Verification {
     std::vector<FieldPair> known;
     for (std::size_t f = 0; f < replaced_.size(); ++f)
       if (!replaced_[f])
-        if (const auto pairs = pairs_of_field(in_.schema(), f, out_.schema(), ways().places))
+        if (const auto pairs = pairs_in_output(in_.schema(), f))
           known.insert(known.end(), pairs->begin(), pairs->end());
     if (known.empty())
       fail_usage("verify: {} holds nothing of the input, by which its rows are recognized.", out_.name());
-    known_.emplace(in_, out_, made_by_.in_any_order, std::move(known));
+    known_.emplace(stored_in_, out_, made_by_.in_any_order, std::move(known));
   }
 
   /// Matches the rows of the output with rows of the input. Returns false if the output is not a selection of the
   /// input's rows in the order of the input.
   bool find_kept_rows() {
     pair_known_fields();
-    alignment_ = align_rows(in_, out_, *known_, options_.progress);
+    alignment_ = align_rows(stored_in_, out_, *known_, options_.progress);
     verdict_.left_out = in_.count() - alignment_->kept.size();
     verdict_.arrivals.points_in = in_.count(), verdict_.arrivals.points_out = out_.count();
     rows_ = rows_to_check(in_.count(), options_, &*alignment_);
@@ -145,13 +146,13 @@ class Verification {
     ++verdict_.passes;
     if (alignment_) {
       for_each_position(in_, "reading", options_.progress, look);
-      RowSource kept(in_, alignment_->kept);
+      RowSource kept(stored_in_, alignment_->kept);
       verdict_.arrivals =
           compare_arrivals(kept, out_, replaced_, ways(), options_.progress, [](std::uint64_t, Vec3) {});
       return;
     }
     if (verdict_.attributes_compared) {
-      verdict_.arrivals = compare_arrivals(in_, out_, replaced_, ways(), options_.progress, look);
+      verdict_.arrivals = compare_arrivals(stored_in_, out_, replaced_, ways(), options_.progress, look);
       return;
     }
     verdict_.arrivals.points_in = in_.count(), verdict_.arrivals.points_out = out_.count();
@@ -233,7 +234,7 @@ class Verification {
     std::vector<PossibleRows> places;  // for each row of the sample, the rows of the output with its values
     if (made_by_.in_any_order) {
       pair_known_fields();
-      auto found = rows_with_values(in_, out_, *known_, rows_, options_.progress);
+      auto found = rows_with_values(stored_in_, out_, *known_, rows_, options_.progress);
       if (!found) return;  // the output lacks a row of the sample, which is reported as a difference of the values
       places = std::move(*found), ++verdict_.passes;
       if (moved() && std::ranges::any_of(places, [](const PossibleRows& any) { return any.count > 1; }))
@@ -278,7 +279,7 @@ class Verification {
       std::vector<FieldPair> pairs;
       for (std::size_t f = 0; f < schema.fields.size(); ++f) {
         if (made_by_.left_out_made.contains(schema.fields[f].name)) return std::nullopt;
-        const auto found = pairs_of_field(schema, f, out_.schema(), ways().places);
+        const auto found = pairs_in_output(schema, f);
         if (!found) return std::nullopt;
         pairs.push_back(found->front());
       }
@@ -362,7 +363,14 @@ class Verification {
   }
 
   OutputWays ways() const {
-    return {made_by_.own_field, {options_.decimals, options_.positions == Type::f32}, made_by_.in_any_order};
+    return {made_by_.own_field,
+            made_by_.stored_name,
+            {options_.decimals, options_.positions == Type::f32},
+            made_by_.in_any_order};
+  }
+
+  std::optional<std::vector<FieldPair>> pairs_in_output(const Schema& schema, std::size_t field) const {
+    return pairs_of_field(schema, field, out_.schema(), ways().places, made_by_.stored_name);
   }
 
   /// Checks whether the output has a row exactly if all conditions hold for it.
@@ -391,7 +399,7 @@ class Verification {
     for (const auto& [row, difference] : suspects_)
       if (rows.empty() || rows.back() != row) rows.push_back(row);
     if (alignment_ && !rows.empty())
-      twins = rows_with_twins(in_, *alignment_, *known_, rows, options_.progress), ++verdict_.passes;
+      twins = rows_with_twins(stored_in_, *alignment_, *known_, rows, options_.progress), ++verdict_.passes;
     for (const auto& [row, difference] : suspects_)
       if (!std::ranges::binary_search(twins, row)) differences_.add("{}", difference);
     verdict_.wrong_points = rows.size() - twins.size();
@@ -399,6 +407,7 @@ class Verification {
   }
 
   RowSource in_;
+  RowSource stored_in_;  ///< the input with the coordinates that the format of the output can hold
   RowSource& out_;
   const MadeBy& made_by_;
   const VerifyOptions& options_;

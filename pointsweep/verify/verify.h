@@ -57,7 +57,10 @@ struct MadeBy {
   std::vector<std::string> untold = {};  ///< sentences about values that are not checked, with reasons
   /// Names of fields that were not written: fields of kept made attributes, and fields of the input.
   std::set<std::string> left_out_made = {}, left_out_input = {};
-  OwnField own_field = nullptr;  ///< Format::own_field of the output's format; null if it has none
+  OwnField own_field = nullptr;      ///< Format::own_field of the output's format; null if it has none
+  StoredName stored_name = nullptr;  ///< Format::stored_name of the output's format; null if it has none
+  /// True if the output has NaN for all coordinates of a point that is not finite.
+  bool loses_nonfinite = false;
 };
 
 /// Checks whether `out` equals the result of a run over `in`. For all points, it compares the count, and each attribute

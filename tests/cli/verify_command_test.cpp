@@ -99,6 +99,12 @@ TEST_F(VerifyVerb, ComparesTwoFilesOfDifferentOrders) {
   EXPECT_EQ(result.out.find("in the order of the input"), std::string::npos) << result.out;
 }
 
+TEST_F(VerifyVerb, KnowsWhatE57MakesOfNamesAndOfPointsThatAreNotFinite) {
+  write("names.xyz", "x y z H\u00f6he H\u00e4he 1st a.b\n1 2 3 4 5 6 7\n4 5 nan 8 9 10 11\n");
+  made("convert names.xyz names.e57", "names.e57");
+  same("names.xyz names.e57");
+}
+
 /// The data do not determine a normal: all points lie on a line.
 TEST_F(VerifyVerb, EndsWithStatus3WhereItCannotDecide) {
   std::string line = "x y z\n";

@@ -4,7 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <initializer_list>
 #include <limits>
+#include <string>
+#include <vector>
+
+#include "pointsweep/formats/format.h"
 
 namespace pointsweep {
 namespace {
@@ -98,6 +103,32 @@ TEST(FieldPair, FindsAFieldUnderTheNamesThatWritersGive) {
   EXPECT_TRUE(finds(schema_of("a name longer than thirty-two bytes", Type::f32), "a name longer than thirty-two by"));
   EXPECT_TRUE(finds(schema_of("R", Type::f32), "red"));
   EXPECT_FALSE(finds(schema_of("nx", Type::f32), "ny"));
+}
+
+/// Where attributes get equal names, LAS renames the earlier ones and PCD the later ones.
+TEST(FieldPair, FindsFieldsThatGotEqualNames) {
+  const auto pairs = [](std::initializer_list<const char*> from, std::initializer_list<const char*> to,
+                        StoredName stored_name) {
+    Schema in, out;
+    for (const char* name : from) in.append(name, Type::f64);
+    for (const char* name : to) out.append(name, Type::f64);
+    std::vector<std::string> found;
+    for (std::size_t f = 0; f < in.fields.size(); ++f) {
+      const auto pair = pairs_of_field(in, f, out, {}, stored_name);
+      found.push_back(pair ? pair->front().name_in_output() : "none");
+    }
+    return found;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(pairs({"nx", "NormalX", "normal_x"}, {"NormalX", "normal_x", "NormalX_input"}, kLasFormat.stored_name),
+            (Names{"NormalX_input", "NormalX", "normal_x"}));
+  EXPECT_EQ(pairs({"nx", "NormalX", "normal_x"}, {"normal_x", "NormalX", "normal_x_2"}, kPcdFormat.stored_name),
+            (Names{"normal_x", "NormalX", "normal_x_2"}));
+  const std::string cut = "cut_to_its_first_32_characters_1";
+  const std::string earlier = cut.substr(0, 26) + "_input", second = cut.substr(0, 26) + "_inp_2";
+  EXPECT_EQ(pairs({(cut + "a").c_str(), (cut + "b").c_str(), (cut + "c").c_str()},
+                  {earlier.c_str(), second.c_str(), cut.c_str()}, kLasFormat.stored_name),
+            (Names{earlier, second, cut}));
 }
 
 TEST(FieldPair, FindsEveryComponentOrNothing) {

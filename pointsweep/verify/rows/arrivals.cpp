@@ -44,7 +44,7 @@ class Comparison {
     for (std::size_t f = 0; f < in_.schema().fields.size(); ++f) {
       if (replaced[f]) continue;
       const Field& field = in_.schema().fields[f];
-      if (auto pairs = pairs_of_field(in_.schema(), f, out_.schema(), ways.places)) {
+      if (auto pairs = pairs_of_field(in_.schema(), f, out_.schema(), ways.places, ways.stored_name)) {
         all.insert(all.end(), pairs->begin(), pairs->end());
       } else if (ways.own_field != nullptr && ways.own_field(field.name) == 0 && field.count == 1) {
         absent_.push_back(field);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string_view>
 
 #include "pointsweep/formats/field_names.h"
 #include "pointsweep/points/color_depth.h"
@@ -17,6 +18,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kLasNameBytes = 32;
+constexpr std::string_view kOfInput = "_input";  ///< end of the name of an attribute that gave its name away
 
 Field component_of(Field field, std::uint32_t component) {
   field.offset += component * static_cast<std::uint32_t>(size_of(field.type));
@@ -65,34 +67,73 @@ std::optional<Place> exactly(const Schema& schema, const std::string& name, std:
   return std::nullopt;
 }
 
+/// Returns the names that a column may have in a format with names of its own, the likeliest first. Where columns get
+/// equal names, PCD and E57 number the later ones, and LAS renames the earlier ones.
+std::vector<std::string> names_in_format(const std::vector<std::string>& columns, std::size_t column,
+                                         StoredName stored_name) {
+  const std::string own = stored_name(columns[column]);
+  std::size_t before = 0;
+  bool is_last = true;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (c == column || stored_name(columns[c]) != own) continue;
+    c < column ? void(++before) : void(is_last = false);
+  }
+  const std::string number = before == 0 ? "" : fmt::format("_{}", before + 1);
+  std::vector<std::string> names;
+  if (!is_last) {
+    const std::string input = own.substr(0, kLasNameBytes - kOfInput.size()) + std::string(kOfInput);
+    names.push_back(input.substr(0, kLasNameBytes - number.size()) + number);
+  }
+  if (before > 0) names.push_back(own + number);
+  names.push_back(own);
+  return names;
+}
+
 /// Finds a component of an attribute under each name that a writer may have given it.
 class PlaceFinder {
  public:
-  PlaceFinder(const Schema& from, std::size_t index, const Schema& to)
+  PlaceFinder(const Schema& from, std::size_t index, const Schema& to, StoredName stored_name)
       : from_(from), field_(from.fields[index]), to_(to) {
     std::size_t column = 0;
     for (std::size_t f = 0; f < index; ++f) column += from.fields[f].count;
     const std::vector<std::string> columns = column_names(from);
-    for (std::uint32_t c = 0; c < field_.count; ++c) columns_.push_back(columns[column + c]);
+    for (std::uint32_t c = 0; c < field_.count; ++c, ++column) {
+      columns_.push_back(columns[column]);
+      in_format_.push_back(stored_name == nullptr ? std::vector{columns[column]}
+                                                  : names_in_format(columns, column, stored_name));
+    }
   }
 
   std::optional<Place> find(std::uint32_t component) const {
     const std::string& name = field_.name;
-    for (const std::string& added : {fmt::format("{}_{}", name, name_of(field_.type)), name + "_input"})
-      if (!exactly(from_, added, 0))
-        if (const auto place = numbered(added, component)) return place;
+    const bool is_alone = in_format_[component].size() == 1;  // no other column has this name in the format
+    for (const std::string& added : {fmt::format("{}_{}", name, name_of(field_.type)), name + std::string(kOfInput)})
+      if (!exactly(from_, added, 0) && (is_alone || !added.ends_with(kOfInput)))
+        if (const auto place = cut(added) == cut(name) ? exactly(to_, added, component) : numbered(added, component))
+          return place;
+    if (field_.count == 1)
+      if (const auto place = named_by_format(component)) return place;
     if (const auto place = exactly(to_, columns_[component], 0)) return place;
     if (const auto place = numbered(name, component)) return place;
     const auto spelled = to_.find(library_name_of(name));
     if (spelled && component < to_.fields[*spelled].count) return Place{*spelled, component};
-    return std::nullopt;
+    return named_by_format(component);
   }
 
  private:
+  /// Returns the name cut to the longest one that LAS allows.
+  static std::string cut(const std::string& name) { return name.substr(0, kLasNameBytes); }
+
+  std::optional<Place> named_by_format(std::uint32_t component) const {
+    for (const std::string& name : in_format_[component])
+      if (const auto place = exactly(to_, name, 0)) return place;
+    return std::nullopt;
+  }
+
   /// Finds NAME, NAME_0 or NAME[0], cut to the longest name that LAS allows.
   std::optional<Place> numbered(const std::string& name, std::uint32_t component) const {
     if (const auto place = exactly(to_, name, component)) return place;
-    if (field_.count == 1) return exactly(to_, name.substr(0, kLasNameBytes), component);
+    if (field_.count == 1) return exactly(to_, cut(name), component);
     const std::string index = fmt::format("[{}]", component);
     if (const auto place = exactly(to_, name.substr(0, kLasNameBytes - index.size()) + index, 0)) return place;
     return exactly(to_, fmt::format("{}_{}", name, component), 0);
@@ -101,7 +142,8 @@ class PlaceFinder {
   const Schema& from_;
   const Field& field_;
   const Schema& to_;
-  std::vector<std::string> columns_;
+  std::vector<std::string> columns_;                 ///< names of the components in text
+  std::vector<std::vector<std::string>> in_format_;  ///< names of the components in the format of the output
 };
 
 }  // namespace
@@ -167,10 +209,10 @@ double FieldPair::resolution(double value) const {
 }
 
 std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to,
-                                                     StoredPlaces places) {
+                                                     StoredPlaces places, StoredName stored_name) {
   const std::optional<Schema> scaled = has_wide_colors(to) ? with_wide_colors(from) : std::nullopt;
   const Field& field = (scaled ? *scaled : from).fields[index];
-  const PlaceFinder finder(from, index, to);
+  const PlaceFinder finder(from, index, to, stored_name);
   const bool is_coordinate = field.name == "x" || field.name == "y" || field.name == "z";
   std::vector<FieldPair> pairs;
   for (std::uint32_t c = 0; c < field.count; ++c) {

@@ -41,6 +41,7 @@ class FieldPair {
   FieldPair in_files(const Schema* from, const Schema* to) const;
 
   const std::string& name() const { return name_; }
+  const std::string& name_in_output() const { return to_.name; }
   /// Returns a hash, equal for equal values: expected() for a record with `from`, found() for a record with `to`.
   std::uint64_t expected(const std::byte* from_record) const;
   std::uint64_t found(const std::byte* to_record) const;
@@ -66,12 +67,15 @@ class FieldPair {
   bool single_;
 };
 
+/// The function Format::stored_name of a format; null for a format that changes no names.
+using StoredName = std::string (*)(const std::string& name);
+
 /// Pairs all components of from.fields[index] with the fields of `to` in which a writer of any format may have stored
 /// them. Returns nothing if a component is missing. Writers change characters and lengths of names, number components,
 /// use the spelling of their format, and add an exact copy NAME_TYPE of rounded values, which is then compared.
-/// `places`: how the output stores x, y and z.
+/// `places`: how the output stores x, y and z. `stored_name`: the names of the output's format.
 std::optional<std::vector<FieldPair>> pairs_of_field(const Schema& from, std::size_t index, const Schema& to,
-                                                     StoredPlaces places = {});
+                                                     StoredPlaces places = {}, StoredName stored_name = nullptr);
 
 /// The sum of the hashes of values modulo 2^64, which does not depend on their order. Equal multisets have equal sums;
 /// different multisets have equal sums with probability 2^-64.

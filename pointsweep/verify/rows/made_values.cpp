@@ -23,6 +23,11 @@ bool is_overlap_by_class(const Field& field, const Schema& schema, const std::by
   return field.name == "overlap" && classification && value_of(schema.fields[*classification], record) == 12;
 }
 
+/// Returns whether the value is the state by which an E57 file marks a point whose coordinates are not finite.
+bool is_state_of_nan(const Field& field, const PositionFields& position, const std::byte* record) {
+  return field.name == "invalid_state" && value_of(field, record) == 2 && !is_finite(position_in(position, record));
+}
+
 bool is_exact(const Estimate& e) { return e.error == 0 && !e.either_sign && !e.may_be_undefined; }
 
 bool are_equal(const FieldPair& pair, const std::byte* result, const std::byte* record) {
@@ -52,12 +57,15 @@ std::vector<std::string> unfilled_fields(RowSource& out, const std::vector<std::
   for (const Field& field : out.schema().fields)
     if (const auto value = own_field != nullptr ? own_field(field.name) : std::nullopt)
       if (std::ranges::find(names, field.name) != names.end()) own.emplace_back(field, *value);
+  if (own.empty()) return {};
+  const PositionFields position = position_fields(out.schema(), out.name());
   for (std::uint64_t first = 0; first < out.count() && !own.empty(); first += out.block_rows()) {
     const std::span<const std::byte> records = out.read_block(first);
     for (std::size_t at = 0; at < records.size(); at += out.schema().stride)
       std::erase_if(own, [&](const auto& one) {
         const std::byte* const record = &records[at];
-        return value_of(one.first, record) != one.second && !is_overlap_by_class(one.first, out.schema(), record);
+        return value_of(one.first, record) != one.second && !is_overlap_by_class(one.first, out.schema(), record) &&
+               !is_state_of_nan(one.first, position, record);
       });
   }
   std::vector<std::string> unfilled;

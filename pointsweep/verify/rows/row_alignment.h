@@ -54,7 +54,8 @@ std::optional<std::vector<PossibleRows>> rows_with_values(RowSource& in, RowSour
 
 /// The ways in which the output may store the input's values.
 struct OutputWays {
-  OwnField own_field = nullptr;  ///< tells the fields of the format; the output may lack one whose values are all 0
+  OwnField own_field = nullptr;      ///< tells the fields of the format; the output may lack one whose values are all 0
+  StoredName stored_name = nullptr;  ///< names of the output's format
   StoredPlaces places = {};
   bool in_any_order = false;  ///< true if the order of the output's rows is unknown
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pointsweep/verify/rows/row_source.h"
 
+#include <limits>
+
 #include "pointsweep/fail.h"
 
 namespace pointsweep {
@@ -40,6 +42,22 @@ RowSource::RowSource(RowSource& rows, std::span<const std::uint64_t> chosen)
   for (const FileOfRows& file : rows.files_)
     files_.push_back(
         {static_cast<std::uint64_t>(std::ranges::lower_bound(chosen, file.first) - chosen.begin()), file.schema});
+}
+
+RowSource RowSource::without_nonfinite(const RowSource& rows) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  RowSource changed = rows;
+  const PositionFields position = position_fields(rows.schema_, rows.name_);
+  const std::size_t stride = rows.schema_.stride;
+  changed.read_ = [read = rows.read_, position, stride](std::uint64_t row, std::span<std::byte> records) {
+    const std::size_t count = read(row, records);
+    for (std::size_t at = 0; at < count * stride; at += stride)
+      if (!is_finite(position_in(position, &records[at])))
+        for (const Field& field : {position.x, position.y, position.z})
+          if (holds(field, kNone)) set_value(field, &records[at], kNone);
+    return count;
+  };
+  return changed;
 }
 
 std::span<const std::byte> RowSource::read(std::uint64_t first, std::size_t count) {

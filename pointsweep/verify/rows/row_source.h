@@ -39,6 +39,9 @@ class RowSource {
   /// Selects the rows `chosen`, which ascend, of another source. Borrows both.
   RowSource(RowSource& rows, std::span<const std::uint64_t> chosen);
 
+  /// Returns the rows of `rows` with NaN for all coordinates of points that are not finite.
+  static RowSource without_nonfinite(const RowSource& rows);
+
   const Schema& schema() const { return schema_; }
   std::uint64_t count() const { return count_; }
   const std::string& name() const { return name_; }  ///< name of the first file, or of all files together
