@@ -2,6 +2,7 @@
 #include "pointsweep/verify/verify.h"
 
 #include <algorithm>
+#include <set>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/verify/chain_values.h"
@@ -81,14 +82,25 @@ class Verification {
       for (const std::string& name : a.fields)
         if (const auto old = in_.schema().find(name)) replaced_[*old] = true;
     }
+    const std::set<std::string> paired = paired_fields(results);
     std::vector<std::string> others;
     for (const Field& field : out_.schema().fields)
-      if (!is_field_of(in_.schema(), field.name) && !is_field_of(results, field.name) &&
+      if (!paired.contains(field.name) && !is_field_of(in_.schema(), field.name) && !is_field_of(results, field.name) &&
           std::ranges::find(verdict_.unknown, field.name) == verdict_.unknown.end())
         others.push_back(field.name);
     const std::vector<std::string> unfilled = unfilled_fields(out_, others, made_by_.own_field);
     for (const std::string& name : others)
       if (std::ranges::find(unfilled, name) == unfilled.end()) verdict_.unknown.push_back(name);
+  }
+
+  /// Returns the names of the fields of the output that hold values of the input or of `results`.
+  std::set<std::string> paired_fields(const Schema& results) const {
+    std::set<std::string> names;
+    for (const Schema* schema : {&in_.schema(), &results})
+      for (std::size_t f = 0; f < schema->fields.size(); ++f)
+        if (const auto pairs = pairs_in_output(*schema, f))
+          for (const FieldPair& pair : *pairs) names.insert(pair.name_in_output());
+    return names;
   }
 
   void pair_made_value(const Schema& results, std::size_t first, std::size_t width, std::size_t estimate) {

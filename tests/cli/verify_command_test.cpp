@@ -99,6 +99,14 @@ TEST_F(VerifyVerb, ComparesTwoFilesOfDifferentOrders) {
   EXPECT_EQ(result.out.find("in the order of the input"), std::string::npos) << result.out;
 }
 
+TEST_F(VerifyVerb, KnowsTheComponentsThatLasHasAsSeparateAttributes) {
+  write("array.pcd",
+        "FIELDS x y z arr\nSIZE 4 4 4 2\nTYPE F F F I\nCOUNT 1 1 1 3\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n"
+        "1 2 3 4 5 6\n");
+  made("convert array.pcd array.las", "array.las");
+  same("array.pcd array.las");
+}
+
 TEST_F(VerifyVerb, KnowsWhatE57MakesOfNamesAndOfPointsThatAreNotFinite) {
   write("names.xyz", "x y z H\u00f6he H\u00e4he 1st a.b\n1 2 3 4 5 6 7\n4 5 nan 8 9 10 11\n");
   made("convert names.xyz names.e57", "names.e57");
