@@ -39,8 +39,10 @@ struct CloudOptions {
 ///
 /// All inputs have one schema: their common schema if all are equal bit by bit; otherwise the union of their fields by
 /// name. Coordinates lose nothing: they are float64 unless all are float32, or LAS integers at the finest scale of all
-/// inputs if all lie on that grid. Other fields have the smallest type that holds the values of all inputs. A field
-/// that an input lacks is 0 there (docs/formats.md has the exceptions) and a warning names both.
+/// inputs if all lie on that grid. Other fields have the smallest type that holds the values of all inputs: int64 for
+/// uint64 and a signed type, float64 for integers of 64 bits and real numbers. Reading throws Error for an integer that
+/// this type does not hold exactly. A field that an input lacks is 0 there (docs/formats.md has the exceptions) and a
+/// warning names both.
 ///
 /// Not thread-safe: one thread uses a cloud at a time.
 class POINTSWEEP_EXPORT Cloud {

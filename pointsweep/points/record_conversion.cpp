@@ -20,19 +20,19 @@ const Field* counterpart(const Schema& from, const Schema& to, std::size_t index
   return nullptr;
 }
 
+/// Returns whether both fields store values in the same way, though perhaps arrays of different lengths.
 bool same_storage(const Field& a, const Field& b) {
-  return a.type == b.type && a.count == b.count && a.bit_width == 0 && b.bit_width == 0 && a.scale == b.scale &&
-         a.bias == b.bias;
+  return a.type == b.type && a.bit_width == 0 && b.bit_width == 0 && a.scale == b.scale && a.bias == b.bias;
 }
 
 std::uint32_t bytes_of(const Field& field) { return static_cast<std::uint32_t>(size_of(field.type)) * field.count; }
 
-/// Returns the field as an array of bytes, so that adjacent fields can be copied at once.
-Field as_bytes(const Field& field) {
+/// Returns the first `count` bytes of the field as an array, so that adjacent fields can be copied at once.
+Field as_bytes(const Field& field, std::uint32_t count) {
   Field bytes;
   bytes.type = Type::u8;
   bytes.offset = field.offset;
-  bytes.count = bytes_of(field);
+  bytes.count = count;
   return bytes;
 }
 
@@ -48,7 +48,8 @@ RecordConversion::RecordConversion(const Schema& from, const Schema& to)
       steps_.push_back({*source, target, false});
       continue;
     }
-    const Step step{as_bytes(*source), as_bytes(target), true};
+    const std::uint32_t bytes = std::min(bytes_of(*source), bytes_of(target));
+    const Step step{as_bytes(*source, bytes), as_bytes(target, bytes), true};
     Step* last = steps_.empty() ? nullptr : &steps_.back();
     if (last && last->bitwise && last->from.offset + last->from.count == step.from.offset &&
         last->to.offset + last->to.count == step.to.offset) {

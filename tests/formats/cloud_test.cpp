@@ -41,6 +41,12 @@ class MemoryReader final : public Reader {
     return rows;
   }
 
+  /// Sets all bits of a value of 64 bits.
+  void set_bits(std::size_t row, std::size_t field, std::uint64_t bits) {
+    const std::size_t at = row * info_.schema.stride + info_.schema.fields[field].offset;
+    std::memcpy(records_.data() + at, &bits, sizeof bits);
+  }
+
  private:
   std::vector<std::byte> records_;
 };
@@ -149,7 +155,41 @@ TEST(InputCloud, IntegersOfDifferentTypesBecomeTheSmallestThatHoldsBoth) {
   EXPECT_EQ(united(Type::u32, Type::i8), Type::i64);
   EXPECT_EQ(united(Type::u16, Type::f32), Type::f32);
   EXPECT_EQ(united(Type::u32, Type::f32), Type::f64);
-  EXPECT_EQ(united(Type::i64, Type::u64), Type::f64);
+  EXPECT_EQ(united(Type::i64, Type::u64), Type::i64);
+  EXPECT_EQ(united(Type::u64, Type::i8), Type::i64);
+  EXPECT_EQ(united(Type::u64, Type::f32), Type::f64);
+}
+
+TEST(InputCloud, IntegersOf64BitsKeepTheirValuesOrAreRefused) {
+  const auto cloud_with = [](Type type, std::uint64_t bits, Type other) {
+    const auto reader = [](Type of_i) {
+      return MemoryReader(schema_of({{"x", Type::f32}, {"y", Type::f32}, {"z", Type::f32}, {"i", of_i}}),
+                          {{0, 0, 0, 0}, {0, 0, 0, 5}});
+    };
+    MemoryReader wide = reader(type);
+    wide.set_bits(1, 3, bits);
+    return cloud_of(reader(other), std::move(wide));
+  };
+  const auto read_value = [](InputCloud cloud) {
+    const auto records = all_records(cloud, cloud.schema(), cloud.count());
+    const Field& field = cloud.schema().fields[3];
+    const std::byte* const last = records.data() + 3 * cloud.schema().stride;
+    return has_whole_numbers(field) ? whole_number_of(field, last) : static_cast<std::int64_t>(value_of(field, last));
+  };
+  constexpr std::int64_t kOdd = (std::int64_t{1} << 53) + 1;
+  for (const Type other : {Type::i8, Type::i32, Type::i64}) {
+    EXPECT_EQ(read_value(cloud_with(Type::u64, kOdd, other)), kOdd);
+    EXPECT_THAT(sentence_of<Error>([&] { read_value(cloud_with(Type::u64, std::uint64_t{1} << 63, other)); }),
+                HasSubstr("memory: row 1: 'i' is 9223372036854775808"));
+  }
+  EXPECT_EQ(read_value(cloud_with(Type::i64, static_cast<std::uint64_t>(-kOdd), Type::u64)), -kOdd);
+  for (const Type other : {Type::f32, Type::f64})
+    for (const Type type : {Type::u64, Type::i64}) {
+      EXPECT_EQ(read_value(cloud_with(type, kOdd + 1, other)), kOdd + 1);
+      EXPECT_THAT(sentence_of<Error>([&] { read_value(cloud_with(type, kOdd, other)); }),
+                  HasSubstr("memory: row 1: 'i' is 9007199254740993"));
+      EXPECT_NO_THROW(read_value(cloud_with(type, kOdd, other).with_unused_attributes()));
+    }
 }
 
 TEST(InputCloud, IntegerGridsWithOffsetsOfWholeStepsStayIntegers) {

@@ -205,6 +205,17 @@ TEST(RecordConversion, FieldsThatRepeatANameKeepTheirOwnValues) {
   EXPECT_EQ(value_of(to.fields[1], out.data()), 9);
 }
 
+TEST(RecordConversion, ArraysOfDifferentLengthsKeepAllBitsOfTheirValues) {
+  Schema from, to;
+  from.append("v", Type::u64, 2);
+  to.append("v", Type::u64, 3);
+  const std::array<std::uint64_t, 2> in{(std::uint64_t{1} << 53) + 1, ~std::uint64_t{0}};
+  std::array<std::uint64_t, 3> out{7, 7, 7};
+  RecordConversion(from, to).run(reinterpret_cast<const std::byte*>(in.data()),
+                                 reinterpret_cast<std::byte*>(out.data()), 1);
+  EXPECT_EQ(out, (std::array<std::uint64_t, 3>{in[0], in[1], 0}));
+}
+
 TEST(Schema, KnowsWhatAFieldHolds) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const Field byte{.name = "", .type = Type::u8}, bits{.name = "", .type = Type::u8, .bit_shift = 3, .bit_width = 5};

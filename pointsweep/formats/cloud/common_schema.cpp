@@ -2,6 +2,8 @@
 #include "pointsweep/formats/cloud/common_schema.h"
 
 #include <algorithm>
+#include <iterator>
+#include <limits>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/points/color_depth.h"
@@ -31,7 +33,8 @@ bool fits_float(const Field& field) {
   return is_plain_float(field) || (has_whole_numbers(field) && range_of_type(field).within(-16777216, 16777216));
 }
 
-/// Returns the smallest type that holds every value of both fields; float64 if there is none.
+/// Returns the smallest type that holds every value of both fields. If there is none, returns int64 for integers and
+/// float64 for other values; class WideIntegers finds the values that this type does not hold.
 Type common_type(const Field& a, const Field& b) {
   if (!has_whole_numbers(a) || !has_whole_numbers(b)) return fits_float(a) && fits_float(b) ? Type::f32 : Type::f64;
   ValueRange both = range_of_type(a);
@@ -42,7 +45,7 @@ Type common_type(const Field& a, const Field& b) {
     const ValueRange range = range_of_type(whole);
     if (both.within(range.lo, range.hi)) return type;
   }
-  return Type::f64;
+  return Type::i64;
 }
 
 bool same_storage(const Field& a, const Field& b) {
@@ -57,6 +60,42 @@ Field unpacked(const Field& field) {
   out.bit_shift = out.bit_width = 0;
   if (has_whole_numbers(field) && range_of_type(field).hi <= 255) out.type = Type::u8;
   return out;
+}
+
+bool is_wide_integer(const Field& field) {
+  return field.is_plain() && (field.type == Type::u64 || field.type == Type::i64);
+}
+
+/// Returns the index of the field of `common` to which field `index` of `input` is converted. If several fields have
+/// one name, the n-th of them in `input` belongs to the n-th of them in `common`.
+std::size_t target_of(const Schema& input, std::size_t index, const Schema& common) {
+  const std::string& name = input.fields[index].name;
+  const auto named = [&](const Field& field) { return field.name == name; };
+  const auto begin = input.fields.begin();
+  auto before = std::count_if(begin, begin + static_cast<std::ptrdiff_t>(index), named);
+  std::size_t at = 0;
+  while (!named(common.fields[at]) || before-- > 0) ++at;
+  return at;
+}
+
+/// Returns `input` with uint64 fields read as int64 where the field is int64 in `common`: the bits of all values that
+/// int64 holds are the same.
+Schema with_signed_integers(Schema input, const Schema& common) {
+  for (std::size_t i = 0; i < input.fields.size(); ++i) {
+    Field& field = input.fields[i];
+    if (field.type == Type::u64 && is_wide_integer(field) &&
+        common.fields[target_of(input, i, common)].type == Type::i64)
+      field.type = Type::i64;
+  }
+  return input;
+}
+
+/// Returns whether a value of the type `to`, int64 or float64, is exactly the integer `value`.
+template <class T>
+bool is_exact_in(Type to, T value) {
+  if (to == Type::i64) return std::in_range<std::int64_t>(value);
+  const auto real = static_cast<double>(value);
+  return real < static_cast<double>(std::numeric_limits<T>::max()) && static_cast<T>(real) == value;
 }
 
 /// Widens `into` so that it also holds the values of `field`.
@@ -187,6 +226,35 @@ void MissingFields::run(std::span<std::byte> records, std::size_t stride) const 
   }
 }
 
+WideIntegers::WideIntegers(const Schema& input, const Schema& common) {
+  for (std::size_t i = 0; i < input.fields.size(); ++i) {
+    const Field& from = input.fields[i];
+    if (!is_wide_integer(from)) continue;
+    const std::size_t index = target_of(input, i, common);
+    const Type to = common.fields[index].type;
+    if (to != from.type) narrowed_.push_back({from, index, to});
+  }
+}
+
+std::optional<WideIntegers::Loss> WideIntegers::first_loss(std::span<const std::byte> records, std::size_t stride,
+                                                           const WantedFields& wanted) const {
+  std::vector<Narrowed> read;
+  std::ranges::copy_if(narrowed_, std::back_inserter(read), [&](const Narrowed& field) {
+    return wanted.empty() || std::ranges::find(wanted, field.index) != wanted.end();
+  });
+  const std::size_t rows = read.empty() ? 0 : records.size() / stride;
+  for (std::size_t row = 0; row < rows; ++row)
+    for (const auto& [from, index, to] : read)
+      for (std::uint32_t c = 0; c < from.count; ++c) {
+        const std::int64_t value = whole_number_of(from, records.data() + row * stride, c);
+        const bool is_signed = from.type == Type::i64;
+        if (is_signed ? is_exact_in(to, value) : is_exact_in(to, static_cast<std::uint64_t>(value))) continue;
+        return Loss{row, from.name,
+                    is_signed ? std::to_string(value) : std::to_string(static_cast<std::uint64_t>(value)), to};
+      }
+  return std::nullopt;
+}
+
 CommonSchema common_schema(const Readers& readers) {
   for (const auto& reader : readers) position_fields(reader->info().schema, reader->info().path.string());
   const std::optional<CommonGrid> grid = common_grid(readers);
@@ -218,8 +286,10 @@ CommonSchema common_schema(const Readers& readers) {
   for (std::size_t i = 0; i < readers.size(); ++i) {
     const std::optional<Schema> scaled = has_wide_colors(common.schema) ? with_wide_colors(schemas[i]) : std::nullopt;
     if (scaled) brightened.push_back(readers[i]->info().path.string());
-    common.mappings[i].conversion = std::make_unique<RecordConversion>(scaled ? *scaled : schemas[i], common.schema);
+    common.mappings[i].conversion = std::make_unique<RecordConversion>(
+        with_signed_integers(scaled ? *scaled : schemas[i], common.schema), common.schema);
     common.mappings[i].missing = MissingFields(readers[i]->info(), common.schema);
+    common.mappings[i].wide = WideIntegers(schemas[i], common.schema);
   }
   if (!brightened.empty())
     common.warnings.push_back(fmt::format(

@@ -61,11 +61,38 @@ class MissingFields {
   std::optional<std::pair<Field, Field>> overlap_;  ///< classification, overlap
 };
 
+/// The fields of an input that hold integers of 64 bits and whose type in the common schema does not hold all of them.
+class WideIntegers {
+ public:
+  WideIntegers() = default;
+  /// `input`: the schema of an input, with the names that its fields have in `common`.
+  WideIntegers(const Schema& input, const Schema& common);
+
+  struct Loss {
+    std::size_t record;
+    std::string name, value;
+    Type type;  ///< type of the field in the common schema
+  };
+  /// Returns the first value of `records`, records of the input `stride` bytes apart, that its type in the common
+  /// schema does not hold exactly. `wanted`: the fields of the common schema that have values; empty for all.
+  std::optional<Loss> first_loss(std::span<const std::byte> records, std::size_t stride,
+                                 const WantedFields& wanted) const;
+
+ private:
+  struct Narrowed {
+    Field from;
+    std::size_t index;  ///< index of the field in the common schema
+    Type to;
+  };
+  std::vector<Narrowed> narrowed_;
+};
+
 /// The steps that turn a record of one input into a record of the cloud: shift, then conversion, then missing fields.
 struct InputMapping {
   GridShift shift;
   std::shared_ptr<const RecordConversion> conversion;  ///< null if the input has the layout of the cloud
   MissingFields missing = {};
+  WideIntegers wide = {};  ///< values that are checked before the conversion
 };
 
 struct CommonSchema {

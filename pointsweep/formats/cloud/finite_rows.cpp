@@ -228,4 +228,11 @@ std::size_t FiniteRows::read(std::uint64_t row, std::span<std::byte> records) { 
 
 std::uint64_t FiniteRows::input_row(std::uint64_t row) { return own_->input_row(row); }
 
+std::uint64_t FiniteRows::row_of_all(std::uint64_t row) const {
+  const std::shared_ptr<RowDecoder> all = all_->decoder();
+  if (!all) return own_->input_row(row);
+  return Decoder(*this, [&](std::uint64_t first, std::span<std::byte> records) { return all->read(first, records); })
+      .input_row(row);
+}
+
 }  // namespace pointsweep

@@ -171,6 +171,12 @@ InputCloud InputCloud::read_by(std::vector<std::shared_ptr<Reader>> readers) con
   return cloud;
 }
 
+InputCloud InputCloud::with_unused_attributes() const {
+  InputCloud cloud = *this;
+  cloud.attributes_are_unused_ = true;
+  return cloud;
+}
+
 InputCloud InputCloud::selected(RowSelection selection) const {
   InputCloud cloud = *this;
   cloud.selection_ = std::make_shared<const RowSelection>(std::move(selection));
@@ -182,8 +188,17 @@ std::pair<std::size_t, std::uint64_t> InputCloud::place_of_row(std::uint64_t row
   const std::uint64_t in_file = row - first_row_[input];
   const bool has_dropped = !finite_.empty() && finite_[input] != nullptr;
   const std::uint64_t read = has_dropped ? finite_[input]->input_row(in_file) : in_file;
+  return {input, chosen_row(input, read)};
+}
+
+std::uint64_t InputCloud::row_in_file(std::size_t input, std::uint64_t row) const {
+  const bool has_dropped = !finite_.empty() && finite_[input] != nullptr;
+  return chosen_row(input, has_dropped ? finite_[input]->row_of_all(row) : row);
+}
+
+std::uint64_t InputCloud::chosen_row(std::size_t input, std::uint64_t row) const {
   const bool is_chosen = !chosen_.empty() && chosen_[input] != nullptr;
-  return {input, is_chosen ? chosen_[input]->input_row(read) : read};
+  return is_chosen ? chosen_[input]->input_row(row) : row;
 }
 
 std::vector<std::uint64_t> InputCloud::first_rows() const {
@@ -226,7 +241,7 @@ std::size_t InputCloud::read(std::uint64_t row, std::span<std::byte> records) {
   const auto read = [this](std::size_t input, std::uint64_t first, std::span<std::byte> bytes) {
     if (input != reading_.last_input) readers_[reading_.last_input]->rest();
     reading_.last_input = input;
-    return readers_[input]->read(first, bytes);
+    return checked(input, first, bytes, {}, readers_[input]->read(first, bytes));
   };
   return read_with(read, reading_, row, records);
 }
@@ -281,7 +296,7 @@ class InputCloud::Decoder final : public RowDecoder {
         decoder_ = cloud_.readers_[input]->decoder(all ? WantedFields{} : wanted_);
         input_ = input;
       }
-      return decoder_->read(first, bytes);
+      return cloud_.checked(input, first, bytes, wanted_, decoder_->read(first, bytes));
     };
     return cloud_.read_with(read_rows, reading_, row, records);
   }
@@ -332,6 +347,22 @@ void InputCloud::require_unchanged(std::size_t input) const {
   if ((*states_)[input].has_changed())
     fail("{}: was written to while it was read, so old and new points may be mixed; run again once it is complete.",
          readers_[input]->info().path.string());
+}
+
+/// Returns `rows`, the number of records that input `input` has read into `records` from its row `row` on. Throws Error
+/// if an integer of a `wanted` field cannot be held exactly by the type of the field in the cloud.
+std::size_t InputCloud::checked(std::size_t input, std::uint64_t row, std::span<const std::byte> records,
+                                const WantedFields& wanted, std::size_t rows) const {
+  if (attributes_are_unused_) return rows;
+  const FileInfo& info = readers_[input]->info();
+  const std::size_t stride = info.schema.stride;
+  const auto loss = (*mappings_)[input].wide.first_loss(records.first(rows * stride), stride, wanted);
+  if (!loss) return rows;
+  fail(
+      "{}: row {}: '{}' is {}, and the type that it has together with the other inputs, {}, cannot hold that value; "
+      "write the inputs to a folder, or leave '{}' out of one of them first.",
+      info.path.string(), row_in_file(input, row + loss->record), loss->name, loss->value, name_of(loss->type),
+      loss->name);
 }
 
 /// Reads like read(), from one input. `row` counts from 0 in the input, which has at least one row from `row` on.

@@ -102,6 +102,9 @@ class InputCloud {
   std::pair<InputCloud, NonfiniteRows> finite(const std::function<void(std::uint64_t rows)>& progress = {}) const;
   /// Returns the cloud that reads the same records by other readers, one for each input.
   InputCloud read_by(std::vector<std::shared_ptr<Reader>> readers) const;
+  /// Returns the cloud for a run whose result does not depend on attributes of the cloud: integers that their common
+  /// type does not hold are no error.
+  InputCloud with_unused_attributes() const;
   /// Returns the cloud with only the rows that `selection` keeps, numbered from 0. The selection is of all rows of this
   /// cloud, including the rows that selection() leaves out.
   InputCloud selected(RowSelection selection) const;
@@ -138,6 +141,12 @@ class InputCloud {
                             std::span<std::byte> records) const;
   std::size_t read_input(const ReadInput& read, std::vector<std::byte>& scratch, std::size_t input, std::uint64_t row,
                          std::span<std::byte> records) const;
+  std::size_t checked(std::size_t input, std::uint64_t row, std::span<const std::byte> records,
+                      const WantedFields& wanted, std::size_t rows) const;
+  /// Returns the row in the file of row `row` that readers() have. Thread-safe if the reader has decoders.
+  std::uint64_t row_in_file(std::size_t input, std::uint64_t row) const;
+  /// Returns the row in the file of row `row` of the chosen chunks of an input.
+  std::uint64_t chosen_row(std::size_t input, std::uint64_t row) const;
 
   // Clouds over the same inputs share states_, mappings_ and the readers, which take memory for each input.
   std::shared_ptr<const std::vector<FileState>> states_;  ///< see states()
@@ -153,6 +162,7 @@ class InputCloud {
   std::optional<Crs> crs_;
   std::optional<StatedCrs> stated_crs_;
   bool ignores_crs_ = false, replaces_crs_ = false;
+  bool attributes_are_unused_ = false;  ///< see with_unused_attributes()
   std::shared_ptr<const LasOrigin> las_;
   std::vector<ValueRange> ranges_;
   std::vector<std::string> warnings_, missing_attributes_;

@@ -33,11 +33,6 @@ std::vector<std::filesystem::path> written_files(const Outputs& outputs, const E
   return written;
 }
 
-/// Returns whether a stage reads attributes of the input.
-bool reads_attributes(const ChainPlan& plan) {
-  return std::ranges::any_of(plan.passes, [](const PlannedPass& pass) { return !pass.payload().empty(); });
-}
-
 OutputNames names_of_output(const Request& request) {
   const auto& [cloud, outputs, options, plan] = request;
   const bool is_sort = plan.passes.empty();
@@ -120,6 +115,10 @@ void require_work(const Request& request) {
   if (request.cloud.count() == 0)
     fail("{}: has no points, so there is nothing to do.",
          readers.empty() ? "The input" : readers.front()->info().path.string());
+}
+
+bool reads_attributes(const ChainPlan& plan) {
+  return std::ranges::any_of(plan.passes, [](const PlannedPass& pass) { return !pass.payload().empty(); });
 }
 
 Statistics first_counts(const Request& request, const NonfiniteRows& dropped) {

@@ -27,6 +27,9 @@ ChainPlan plan_sort(const Schema& input, const std::vector<std::string>& keep);
 /// threads would take more than half of the memory budget.
 bool copies_rows(const Request& request);
 
+/// Returns whether a stage reads attributes of the input.
+bool reads_attributes(const ChainPlan& plan);
+
 /// The other clouds that a run reads: one entry for each pass, absent if the pass reads no other cloud.
 using OtherClouds = std::vector<std::optional<OtherCloud>>;
 

@@ -213,7 +213,10 @@ void perform(const Context& encoded, OtherClouds& others) {
 Statistics run_request(const Request& given) {
   const auto start = std::chrono::steady_clock::now();
   require_own_files(given);
-  FiniteInput input = finite_input(given.cloud, given.outputs, given.options);
+  // Tiles get the attributes of their own input, not those of the cloud.
+  const bool uses_attributes = given.outputs.tiles.empty() || reads_attributes(given.plan);
+  FiniteInput input =
+      finite_input(uses_attributes ? given.cloud : given.cloud.with_unused_attributes(), given.outputs, given.options);
   const Request request{input.cloud, given.outputs, given.options, given.plan};
   Statistics statistics = first_counts(request, input.dropped);
   const RunReport report{statistics, request.options.observer};
