@@ -131,6 +131,28 @@ TEST(LasConversion, EveryAttributeArrivesInItsFieldOrAsExtraBytes) {
   }
 }
 
+TEST(LasConversion, SaysHowANameIsCutAndRefusesTwoThatWouldBeOne) {
+  const TemporaryFolder folder;
+  const std::string same(32, 'a');
+  TestCloud cloud(Type::f64);
+  cloud.schema.append(same + "_one", Type::f32);
+  cloud.schema.append(std::string(31, 'b') + "é", Type::u8);
+  cloud.schema.append("c", Type::u8, 2);
+  cloud.fill(10, {});
+  const OutputPlan plan = cloud.plan(folder / "a.las");
+  const auto warnings = create_las_writer(plan)->warnings();
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_NE(warnings[0].find("'" + same + "_one' is written as '" + same + "'"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[1].find("is written as '" + std::string(31, 'b') + "'"), std::string::npos) << warnings[1];
+  const Written out = write_and_read(plan, cloud.records);
+  EXPECT_EQ(out.at(same.c_str(), 7), cloud.at((same + "_one").c_str(), 7));
+  for (const std::string& other : {same, same + "_two", "A" + same}) {
+    OutputPlan two = cloud.plan(folder / "b.las");
+    two.schema.append(other, Type::f32);
+    EXPECT_THROW(create_las_writer(two), UsageError) << other;
+  }
+}
+
 TEST(LasConversion, ValuesThatALasFieldWouldRoundAreAlsoStoredExactly) {
   const TemporaryFolder folder;
   TestCloud cloud(Type::f64);

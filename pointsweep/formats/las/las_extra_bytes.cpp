@@ -84,6 +84,14 @@ double bias_of(const Descriptor& d, std::size_t component) {
   return (d.options & kHasOffset) != 0 && std::isfinite(bias) ? bias : 0;
 }
 
+/// Returns the first `most` bytes of `name`, or up to three less, so that no UTF-8 character is divided.
+std::string_view cut_to(std::string_view name, std::size_t most) {
+  if (name.size() <= most) return name;
+  std::size_t end = most;
+  while (end + 3 > most && end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;
+  return name.substr(0, end);
+}
+
 /// Shortens `text` to at most `most` bytes, at a separator or after a whole word.
 std::string shortened(std::string_view text, std::size_t most) {
   if (text.size() <= most) return std::string(text);
@@ -124,7 +132,13 @@ void append_fields(const Descriptor& d, Schema& schema) {
 
 std::string las_dimension_name(const std::string& name) {
   const Words* words = las_words_of(name);
-  return words != nullptr ? std::string(words->las) : name.substr(0, kLasNameBytes);
+  return words != nullptr ? std::string(words->las) : std::string(cut_to(name, kLasNameBytes));
+}
+
+std::string extra_bytes_name(const Field& field, std::uint32_t component) {
+  if (field.count == 1) return las_dimension_name(field.name);
+  const std::string index = fmt::format("[{}]", component);
+  return las_dimension_name(fmt::format("{}{}", cut_to(field.name, kLasNameBytes - index.size()), index));
 }
 
 std::optional<std::string> append_extra_bytes(std::span<const std::byte> descriptors, std::uint32_t record_length,
@@ -223,10 +237,7 @@ void ExtraBytesVlr::append_again(std::span<const std::byte> descriptor) {
 
 void ExtraBytesVlr::append(const Field& field, std::string_view description) {
   if (field.count == 1) return append_one(field.name, field, description);
-  for (std::uint32_t c = 0; c < field.count; ++c) {
-    const std::string index = fmt::format("[{}]", c);
-    append_one(field.name.substr(0, kLasNameBytes - index.size()) + index, field, description);
-  }
+  for (std::uint32_t c = 0; c < field.count; ++c) append_one(extra_bytes_name(field, c), field, description);
 }
 
 void ExtraBytesVlr::append_undocumented(std::uint32_t count) {

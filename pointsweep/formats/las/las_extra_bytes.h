@@ -24,6 +24,9 @@ inline constexpr std::size_t kMaxExtraBytes = 65535 / kExtraBytesDescriptor;
 inline constexpr std::size_t kLasNameBytes = 32;
 /// Returns the name of an attribute in LAS outputs: NormalX for nx, ..., else `name`, cut to kLasNameBytes.
 std::string las_dimension_name(const std::string& name);
+/// Returns the name of component `component` of an attribute in LAS outputs: that of the field, or `name[0]`, ... for
+/// an attribute of several values.
+std::string extra_bytes_name(const Field& field, std::uint32_t component);
 
 /// Appends the attributes that `descriptors` (the content of the VLR) describe to `schema`, the fields of the point
 /// format. Types 1 to 10 become one field each, the deprecated arrays 11 to 30 become a field of count 2 or 3 (several

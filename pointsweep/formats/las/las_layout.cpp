@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -12,6 +14,7 @@
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/color_depth.h"
+#include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {
 namespace {
@@ -97,6 +100,27 @@ class Builder {
     layout_.to.fields.push_back(std::move(to));
   }
 
+  /// Warns of a name that LAS cuts, or that an earlier attribute gives up. Throws UsageError if another attribute has
+  /// the rest of a name that is cut, too.
+  void name_extra(const Field& field, std::uint32_t component) {
+    const std::string whole = field.count == 1 ? field.name : fmt::format("{}[{}]", field.name, component);
+    const std::string stored = extra_bytes_name(field, component);
+    const bool is_cut = whole.size() > kLasNameBytes;
+    const auto [same, is_new] = extra_names_.try_emplace(in_lower_case(stored), whole);
+    if (!is_new && (is_cut || same->second.size() > kLasNameBytes))
+      fail_usage(
+          "{}: '{}' and '{}' would both be '{}', since LAS keeps {} bytes of a name; leave one out by --keep, or write "
+          "PLY.",
+          plan_.path.string(), same->second, whole, stored, kLasNameBytes);
+    if (!is_new)
+      layout_.warnings.push_back(
+          fmt::format("{}: '{}' and '{}' are one name in LAS, '{}'; that of the first gets '_input' at its end.",
+                      plan_.path.string(), std::exchange(same->second, whole), whole, stored));
+    if (is_cut)
+      layout_.warnings.push_back(fmt::format("{}: '{}' is written as '{}', since LAS keeps {} bytes of a name.",
+                                             plan_.path.string(), whole, stored, kLasNameBytes));
+  }
+
   /// Adds `field` as extra bytes. Their description comes from the input, or is the meaning of a made attribute.
   void append_extra(const Field& field) {
     Field stored = field;
@@ -110,6 +134,7 @@ class Builder {
           "attributes, or PLY.",
           plan_.path.string(), field.name, kMaxExtraBytes);
     }
+    for (std::uint32_t c = 0; c < field.count; ++c) name_extra(field, c);
     if (const auto known = descriptor_of(stored)) {
       vlr_.append_again(*known);
     } else {
@@ -456,6 +481,8 @@ class Builder {
   const LasParts* const input_;  ///< LAS parts of the first input, owned by parts_; null unless that input is LAS
   LasLayout layout_;
   ExtraBytesVlr vlr_;
+  /// The name of each attribute in extra bytes, by its stored name in lower case.
+  std::map<std::string, std::string> extra_names_;
   Crs added_crs_;          ///< system that new VLRs state in addition to the VLRs of the input
   bool kept_ = false;      ///< records begin with the records of the input
   bool extended_ = false;  ///< vlr_ must be written
