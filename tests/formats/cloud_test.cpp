@@ -214,6 +214,19 @@ TEST(InputCloud, IntegerGridsOfOtherLayoutAreShiftedAndConverted) {
   EXPECT_THAT(values_of(cloud, "extra"), ElementsAre(0, 9));
 }
 
+TEST(InputCloud, IntegerGridsWithOffsetsOfMoreThan32BitsOfStepsStayIntegers) {
+  const Box box{{500000, 5000000, 0}, {500010, 5000010, 10}};
+  const std::vector<std::vector<double>> rows{{500001.25, 5000002.75, 3, 1}};
+  for (const bool turned : {false, true}) {
+    MemoryReader fine(grid(0.001, {500000, 5000000, 0}), rows, box), coarse(grid(0.01, {0, 0, 0}), rows, box);
+    InputCloud cloud = turned ? cloud_of(coarse, fine) : cloud_of(fine, coarse);
+    EXPECT_EQ(cloud.schema().fields[1].type, Type::i32);
+    EXPECT_EQ(cloud.schema().fields[1].scale, 0.001);
+    EXPECT_THAT(values_of(cloud, "x"), ElementsAre(500001.25, 500001.25));
+    EXPECT_THAT(values_of(cloud, "y"), ElementsAre(5000002.75, 5000002.75));
+  }
+}
+
 TEST(InputCloud, IntegerGridsThatDoNotAgreeBecomeDouble) {
   const Box box{{0, 0, 0}, {1, 1, 1}};
   const Schema first = grid(0.01, {0, 0, 0});

@@ -11,6 +11,10 @@
 namespace pointsweep {
 namespace {
 
+/// Limit of the steps between two offsets. With scales that differ they may be more than 2^32, the range of the
+/// integers. The quotients of more steps are too imprecise to tell whether they are whole.
+constexpr double kMostSteps = 1099511627776.0;
+
 bool is_grid(const Field& field) {
   return field.type == Type::i32 && field.count == 1 && field.bit_width == 0 && field.scale > 0;
 }
@@ -34,7 +38,8 @@ std::optional<std::int64_t> factor_between(double coarse, double scale) {
 std::optional<std::int64_t> steps_between(const AxisOfInput& input, double scale, double offset) {
   if (input.field.scale == scale && input.field.bias == offset) return 0;
   const double distance = (input.field.bias - offset) / scale, steps = std::nearbyint(distance);
-  if (!(std::abs(steps) < 4294967296.0) || !(std::abs(distance - steps) < 1e-6)) return std::nullopt;
+  const double rounding = 4 * std::numeric_limits<double>::epsilon() * std::abs(distance);
+  if (!(std::abs(steps) < kMostSteps) || !(std::abs(distance - steps) < std::max(1e-6, rounding))) return std::nullopt;
   const double first = (input.lo - offset) / scale, last = (input.hi - offset) / scale;
   if (!(first > -2147483647.0 && last < 2147483646.0)) return std::nullopt;
   return static_cast<std::int64_t>(steps);
