@@ -163,6 +163,16 @@ TEST_F(E57Writing, WarnsOfACoordinateSystemThatItCannotState) {
   EXPECT_NE(writer->warnings().front().find("EPSG:26910"), std::string::npos) << writer->warnings().front();
 }
 
+TEST_F(E57Writing, CountsPointsThatLoseFiniteCoordinates) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Numbers xyz{1, 2, 3, 4, 5, nan, nan, nan, nan, nan, 8, 9};
+  const auto writer = create_writer(plan(4));
+  writer->write(std::as_bytes(std::span(xyz)));
+  writer->finish();
+  ASSERT_EQ(writer->warnings().size(), 1u);
+  EXPECT_NE(writer->warnings().front().find("2 points"), std::string::npos) << writer->warnings().front();
+}
+
 TEST_F(E57Writing, AnUnfinishedFileLeavesNothing) {
   OutputPlan many = plan(100'000);
   {

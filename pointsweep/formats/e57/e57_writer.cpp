@@ -108,14 +108,23 @@ class E57Writer final : public Writer {
     require(psc_e57_writer_finish(codec_, &error), error);
     psc_e57_writer_free(codec_);
     codec_ = nullptr;
+    if (partly_finite_ > 0)
+      add_warning(fmt::format(
+          "{}: E57 marks a point as invalid as a whole, so {} {} of which only some coordinates are finite {} these "
+          "coordinates; PLY keeps them.",
+          plan_.path.string(), partly_finite_, partly_finite_ == 1 ? "point" : "points",
+          partly_finite_ == 1 ? "loses" : "lose"));
     file_.seal();
   }
 
  private:
   /// Stores the values of one point.
-  void put(std::uint64_t row, const std::byte* record, std::uint64_t* values) const {
-    bool finite = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) finite &= std::isfinite(value_of(columns_[axis].field, record));
+  void put(std::uint64_t row, const std::byte* record, std::uint64_t* values) {
+    int finite_axes = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      finite_axes += std::isfinite(value_of(columns_[axis].field, record)) ? 1 : 0;
+    const bool finite = finite_axes == 3;
+    if (!finite && finite_axes > 0) ++partly_finite_;
     for (std::size_t axis = 0; axis < 3; ++axis) *values++ = finite ? columns_[axis].stored(record) : 0;
     *values++ = finite ? 0 : kInvalid;
     for (std::size_t c = 3; c < columns_.size(); ++c) {
@@ -166,7 +175,7 @@ class E57Writer final : public Writer {
   psc_e57_writer* codec_ = nullptr;
   std::exception_ptr met_;  ///< exception of a callback, which must not pass through C code
   std::vector<std::uint64_t> values_;
-  std::uint64_t rows_written_ = 0;
+  std::uint64_t rows_written_ = 0, partly_finite_ = 0;
 };
 
 }  // namespace
