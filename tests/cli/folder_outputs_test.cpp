@@ -132,6 +132,15 @@ TEST_F(FolderOutputs, SayThatTheyAreTilesAndKeepNoNoticeOfAttributesThatOthersHa
   refused(2, "verify tiles out/b.ply", "is tile 2 of 4 of a run over several inputs");
 }
 
+TEST_F(FolderOutputs, HaveIntegersThatTheCommonTypeOfTheInputsDoesNotHold) {
+  made("run a.xyz -o tiles/a.las --pipeline 'set(id = 18446744073709551615, as=uint64)'");
+  made("run b.xyz -o tiles/b.las --pipeline 'set(id = -1, as=int64)'");
+  refused(1, "normals tiles -o merged.las", "a.las: row 0: 'id' is 18446744073709551615");
+  made("normals tiles out/");
+  EXPECT_EQ(tool("verify tiles out").status, 0);
+  refused(1, "run tiles out2/ --pipeline 'where(id > 0)'", "a.las: row 0: 'id' is 18446744073709551615");
+}
+
 TEST_F(FolderOutputs, AreFoundWrongByVerifyIfAValueIsChanged) {
   make_tiles("ply");
   made("normals tiles out/");
