@@ -522,9 +522,9 @@ def assign(
     -------
     Numbers are evaluated in float64, as by where, and those of whole numbers of 64 bits exactly. A whole-number
       type gets the nearest one, halves to even.
-    An attribute that exists keeps its type (one of the input gets the type of 'as' if no condition is given), and
-      its value where the condition does not hold; a new attribute is 0 there. Assigning to x, y or z moves the
-      points.
+    An attribute that exists keeps its type (one of the input gets the type of 'as' if no condition is given, and
+      scaled numbers, as those of LAS, become float64), and its value where the condition does not hold; a new
+      attribute is 0 there. Assigning to x, y or z moves the points.
 
     Undefined
     ---------
