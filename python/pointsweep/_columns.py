@@ -27,6 +27,8 @@ class CloudWithColumns:
     def __init__(self, cloud: Files, attributes: Mapping[str, np.dtype[Any]], columns: Mapping[str, Any]) -> None:
         self.cloud = cloud  #: the point files
         self._attributes = dict(attributes)  # types of the attributes of the files
+        if "xyz" in columns:
+            raise UsageError("with_columns: 'xyz' is what results call the positions; replace them with x=, y= and z=.")
         self.columns = {name: _column(name, values, len(self)) for name, values in columns.items()}
         if not self.columns:
             raise UsageError("with_columns: name at least one array, e.g. with_columns(label=labels).")

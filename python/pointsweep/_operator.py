@@ -204,6 +204,8 @@ class Operator(MadeOfFunction, Joinable, FunctionStage):
 def _made_type(name: str, kind: Any) -> np.dtype[Any]:
     if not name:
         raise UsageError("makes: an attribute has no name; give each one.")
+    if name == "xyz":
+        raise UsageError("makes: 'xyz' is what results call the positions; to move points, make 'position' of the type ('f8', 3).")
     try:
         made = np.dtype(kind)
     except TypeError as error:

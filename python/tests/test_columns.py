@@ -128,3 +128,8 @@ def test_polygons_of_shapely_and_geopandas_crop(tiles):
             ps.crop(polygon=shape)
     with pytest.raises(ps.UsageError, match="is not a path"):
         ps.distance_to(geopandas.GeoSeries([shapely.Point(1, 2, 3)]))
+
+
+def test_xyz_is_not_the_name_of_a_column(tiles):
+    with pytest.raises(ps.UsageError, match="replace them with x=, y= and z="):
+        ps.open(tiles).with_columns(xyz=np.zeros((3000, 3)))

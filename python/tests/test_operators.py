@@ -289,3 +289,8 @@ def test_the_tool_verifies_the_stages_around_it(tmp_path, tool):
 def test_reprs(surface):
     assert repr(roughness) == "<pointsweep.Operator roughness: normal -> roughness float32>"
     assert repr("knn(k=8) | normals" | roughness) == "<pointsweep.Pipeline: knn(k=8) | normals | roughness>"
+
+
+def test_xyz_is_not_the_name_of_an_attribute(surface):
+    with pytest.raises(ps.UsageError, match="make 'position'"):
+        ps.operator(makes={"xyz": ("f8", 3)})(lambda p: p.xyz)
