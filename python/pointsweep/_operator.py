@@ -191,6 +191,8 @@ class Operator(MadeOfFunction, Joinable, FunctionStage):
         return values
 
     def _checked(self, value: Any, made: str, kind: np.dtype[Any], n: int) -> np.ndarray:
+        if np.ma.is_masked(value):
+            raise UsageError(f"operator '{self.name}': returned masked values for '{made}'; fill them, e.g. with NaN.")
         array = np.asarray(value)
         shape = (n, *kind.shape)
         if array.shape != shape:
@@ -230,7 +232,10 @@ class Select(Operator):
         return f"<pointsweep.Select {self.name}: {', '.join(self.reads) or 'positions'}>"
 
     def _call(self, batch: Any) -> list[np.ndarray]:
-        mask = np.asarray(self.function(Points(batch, self.reads, [])))
+        result = self.function(Points(batch, self.reads, []))
+        if np.ma.is_masked(result):
+            raise UsageError(f"select '{self.name}': returned masked values; fill them with True or False.")
+        mask = np.asarray(result)
         if mask.shape != (batch.size,) or mask.dtype != np.bool_:
             raise UsageError(
                 f"select '{self.name}': returned {mask.dtype} of the shape {mask.shape}, "

@@ -291,6 +291,20 @@ def test_reprs(surface):
     assert repr("knn(k=8) | normals" | roughness) == "<pointsweep.Pipeline: knn(k=8) | normals | roughness>"
 
 
+def test_masked_results_are_refused(surface):
+    @ps.operator(makes={"a": "f8"}, neighbors=False)
+    def masked(p):
+        return np.ma.masked_less(np.arange(len(p)), 1)
+
+    @ps.select()
+    def some(p):
+        return np.ma.masked_array(np.ones(len(p), bool), mask=True)
+
+    for stage in (masked, some):
+        with pytest.raises(ps.UsageError, match="returned masked values"):
+            ps.run(surface, stage)
+
+
 def test_xyz_is_not_the_name_of_an_attribute(surface):
     with pytest.raises(ps.UsageError, match="make 'position'"):
         ps.operator(makes={"xyz": ("f8", 3)})(lambda p: p.xyz)
