@@ -83,7 +83,7 @@ class PointNeighbors(_Batch):
 class Points(_Batch):
     """A batch of a few hundred points, as passed to an operator. Arrays are copies: they may be changed and kept.
 
-    The batch itself is valid only during the call.
+    The batch itself is valid only during the call: later it has what was read during the call, and the rest raises UsageError.
     """
 
     def __init__(self, batch: Any, reads: list[str], reads_neighbors: list[str]) -> None:
@@ -119,10 +119,9 @@ class Points(_Batch):
     def __getattr__(self, name: str) -> np.ndarray:
         if name.startswith("_"):
             raise AttributeError(name)
-        try:
-            return self[name]
-        except UsageError as error:
-            raise AttributeError(str(error)) from None
+        if name not in self._reads:
+            raise AttributeError(f"the operator does not read '{name}'; name it in reads.")
+        return self[name]
 
     def __repr__(self) -> str:
         return f"<pointsweep.Points: {len(self)} points, up to {self._batch.width} neighbours>"

@@ -305,6 +305,22 @@ def test_masked_results_are_refused(surface):
             ps.run(surface, stage)
 
 
+def test_a_batch_that_is_over_raises_one_error(surface):
+    kept = []
+
+    @ps.operator(reads=["normal"], makes={"a": "f8"})
+    def keep(p):
+        kept.append(p)
+        return p.xyz[:, 0]
+
+    ps.run(surface, ps.knn(8) | ps.normals() | keep)
+    assert kept[0].xyz.shape[1] == 3
+    with pytest.raises(ps.UsageError):
+        kept[0].normal
+    with pytest.raises(AttributeError, match="does not read 'curvature'"):
+        kept[0].curvature
+
+
 def test_xyz_is_not_the_name_of_an_attribute(surface):
     with pytest.raises(ps.UsageError, match="make 'position'"):
         ps.operator(makes={"xyz": ("f8", 3)})(lambda p: p.xyz)
