@@ -98,7 +98,7 @@ def chunks(
     points, pipeline, keep, attributes, crs, progress, options : as for `run`.
     rows : number of rows of a block; the last block may have fewer.
 
-    >>> for part in chunks("tiles/*.laz", 1_000_000, "knn(k=8) | normals", keep=["xyz", "normal"]):
+    >>> for part in ps.chunks("tiles/*.laz", 1_000_000, "knn(k=8) | normals", keep=["xyz", "normal"]):
     ...     part["xyz"], part["normal"], part["row"]
     """
     count = whole("rows", rows)
@@ -152,7 +152,7 @@ def reduce(*, start: Any, keep: Any = None) -> Callable[[Callable[[Any, Arrays],
     The function gets the value so far and a block as `chunks` gives it, and returns the new value. Blocks come in the
     order of the input, `rows` rows each: memory and threads do not change the result.
 
-    >>> @reduce(start=-np.inf, keep=["xyz"])
+    >>> @ps.reduce(start=-np.inf, keep=["xyz"])
     ... def highest(z, block):
     ...     return max(z, block["xyz"][:, 2].max())
     >>> highest("tiles/*.laz")

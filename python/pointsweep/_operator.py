@@ -269,7 +269,7 @@ def operator(
     others. Otherwise they are not passed to it: an attribute that the function both reads and makes keeps its value,
     and other made attributes are NaN there, or 0 for integers. An exception ends the run; no output remains.
 
-    >>> @operator(reads=["normal"], makes={"roughness": "f4"})
+    >>> @ps.operator(reads=["normal"], makes={"roughness": "f4"})
     ... def roughness(p):
     ...     d = p.neighbors_xyz - p.xyz[:, None]
     ...     return np.abs(np.einsum("nkj,nj->nk", d, p.normal)).mean(1)
@@ -295,7 +295,7 @@ def select(*, reads: Sequence[str] = (), name: str | None = None) -> Callable[[C
 
     The function gets a `Points` without neighbours and returns a mask, (n,) bool. Points with NaN or infinite coordinates are passed, too.
 
-    >>> @select(reads=["normal"])
+    >>> @ps.select(reads=["normal"])
     ... def flat(p):
     ...     return np.abs(p.normal[:, 2]) > 0.9
     """
