@@ -57,8 +57,9 @@ ChainStage operators::drop(const std::vector<std::string>& attributes) {
 OperatorDeclaration reneighbor_declaration() {
   return {.name = "reneighbor",
           .meaning =
-              "finds new neighbours at the moved positions, for all later stages; options as for knn (default: those "
-              "in effect so far)",
+              "finds new neighbours at the moved positions, for all later stages; options as for knn (without k and "
+              "radius: "
+              "those in effect so far)",
           .options = options_of_reneighbor(),
           .make = make_reneighbor,
           .formula = "N_i from here on is that of a file that holds the positions of now.",

@@ -152,6 +152,9 @@ class Operator(MadeOfFunction, Joinable, FunctionStage):
         self.sees_neighbors = bool(sees_neighbors)
         if self.reads_neighbors and not self.sees_neighbors:
             raise UsageError(f"operator '{self.name}': reads_neighbors needs neighbors=True.")
+        for attribute in (*self.reads, *self.reads_neighbors, *makes):
+            if not isinstance(attribute, str):
+                raise UsageError(f"operator '{self.name}': {attribute!r} is not the name of an attribute.")
         self.makes = {made: _made_type(made, kind) for made, kind in makes.items()}
         self._makes = [(made, t.base.name, t.shape[0] if t.shape else 0) for made, t in self.makes.items()]
 

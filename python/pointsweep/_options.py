@@ -60,8 +60,10 @@ def count(name: str, value: Any) -> int:
 def number(name: str, value: Any) -> float:
     """Returns `value` as a float. Raises UsageError if it is not a finite number."""
     try:
+        if isinstance(value, (bool, np.bool_)):
+            raise TypeError
         result = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise UsageError(f"{name}: {value!r} is not a number.") from None
     if not math.isfinite(result):
         raise UsageError(f"{name}: {value!r} is not finite.")
@@ -116,6 +118,12 @@ def way_of_reading(format: str, columns: Sequence[str] | str | None, depth: int 
     return next(iter(words.values()), "")
 
 
+def _yes(name: str, value: Any) -> str:
+    if isinstance(value, (str, bytes)):
+        raise UsageError(f"{name}: {value!r} is neither True nor False.")
+    return "yes" if value else ""
+
+
 def _threads(_: str, threads: Any) -> str:
     if not 1 <= whole("threads", threads) <= 4096:
         raise UsageError(f"threads: {threads} is not a number of threads from 1 to 4096.")
@@ -132,7 +140,7 @@ def _numbers(name: str, value: Any, one_for_all: bool = False, count: int = 3) -
 
 #: Functions that convert the value of a run option to a text, by the placeholder of the value in its declaration.
 _TEXTS: dict[str, Callable[[str, Any], str]] = {
-    "": lambda _, value: "yes" if value else "",
+    "": _yes,
     "S|X,Y,Z": lambda name, value: _numbers(name, value, one_for_all=True),
     "auto|X,Y,Z": lambda name, value: value if isinstance(value, str) and value == "auto" else _numbers(name, value),
     "X,Y": lambda name, value: _numbers(name, value, count=2),

@@ -174,6 +174,8 @@ def _source_of_arrays(arrays: dict[str, Any], crs: Crs | None, options: Mapping[
             )
         columns += [([axis], _column(axis, arrays[axis])) for axis in _AXES]
     for name, values in arrays.items():
+        if not isinstance(name, str):
+            raise UsageError(f"the points have an array called {name!r}; give it a name, which is a text.")
         if name == "xyz" or ("xyz" not in arrays and name in _AXES):
             continue
         column = _column(name, values)

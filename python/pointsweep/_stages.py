@@ -171,14 +171,15 @@ def curvature(*, k: int | None = None, radius: float | None = None) -> Stage:
     Over the m neighbours that have a normal, u_j = n_j / |n_j|:
     S = 1/m Σ_j u_j u_j^T, eigenvalues μ0 <= μ1 <= μ2, eigenvectors e0, e1, e2
     D = 1/m Σ_j (p_j - p̄)(p_j - p̄)^T, p̄ their mean
-    t1: e1 in the tangent plane of n_i; t2 = n_i × t1
+    t1: e1 in the tangent plane of n_i, or e0 × n_i where e0 is nearer to that plane, as a unit vector; t2 = n_i ×
+      t1
     Curvatures along t1 and t2: √(μ1 / t1^T D t1) and √(μ0 / t2^T D t2); k1 is the larger.
     C_i = 1/|N_i| Σ_j n_j n_j^T θ(|p_j - p_i|), θ and M_i as in normals.
 
     Undefined
     ---------
     All values are 0 where the point has no normal, fewer than three neighbours have one, or the neighbours that
-    have one lie on a line.
+    have one lie on a line as seen along the normal.
 
     Source
     ------
@@ -229,7 +230,7 @@ def splats(
     Formula
     -------
     An ellipse around p_i in the tangent plane of n_i, grown until it holds eight neighbours; with m < 8 neighbours,
-      √(8/m) times as long as one that holds all.
+      √(8/m) times as long as one that holds all. Neighbours on the normal through p_i do not count.
     axes=positions: major axis along the largest eigenvector of M_i (Equation 1), ratio √(λ1/λ2).
     axes=curvature: major axis along the direction of k2, ratio √(k2/k1).
     Ratios are at least 1/8.
@@ -1845,8 +1846,8 @@ def reneighbor(
     adaptive: Literal["none", "eigenentropy"] | None = None,
     k_min: int | None = None,
 ) -> Stage:
-    """Finds new neighbours at the moved positions, for all later stages; options as for knn (default: those in effect
-    so far).
+    """Finds new neighbours at the moved positions, for all later stages; options as for knn (without k and radius:
+    those in effect so far).
 
     Parameters
     ----------

@@ -256,3 +256,19 @@ def test_other_threads_run_meanwhile():
     ps.run(xyz, "knn(k=64) | normals", threads=1)
     stop.set(), thread.join()
     assert len(ticks) > 5
+
+
+def test_flags_numbers_and_names_of_wrong_types_are_sentences(tmp_path):
+    xyz = np.random.default_rng(1).random((20, 3))
+    file = tmp_path / "there.ply"
+    file.write_text("kept")
+    for words, call in {
+        "overwrite: 'no' is neither True nor False": lambda: ps.run(xyz, "normals", to=file, overwrite="no"),
+        "radius: True is not a number": lambda: ps.normals(xyz, radius=True),
+        "radius: 1000": lambda: ps.normals(xyz, radius=10**400),
+        "an array called 1; give it a name": lambda: ps.run({"xyz": xyz, 1: xyz[:, 0]}, "normals"),
+        "1 is not the name of an attribute": lambda: ps.operator(makes={1: "f4"})(len),
+    }.items():
+        with pytest.raises(ps.UsageError, match=re.escape(words)):
+            call()
+    assert file.read_text() == "kept"

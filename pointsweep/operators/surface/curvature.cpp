@@ -26,7 +26,8 @@ OperatorDeclaration curvature_declaration() {
           "Over the m neighbours that have a normal, u_j = n_j / |n_j|:\n"
           "S = 1/m Σ_j u_j u_j^T, eigenvalues μ0 <= μ1 <= μ2, eigenvectors e0, e1, e2\n"
           "D = 1/m Σ_j (p_j - p̄)(p_j - p̄)^T, p̄ their mean\n"
-          "t1: e1 in the tangent plane of n_i; t2 = n_i × t1\n"
+          "t1: e1 in the tangent plane of n_i, or e0 × n_i where e0 is nearer to that plane, as a unit vector; t2 = "
+          "n_i × t1\n"
           "Curvatures along t1 and t2: √(μ1 / t1^T D t1) and √(μ0 / t2^T D t2); k1 is the larger.\n"
           "C_i = 1/|N_i| Σ_j n_j n_j^T θ(|p_j - p_i|), θ and M_i as in normals.",
       .source =
@@ -34,7 +35,7 @@ OperatorDeclaration curvature_declaration() {
           "variances to curvatures is ours (docs/paper.md)",
       .undefined =
           "All values are 0 where the point has no normal, fewer than three neighbours have one, or the neighbours "
-          "that have one lie on a line.",
+          "that have one lie on a line as seen along the normal.",
       .degenerate = "have no normal, or too few neighbours with normals; their curvatures are 0",
       .cost =
           "at k = 8 about 510 cycles per point with AVX2, after the search; attributes that are not kept cost nothing",

@@ -30,7 +30,7 @@ OperatorDeclaration splats_declaration() {
       .make = splats_options().maker<Splats>(),
       .formula =
           "An ellipse around p_i in the tangent plane of n_i, grown until it holds eight neighbours; with m < 8 "
-          "neighbours, √(8/m) times as long as one that holds all.\n"
+          "neighbours, √(8/m) times as long as one that holds all. Neighbours on the normal through p_i do not count.\n"
           "axes=positions: major axis along the largest eigenvector of M_i (Equation 1), ratio √(λ1/λ2).\n"
           "axes=curvature: major axis along the direction of k2, ratio √(k2/k1).\n"
           "Ratios are at least 1/8.",
