@@ -99,15 +99,17 @@ TEST_F(StatedLayout, PointsOutOfReachAreRefusedWithTheRowTheValueAndAScale) {
 
 TEST_F(StatedLayout, AValueThatTheFormatCannotHoldIsNamedByItsRowInTheInput) {
   std::string text = "x,y,z\n";
-  for (int i = 0; i < 300; ++i) text += fmt::format("{},0,0\n", i);
+  for (int i = 0; i < 300; ++i) text += fmt::format("{},0,0\n", 299 - i);
   write("ids.csv", text);
   write("first.csv", "x,y,z\n0,5,5\n");
   const std::string stages = " -f --pipeline 'set(id = 9007199254740993 where x == 205, as=int64) | where(x >= 100)' ";
-  refused(1, "run ids.csv -o out.ply" + stages, "row 205: 'id' needs all of its 64 bits");
-  refused(1, "run first.csv ids.csv -o out.ply" + stages, "row 205 of ");
+  refused(1, "run ids.csv -o out.ply" + stages, "row 94: 'id' needs all of its 64 bits");
+  refused(1, "run first.csv ids.csv -o out.ply" + stages, "row 94 of ");
   refused(1, "run ids.csv -o out.ply --order sweep" + stages, "row 105 of the output: 'id'");
-  refused(1, "run ids.csv -o cut/ --output-format ply --tile 1000" + stages, "row 105 of the output: 'id'");
-  refused(1, "run ids.csv -o out.las -f --scale 1e-7 --pipeline 'where(x >= 100)'", "x of row 215 is 215");
+  refused(1, "run first.csv ids.csv -o folder/ --output-format ply" + stages, "row 94 of ");
+  refused(1, "run ids.csv -o cut/ --output-format ply --tile 1000" + stages, "row 94 of the output: 'id'");
+  refused(1, "run ids.csv -o out.las -f --scale 1e-7 --offset 0,0,0 --pipeline 'where(x < 220)'",
+          "x of row 80 is 219, too far");
 }
 
 TEST_F(StatedLayout, MovedPointsGetTheStatedScale) {

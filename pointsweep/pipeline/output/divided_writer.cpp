@@ -66,7 +66,7 @@ void DividedFiles::begin(std::uint32_t number) {
 
 void DividedFiles::complete_large(std::uint32_t number) {
   const std::unique_ptr<Writer> writer = std::exchange(large_, nullptr);
-  writer->finish();
+  with_rows_of_output([&] { writer->finish(); });
   ++complete_;
   bytes_written_ += writer->bytes_written();
   warnings_.add(writer->warnings(), divider_.path_of(files_[number].key));
@@ -78,8 +78,10 @@ void DividedFiles::write_together() {
   parallel_for(waiting_.size(), [&](std::size_t i, unsigned) {
     stop_if_cancelled();
     const std::unique_ptr<Writer> writer = create_writer(divider_.plan_of(files_[waiting_[i].file]));
-    with_rows_of_output([&] { writer->write(std::exchange(waiting_[i].records, {})); });
-    writer->finish();
+    with_rows_of_output([&] {
+      writer->write(std::exchange(waiting_[i].records, {}));
+      writer->finish();
+    });
     ++complete_;
     bytes[i] = writer->bytes_written();
     warnings[i] = writer->warnings();

@@ -217,12 +217,24 @@ void TileSet::complete() {
   while (completing_.size() > request_.completing) wait_for_first();
 }
 
+/// Calls `work()`. Errors of it that count the rows of the tile count those of the whole cloud instead.
+template <class Work>
+void TileSet::with_rows_of_cloud(const Tile& tile, const Work& work) {
+  try {
+    work();
+  } catch (const RowError& error) {
+    throw error.numbered(tile.first + error.row());
+  }
+}
+
 /// Writes the last rows of a tile and renames its file. Runs in the background.
 void TileSet::finish_files(Tile& tile) {
   const fs::path& output = request_.outputs.tiles[tile.number];
-  tile.files->flush();
-  finished_.begin(tile.number, output);
-  tile.files->finish(tile.cloud);
+  with_rows_of_cloud(tile, [&] {
+    tile.files->flush();
+    finished_.begin(tile.number, output);
+    tile.files->finish(tile.cloud);
+  });
   finished_.end(tile.number, output);
   ++complete_;
 }
@@ -251,11 +263,7 @@ void TileSet::for_each_part(std::uint64_t rows, const WriteRows& write) {
     if (!tile_) open_next();
     const std::uint64_t part = std::min(rows - skip, tile_->cloud.count() - tile_->done);
     if (part > 0 && tile_->files) {
-      try {
-        write(*tile_, tile_->done, skip, part);
-      } catch (const RowError& error) {
-        throw error.numbered(tile_->first + error.row());
-      }
+      with_rows_of_cloud(*tile_, [&] { write(*tile_, tile_->done, skip, part); });
     }
     tile_->done += part;
     skip += part;

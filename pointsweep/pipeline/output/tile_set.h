@@ -86,6 +86,8 @@ class TileSet {
   void open_next();
   OutputPlace place_of_tile(InputCloud& cloud, const Format* format, std::uint64_t first) const;
   void complete();
+  template <class Work>
+  static void with_rows_of_cloud(const Tile& tile, const Work& work);
   void finish_files(Tile& tile);
   void wait_for_first();
   void require_unchanged_inputs();

@@ -16,6 +16,7 @@
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/program/run_options.h"
+#include "pointsweep/row_error.h"
 #include "pointsweep/storage/local/place.h"
 
 namespace pointsweep {
@@ -307,7 +308,8 @@ void OutputFiles::write_results(InputCloud& cloud, std::uint64_t first, std::spa
 }
 
 void OutputFiles::finish(const Context& context) {
-  tiles_ ? tiles_->finish() : files_->finish(context.cloud);
+  const auto complete = [&] { tiles_ ? tiles_->finish() : files_->finish(context.cloud); };
+  context.options.order == Order::sweep ? with_rows_of_output(complete) : complete();
   for (const std::string& warning : tiles_ ? tiles_->warnings() : files_->warnings()) context.report.warn(warning);
   context.statistics().bytes_written = tiles_ ? tiles_->bytes_written() : files_->bytes_written();
   context.statistics().files_written = tiles_ ? tiles_->files_written() : files_->files_written();
