@@ -219,7 +219,7 @@ def performed(
             raise UsageError(f"out: '{missing[0]}' is not among what keep names; name it there, too.")
         with called(progress) as shown:
             known, statistics = _core.run(source.inputs, stages, kept, given, source.groups, None, into, shown, warn)
-        filled = {n: (_first_rows(out[n], known[n][0]), known[n][1]) for n in into if known}  # type: ignore[index]
+        filled = {n: (_first_rows(out[n], known[n][0]), known[n][1]) for n in into if known}  # type: ignore[arg-type, index]
         return arrays_of({**(known or {}), **filled}, statistics, kept, source.crs)
     if into:
         raise UsageError("out: is for results in arrays; leave it out, or to=.")

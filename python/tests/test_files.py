@@ -117,9 +117,10 @@ def test_coordinates_of_different_types_are_positions_in_float64(tmp_path):
 
 
 def test_made_coordinates_replace_those_of_las(tmp_path):
-    ps.write(tmp_path / "in.las", np.random.default_rng(3).random((5, 3)))
+    ps.write(tmp_path / "in.las", np.arange(15.0).reshape(5, 3), scale=0.001)
     columns = ps.open(tmp_path / "in.las").with_columns(x=np.arange(5.0))
-    assert columns.run("where(x < 2)", keep="xyz")["xyz"][:, 0].tolist() == [0, 1]
+    with pytest.warns(ps.PointsweepWarning, match="replacing x of the input"):
+        assert columns.run("where(x < 2)", keep="xyz")["xyz"][:, 0].tolist() == [0, 1]
     columns.write(tmp_path / "out.las")
     assert np.allclose(ps.read(tmp_path / "out.las")["xyz"][:, 0], np.arange(5), atol=1e-3)
 
