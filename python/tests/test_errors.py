@@ -2,6 +2,7 @@
 """Wrong requests, interruptions, warnings."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
