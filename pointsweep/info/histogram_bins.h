@@ -34,7 +34,7 @@ class HistogramBins {
   int digit_ = 1, exponent_ = 0;       ///< the width is digit_ * 10^exponent_
   double power_ = 1;                   ///< 10^|exponent_|
   Int128 whole_width_ = 1;             ///< width for whole numbers
-  std::int64_t first_ = 0, last_ = 0;  ///< the lower edges of the bins are these multiples of the width
+  std::int64_t first_ = 0, last_ = 0;  ///< lower edges of the first and the last bin, as multiples of the width
 };
 
 }  // namespace pointsweep

@@ -48,7 +48,7 @@ struct MemoryPlan {
   std::uint64_t in_order_bytes = 0;  ///< limit for an in-order operator
   std::uint64_t lists_bytes = 0;     ///< memory for the lists that each thread uses at a time
   std::uint64_t expected_bytes = 0;  ///< expected memory of the whole run
-  std::uint64_t needed_bytes = 0;    ///< least sufficient budget, in whole MB, if the given one is too small; else 0
+  std::uint64_t needed_bytes = 0;    ///< least sufficient budget, a multiple of 1 MB; 0 if the given one suffices
 };
 
 /// Memory of a run that does not grow with the cloud: code and the chunks that are being read and written.

@@ -28,8 +28,8 @@ HWY_BEFORE_NAMESPACE();
 namespace pointsweep {
 namespace HWY_NAMESPACE {
 
-/// The search for the points of one cell. Before a point is searched, a bound of its reach follows from the point q
-/// that was searched last: the neighbourhood of a point p ends within the reach of q plus |p - q|.
+/// Finds the neighbours of the points of one cell. The search for a point p begins with a bound from the point q before
+/// it: the neighbourhood of p ends within the reach of q plus |p - q|.
 class GatheredSearch {
  public:
   GatheredSearch(const CellQuery& query, std::uint64_t most, SearchScratch& scratch, CellNeighbors& out)

@@ -42,7 +42,7 @@ class Window : public CellSet {
 
   const SweepPlan& plan_;
   Frontier& frontier_;
-  double allowance_ = 1;  ///< factor on expected reaches
+  double allowance_ = 1;  ///< factor on the expected reaches of cells that wait; grows while many of them wait
   double lifespan_sum_ = 0, lifespan_max_ = 0;
 };
 

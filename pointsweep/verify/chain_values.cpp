@@ -331,7 +331,7 @@ void ChainValues::estimate(const Stage& stage, const Surroundings& around, const
   }
 }
 
-/// Rounds estimates to exact values.
+/// Sets the values of a column to its estimates, each rounded to the type of the attribute.
 void ChainValues::take_estimates(std::uint16_t column, Values& values) const {
   const Attribute& a = columns_[column];
   const Estimates& estimates = values.estimates[column];

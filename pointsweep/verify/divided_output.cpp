@@ -71,7 +71,7 @@ struct BufferPoint {
   std::uint64_t values;  ///< hash of all values of the point
 };
 
-/// The points of a buffer.
+/// Sums of the hashes of all points of a buffer. Equal buffers have equal sums, in whatever order their points come.
 struct BufferSum {
   MultisetSum places, values;
 

@@ -56,7 +56,7 @@ inline constexpr std::size_t kE57Coordinates = 3;
 
 /// One value of a point: an attribute of the file, and its place in a record.
 struct E57Column {
-  E57Attribute attribute;  ///< name "cartesianX", "nor:normalX", "ps:NAME"
+  E57Attribute attribute;  ///< its name is, for example, "cartesianX", or "nor:normalX" with an extension's prefix
   Field field;             ///< place of the value in a record; has one component
 
   /// Returns the number that the file stores: an integer without its scale, or the bits of a double.

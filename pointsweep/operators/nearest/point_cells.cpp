@@ -32,7 +32,8 @@ bool holds(const Box& b, Vec3 p) {
 }
 
 /// Returns a box that holds all points whose distance from a place, as distance2() rounds it, is at most the radius.
-/// Rounding moves an end of the box by less than the margin; squares of differences below 10^-150 may underflow.
+/// The factor and nextafter() outweigh all rounding. The reach is at least 1e-150, since squares of smaller differences
+/// may underflow.
 Box reach_of(Vec3 place, double radius) {
   const double reach = std::max(radius * (1 + 0x1p-40), 1e-150);
   constexpr double kInf = std::numeric_limits<double>::infinity();

@@ -18,8 +18,9 @@
 
 namespace pointsweep {
 
-/// Holds a file `checkpoint`, which is always replaced as a whole, and the spilled data that it names. The folder is
-/// locked while a process works in it. remove() deletes it, and so does the destructor if nothing was ever saved in it.
+/// A folder with a file `checkpoint`, which is always replaced as a whole, the spilled data that it names, and a list
+/// `tiles` of finished tiles. The folder is locked while a process works in it. remove() deletes the folder, and so
+/// does the destructor if nothing was ever saved in it.
 class ResumeFolder {
  public:
   /// Makes the folder if it is missing. Throws Error if it contains other files, another process uses it, or saved data

@@ -38,7 +38,7 @@ Estimate outlier(const Estimate& mean_distance, Real threshold, Real threshold_e
 struct GraphNeighbor {
   Estimate distance;
   double distance2;
-  std::size_t index;  ///< index in the given list
+  std::size_t index;  ///< index in the list `neighbors` that graph_row() takes
 };
 
 /// A row of the neighbour graph: neighbours ordered by ((dx² + dy²) + dz²) in float64, equal distances by x, y, z, then
