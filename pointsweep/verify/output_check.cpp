@@ -361,7 +361,8 @@ Verdict verify(const std::vector<fs::path>& inputs, const fs::path& output, cons
     neighborhood.push_back({option.name, text_of_value(option.value), "verify"});
   const OutputCheck check = completed({inputs, output, options, neighborhood, {}, false});
   const InputCloud opened(check.inputs, check.options.cloud);
-  // Each tile has the types of its own input, so a value that the common type does not hold is no fault of the output.
+  // Each tile has the types of its own input, so the output is right even if the common type of all inputs does not
+  // hold a value.
   const bool is_of_tiles = !check.tiles.empty() && !check.is_divided();
   const InputCloud all = is_of_tiles ? opened.with_unused_attributes() : opened;
   auto [cloud, dropped] = left_by_run(check, all);

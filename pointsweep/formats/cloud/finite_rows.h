@@ -75,7 +75,8 @@ class FiniteRows final : public Reader {
   void rest() override { all_->rest(); }
   /// Returns the row in the input of the finite row `row`.
   std::uint64_t input_row(std::uint64_t row);
-  /// Returns input_row(row), through a decoder of its own. Slower, but thread-safe if has_decoders().
+  /// Returns the same row as input_row(), but opens a decoder for the call, which takes longer. Thread-safe if the
+  /// reader has decoders.
   std::uint64_t row_of_all(std::uint64_t row) const;
 
  private:

@@ -33,7 +33,7 @@ struct PcdHeader {
   std::uint32_t stride = 0;      ///< bytes of a record
   std::uint64_t width = 0, height = 1, points = 0;
   std::string viewpoint;                ///< the unchanged line; "" if there is none
-  std::vector<std::string> provenance;  ///< comments that say how the file was made
+  std::vector<std::string> provenance;  ///< comment lines of the header with the record of the run (provenance.h)
   PcdData data = PcdData::ascii;
   std::uint64_t body_offset = 0;  ///< byte after the header
   std::uint64_t body_line = 1;    ///< number of the line after the header, from 1

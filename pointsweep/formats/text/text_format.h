@@ -53,7 +53,7 @@ struct TextLayout {
   std::vector<std::string> replaced_names;  ///< names in the file's header that stated names replace
   Separator separator = Separator::space;   ///< separator of the rows; the header may have another one
   bool has_header = false;
-  std::vector<std::string> provenance;     ///< comments before the rows that say how the file was made
+  std::vector<std::string> provenance;     ///< comment lines before the rows with the record of the run
   std::optional<std::uint64_t> announced;  ///< number of rows that a first line with only an integer states (PTS)
   std::uint64_t body_offset = 0;           ///< where the rows start
   std::uint64_t body_line = 1;

@@ -49,7 +49,7 @@ inline Real rho2(const Place& p) {
   return rho * rho;
 }
 
-/// Whether a neighbourhood defines no plane.
+/// The finding that a neighbourhood defines no plane, with the doubt that rounding leaves.
 struct PlaneDoubt {
   bool sure;      ///< true if it surely defines none
   bool possible;  ///< true if rounding leaves open that it defines none

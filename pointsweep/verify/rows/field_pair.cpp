@@ -67,8 +67,8 @@ std::optional<Place> exactly(const Schema& schema, const std::string& name, std:
   return std::nullopt;
 }
 
-/// Returns the names that a column may have in a format with names of its own, the likeliest first. Where columns get
-/// equal names, PCD and E57 number the later ones, and LAS renames the earlier ones.
+/// Returns the names that a column may have in a format with names of its own, the likeliest first. If the format
+/// gives several columns one name, PCD and E57 add a number to the later columns, and LAS renames the earlier columns.
 std::vector<std::string> names_in_format(const std::vector<std::string>& columns, std::size_t column,
                                          StoredName stored_name) {
   const std::string own = stored_name(columns[column]);
