@@ -7,7 +7,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/format.h"
-#include "pointsweep/formats/records/columns_reader.h"
+#include "pointsweep/formats/records/record_readers.h"
 #include "pointsweep/reader.h"
 
 namespace pointsweep {

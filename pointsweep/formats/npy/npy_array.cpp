@@ -9,7 +9,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/format.h"
 #include "pointsweep/formats/npy/npy_format.h"
-#include "pointsweep/formats/records/columns_reader.h"
+#include "pointsweep/formats/records/record_readers.h"
 #include "pointsweep/formats/records/record_writer.h"
 #include "pointsweep/storage/local/input_file.h"
 

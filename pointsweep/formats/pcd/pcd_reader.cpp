@@ -7,8 +7,7 @@
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/pcd/lzf_stream.h"
 #include "pointsweep/formats/pcd/pcd_format.h"
-#include "pointsweep/formats/records/columns_reader.h"
-#include "pointsweep/formats/records/row_text_reader.h"
+#include "pointsweep/formats/records/record_readers.h"
 #include "pointsweep/points/with_type.h"
 #include "pointsweep/storage/local/input_file.h"
 

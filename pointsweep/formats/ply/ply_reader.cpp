@@ -11,8 +11,7 @@
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/ply/ply_format.h"
 #include "pointsweep/formats/provenance.h"
-#include "pointsweep/formats/records/columns_reader.h"
-#include "pointsweep/formats/records/row_text_reader.h"
+#include "pointsweep/formats/records/record_readers.h"
 #include "pointsweep/points/with_type.h"
 #include "pointsweep/storage/local/input_file.h"
 

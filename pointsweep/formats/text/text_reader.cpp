@@ -4,7 +4,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
-#include "pointsweep/formats/records/row_text_reader.h"
+#include "pointsweep/formats/records/record_readers.h"
 #include "pointsweep/formats/text/text_format.h"
 #include "pointsweep/storage/local/input_file.h"
 

@@ -11,7 +11,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/format.h"
-#include "pointsweep/formats/records/columns_reader.h"
+#include "pointsweep/formats/records/record_readers.h"
 #include "pointsweep/formats/vtk/vtk_layout.h"
 #include "pointsweep/points/with_type.h"
 
