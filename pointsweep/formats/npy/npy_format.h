@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// NumPy arrays: the header of an array (format versions 1 to 3), the members of an NPZ archive, readers of neighbours
-/// and distances as rows, and of points in .npy files and .npz archives, and a writer of arrays.
+/// NumPy arrays: the header of an array (format versions 1 to 3), readers of neighbours and distances as rows, and of
+/// points in .npy files and .npz archives, and a writer of arrays.
 #pragma once
 
 #include <cstdint>
@@ -34,17 +34,6 @@ struct NpyHeader {
 /// Throws Error for a damaged header, for a type that no attribute can have, and if the array has more or fewer bytes
 /// than its header states.
 NpyHeader read_npy_header(const InputFile& file, std::uint64_t begin, std::uint64_t end, const std::string& what);
-
-struct NpzMember {
-  std::string name;                  ///< without ".npy"
-  std::uint64_t begin = 0, end = 0;  ///< range of its bytes in the file
-};
-
-/// Returns whether a file that begins with `head` is a zip archive whose first member is a NumPy array.
-bool starts_as_npz(std::string_view head);
-
-/// Returns the arrays in an archive of any size (zip64). Throws Error for a damaged archive and for compressed members.
-std::vector<NpzMember> npz_members(const InputFile& file);
 
 /// Opens a little-endian, C-ordered array of one or two dimensions (format versions 1 to 3). The schema has one field
 /// for each column: neighbor_0, ... for uint32 and uint64, distance_0, ... for float64. Throws Error for other arrays.
