@@ -1,23 +1,145 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/files/line_reader.h"
 #include "pointsweep/formats/files/number_text.h"
 #include "pointsweep/formats/format.h"
-#include "pointsweep/formats/mesh/vertex_lines.h"
 #include "pointsweep/reader.h"
+#include "pointsweep/storage/local/input_file.h"
 
 namespace pointsweep {
 namespace {
+
+constexpr double kMostColor = 255;
+
+/// The meaning of the numbers of a line, in order. Coordinates, normals and texture coordinates are read as float64;
+/// colours as uint8, from the range [0, 1] if no colour in the file is larger than 1, else from [0, 255].
+struct VertexColumns {
+  bool normal = false;
+  std::size_t color = 0;  ///< components: 0, 3 or 4
+  bool texture = false;
+  std::size_t ignored = 0;  ///< further numbers at the end of the line
+};
+
+/// Reads the vertices of a mesh file, one line each. The constructor of a subclass finds the columns and sets them.
+class VertexLineReader : public Reader {
+ public:
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
+  /// Stores the values of the lines of `rows` rows, `stride` bytes apart; all rows must exist.
+  void fill(std::uint64_t row, std::size_t rows, std::byte* to, std::size_t stride);
+
+ protected:
+  /// The rows are the lines for which `is_row` is true, from the position of `lines` on, at most `most`. `has_keyword`:
+  /// each line has a word before its numbers.
+  VertexLineReader(std::unique_ptr<InputFile> file, const LineReader& lines, RowLines::IsRow is_row, std::uint64_t most,
+                   bool has_keyword);
+
+  const InputFile& file() const { return *file_; }
+  std::string_view first_line() { return cursor_.at(0); }  ///< there must be a row
+  /// Returns the numbers in a line, after its keyword; valid until the next call.
+  const std::vector<double>& numbers(std::string_view line);
+  /// Makes the fields. Reads all colours to find their range.
+  void set_columns(const VertexColumns& columns);
+  std::uint64_t rows() const { return rows_.count(); }
+
+ private:
+  std::unique_ptr<InputFile> file_;
+  RowLines rows_;
+  RowCursor cursor_{rows_};
+  bool has_keyword_;
+  VertexColumns columns_;
+  std::size_t width_ = 3;  ///< numbers in a line
+  double color_scale_ = 1;
+  std::vector<double> numbers_;
+};
+
+VertexLineReader::VertexLineReader(std::unique_ptr<InputFile> file, const LineReader& lines, RowLines::IsRow is_row,
+                                   std::uint64_t most, bool has_keyword)
+    : file_(std::move(file)), rows_(lines, is_row, most), has_keyword_(has_keyword) {
+  info_.path = file_->path();
+  info_.bytes = file_->size();
+  info_.count = rows_.count();
+}
+
+const std::vector<double>& VertexLineReader::numbers(std::string_view line) {
+  numbers_.clear();
+  if (has_keyword_) take_word(line);
+  for (std::string_view word = take_word(line); !word.empty() && word[0] != '#'; word = take_word(line)) {
+    double value = 0;
+    if (!parse_number(word, value))
+      fail("{}: line {}: '{}' is no number; correct it.", file_->path().string(), cursor_.line(), word.substr(0, 40));
+    numbers_.push_back(value);
+  }
+  return numbers_;
+}
+
+void VertexLineReader::set_columns(const VertexColumns& columns) {
+  columns_ = columns;
+  for (const char* axis : {"x", "y", "z"}) info_.schema.append(axis, Type::f64);
+  if (columns.normal)
+    for (const char* axis : {"nx", "ny", "nz"}) info_.schema.append(axis, Type::f64);
+  if (columns.texture)
+    for (const char* axis : {"texture_u", "texture_v"}) info_.schema.append(axis, Type::f64);
+  const char* const colors[] = {"red", "green", "blue", "alpha"};
+  for (std::size_t c = 0; c < columns.color; ++c) info_.schema.append(colors[c], Type::u8);
+  width_ = 3 + (columns.normal ? 3 : 0) + columns.color + (columns.texture ? 2 : 0) + columns.ignored;
+  if (columns.color == 0) return;
+  const std::size_t first = columns.normal ? 6 : 3;
+  bool fractions = true;
+  for (std::uint64_t row = 0; row < rows_.count() && fractions; ++row) {
+    if (row % 65536 == 0) stop_if_cancelled();
+    const std::vector<double>& values = numbers(cursor_.at(row));
+    for (std::size_t c = first; c < std::min(first + columns.color, values.size()); ++c)
+      fractions = fractions && values[c] <= 1;
+  }
+  color_scale_ = fractions ? kMostColor : 1;
+  cursor_.rest();
+}
+
+std::size_t VertexLineReader::read(std::uint64_t row, std::span<std::byte> records) {
+  const std::size_t rows = rows_for(row, records);
+  fill(row, rows, records.data(), info_.schema.stride);
+  return rows;
+}
+
+/// A line has x y z, then the normal, the colour and texture coordinates, as far as the file has these.
+void VertexLineReader::fill(std::uint64_t row, std::size_t rows, std::byte* records, std::size_t stride) {
+  const std::size_t lengths = 3 + (columns_.normal ? 3 : 0);
+  for (std::size_t i = 0; i < rows; ++i, records += stride) {
+    const std::vector<double>& values = numbers(cursor_.at(row + i));
+    if (values.size() != width_)
+      fail("{}: line {} has {} numbers where the first vertex has {}; correct the line.", file_->path().string(),
+           cursor_.line(), values.size(), width_);
+    std::byte* to = records;
+    std::memcpy(to, values.data(), lengths * sizeof(double));
+    to += lengths * sizeof(double);
+    if (columns_.texture) {
+      std::memcpy(to, values.data() + lengths + columns_.color, 2 * sizeof(double));
+      to += 2 * sizeof(double);
+    }
+    for (std::size_t c = 0; c < columns_.color; ++c)
+      *to++ = static_cast<std::byte>(std::lround(std::clamp(values[lengths + c] * color_scale_, 0.0, kMostColor)));
+  }
+  if (rows != 0 && row + rows == info_.count) cursor_.rest();
+}
 
 bool is_vertex_line(std::string_view line) {
   const std::size_t at = line.find_first_not_of(" \t");
