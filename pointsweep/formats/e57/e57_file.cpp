@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/e57/e57_file.h"
-
 #include <algorithm>
 #include <bit>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/e57/e57_format.h"
 
 #if POINTSWEEP_CODECS
 #include <pointsweep_codecs.h>

@@ -15,7 +15,6 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/formats/e57/e57_file.h"
 #include "pointsweep/formats/e57/e57_format.h"
 #include "pointsweep/formats/provenance.h"
 #include "pointsweep/points/with_type.h"
