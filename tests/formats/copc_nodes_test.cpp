@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/formats/las/copc_nodes.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/formats/format.h"
+#include "pointsweep/formats/las/copc_layout.h"
 #include "tests/support/scratch_in_memory.h"
 
 namespace pointsweep {

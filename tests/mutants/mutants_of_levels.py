@@ -32,7 +32,7 @@ MUTANTS = [
            "    return a.row < b.row;\n", FILES),
     Mutant("a stretch ends before the records of its end in the first piece", "levels", LEVELS + "curve_records.cpp",
            "return end.is_behind ? order <= 0 : order < 0;", "return end.is_behind && order <= 0;", CHOICE + FILES),
-    Mutant("the GPS range of a COPC file ends where it begins", "levels", LAS + "copc_nodes.cpp",
+    Mutant("the GPS range of a COPC file ends where it begins", "levels", LAS + "copc_layout.cpp",
            "std::max(times_.greatest, time)}", "std::min(times_.greatest, time)}", FILES),
     Mutant("points of class 12 get no overlap flag", "levels", LAS + "las_frame.cpp",
            "if (record[kClassAt] == kOverlapClass) record[kFlagsAt]", "if (record[kClassAt] != record[kClassAt]) record[kFlagsAt]", FILES),

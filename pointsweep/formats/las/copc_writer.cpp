@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "pointsweep/formats/las/copc_layout.h"
-#include "pointsweep/formats/las/copc_nodes.h"
 #include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_frame.h"
 #include "pointsweep/formats/las/laz_codec.h"
