@@ -60,11 +60,7 @@ class Builder {
     layout_.header.record_length = static_cast<std::uint16_t>(layout_.to.stride);
     if (plan_.count > std::numeric_limits<std::uint32_t>::max()) upgrade_las_header(layout_.header, 4);
     if (plan_.layout.las_version) take_version(*plan_.layout.las_version);
-    if (points_ == LasPoints::nodes) keep_standard_header();
-    choose_crs();
-    warn_of_waveforms();
-    if (!kept_) warn_of_unnamed_bytes();
-    place_las_pieces(plan_, points_, input_, {std::move(vlr_), extended_, kept_, std::move(added_crs_)}, layout_);
+    place_las_pieces(plan_, points_, input_, {std::move(vlr_), extended_, kept_}, layout_);
     return std::move(layout_);
   }
 
@@ -77,20 +73,6 @@ class Builder {
 
   static bool has_arrays(const LasParts& input) {
     return std::ranges::any_of(input.schema.fields, [](const Field& field) { return field.count > 1; });
-  }
-
-  /// Removes the bytes after the standard header, since readers of COPC expect the COPC VLR there. Removes the
-  /// reference to waveforms, for which the point formats of COPC have no fields.
-  void keep_standard_header() {
-    LasHeader& header = layout_.header;
-    if (header.header_size > standard_header_size(4))
-      layout_.warnings.push_back(
-          fmt::format("{}: {} bytes after the header of the input are left out; COPC has no place for them.",
-                      plan_.path.string(), header.header_size - standard_header_size(4)));
-    header.header_size = standard_header_size(4);
-    header.bytes.resize(header.header_size);
-    header.waveform_start = 0;
-    header.global_encoding = static_cast<std::uint16_t>(header.global_encoding & ~kLasWaveformBits);
   }
 
   /// Adds a pair of fields: the output stores the values of `from` in `to`.
@@ -402,79 +384,6 @@ class Builder {
     layout_.header.offset = grid.offset;
   }
 
-  /// Chooses the statements of the coordinate reference system that the file gets in addition to the input's VLRs, and
-  /// the statement that counts. Point formats 6 to 10 must have WKT. GeoTIFF keys cannot be turned into WKT without a
-  /// registry of systems, so they count if no WKT is known.
-  void choose_crs() {
-    LasHeader& header = layout_.header;
-    if (plan_.replaces_crs && input_ != nullptr && input_->crs_in_evlrs)
-      fail_usage("{}: the input states its system in an extended VLR, which cannot be replaced; write PLY, then LAS.",
-                 plan_.path.string());
-    const bool keeps_own = input_ != nullptr && !plan_.replaces_crs;
-    const Crs own = keeps_own && input_->crs ? *input_->crs : Crs();
-    const bool has_own = !own.wkt.empty() || !own.geotiff.empty();
-    if (plan_.crs && !has_own) added_crs_ = *plan_.crs;
-    if (plan_.crs && has_own && !kept_ && header.point_format >= 6 && own.wkt.empty()) added_crs_.wkt = plan_.crs->wkt;
-    const bool is_old = plan_.layout.las_version.value_or(4) < 4;
-    const bool has_keys = !own.geotiff.empty() || !added_crs_.geotiff.empty();
-    if (is_old && plan_.crs && !has_keys && kind_of_epsg(plan_.crs->epsg) != CrsKind::unknown)
-      added_crs_.geotiff = geotiff_of_epsg(plan_.crs->epsg, plan_.crs->vertical_epsg);  // WKT needs LAS 1.4
-    const bool wkt = !own.wkt.empty() || !added_crs_.wkt.empty();
-    const bool geotiff = !own.geotiff.empty() || !added_crs_.geotiff.empty();
-    if (is_old && wkt && !geotiff)
-      layout_.warnings.push_back(fmt::format(
-          "{}: LAS 1.{} names a coordinate reference system by GeoTIFF keys, and that of the input is known "
-          "only as WKT, so most programs will not find it; state LAS 1.4, or the system with --crs EPSG:CODE.",
-          plan_.path.string(), header.minor));
-    if (kept_ && added_crs_.wkt.empty() && added_crs_.geotiff.empty() && !plan_.replaces_crs) return;
-    const bool modern = header.point_format >= 6;
-    const bool wkt_counts = is_old                    ? false
-                            : modern                  ? wkt || !geotiff
-                            : !added_crs_.wkt.empty() ? !geotiff
-                                                      : keeps_own && says_wkt();
-    if (wkt_counts) upgrade_las_header(header, 4);
-    header.global_encoding =
-        static_cast<std::uint16_t>((header.global_encoding & ~kLasWktBit) | (wkt_counts ? kLasWktBit : 0));
-    if (modern && geotiff && !wkt)
-      layout_.warnings.push_back(fmt::format(
-          "{}: point format {} asks for the coordinate reference system as WKT, but {}, and the header says so.",
-          plan_.path.string(), header.point_format,
-          own.geotiff.empty() && (input_ == nullptr || plan_.replaces_crs)
-              ? "only GeoTIFF keys are known; these are written"
-              : "the inputs have only GeoTIFF keys; these are kept"));
-  }
-
-  bool says_wkt() const { return (layout_.header.global_encoding & kLasWktBit) != 0; }
-
-  /// Warns that waveforms are lost. They lie after the points or in another file; only the waveforms of the first input
-  /// can be kept.
-  void warn_of_waveforms() {
-    if (!las_has_waveforms(layout_.header.point_format)) return;
-    for (const auto& extras : plan_.other_extras) {
-      const LasExtras* other = extras_as<LasExtras>(extras);
-      if (other == nullptr || !las_has_waveforms(other->point_format)) continue;
-      layout_.warnings.push_back(
-          fmt::format("{}: waveforms of {} are not copied: only those of the first input are; its references to them "
-                      "have no target.",
-                      plan_.path.string(), other->file->path().string()));
-      return;
-    }
-  }
-
-  /// Warns that bytes without a description are lost, since they cannot be converted.
-  void warn_of_unnamed_bytes() {
-    std::vector<std::shared_ptr<const FormatExtras>> inputs = plan_.other_extras;
-    inputs.insert(inputs.begin(), plan_.extras);
-    for (const auto& extras : inputs) {
-      const LasExtras* las = extras_as<LasExtras>(extras);
-      if (las == nullptr || las->unnamed_bytes == 0) continue;
-      layout_.warnings.push_back(
-          fmt::format("{}: {} bytes of each point of {} that nothing describes are left out, since the inputs differ.",
-                      plan_.path.string(), las->unnamed_bytes, las->file->path().string()));
-      return;
-    }
-  }
-
   const OutputPlan& plan_;
   LasPoints points_;
   const std::shared_ptr<const LasParts> parts_;
@@ -483,7 +392,6 @@ class Builder {
   ExtraBytesVlr vlr_;
   /// The name of each attribute in extra bytes, by its stored name in lower case.
   std::map<std::string, std::string> extra_names_;
-  Crs added_crs_;          ///< system that new VLRs state in addition to the VLRs of the input
   bool kept_ = false;      ///< records begin with the records of the input
   bool extended_ = false;  ///< vlr_ must be written
 };

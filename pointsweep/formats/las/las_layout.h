@@ -89,11 +89,11 @@ struct LasDescriptions {
   ExtraBytesVlr extra_bytes;
   bool extended = false;       ///< extra_bytes must be written
   bool keeps_records = false;  ///< records begin with the records of the input
-  Crs added_crs;               ///< system that new VLRs state in addition to the VLRs of the input
 };
 
-/// Sets the pieces and VLRs of the layout, and the header entries about them. `input`: null unless the input is LAS.
-/// The header must have the record length of the output.
+/// Sets the pieces and VLRs of the layout, the header entries about them and about the coordinate reference system, and
+/// warnings about contents of the inputs that are lost. `input`: null unless the first input is LAS. The header must
+/// have the version, point format and record length of the output.
 void place_las_pieces(const OutputPlan& plan, LasPoints points, const LasParts* input,
                       const LasDescriptions& descriptions, LasLayout& layout);
 

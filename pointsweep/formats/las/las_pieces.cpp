@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The parts of a LAS output around its points: new VLRs, and pieces copied from the input.
+/// The parts of a LAS output around its points: the statement of the coordinate reference system, new VLRs, and pieces
+/// copied from the input.
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -7,6 +8,7 @@
 #include <string>
 
 #include "pointsweep/fail.h"
+#include "pointsweep/formats/format.h"
 #include "pointsweep/formats/las/copc_layout.h"
 #include "pointsweep/formats/las/las_layout.h"
 #include "pointsweep/formats/las/las_point_formats.h"
@@ -24,6 +26,10 @@ class PiecePlacer {
 
   void place() {
     LasHeader& header = layout_.header;
+    if (points_ == LasPoints::nodes) keep_standard_header();
+    choose_crs();
+    warn_of_waveforms();
+    if (!descriptions_.keeps_records) warn_of_unnamed_bytes();
     const std::uint32_t removed = input_ != nullptr ? place_input() : 0;
     std::uint32_t added = 0;
     if (points_ == LasPoints::nodes) {
@@ -59,6 +65,95 @@ class PiecePlacer {
   }
 
  private:
+  /// Removes the bytes after the standard header, since readers of COPC expect the COPC VLR there. Removes the
+  /// reference to waveforms, for which the point formats of COPC have no fields.
+  void keep_standard_header() {
+    LasHeader& header = layout_.header;
+    if (header.header_size > standard_header_size(4))
+      layout_.warnings.push_back(
+          fmt::format("{}: {} bytes after the header of the input are left out; COPC has no place for them.",
+                      plan_.path.string(), header.header_size - standard_header_size(4)));
+    header.header_size = standard_header_size(4);
+    header.bytes.resize(header.header_size);
+    header.waveform_start = 0;
+    header.global_encoding = static_cast<std::uint16_t>(header.global_encoding & ~kLasWaveformBits);
+  }
+
+  /// Chooses the statements of the coordinate reference system that the file gets in addition to the input's VLRs, and
+  /// the statement that counts. Point formats 6 to 10 must have WKT. GeoTIFF keys cannot be turned into WKT without a
+  /// registry of systems, so they count if no WKT is known.
+  void choose_crs() {
+    LasHeader& header = layout_.header;
+    if (plan_.replaces_crs && input_ != nullptr && input_->crs_in_evlrs)
+      fail_usage("{}: the input states its system in an extended VLR, which cannot be replaced; write PLY, then LAS.",
+                 plan_.path.string());
+    const bool keeps_own = input_ != nullptr && !plan_.replaces_crs;
+    const Crs own = keeps_own && input_->crs ? *input_->crs : Crs();
+    const bool has_own = !own.wkt.empty() || !own.geotiff.empty();
+    if (plan_.crs && !has_own) added_crs_ = *plan_.crs;
+    if (plan_.crs && has_own && !descriptions_.keeps_records && header.point_format >= 6 && own.wkt.empty())
+      added_crs_.wkt = plan_.crs->wkt;
+    const bool is_old = plan_.layout.las_version.value_or(4) < 4;
+    const bool has_keys = !own.geotiff.empty() || !added_crs_.geotiff.empty();
+    if (is_old && plan_.crs && !has_keys && kind_of_epsg(plan_.crs->epsg) != CrsKind::unknown)
+      added_crs_.geotiff = geotiff_of_epsg(plan_.crs->epsg, plan_.crs->vertical_epsg);  // WKT needs LAS 1.4
+    const bool wkt = !own.wkt.empty() || !added_crs_.wkt.empty();
+    const bool geotiff = !own.geotiff.empty() || !added_crs_.geotiff.empty();
+    if (is_old && wkt && !geotiff)
+      layout_.warnings.push_back(fmt::format(
+          "{}: LAS 1.{} names a coordinate reference system by GeoTIFF keys, and that of the input is known "
+          "only as WKT, so most programs will not find it; state LAS 1.4, or the system with --crs EPSG:CODE.",
+          plan_.path.string(), header.minor));
+    if (descriptions_.keeps_records && added_crs_.wkt.empty() && added_crs_.geotiff.empty() && !plan_.replaces_crs)
+      return;
+    const bool modern = header.point_format >= 6;
+    const bool wkt_counts = is_old                    ? false
+                            : modern                  ? wkt || !geotiff
+                            : !added_crs_.wkt.empty() ? !geotiff
+                                                      : keeps_own && says_wkt();
+    if (wkt_counts) upgrade_las_header(header, 4);
+    header.global_encoding =
+        static_cast<std::uint16_t>((header.global_encoding & ~kLasWktBit) | (wkt_counts ? kLasWktBit : 0));
+    if (modern && geotiff && !wkt)
+      layout_.warnings.push_back(fmt::format(
+          "{}: point format {} asks for the coordinate reference system as WKT, but {}, and the header says so.",
+          plan_.path.string(), header.point_format,
+          own.geotiff.empty() && (input_ == nullptr || plan_.replaces_crs)
+              ? "only GeoTIFF keys are known; these are written"
+              : "the inputs have only GeoTIFF keys; these are kept"));
+  }
+
+  bool says_wkt() const { return (layout_.header.global_encoding & kLasWktBit) != 0; }
+
+  /// Warns that waveforms are lost. They lie after the points or in another file; only the waveforms of the first input
+  /// can be kept.
+  void warn_of_waveforms() {
+    if (!las_has_waveforms(layout_.header.point_format)) return;
+    for (const auto& extras : plan_.other_extras) {
+      const LasExtras* other = extras_as<LasExtras>(extras);
+      if (other == nullptr || !las_has_waveforms(other->point_format)) continue;
+      layout_.warnings.push_back(
+          fmt::format("{}: waveforms of {} are not copied: only those of the first input are; its references to them "
+                      "have no target.",
+                      plan_.path.string(), other->file->path().string()));
+      return;
+    }
+  }
+
+  /// Warns that bytes without a description are lost, since they cannot be converted.
+  void warn_of_unnamed_bytes() {
+    std::vector<std::shared_ptr<const FormatExtras>> inputs = plan_.other_extras;
+    inputs.insert(inputs.begin(), plan_.extras);
+    for (const auto& extras : inputs) {
+      const LasExtras* las = extras_as<LasExtras>(extras);
+      if (las == nullptr || las->unnamed_bytes == 0) continue;
+      layout_.warnings.push_back(
+          fmt::format("{}: {} bytes of each point of {} that nothing describes are left out, since the inputs differ.",
+                      plan_.path.string(), las->unnamed_bytes, las->file->path().string()));
+      return;
+    }
+  }
+
   /// Sets the pieces of the input. Returns the number of VLRs of the input that no piece contains.
   std::uint32_t place_input() {
     const LasVlrChain& vlrs = input_->vlrs;
@@ -141,13 +236,13 @@ class PiecePlacer {
 
   /// Adds VLRs that state the coordinate reference system in addition to the VLRs of the input. Returns their number.
   std::uint32_t add_crs_vlrs() {
-    const LasCrsVlrs vlrs = las_crs_vlrs(descriptions_.added_crs);
+    const LasCrsVlrs vlrs = las_crs_vlrs(added_crs_);
     append(layout_.added_vlrs, vlrs.bytes);
-    if (!descriptions_.added_crs.wkt.empty() && descriptions_.added_crs.wkt.size() >= kLongestVlr)
+    if (!added_crs_.wkt.empty() && added_crs_.wkt.size() >= kLongestVlr)
       layout_.warnings.push_back(fmt::format(
           "{}: the WKT of the coordinate reference system has {} bytes, more than a VLR can hold; it is left "
           "out.",
-          plan_.path.string(), descriptions_.added_crs.wkt.size()));
+          plan_.path.string(), added_crs_.wkt.size()));
     return vlrs.count;
   }
 
@@ -180,6 +275,7 @@ class PiecePlacer {
   const LasParts* const input_;
   const LasDescriptions& descriptions_;
   LasLayout& layout_;
+  Crs added_crs_;  ///< system that new VLRs state in addition to the VLRs of the input
 };
 
 }  // namespace
