@@ -7,7 +7,7 @@ FORMATS = "pointsweep/formats/"
 MUTANTS = [
     Mutant("a scan angle of a hundredth of a degree", "formats", FORMATS + "las/las_point_formats.cpp",
            "kScanAngleScale = 0.006;", "kScanAngleScale = 0.01;", ("formats",)),
-    Mutant("columns of the other byte order stay so", "formats", FORMATS + "records/columns_reader.cpp",
+    Mutant("columns of the other byte order stay so", "formats", FORMATS + "records/record_readers.cpp",
            "reverse_values(reader_.big_endian_, stride, records.first(rows * stride));",
            "reverse_values(reader_.big_endian_, stride, records.first(0));", ("formats",)),
     Mutant("PTX points are not moved to their scanner's place", "formats", FORMATS + "ptx/ptx_reader.cpp",
@@ -79,14 +79,14 @@ MUTANTS = [
            "kSixteenOfEight = 257", "kSixteenOfEight = 1", ("cli:Layout.*", "verify:FieldPair.*")),
 
     # Points that are not finite
-    Mutant("the rows of a second input are counted from 0", "nonfinite", FORMATS + "cloud/numbered_rows.cpp",
+    Mutant("the rows of a second input are counted from 0", "nonfinite", FORMATS + "cloud/reader_adapters.cpp",
            "first_row_ + row + i", "row + i", ("pipeline:Row.*", "cli:RowStages.*")),
-    Mutant("the row before a nonfinite one is dropped", "nonfinite", FORMATS + "cloud/finite_rows.cpp",
+    Mutant("the row before a nonfinite one is dropped", "nonfinite", FORMATS + "cloud/reader_adapters.cpp",
            "if (gap < gaps_.size() && gaps_[gap] == i) {", "if (gap < gaps_.size() && gaps_[gap] == i + 1) {",
            ("formats:FiniteRows.*", "cli:NonfinitePoints.*")),
-    Mutant("rows named by statistics are one off behind a dropped one", "nonfinite", FORMATS + "cloud/finite_rows.cpp",
+    Mutant("rows named by statistics are one off behind a dropped one", "nonfinite", FORMATS + "cloud/reader_adapters.cpp",
            "at += gap <= at ? 1 : 0;", "at += gap < at ? 1 : 0;", ("formats:FiniteRows.*", "cli:NonfinitePoints.*")),
-    Mutant("reading goes on from whole blocks into those with gaps", "nonfinite", FORMATS + "cloud/finite_rows.cpp",
+    Mutant("reading goes on from whole blocks into those with gaps", "nonfinite", FORMATS + "cloud/reader_adapters.cpp",
            "gives() < wanted - done && index_.is_whole(end)) ++end;", "gives() < wanted - done) ++end;",
            ("formats:FiniteRows.*",)),
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/formats/cloud/numbered_rows.h"
+#include "pointsweep/formats/cloud/reader_adapters.h"
 
 namespace pointsweep {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/files.h"
-#include "pointsweep/formats/cloud/numbered_rows.h"
+#include "pointsweep/formats/cloud/reader_adapters.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/points/input_row.h"
 #include "pointsweep/storage/remote/remote_object.h"

@@ -16,7 +16,7 @@
 #include "pointsweep/cloud.h"
 #include "pointsweep/formats/chosen_chunks.h"
 #include "pointsweep/formats/cloud/common_schema.h"
-#include "pointsweep/formats/cloud/finite_rows.h"
+#include "pointsweep/formats/cloud/reader_adapters.h"
 #include "pointsweep/formats/cloud/row_selection.h"
 #include "pointsweep/points/row_box.h"
 #include "pointsweep/points/schema.h"

@@ -17,7 +17,7 @@
 #include "pointsweep/formats/las/laz_codec.h"
 #include "pointsweep/formats/las_scale.h"
 #include "pointsweep/formats/provenance.h"
-#include "pointsweep/formats/records/columns_reader.h"
+#include "pointsweep/formats/records/record_readers.h"
 
 namespace pointsweep {
 namespace {

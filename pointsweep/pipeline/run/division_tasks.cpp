@@ -10,7 +10,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/formats/cloud/finite_rows.h"
+#include "pointsweep/formats/cloud/reader_adapters.h"
 #include "pointsweep/formats/files/folders.h"
 #include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/part/record_list.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A reader of only the rows of an input with finite coordinates.
+/// Readers that change what another reader reads: only the rows with finite coordinates, or all rows with their
+/// numbers.
 #pragma once
 
 #include <algorithm>
@@ -88,5 +89,30 @@ class FiniteRows final : public Reader {
   PositionFields position_;
   std::unique_ptr<Decoder> own_;  ///< decoder of read() and input_row()
 };
+
+/// The records of `all`, each with the field kInputRow (input_row.h) at its end: the number of the row, counted from
+/// `first_row` on.
+class NumberedRows final : public Reader {
+ public:
+  NumberedRows(std::shared_ptr<Reader> all, std::uint64_t first_row);
+
+  Chunk chunk_of(std::uint64_t row) const override { return all_->chunk_of(row); }
+  bool has_decoders() const override { return all_->has_decoders(); }
+  bool decodes_any_range() const override { return all_->decodes_any_range(); }
+  std::unique_ptr<RowDecoder> decoder(const WantedFields& wanted) const override;
+  std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
+  void rest() override { all_->rest(); }
+
+ private:
+  class Decoder;
+  template <class Read>
+  std::size_t read_numbered(Read read, std::uint64_t row, std::span<std::byte> records) const;
+
+  std::shared_ptr<Reader> all_;
+  std::uint64_t first_row_;
+};
+
+/// Throws Error if the file of the reader has an attribute that is called kInputRow.
+void require_unnumbered(const Reader& reader);
 
 }  // namespace pointsweep
