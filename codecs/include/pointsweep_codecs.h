@@ -26,7 +26,7 @@ typedef struct psc_laz psc_laz;
 /* Decodes the content of the VLR of user "laszip encoded", record 22204. */
 int psc_laz_parse(const uint8_t* vlr, size_t bytes, psc_laz** out, psc_error* error);
 /* Makes a layout for writing records of a point format (0 to 10) with extra bytes, in chunks of `chunk_points` points;
- * 0 for chunks that vary. */
+ * 0 for chunks with varying numbers of points. */
 int psc_laz_for_format(uint8_t point_format, uint16_t extra_bytes, uint32_t chunk_points, psc_laz** out, psc_error* error);
 void psc_laz_free(psc_laz* laz);
 
@@ -37,8 +37,8 @@ uint32_t psc_laz_chunk_points(const psc_laz* laz);
 /* Copies the content of the VLR to `into` if `room` bytes are enough. Returns the size of the content. */
 size_t psc_laz_vlr(const psc_laz* laz, uint8_t* into, size_t room);
 
-/* Decodes a chunk table: the points of each chunk (0 unless chunks vary) and its compressed bytes. Fails unless the
- * header of the table states `count` chunks. */
+/* Decodes a chunk table: for each of `count` chunks the number of points (0 unless psc_laz_chunk_points() is 0) and of
+ * compressed bytes. Fails unless the header of the table states `count` chunks. */
 int psc_laz_read_chunk_table(const psc_laz* laz, const uint8_t* table, size_t bytes, size_t count, uint64_t* points,
                              uint64_t* sizes, psc_error* error);
 /* Encodes a chunk table. The caller frees the bytes by psc_free_bytes(). */
@@ -63,7 +63,7 @@ void psc_laz_decoder_free(psc_laz_decoder* decoder);
 /* Compresses whole records, at least one, to a chunk. The caller frees the bytes by psc_free_bytes(). */
 int psc_laz_encode(const psc_laz* laz, const uint8_t* records, size_t bytes, uint8_t** out, size_t* out_bytes, psc_error* error);
 
-/* The descriptions of the scans of an E57 file. */
+/* The descriptions of the scans of an E57 file, which do not refer to the open file. */
 typedef struct psc_e57 psc_e57;
 
 typedef struct psc_e57_scan {
@@ -83,19 +83,21 @@ typedef struct psc_e57_attribute {
   double scale, offset;
 } psc_e57_attribute;
 
-/* Reads the descriptions from a file of `size` bytes. */
+/* Reads the descriptions from a file of `size` bytes. `read` is called only before the function returns. */
 int psc_e57_open(psc_read read, void* context, uint64_t size, psc_e57** out, psc_error* error);
 void psc_e57_free(psc_e57* file);
 size_t psc_e57_scans(const psc_e57* file);
 size_t psc_e57_images(const psc_e57* file);
-/* Copies the text about the coordinate system, without a final 0, if `room` bytes are enough. Returns its size. */
+/* Copies the text about the coordinate system, without a final 0, if `room` bytes are enough. Returns the size of the
+ * text; 0 if the file has no such text. */
 size_t psc_e57_coordinate_system(const psc_e57* file, uint8_t* into, size_t room);
 /* Copies the description of a scan like psc_e57_coordinate_system(). */
 size_t psc_e57_description(const psc_e57* file, size_t scan, uint8_t* into, size_t room);
 void psc_e57_scan_info(const psc_e57* file, size_t scan, psc_e57_scan* out);
 void psc_e57_attribute_info(const psc_e57* file, size_t scan, size_t attribute, psc_e57_attribute* out);
 
-/* A reader of the points of one scan, from the first to the last. It may outlive the psc_e57. */
+/* A reader of the points of one scan, from the first to the last. The reader may outlive the psc_e57. `read` is called
+ * until psc_e57_reader_free(). */
 typedef struct psc_e57_reader psc_e57_reader;
 int psc_e57_reader_open(const psc_e57* file, size_t scan, psc_read read, void* context, uint64_t size, psc_e57_reader** out,
                         psc_error* error);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-//! Errors as text, and panics caught, for the functions of the C interface.
+//! Errors as text, and caught panics, for the functions of the C interface.
 
 use std::ffi::c_char;
 use std::panic::{catch_unwind, AssertUnwindSafe};
@@ -34,7 +34,7 @@ pub struct ErrorText {
     text: [c_char; ERROR_BYTES],
 }
 
-/// Copies a text and a final 0. A text that is too long is cut off.
+/// Copies a text and a final 0. A text that is too long is cut at the end of a character.
 pub fn put_text(text: &str, into: &mut [c_char]) {
     let mut end = text.len().min(into.len() - 1);
     while !text.is_char_boundary(end) {
@@ -54,7 +54,7 @@ pub fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
     catch_unwind(AssertUnwindSafe(work)).ok()
 }
 
-/// Performs `work`. Returns 0, or -1 with a sentence in `error`. A panic becomes a sentence too, and prints nothing.
+/// Performs `work`. Returns 0, or -1 with a sentence in `error`. A panic is reported in the same way, and prints nothing.
 ///
 /// # Safety
 /// `error` points to an `ErrorText`.

@@ -13,7 +13,8 @@ use std::slice::{from_raw_parts, from_raw_parts_mut};
 
 type ReadAt = unsafe extern "C" fn(*mut c_void, u64, *mut u8, usize) -> isize;
 
-/// The read function of the caller and its context. The caller may use a decoder on one thread after another.
+/// The read function of the caller and its context. `Send` and `Sync`, since the caller may use a decoder on several
+/// threads, one after another.
 struct Caller {
     read: ReadAt,
     context: *mut c_void,

@@ -11,7 +11,8 @@ impl From<e57::Error> for Error {
     }
 }
 
-/// Opens a file. Checks the size of the XML section first, since the crate allocates the bytes that the header claims.
+/// Opens a file. Checks the size of the XML section first, since the crate `e57` allocates as many bytes as the header
+/// claims.
 fn open<R: Read + Seek>(mut source: R) -> Result<E57Reader<R>, Error> {
     let size = source.seek(SeekFrom::End(0))?;
     source.seek(SeekFrom::Start(32))?;
@@ -94,8 +95,8 @@ impl<R: Read + Seek + 'static> ScanReader<R> {
         Ok(Self { points, kinds: scan.prototype.iter().map(|r| r.data_type.clone()).collect(), _file: file })
     }
 
-    /// Fills `values` with the next points: for each attribute of each point a number of 64 bits, a double or an integer
-    /// as the file stores it (scaled integers without their scale).
+    /// Fills `values` with the next points: for each attribute of each point 64 bits, a double or the integer that the file
+    /// stores, before scale and offset.
     pub fn read(&mut self, values: &mut [u64]) -> Result<(), Error> {
         for point in values.chunks_exact_mut(self.kinds.len()) {
             let raw = self.points.next().ok_or_else(|| Error("a scan has fewer points than it says".into()))??;

@@ -13,7 +13,7 @@ pub trait File {
 
 const PENDING_BYTES: usize = 1 << 18;
 
-/// A new file with a position. Joins the pages of 1,024 bytes that the crate writes to fewer, longer writes.
+/// A new file with a position. Joins the pages of 1,024 bytes that the crate `e57` writes to fewer, longer writes.
 pub struct Sink<F: File> {
     file: F,
     position: u64,
@@ -59,7 +59,7 @@ impl<F: File> Write for Sink<F> {
 impl<F: File> Read for Sink<F> {
     fn read(&mut self, into: &mut [u8]) -> IoResult<usize> {
         if self.position >= self.size {
-            return Ok(0); // the crate tries to read after each page that it appends
+            return Ok(0); // the crate `e57` tries to read after each page that it appends
         }
         self.write_pending()?;
         let most = usize::try_from(self.size.saturating_sub(self.position)).unwrap_or(usize::MAX).min(into.len());

@@ -5,7 +5,7 @@ use crate::{Error, Layout};
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
 use std::io::{BufReader, Read, Seek, SeekFrom};
 
-/// Part of a file: bytes [begin, end), read by a function that takes an offset in the file.
+/// A part of a file, bytes [begin, end), as a stream of its own. `read_at` takes an offset in the file.
 pub struct Source<F> {
     read_at: F,
     at: u64,
@@ -76,7 +76,8 @@ impl<R: Read + Seek + Send + Sync + 'static> Decoder<R> {
     }
 }
 
-/// Returns an error if the layers are larger than the chunk. The crate allocates as many bytes as their sizes claim.
+/// Returns an error if the layers are larger than the chunk. The crate `laz` allocates as many bytes as the sizes of the
+/// layers claim.
 fn check_layers(layout: &Layout, input: &mut (impl Read + Seek)) -> Result<(), Error> {
     let end = input.seek(SeekFrom::End(0))?;
     let sizes_begin = layout.record_bytes() as u64 + 4;

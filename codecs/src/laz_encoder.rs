@@ -22,7 +22,7 @@ pub fn encode(layout: &Layout, records: &[u8]) -> Result<Vec<u8>, Error> {
     Ok(compressor.box_into_inner())
 }
 
-/// Returns a chunk table. `chunks`: points and bytes of each chunk.
+/// Returns a chunk table. `chunks`: number of points and of compressed bytes of each chunk.
 pub fn write_chunk_table(layout: &Layout, chunks: &[(u64, u64)]) -> Result<Vec<u8>, Error> {
     let count = u32::try_from(chunks.len()).map_err(|_| Error("there are too many chunks".into()))?;
     let mut table = [0u32.to_le_bytes(), count.to_le_bytes()].concat();

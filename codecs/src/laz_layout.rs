@@ -75,7 +75,8 @@ impl Layout {
         self.vlr.items()
     }
 
-    /// Returns the number of layers of a chunk in layers. The sizes of all layers come before the first layer.
+    /// Returns the number of layers in a chunk, for compression in layers. The sizes of all layers come before the first
+    /// layer.
     pub fn layers(&self) -> usize {
         let of = |item: &LazItem| match item.item_type() {
             LazItemType::Point14 => 9,
@@ -90,15 +91,15 @@ impl Layout {
         bytes_of(&self.vlr)
     }
 
-    /// Returns points (0 unless chunks vary) and bytes of each chunk, or an error if the table does not state `count`
-    /// chunks.
+    /// Returns the number of points (0 unless `is_variable()`) and of compressed bytes of each chunk, or an error if the
+    /// table does not state `count` chunks.
     pub fn read_chunk_table(&self, table: &[u8], count: usize) -> Result<Vec<(u64, u64)>, Error> {
         let claimed = u32::from_le_bytes(*table.get(4..).and_then(|b| b.first_chunk()).ok_or_else(too_short)?);
         if claimed as usize != count {
             return Err(Error(format!("its chunk table has {claimed} chunks instead of {count}")));
         }
         let read = ChunkTable::read(&mut Cursor::new(table), self.is_variable())?;
-        // The crate extends numbers of 32 bits by their sign.
+        // The crate `laz` extends numbers of 32 bits by their sign.
         let plain = |number: u64| u64::from(number as u32);
         Ok((0..read.len()).map(|i| (plain(read[i].point_count), plain(read[i].byte_count))).collect())
     }
@@ -115,7 +116,7 @@ fn bytes_of(vlr: &LazVlr) -> Vec<u8> {
 }
 
 /// Sets the version of wave packets in point formats 4 and 5 to 1. LASzip refuses files that state another version; the
-/// crate states 2 for the same bytes.
+/// crate `laz` states 2, although the compressed bytes are those of version 1.
 fn with_wave_packets_of_version_1(mut vlr: Vec<u8>) -> Vec<u8> {
     const ITEMS: usize = 34;
     let wave_packet = u16::from(LazItemType::WavePacket13).to_le_bytes();
@@ -125,8 +126,8 @@ fn with_wave_packets_of_version_1(mut vlr: Vec<u8>) -> Vec<u8> {
     vlr
 }
 
-/// Returns the bytes of a record, or an error if a part does not have the size of its type, which the crate takes for
-/// granted.
+/// Returns the bytes of a record, or an error if a part does not have the size of its type. The crate `laz` relies on
+/// these sizes.
 fn record_bytes(items: &[LazItem]) -> Result<usize, Error> {
     if items.is_empty() {
         return Err(Error("it names no part of a record".into()));

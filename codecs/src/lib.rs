@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //! Compressed point formats behind the C interface `include/pointsweep_codecs.h`, which documents each function.
 //!
-//! `laz_*`: LASzip. `e57_scan`, `e57_writer`: E57. `boundary`: errors as text, and panics caught.
+//! `laz_*`: LASzip. `e57_scan`, `e57_writer`: E57. `boundary`: errors as text, and caught panics.
 
 mod boundary;
 mod e57_scan;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-//! The owner of a file from which readers and writers of the crate `e57` borrow as long as they live.
+//! The owner of a file from which readers and writers of the crate `e57` borrow.
 
-/// A box whose content does not move and may be borrowed as long as the box lives.
+/// A box whose content does not move. A borrower must be dropped before the box.
 pub struct Owned<T>(*mut T);
 
 impl<T> Owned<T> {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A reader of only some chunks of a file, and the choice of chunks by levels of detail.
+/// A reader of only some chunks of a file, and the choice of chunks by levels of detail (depths in a COPC octree).
 #pragma once
 
 #include <cstdint>
@@ -41,12 +41,12 @@ class ChosenChunks final : public Reader {
 };
 
 /// Returns the least depth, but at most 31, at which the spacing of points is at most `spacing`. `root`: the spacing at
-/// depth 0.
+/// depth 0, which halves with each depth.
 int depth_of_spacing(double root, double spacing);
 
 /// Returns whether a word for the format of inputs chooses levels of detail: "depth:3" for nodes of depths 0 to 3, or
-/// "spacing:0.5" for nodes of all depths up to the first with this spacing or less. Throws UsageError for a word that
-/// begins with "depth:" or "spacing:" and is invalid.
+/// "spacing:0.5" for nodes of all depths up to the first depth with this spacing or less. Throws UsageError for a word
+/// that begins with "depth:" or "spacing:" and is invalid.
 bool chooses_levels(std::string_view word);
 /// Returns a reader of only the nodes that `word` chooses. Throws Error for a file without levels.
 std::unique_ptr<Reader> with_chosen_levels(std::unique_ptr<Reader> all, std::string_view word);

@@ -30,7 +30,7 @@ constexpr std::uint16_t kModelType = 1024, kRasterType = 1025, kCitation = 1026,
 constexpr std::uint16_t kDoublesTag = 34736, kAsciiTag = 34737;
 constexpr double kUserDefined = 32767;
 
-/// The values of GeoTIFF keys by key.
+/// The values of GeoTIFF keys, found by the number of the key.
 struct KeyValues {
   std::map<std::uint16_t, std::vector<double>> numbers;
   std::map<std::uint16_t, std::string> texts;
@@ -50,7 +50,7 @@ struct KeyValues {
   }
 };
 
-/// Parses "2154+5720" into two codes. The second is 0 if it is missing; an invalid code is -1.
+/// Parses "2154+5720" into two EPSG codes. The second code is 0 if the text has no '+'; an invalid code is -1.
 std::pair<int, int> codes_of(std::string_view text) {
   const auto code = [](std::string_view digits) {
     int number = -1;
@@ -187,8 +187,8 @@ const LengthUnit* unit_of_metres(double metres) {
 }
 
 /// Returns the last unit of length of a system or of a part of it, without vertical systems; null if there is none. WKT
-/// 1 has UNIT, WKT 2 LENGTHUNIT. The unit of a projected system comes after the unit of its ellipsoid (WKT 2), the unit
-/// of its angles and the units of the parameters of its projection.
+/// 1 has UNIT, WKT 2 LENGTHUNIT. The last unit counts, since the unit of a projected system comes after the units of
+/// its ellipsoid (WKT 2), its angles and the parameters of its projection.
 const LengthUnit* unit_of_node(const WktNode& node) {
   if (is_vertical(node)) return nullptr;
   if (is_one_of(node.keyword, {"UNIT", "LENGTHUNIT"}) && node.values.size() > 1) {

@@ -22,8 +22,8 @@ struct WktNode {
 /// Parses WKT. Returns nothing for a text that is not WKT or has more than 64 nested levels.
 std::optional<WktNode> parse_wkt(std::string_view text);
 
-/// Returns the text up to its first NUL, with each run of white space outside of quotes as one space and without spaces
-/// at its ends.
+/// Returns the text up to its first NUL. Each run of white space outside of quotes becomes one space; white space at
+/// both ends is removed.
 std::string wkt_in_one_line(std::string_view text);
 
 Crs crs_of_geotiff(GeoTiffKeys keys);
@@ -32,7 +32,8 @@ Crs crs_of_geotiff(GeoTiffKeys keys);
 /// systems and for codes that GeoTIFF keys cannot hold.
 CrsKind kind_of_epsg(int code);
 
-/// Returns GeoTIFF keys that state the projected or geographic system `epsg` and the heights `vertical_epsg` (0: none).
+/// Returns GeoTIFF keys that state the projected or geographic system with the code `epsg`, and the system of heights
+/// with the code `vertical_epsg`, if this is not 0.
 GeoTiffKeys geotiff_of_epsg(int epsg, int vertical_epsg);
 
 /// Returns the coordinate reference system that the WKT and the GeoTIFF keys of a file state; either may be empty. If

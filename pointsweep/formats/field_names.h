@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Names of fields in text headers, names for columns without names, and the fields that an option names.
+/// Names of fields in the headers of files, names for columns without names, and the fields that an option names.
 #pragma once
 
 #include <cstddef>
@@ -23,11 +23,11 @@ std::string unused_name(const Schema& schema, const std::string& name);
 /// Returns names for at least three unnamed columns, from their number and the values of the first rows:
 /// 3: x y z;  4: x y z intensity;  6: x y z and a normal or colour;  7: x y z intensity and a colour;
 /// 9: x y z, a colour and a normal;  else x y z column_4 column_5 ...
-/// A normal has length 1 or 0, a colour integers in 0..255.
+/// In all of these rows, a normal has length 0 or 1 (within 0.01), and a colour consists of integers in 0..255.
 std::vector<std::string> default_column_names(const std::vector<std::vector<double>>& rows);
 
-/// Returns the field that a user means by `word` (field_meant). If there is none, throws UsageError, which begins with
-/// the option and lists the fields.
+/// Returns the field that a user means by `word`, as field_meant() of schema.h finds it. If there is none, throws
+/// UsageError with a message that begins with `option` and lists the fields.
 const Field& named_field(const Schema& schema, const std::string& word, std::string_view option);
 
 /// Returns the indices of the fields that a user means by `words`. Throws as named_field().

@@ -108,7 +108,8 @@ struct Format {
 // The formats, each defined in its folder.
 extern const Format kPlyFormat, kLasFormat, kCopcFormat, kLazFormat, kPcdFormat, kE57Format, kPtxFormat, kVtkFormat,
     kOffFormat, kObjFormat, kQsplatFormat, kTextFormat, kPtsFormat;
-/// Text with commas and a line of names, which most programs read only if it has no comments.
+/// Text with commas and a line of names. The writer adds no comments, since most programs cannot read .csv with
+/// comments.
 extern const Format kCsvFormat;
 extern const Format kNpyPointsFormat;               ///< points, as input only
 extern const Format kNpyFormat;                     ///< neighbours and distances

@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr double kUsableSteps = 2147483646;  // one below the largest integer, since rounding may add one
+constexpr double kUsableSteps = 2147483646;  // one less than kMostLasSteps, since rounding may add one
 constexpr int kLeast = -300, kMost = 300;
 
 /// Returns 10^exponent, correctly rounded, which std::pow does not guarantee.

@@ -43,8 +43,8 @@ bool is_on_las_grid(double value, double scale, double offset);
 /// at most 1.3e-9 E (1.3 mm on 1,000 km), which is less than the steps of float32 coordinates of magnitude E.
 LasQuantization las_quantization(const Box& bounds);
 
-/// Returns `grid` with its offsets moved by whole steps if `bounds` are out of the reach of 32 bits. An axis that is
-/// too long for its scale gets the scale and offset of las_quantization().
+/// Returns `grid` with its offsets moved by whole steps where 32 bits do not reach `bounds`. An axis that is too long
+/// for its scale gets the scale and offset of las_quantization().
 LasQuantization las_grid_within(const LasQuantization& grid, const Box& bounds);
 
 /// Returns the grid for points that stages have moved. If 32 bits do not reach `bounds` on an axis of `grid`, the
@@ -72,7 +72,7 @@ struct LasOrigin {
 
 /// Returns the common origin of the inputs that are LAS or were made from LAS: the finest scale of each axis with the
 /// offset of the first input that has it, and the kind of time of the first input with a time. A warning names an input
-/// with the other kind of time. Returns none if there is no such input.
+/// with the other kind of time. Returns none if no input is LAS or was made from LAS.
 std::optional<LasOrigin> common_las_origin(const std::vector<std::shared_ptr<Reader>>& readers,
                                            std::vector<std::string>& warnings);
 

@@ -74,8 +74,8 @@ std::optional<ProvenanceInput> input_of(std::string_view text) {
   return input;
 }
 
-/// Adds the meaning of a line to `record`. `text`: the stage or value of the previous line, to which a continuation
-/// line is appended; null if the previous line had neither.
+/// Adds the content of a line to `record`. `text`: the stage or value in `record` that a continuation line would
+/// extend; null if the previous line has neither.
 void read_line(std::string_view line, ProvenanceRecord& record, std::string*& text) {
   if (take_word(line, kGoesOn)) return text != nullptr ? void(*text += line) : void();
   text = nullptr;

@@ -25,7 +25,7 @@ namespace pointsweep {
 inline constexpr std::string_view kProvenanceMark = "pointsweep ";
 
 struct ProvenanceInput {
-  std::string name;  ///< file name without folder, or the absolute path if that was asked for
+  std::string name;  ///< file name without folder, or the absolute path if the user asked for it
   std::uint64_t points = 0, bytes = 0;
 };
 
@@ -36,7 +36,7 @@ struct ProvenanceRecord {
                                                               ///< "convert"
   std::vector<std::pair<std::string, std::string>> settings;  ///< "order", "keep", ... and their values
   std::vector<ProvenanceInput> inputs;
-  std::uint64_t more_inputs = 0;  ///< inputs whose names are left out, since there are too many
+  std::uint64_t more_inputs = 0;  ///< number of inputs whose names are left out, since there are too many
 
   /// Returns the value of a setting, or nothing.
   std::optional<std::string> setting(std::string_view name) const;

@@ -30,6 +30,7 @@ struct Magic {
   std::string_view what;
   std::string_view remedy;
 };
+/// Foreign files that are recognised by their first bytes.
 constexpr Magic kMagics[] = {
     {"\x1f\x8b"sv, "a gzip archive", kUnpack},
     {"PK\x03\x04"sv, "a zip archive", kUnpack},
@@ -52,8 +53,8 @@ constexpr Magic kExtensions[] = {
     {".stl"sv, "an STL file", kWithMeshTool},
 };
 
-/// Returns the description of a file that begins with `head` if it is of a known format that is not read; null for all
-/// other files.
+/// Returns the description of a file that begins with `head` if the file is of a known format that is not read; null
+/// for all other files.
 const Magic* foreign_format(const std::filesystem::path& path, std::string_view head) {
   for (const Magic& magic : kMagics)
     if (head.starts_with(magic.bytes)) return &magic;
@@ -138,7 +139,7 @@ std::string head_of(const std::filesystem::path& path, const InputFile& file) {
   return head_of(file);
 }
 
-/// Returns the names of the formats for which `chosen` is true, each once, as "A, B`last`C".
+/// Returns the names of the formats for which `chosen` is true, each once: separated by ", ", the last two by `last`.
 template <class Chosen>
 std::string names_of(Chosen chosen, std::string_view last) {
   std::vector<std::string_view> names;
@@ -156,8 +157,9 @@ std::string names_asked_for(std::string_view separator) {
   return fmt::format("{}", fmt::join(names, separator));
 }
 
-/// Throws Error for a file that begins with `head` if it is of a known format that is not read, or binary. The message
-/// names the format and a remedy; for a binary file, the formats with signatures and those that a user can choose.
+/// Throws Error for a file that begins with `head` if the file is binary or of a known format that is not read. The
+/// message names the format and a remedy; for a binary file, the readable formats with signatures and the formats that
+/// --format can name.
 void refuse_foreign_format(const std::filesystem::path& path, std::string_view head) {
   if (const Magic* const magic = foreign_format(path, head))
     fail("{}: is {}, which pointsweep does not read; {}.", path.string(), magic->what, magic->remedy);
@@ -170,8 +172,8 @@ void refuse_foreign_format(const std::filesystem::path& path, std::string_view h
       names_asked_for(" or "));
 }
 
-/// Returns whether a file with this extension has points. Objects of a bucket are not opened to find out, since each
-/// would cost a request.
+/// Returns whether files with this extension hold points. Objects on servers are judged by their extension alone, since
+/// opening each would cost a request.
 bool is_named_as_points(const std::string& extension, std::string_view format_name) {
   if (format_asked_for(format_name) != nullptr && extension == ".bin") return true;
   return std::ranges::any_of(kFormats, [&](const Format* f) { return is_read_by_extension(*f, extension); });

@@ -22,12 +22,12 @@ typedef enum psr_status {
   PSR_NOT_FOUND = 1,
   PSR_DENIED = 2,       /* 401, 403, or there are no credentials */
   PSR_EXISTS = 3,       /* the object exists and was not to be overwritten */
-  PSR_CHANGED = 4,      /* the object is not the expected version */
+  PSR_CHANGED = 4,      /* the object has another version than the expected version */
   PSR_NO_RANGES = 5,    /* the server sends only whole files */
   PSR_UNAVAILABLE = 6,  /* 5xx, 429, no connection or no answer, after retries */
   PSR_TRUNCATED = 7,    /* the answer ends too early, after retries */
   PSR_TLS = 8,          /* the certificate of the server is not trusted */
-  PSR_NOT_POSSIBLE = 9, /* the server or the scheme does not have the operation */
+  PSR_NOT_POSSIBLE = 9, /* the server, or the scheme of the address, does not support the operation */
   PSR_WRONG_ADDRESS = 10,
   PSR_FILE = 11, /* a local file cannot be read */
   PSR_CANCELLED = 12,
@@ -46,7 +46,8 @@ typedef struct psr_version {
   char etag[116];       /* with a final 0; empty if there is none, or if it is longer */
 } psr_version;
 
-/* Sets the function that returns whether the work of the calling thread is cancelled. */
+/* Sets a function that returns nonzero if the work of the thread that calls it is cancelled. Requests call the function
+ * about every 100 ms, and then end with PSR_CANCELLED. */
 void psr_set_cancelled(int (*cancelled)(void));
 
 /* Returns the current version of an object. */
@@ -58,7 +59,7 @@ int psr_read(const char* address, const psr_version* expected, uint64_t offset, 
 
 /* A function that gets the key of an object, without the folder, and its size. */
 typedef void (*psr_visit)(void* context, const char* key, uint64_t size);
-/* Visits the objects in a folder, whose address ends in a slash, and the objects in its folders if `recursive`. */
+/* Calls `visit` for each object in a folder, whose address ends in a slash, and in the folders below if `recursive`. */
 int psr_list(const char* folder, int recursive, psr_visit visit, void* context, psr_detail* detail);
 
 /* Makes an object from a local file, in several parts if it is large. The object is visible only when complete. */

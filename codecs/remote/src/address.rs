@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-//! The store of the crate `object_store` and the path in it that an address names. Stores of buckets, and clients of
-//! HTTP servers, are kept for later requests.
+//! The store of the crate `object_store` that an address names, and the path of the object in the store. Stores of
+//! buckets, and clients of HTTP servers, are kept for later requests.
 
 use crate::failure::{Failure, Status};
 use object_store::aws::AmazonS3Builder;
@@ -17,7 +17,8 @@ use url::Url;
 
 pub type Store = Arc<dyn ObjectStore>;
 
-/// The purpose of a client, which decides how long it waits. A server answers an upload only when it has all bytes.
+/// The purpose of a client, which decides how long the client waits for an answer. A server answers an upload only after
+/// it has received all bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Purpose {
     Reading,
@@ -59,7 +60,7 @@ type Key = (u32, Purpose, String);
 static STORES: Mutex<Option<HashMap<Key, Store>>> = Mutex::new(None);
 static CLIENTS: Mutex<Option<HashMap<Key, SharedClient>>> = Mutex::new(None);
 
-/// Returns the value that is kept for `key`. Calls `make` and keeps its value if there is none.
+/// Returns the value that `all` keeps for `key`. If there is none, calls `make` and keeps its value.
 fn kept<T: Clone>(all: &Mutex<Option<HashMap<Key, T>>>, key: Key, make: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     let mut all = all.lock().unwrap_or_else(|e| e.into_inner());
     let all = all.get_or_insert_with(HashMap::new);
@@ -103,8 +104,8 @@ fn decoded(text: &str) -> String {
     Path::from_url_path(text).map_or_else(|_| text.to_string(), |path| path.to_string())
 }
 
-/// Returns the place of an object on an HTTP server. Its store has the address of the object, so that the query of the
-/// address stays unchanged. Only the client is kept for later requests.
+/// Returns the place of an object on an HTTP server. The store has the address of the object itself, so that the query of
+/// the address stays unchanged. Only the client is kept for later requests.
 fn http_place(address: &str, purpose: Purpose) -> Result<Place, Failure> {
     let wrong = |e: url::ParseError| Failure::new(Status::WrongAddress, e.to_string());
     let mut url = Url::parse(address).map_err(wrong)?;

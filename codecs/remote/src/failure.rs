@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-//! Errors of requests, as a status of the C interface and some words.
+//! Errors of requests, as a status of the C interface and a short description.
 
 use object_store::client::{HttpError, HttpErrorKind};
 use object_store::Error as StoreError;
@@ -115,7 +115,7 @@ impl From<StoreError> for Failure {
             StoreError::Unauthenticated { .. } => Self::new(Status::Denied, line("401 Unauthorized")),
             StoreError::InvalidPath { .. } => Self::new(Status::WrongAddress, "its path has a part that no key may have"),
             StoreError::NotImplemented { .. } => Self::new(Status::NotPossible, "this kind of server has no such operation"),
-            // The request was for a range of an empty object, or the answer has no ranges.
+            // The request was for a range of an empty object, or the server does not support ranges.
             StoreError::NotSupported { .. } => Self::new(Status::NoRanges, "the server ignores the header Range"),
             _ if failure.detail.contains("non-partial response") => Self::new(Status::NoRanges, "the server ignores the header Range"),
             _ => failure,

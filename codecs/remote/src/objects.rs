@@ -42,7 +42,7 @@ async fn head(place: &Place) -> Result<Version, Failure> {
     Ok(Version::of(&place.store.head(&place.path).await?))
 }
 
-/// Returns the version of an object. Asks HTTP servers by GET, since an address may be signed for GET alone.
+/// Returns the version of an object. Sends GET, not HEAD, to HTTP servers, since an address may be signed for GET alone.
 pub async fn look(address: &str) -> Result<Version, Failure> {
     let place = place_of(address, Purpose::Reading)?;
     if place.is_bucket {
@@ -57,7 +57,7 @@ pub async fn look(address: &str) -> Result<Version, Failure> {
 
 async fn read_once(place: &Place, expected: Option<&Version>, offset: u64, into: &mut [u8]) -> Result<(usize, Version), Failure> {
     let end = offset + into.len() as u64;
-    // A weak ETag may stand for several versions.
+    // A weak ETag may stand for several versions, so it is not sent as a condition.
     let if_match = expected.map(|version| version.etag.clone()).filter(|etag| !etag.is_empty() && !etag.starts_with("W/"));
     let options = GetOptions { range: Some(GetRange::Bounded(offset..end)), if_match, ..Default::default() };
     let got = place.store.get_opts(&place.path, options).await?;
@@ -159,7 +159,7 @@ fn part_of(file: &File, offset: u64, bytes: u64) -> Result<Vec<u8>, Failure> {
     Ok(part)
 }
 
-/// Sends the parts in order. A part is sent before the server has answered the part before it.
+/// Sends the parts in order. Up to PARTS_AT_ONCE parts are under way at the same time.
 async fn put_parts(upload: &mut dyn MultipartUpload, file: &File, size: u64) -> Result<(), Failure> {
     let part_bytes = PART_BYTES.max(size / MOST_PARTS + 1);
     let mut sent = VecDeque::new();

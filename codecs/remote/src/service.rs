@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-//! The runtime that performs requests. The first request makes it; a forked process makes its own runtime.
+//! The runtime that performs requests. The first request makes the runtime; a forked process makes its own.
 
 use crate::failure::{Failure, Status};
 use std::future::Future;
@@ -44,7 +44,7 @@ fn runtime() -> Result<Arc<Runtime>, Failure> {
     Ok(made)
 }
 
-/// Performs a request on this thread. Fails with `Status::Cancelled` if the work of the thread is cancelled.
+/// Performs a request and blocks this thread. Fails with `Status::Cancelled` if the work of the thread is cancelled.
 pub fn perform<T>(work: impl Future<Output = Result<T, Failure>>) -> Result<T, Failure> {
     runtime()?.block_on(async {
         let mut work = std::pin::pin!(work);

@@ -11,8 +11,8 @@
 namespace pointsweep {
 namespace {
 
-/// Limit of the steps between two offsets. With scales that differ they may be more than 2^32, the range of the
-/// integers. The quotients of more steps are too imprecise to tell whether they are whole.
+/// The largest number of steps between two offsets, 2^40. It exceeds the range of 32-bit integers, since the scales of
+/// the inputs may differ. A larger quotient is too imprecise to tell whether it is a whole number.
 constexpr double kMostSteps = 1099511627776.0;
 
 bool is_grid(const Field& field) {
@@ -25,7 +25,7 @@ struct AxisOfInput {
   double lo, hi;  ///< bounds of the real coordinates in the header; lo > hi if there are none
 };
 
-/// Returns the number of steps of `scale` in one step of `coarse`; nothing unless it is a whole number from 1 to 2^30.
+/// Returns the number of steps of `scale` in one step of `coarse`; nothing unless the number is whole and in 1..2^30.
 std::optional<std::int64_t> factor_between(double coarse, double scale) {
   const double ratio = coarse / scale, factor = std::nearbyint(ratio);
   const bool whole = std::abs(ratio - factor) <= 4 * std::numeric_limits<double>::epsilon() * ratio;
@@ -33,7 +33,7 @@ std::optional<std::int64_t> factor_between(double coarse, double scale) {
   return static_cast<std::int64_t>(factor);
 }
 
-/// Returns the number of steps from `offset` to the offset of `input`; nothing if it is not whole, or if the
+/// Returns the number of steps from `offset` to the offset of `input`; nothing if the number is not whole, or if the
 /// coordinates would not fit in 32 bits on the grid of `scale` and `offset`.
 std::optional<std::int64_t> steps_between(const AxisOfInput& input, double scale, double offset) {
   if (input.field.scale == scale && input.field.bias == offset) return 0;

@@ -52,7 +52,7 @@ bool same_storage(const Field& a, const Field& b) {
   return a.type == b.type && a.bit_width == b.bit_width && a.scale == b.scale && a.bias == b.bias;
 }
 
-/// Returns `field` without its place; bit fields become whole words.
+/// Returns `field` at offset 0. A bit field becomes a field of whole bytes.
 Field unpacked(const Field& field) {
   Field out = field;
   out.offset = 0;
@@ -162,10 +162,10 @@ bool has_field(const Schema& schema, const std::string& name) {
   return std::ranges::any_of(schema.fields, [&](const Field& field) { return field.name == name; });
 }
 
-/// Returns whether `name` is a flag for which point formats 0 to 5 of LAS have no bits. There the flag counts as 0.
+/// Returns whether `name` is a flag for which point formats 0 to 5 of LAS have no bits. Their points have the flag 0.
 bool is_flag_of_las14(std::string_view name) { return name == "overlap" || name == "scanner_channel"; }
 
-/// Returns whether `field` is one of the two return numbers and the input has neither. Both are then 1 (MissingFields).
+/// Returns whether `field` is one of the two return numbers and the input has neither. MissingFields sets both to 1.
 bool is_return_number(const Field& field, const Schema& input) {
   const std::string name = library_name_of(field.name);
   const bool has_any = input.find("return_number") || input.find("number_of_returns");

@@ -31,6 +31,7 @@ struct GridShift {
   void run(std::span<std::byte> records, std::size_t stride, const std::filesystem::path& path) const;
 };
 
+/// One grid for the integer coordinates of all inputs.
 struct CommonGrid {
   LasQuantization grid;
   std::vector<GridShift> shifts;  ///< one for each input
@@ -87,7 +88,7 @@ class WideIntegers {
   std::vector<Narrowed> narrowed_;
 };
 
-/// The steps that turn a record of one input into a record of the cloud: shift, then conversion, then missing fields.
+/// The conversion of the records of one input to records of the cloud: `shift`, then `conversion`, then `missing`.
 struct InputMapping {
   GridShift shift;
   std::shared_ptr<const RecordConversion> conversion;  ///< null if the input has the layout of the cloud
@@ -104,8 +105,8 @@ struct CommonSchema {
   std::vector<std::string> warnings;
 };
 
-/// Returns the common schema of the inputs, as class Cloud documents it. Names with the same meaning (`nx`, `NormalX`)
-/// are one field, under the name that comes first.
+/// Returns the common schema of the inputs, by the rules in the comment of class Cloud (cloud.h). Names with the same
+/// meaning (`nx`, `NormalX`) are one field, under the name that comes first.
 CommonSchema common_schema(const std::vector<std::shared_ptr<Reader>>& readers);
 
 /// One coordinate reference system for several inputs.

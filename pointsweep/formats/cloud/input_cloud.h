@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The implementation of a Cloud: several readers as one, dropped rows, decoders for several threads.
+/// The implementation of a Cloud: several readers as one cloud, rows that are left out, decoders for several threads.
 #pragma once
 
 #include <cstddef>
@@ -25,10 +25,11 @@
 
 namespace pointsweep {
 
-/// The inputs of a run as one cloud; class Cloud documents its schema. LAS integers are kept if all lie on one grid
-/// (common_schema.h). Class MissingFields defines the values of fields that an input lacks. Only read(), place_of_row()
-/// and input_row() change an object, and only its reading state. Clouds with other rows or fields of the same inputs
-/// are made by numbered(), with_chunks(), finite(), read_by() and selected(), in this order; they share the readers.
+/// The inputs of a run as one cloud; class Cloud documents its schema. The integer coordinates of LAS inputs are kept
+/// if all lie on one grid (common_grid()). Class MissingFields defines the values of fields that an input lacks. Only
+/// read(), place_of_row() and input_row() change an object, and only its reading state. Clouds with other rows or
+/// fields of the same inputs are made by numbered(), with_chunks(), finite(), read_by() and selected(), in this order;
+/// they share the readers.
 class InputCloud {
  public:
   explicit InputCloud(const std::vector<std::filesystem::path>& paths, CloudOptions options = {});
@@ -56,8 +57,7 @@ class InputCloud {
   const std::shared_ptr<const LasOrigin>& las() const { return las_; }
   /// Returns the range of each field that the types of the inputs allow.
   const std::vector<ValueRange>& ranges() const { return ranges_; }
-  /// Returns sentences about harmless faults in the combination of inputs. Faults of a single input are in its
-  /// FileInfo.
+  /// Returns sentences about harmless faults in the combination of inputs. FileInfo::warnings has those of one input.
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// Returns the warnings about inputs that lack attributes of other inputs, and about inputs whose 8-bit colours
   /// become 16-bit colours.
@@ -65,7 +65,7 @@ class InputCloud {
   /// Appends the boxes that files state for their points, in the order of the rows: boxes of chunks if a file states
   /// them, else the box of the whole file. Returns the first input with points that states no box, or null.
   const Reader* stated_boxes(std::vector<RowBox>& boxes) const;
-  /// Returns the total size of all input files in bytes.
+  /// Returns the total size of all input files.
   std::uint64_t bytes() const;
 
   /// Reads records of all inputs like Reader::read. Not thread-safe.
@@ -124,7 +124,7 @@ class InputCloud {
   class Decoder;
   /// A function that reads rows of an input. The input has at least one row from `row` on.
   using ReadInput = std::function<std::size_t(std::size_t input, std::uint64_t row, std::span<std::byte> records)>;
-  /// The state of reading rows one after another. A copy has no state yet.
+  /// The state of reading rows one after another. A copy does not copy the state.
   struct Reading {
     Reading() = default;
     Reading(const Reading&) : Reading() {}
@@ -143,15 +143,16 @@ class InputCloud {
                          std::span<std::byte> records) const;
   std::size_t checked(std::size_t input, std::uint64_t row, std::span<const std::byte> records,
                       const WantedFields& wanted, std::size_t rows) const;
-  /// Returns the row in the file of row `row` that readers() have. Thread-safe if the reader has decoders.
+  /// Returns the number in the file of row `row` of the input's reader, which may leave out rows of the file.
+  /// Thread-safe if the reader has decoders.
   std::uint64_t row_in_file(std::size_t input, std::uint64_t row) const;
-  /// Returns the row in the file of row `row` of the chosen chunks of an input.
+  /// Returns the number in the file of row `row` of the input's chosen chunks; `row` if all chunks are read.
   std::uint64_t chosen_row(std::size_t input, std::uint64_t row) const;
 
   // Clouds over the same inputs share states_, mappings_ and the readers, which take memory for each input.
   std::shared_ptr<const std::vector<FileState>> states_;  ///< see states()
   std::vector<std::shared_ptr<Reader>> readers_;
-  /// For each input of which only chosen chunks are read, its reader, which knows the row numbers in the file; null for
+  /// For each input of which only chosen chunks are read, its reader, for the numbers of rows in the file; null for
   /// other inputs. Empty if all inputs are read completely.
   std::vector<std::shared_ptr<const ChosenChunks>> chosen_;
   std::vector<std::shared_ptr<FiniteRows>> finite_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The files that arguments stand for, and arguments that name the same file (files.h).
+/// The implementation of files.h: the files that an argument stands for, and arguments that name the same file.
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ bool has_role_of_data(const Json& asset) {
   return roles.is_array() && std::ranges::find(roles, Json("data")) != roles.end();
 }
 
-/// Returns the path or URL of a feature's points; none if the feature does not state it.
+/// Returns the path or URL of a feature's points; none if the feature states neither.
 std::optional<std::string> href_of(const Json& feature) {
   const Json assets = feature.is_object() ? feature.value("assets", Json()) : Json();
   if (!assets.is_object()) return std::nullopt;
@@ -70,7 +70,7 @@ fs::path path_of(const fs::path& collection, const std::string& href) {
   return (collection.parent_path() / href).lexically_normal();
 }
 
-/// Returns the path of a file below the folder of the collection; its file name if the file is elsewhere.
+/// Returns the path of a file relative to the folder of the collection; the file name if the file is elsewhere.
 fs::path relative_name(const fs::path& collection, const fs::path& file) {
   const fs::path folder = collection.parent_path();
   const fs::path relative = file.lexically_relative(folder.empty() ? fs::path(".") : folder);
@@ -91,9 +91,9 @@ void require_existing(const fs::path& collection, const std::vector<ListedFile>&
 /// Returns whether the extension is .vpc.
 bool is_virtual_cloud(const fs::path& path) { return extension_of(path) == ".vpc"; }
 
-/// Returns the asset "data" of each feature, or else its first asset with the role "data", in the order of the file.
-/// Relative names begin at the folder of the .vpc file. Throws Error for a file that is not a collection, and for files
-/// that do not exist; objects on servers are checked when they are opened.
+/// Returns the files of a virtual point cloud: for each feature its asset "data", or else its first asset with the role
+/// "data". Relative names begin at the folder of the .vpc file. Throws Error if the .vpc file is not a collection, and
+/// for local files that do not exist; objects on servers are checked when they are opened.
 std::vector<ListedFile> files_of_virtual_cloud(const fs::path& path) {
   const Json collection = collection_in(path);
   std::vector<ListedFile> files;

@@ -34,7 +34,8 @@ ReadInputRows reading_by(Reader& reader) {
   return [&reader](std::uint64_t row, std::span<std::byte> records) { return reader.read(row, records); };
 }
 
-/// Calls `use(i)` for every record of a block that is not finite, and extends `bounds` by all other points.
+/// Calls `use(i)` for every record of a block with a coordinate that is not finite. Extends `bounds` by all other
+/// points.
 template <class Use>
 void for_each_nonfinite_record(const PositionFields& position, std::span<const std::byte> records, std::size_t stride,
                                Box& bounds, Use use) {
@@ -97,7 +98,7 @@ FiniteRowIndex::FiniteRowIndex(Reader& reader, std::uint64_t first_row, Nonfinit
 /// Returns the row after the piece that begins at `row`: all blocks that begin in the chunk of `row`, or a fixed number
 /// of blocks.
 std::uint64_t FiniteRowIndex::end_of_piece(const Reader& reader, std::uint64_t row) const {
-  constexpr std::uint64_t kBlocks = 4;  // in a piece, if rows may be split anywhere or one thread reads all
+  constexpr std::uint64_t kBlocks = 4;  // blocks of a piece, if rows may be split anywhere or one thread reads all
   if (!reader.has_decoders() || reader.decodes_any_range()) return std::min(rows_, row + kBlocks * kBlock);
   return std::min(rows_, (reader.chunk_of(row).end_row() + kBlock - 1) / kBlock * kBlock);
 }

@@ -38,8 +38,8 @@ bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path);
 class FiniteRowIndex {
  public:
   static constexpr std::uint64_t kBlock = 4096;
-  /// Reads all of `reader`, on all threads where it has decoders, and adds its nonfinite rows to `found`, numbered from
-  /// `first_row` on.
+  /// Reads all rows of `reader`, on all threads if the reader has decoders, and adds its nonfinite rows to `found`,
+  /// numbered from `first_row` on.
   FiniteRowIndex(Reader& reader, std::uint64_t first_row, NonfiniteRows& found,
                  const std::function<void(std::uint64_t rows)>& progress);
   std::uint64_t count() const { return before_.back(); }  ///< number of finite rows
@@ -67,7 +67,7 @@ class FiniteRows final : public Reader {
   FiniteRows(std::shared_ptr<Reader> all, FiniteRowIndex index);
   ~FiniteRows() override;
 
-  /// Returns the finite rows of the blocks that begin in one chunk of `all`.
+  /// Returns the finite rows of the blocks of 4,096 rows that begin in one chunk of `all`.
   Chunk chunk_of(std::uint64_t row) const override;
   bool has_decoders() const override { return all_->has_decoders(); }
   bool decodes_any_range() const override { return all_->decodes_any_range(); }

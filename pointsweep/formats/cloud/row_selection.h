@@ -11,7 +11,7 @@
 namespace pointsweep {
 
 /// One bit for each row, in blocks that are read when needed. A selection takes 8 bytes of memory for 4,096 rows. Many
-/// threads may use it, each with a SelectionCursor.
+/// threads may use one selection, each with its own SelectionCursor.
 class RowSelection {
  public:
   static constexpr std::uint64_t kBlockRows = 4096;
@@ -64,7 +64,7 @@ class SelectionCursor {
   const RowSelection* selection_;
   std::uint64_t bits_of_ = ~std::uint64_t{0};
   std::vector<std::byte> bits_;
-  std::vector<std::byte> records_;  ///< rows of a block, kept or not
+  std::vector<std::byte> records_;  ///< records of a block, including rows that are not kept
 };
 
 }  // namespace pointsweep

@@ -24,8 +24,8 @@ namespace {
 
 constexpr std::size_t kPointsAtOnce = 4096;
 
-/// Returns the library's name for an attribute of E57. Unknown names are returned unchanged, and so are names of
-/// coordinates: a scan with spherical coordinates may have some Cartesian coordinates as attributes.
+/// Returns the library's name for an attribute of E57. Unknown names are returned unchanged, and so are names of the
+/// Cartesian coordinates, which a scan with spherical coordinates may have as attributes.
 std::string name_of(const std::string& e57) {
   const auto known = std::find_if(std::begin(kE57Names) + kE57Coordinates, std::end(kE57Names),
                                   [&](const E57Name& name) { return name.theirs == e57; });
@@ -79,8 +79,8 @@ class E57Reader : public Reader {
     info_.path = path;
     info_.format = fmt::format("E57, {} scan{}", file_.scans().size(), file_.scans().size() == 1 ? "" : "s");
     info_.bytes = file_.file().size();
-    constexpr std::uint64_t kDecoderBytes = 3
-                                            << 20;  // a packet and its values; an estimate from the peak memory of runs
+    // The memory of a packet and its values, estimated from the peak memory of runs.
+    constexpr std::uint64_t kDecoderBytes = 3 << 20;
     info_.decoder_bytes = kDecoderBytes;
     info_.decode_once = true;
     make_schema();
@@ -177,7 +177,7 @@ class E57Reader : public Reader {
     return columns;
   }
 
-  /// Returns the last scan that begins at `row` or before, which skips scans without points.
+  /// Returns the scan that has row `row`: the last scan that begins at or before `row`, since scans may have no points.
   std::size_t scan_of(std::uint64_t row) const {
     return static_cast<std::size_t>(std::ranges::upper_bound(first_row_, row) - first_row_.begin()) - 1;
   }

@@ -29,8 +29,8 @@ namespace {
 constexpr std::size_t kBatchPoints = 4096;
 constexpr std::uint64_t kInvalid = 2;  ///< value of cartesianInvalidState for coordinates without meaning
 
-/// Returns 128 bits in the form of E57's identifiers. They depend only on the number and the fields of the points and
-/// on the provenance, so that equal runs give equal bytes.
+/// Returns a GUID in the notation of E57. The GUID depends only on the number and the fields of the points and on the
+/// provenance, so that equal runs give equal bytes.
 std::string identifier_of(const OutputPlan& plan) {
   std::uint64_t state[2] = {0xcbf29ce484222325u, 0x84222325cbf29ce4u};  // FNV-1a with two initial values
   const auto add = [&](std::string_view bytes) {

@@ -8,7 +8,7 @@
 
 namespace pointsweep {
 
-/// Returns whether the path has one of the characters * ? [ and no file has this name.
+/// Returns whether the path has one of the characters * ? [ and no file or folder has exactly this path.
 bool is_file_pattern(const std::filesystem::path& path);
 
 /// Returns the files that the pattern matches, or the folders if it ends in '/', each once and in no particular order.

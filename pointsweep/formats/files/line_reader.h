@@ -70,7 +70,7 @@ class RowLines {
   IsRow is_row_;
   std::vector<Place> places_;  ///< places of the rows 0, kRowsPerPlace, ...
   std::uint64_t count_ = 0;
-  std::uint64_t end_ = 0;  ///< byte after the last line that the constructor has read
+  std::uint64_t end_ = 0;  ///< byte after the last line that the constructor read
 };
 
 /// Reads rows by number for one thread.

@@ -21,7 +21,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kReadEntries = 1024;
-constexpr std::int32_t kIsPage = -1;  ///< count of points of an entry that refers to another page
+constexpr std::int32_t kIsPage = -1;  ///< value of Entry::points for an entry that refers to another page
 
 /// Returns the sort key of nodes in a page and of their chunks in the file.
 auto order_of(const Octant& octant) { return std::pair(octant.depth, first_key(octant)); }
@@ -110,14 +110,14 @@ class Hierarchy {
     nodes_.depths[*chunk] = e.level;
   }
 
-  /// Returns the chunk that has the offset, bytes and points of the node; none if there is none.
+  /// Returns the chunk that has the offset, bytes and points of the node; nothing if no chunk has them.
   std::optional<std::size_t> chunk_of(const Entry& e) const {
     std::size_t low = 0, high = points_.chunks();
     while (low < high) {
       const std::size_t middle = low + (high - low) / 2;
       (points_.first_byte(middle) < e.offset ? low = middle + 1 : high = middle);
     }
-    // A chunk without points begins where the next one does.
+    // A chunk without points begins at the same byte as the chunk after it.
     for (; low < points_.chunks() && points_.first_byte(low) == e.offset; ++low) {
       const bool fits = e.bytes > 0 && e.points > 0 &&
                         points_.first_byte(low + 1) - e.offset == static_cast<std::uint64_t>(e.bytes) &&

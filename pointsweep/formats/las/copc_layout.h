@@ -50,13 +50,13 @@ struct CopcNode {
 /// ancestors of the nodes are added as empty nodes.
 std::vector<std::byte> copc_hierarchy_bytes(std::vector<CopcNode> nodes);
 
-/// The octree nodes of the chunks of a COPC file.
+/// The octree nodes to which the chunks of a COPC file belong.
 struct CopcChunks {
   /// Box and depth of the node of each chunk; empty if there are no nodes. Points of a chunk may lie outside of its
   /// box.
   std::vector<Box> boxes = {};
   std::vector<int> depths = {};
-  double spacing = 0;  ///< spacing of the root, as the file states it
+  double spacing = 0;  ///< spacing of the points of the root, as the file states it
 };
 
 /// Returns the nodes that the hierarchy assigns to the chunks of `points`; none if the hierarchy contradicts itself,
@@ -69,18 +69,18 @@ CopcChunks read_copc_nodes(const InputFile& file, std::uint64_t info, const LazP
 /// not allow.
 FileLayout copc_file_layout(const Schema& schema, FileLayout layout, const std::string& path);
 
-/// The least and the greatest GPS time.
+/// The least and the greatest GPS time of some points.
 struct TimeRange {
   double least = 0, greatest = 0;
 };
 
-/// Collects the points of nodes. One node of each depth is open at a time, since the points of a node are consecutive
-/// on the Morton curve. The points of a node are compressed in the order of their GPS times, points of equal time in
-/// the order of the curve. The threads compress several nodes at once.
+/// Collects the points of nodes. One node of each depth is open, that is, may get more points, since the points of a
+/// node are consecutive on the Morton curve. The points of a node are compressed in the order of their GPS times,
+/// points of equal time in the order of the curve. The threads compress several nodes at once.
 class CopcNodes {
  public:
   /// `memory_bytes`: memory for the points of complete nodes that wait to be compressed. `most_node_bytes`: largest
-  /// size of the points of one node. `aside` receives the compressed chunks.
+  /// number of bytes of the points of one node. `aside` holds the compressed chunks until finish().
   CopcNodes(const LazLayout& laz, std::size_t record_bytes, std::uint64_t memory_bytes, std::uint64_t most_node_bytes,
             std::unique_ptr<Scratch> aside, std::string path);
 

@@ -22,15 +22,15 @@ constexpr std::size_t kBatchOfRows = 64 << 10;
 
 /// The least memory for nodes that wait to be compressed.
 constexpr std::uint64_t kLeastNodeBytes = 16 << 20;
-/// Memory beyond the minimum that makes small files faster.
+/// Memory beyond the minimum with which files of up to 3 GB are written faster; larger files use more.
 constexpr std::uint64_t kUsefulBytes = 96 << 20;
 /// Number of copies of a node that are in memory while the node is sorted and compressed.
 constexpr std::uint64_t kCopiesOfNode = 3;
 /// Largest size of a node of a writer that keeps all points in memory: nodes may have any size.
 constexpr std::uint64_t kAnyNumberOfBytes = ~std::uint64_t{0};
 
-/// Returns the memory that a writer of `bytes` bytes of records uses: `memory`, but at least the minimum, and at most
-/// the amount beyond which the writer gets no faster.
+/// Returns the memory that a writer of records of `bytes` bytes in total uses: `memory`, but at least the minimum, and
+/// at most the amount beyond which the writer gets no faster.
 std::uint64_t useful_memory(std::uint64_t bytes, std::uint64_t memory, unsigned threads) {
   const std::uint64_t least = copc_encoder_bytes(0, threads);
   return std::clamp(memory, least, least + std::max(kUsefulBytes, bytes / 32));

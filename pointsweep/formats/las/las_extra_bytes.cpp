@@ -35,6 +35,8 @@ static_assert(offsetof(Descriptor, scale) == 112);
 constexpr Type kTypes[] = {Type::u8,  Type::i8,  Type::u16, Type::i16, Type::u32,
                            Type::i32, Type::u64, Type::i64, Type::f32, Type::f64};
 
+/// An attribute with a usual name in LAS: the library's name, the name in LAS, and the description. If the description
+/// is empty, the caller's description is written.
 struct Words {
   std::string_view ours, las, description;
 };
@@ -84,7 +86,7 @@ double bias_of(const Descriptor& d, std::size_t component) {
   return (d.options & kHasOffset) != 0 && std::isfinite(bias) ? bias : 0;
 }
 
-/// Returns the first `most` bytes of `name`, or up to three less, so that no UTF-8 character is divided.
+/// Returns the first `most` bytes of `name`, or up to three fewer, so that no UTF-8 character is divided.
 std::string_view cut_to(std::string_view name, std::size_t most) {
   if (name.size() <= most) return name;
   std::size_t end = most;

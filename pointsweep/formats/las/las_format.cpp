@@ -27,7 +27,8 @@ bool is_copc(std::string_view head) {
 
 bool is_plain_laz(std::string_view head) { return is_compressed(head) && !is_copc(head); }
 
-/// Returns the value of an attribute of LAS in files without it: 1 for return numbers, else 0. Nothing for other names.
+/// Returns the value of a LAS attribute for points that lack the attribute: 1 for return numbers, else 0. Nothing for
+/// other names.
 std::optional<double> own_field(std::string_view name) {
   if (name == "return_number" || name == "number_of_returns") return 1;
   for (int format = 0; las_record_length(format); ++format)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Writers of LAS, LAZ and COPC. Outputs keep the parts of a LAS input; other inputs become LAS 1.4 (see las_layout.h).
-/// Facts about all values of a cloud are collected before its first point is stored.
+/// The functions las_values() and copc_values() collect facts about all values of a cloud before the first point is
+/// stored.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +30,9 @@ StoredCoordinate las_stored_coordinate(const OutputPlan& plan);
 /// input, plan.bounds is required unless the coordinates are integers that 32 signed bits hold.
 std::unique_ptr<Writer> create_las_writer(const OutputPlan& plan);
 
-/// Creates a writer like create_las_writer(), which writes the points in compressed chunks. Records come in order. All
-/// threads compress several chunks of kLazChunkPoints points at once. Throws Error if codecs are not built in.
+/// Creates a writer like create_las_writer(), which writes the points in compressed chunks and takes records only in
+/// order. All threads compress several chunks of kLazChunkPoints points at once. Throws Error if codecs are not built
+/// in.
 std::unique_ptr<Writer> create_laz_writer(const OutputPlan& plan);
 
 /// Creates a writer of COPC, that is, LAZ with levels of detail. It keeps all points in memory or in files of

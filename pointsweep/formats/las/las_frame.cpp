@@ -22,13 +22,13 @@ constexpr std::byte kCompressedBit{0x80};
 constexpr std::size_t kRowsAtOnce = 256;
 /// Number of rows that a thread encodes at a time.
 constexpr std::size_t kTaskRows = 4096;
-/// Byte 14 of a point that is return 1 of 1: in point formats 0 to 5, and in 6 to 10.
+/// Byte 14 of the record of a point that is return 1 of 1: in point formats 0 to 5, and in 6 to 10.
 constexpr std::byte kOnlyLegacyReturn{0x09}, kOnlyReturn{0x11};
 /// Byte offsets of the flags and the class in records of point formats 6 to 10.
 constexpr std::size_t kFlagsAt = 15, kClassAt = 16;
 constexpr std::byte kOverlapFlag{0x08}, kOverlapClass{12};
 
-/// Returns whether a coordinate is farther from the grid than rounding of float64 sums explains: farther than a
+/// Returns whether a coordinate is farther from the grid than rounding errors of float64 explain: farther than a
 /// thousandth of a step or 1e-9 of the coordinate, whichever is smaller.
 bool is_beside_grid(double value, double scale, double offset) {
   const double steps = (value - offset) / scale;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Code that the writers of LAS, LAZ and COPC share: the header, the VLRs and the bytes after the points; the count and
-/// bounds of the points; the encoding of records.
+/// Classes that the writers of LAS, LAZ and COPC share: the file except its points, the count and bounds of the points,
+/// the encoding of records, and the base of the writers.
 #pragma once
 
 #include <array>
@@ -46,7 +46,7 @@ class LasStatistics {
   std::uint8_t return_mask_;
 };
 
-/// The output file of a writer, and all bytes of it other than the points.
+/// The output file of a writer, and all of its bytes other than the points.
 class LasFrame {
  public:
   /// Writes all bytes before the points. Throws Error, before anything is written, if the points cannot be stored.
@@ -66,7 +66,7 @@ class LasFrame {
   /// Returns the number of bytes that are copied from the input to the place after the points.
   std::uint64_t tail_bytes() const;
   /// Finishes a file whose points end before byte `points_end`: writes the pieces of the input that follow the points,
-  /// then `last`, then the final header, and renames the file to its destination.
+  /// then `last`, then the final header. Gives the file its name.
   void finish(const LasStatistics& points, std::uint64_t points_end, std::span<const std::byte> last = {});
 
  private:
@@ -118,7 +118,7 @@ class LasEncoder {
   std::string path_;
 };
 
-/// The parts that the writers of LAS, LAZ and COPC share.
+/// The base of the writers of LAS, LAZ and COPC.
 class LasFamilyWriter : public Writer {
  protected:
   LasFamilyWriter(const OutputPlan& plan, LasPoints points);
@@ -126,8 +126,8 @@ class LasFamilyWriter : public Writer {
   const LasHeader& header() const { return frame_.layout().header; }
   /// Encodes the next `count` records on all threads and takes them into the statistics.
   void encode(const std::byte* from, std::byte* to, std::size_t count);
-  /// Writes the table of the chunks of a compressed file, which end before byte `at`, and its offset before the first
-  /// chunk. Returns the byte after the table.
+  /// Writes the chunk table of a compressed file at byte `at`, where the last chunk ends, and the offset of the table
+  /// before the first chunk. Returns the byte after the table.
   std::uint64_t put_chunk_table(std::uint64_t at, std::span<const LazLayout::ChunkSize> chunks);
   /// Finishes the file like LasFrame::finish(), and warns of rounded coordinates.
   void finish_file(std::uint64_t points_end, std::span<const std::byte> last = {});

@@ -22,7 +22,7 @@ inline constexpr std::uint16_t kLasWaveformBits = 1 << 1 | 1 << 2;
 /// Bits of the global encoding that LAS 1.3 defines.
 inline constexpr std::uint16_t kLasEncodingBits13 = 0x0F;
 
-/// The header entries that the library uses. All others (GUID, system identifier, dates, ...) stay in `bytes`.
+/// The header entries that the library uses. All other entries (GUID, system identifier, dates, ...) stay in `bytes`.
 struct LasHeader {
   std::uint8_t minor = 4;  ///< LAS 1.`minor`
   std::uint16_t global_encoding = 0;

@@ -36,7 +36,7 @@ std::uint32_t position_bytes(const Schema& schema) {
 
 bool is_position_field(std::string_view name) { return name == "x" || name == "y" || name == "z"; }
 
-/// Builds the layout field by field.
+/// Chooses the header and the records of a file, field by field.
 class Builder {
  public:
   Builder(const OutputPlan& plan, LasPoints points)
@@ -75,15 +75,15 @@ class Builder {
     return std::ranges::any_of(input.schema.fields, [](const Field& field) { return field.count > 1; });
   }
 
-  /// Adds a pair of fields: the output stores the values of `from` in `to`.
+  /// Adds a pair of fields to the layout: the output stores the values of `from` in `to`.
   void connect(Field from, Field to) {
     from.name = to.name = std::to_string(layout_.from.fields.size());
     layout_.from.fields.push_back(std::move(from));
     layout_.to.fields.push_back(std::move(to));
   }
 
-  /// Warns of a name that LAS cuts, or that an earlier attribute gives up. Throws UsageError if another attribute has
-  /// the rest of a name that is cut, too.
+  /// Notes the name of an attribute in extra bytes. Warns if LAS cuts the name, and if an earlier attribute with this
+  /// name is renamed. Throws UsageError if two names are equal only because LAS cuts them.
   void name_extra(const Field& field, std::uint32_t component) {
     const std::string whole = field.count == 1 ? field.name : fmt::format("{}[{}]", field.name, component);
     const std::string stored = extra_bytes_name(field, component);
@@ -103,7 +103,8 @@ class Builder {
                                              plan_.path.string(), whole, stored, kLasNameBytes));
   }
 
-  /// Adds `field` as extra bytes. Their description comes from the input, or is the meaning of a made attribute.
+  /// Adds `field` as extra bytes. The description of the extra bytes comes from the input; for a made attribute, the
+  /// description is the meaning of the attribute.
   void append_extra(const Field& field) {
     Field stored = field;
     stored.type = unpacked_type(field);
@@ -200,8 +201,8 @@ class Builder {
     connect(from, rest);
   }
 
-  /// Finds the source of each coordinate: the last connected field that is stored at the place of the coordinate. Sets
-  /// positions_change if a source is not stored unchanged.
+  /// Finds the source of each coordinate: the last field of `layout_.from` that is stored at the offset of the
+  /// coordinate. Sets positions_change if a source is not stored unchanged.
   void watch_positions(const Schema& format) {
     Field* const places[] = {&layout_.x, &layout_.y, &layout_.z};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -245,7 +246,8 @@ class Builder {
     for (std::size_t i = 0; i < schema.fields.size(); ++i) {
       if (stored[i]) continue;
       if (choice.is_stated() && is_las_name(schema.fields[i].name)) {
-        if (!is_made(schema.fields[i].name) && ranges[i].within(0, 0)) continue;  // a missing field means 0, too
+        if (!is_made(schema.fields[i].name) && ranges[i].within(0, 0))
+          continue;  // readers take 0 for a field that is missing
         without_field.push_back(schema.fields[i].name);
       }
       append_extra(schema.fields[i]);
@@ -267,7 +269,7 @@ class Builder {
   }
 
   void append_exact_copy(Field exact) {
-    // Values that stages make are not known yet.
+    // The values of made attributes are not known yet, so that the warning says "may".
     layout_.warnings.push_back(
         fmt::format("{}: {} of '{}' {} not fit the LAS field; it has them rounded and within its range, the "
                     "extra bytes '{}_{}' have them exactly.",
@@ -289,8 +291,8 @@ class Builder {
     return ranges;
   }
 
-  /// Chooses the oldest version that has the point format and is not older than any LAS input. Sets the time bit to the
-  /// kind of GPS time of the inputs.
+  /// Chooses the oldest version that has the point format and is not older than any LAS input. Sets the bit of the
+  /// global encoding that states the kind of GPS time of the inputs.
   void choose_version() {
     LasHeader& header = layout_.header;
     int minor = las_minor_of(header.point_format);
@@ -307,7 +309,7 @@ class Builder {
   void take_version(int minor) {
     LasHeader& header = layout_.header;
     const int least = plan_.count > std::numeric_limits<std::uint32_t>::max() ? 4 : las_minor_of(header.point_format);
-    const bool has_hierarchy = input_ != nullptr && input_->evlrs.copc_hierarchy;  // the output does not keep it
+    const bool has_hierarchy = input_ != nullptr && input_->evlrs.copc_hierarchy;  // which the output does not keep
     if (minor < least)
       fail_usage("{}: LAS 1.{} has no {}, which needs LAS 1.{}; state that version, or another point format.",
                  plan_.path.string(), minor,
@@ -331,8 +333,8 @@ class Builder {
     return offset && offset->at ? las_scale_from(*offset->at, bounds) : las_quantization(bounds).scale;
   }
 
-  /// Sets the grid of the user. `own`: the grid of the coordinates, if they have one, which completes a partly stated
-  /// grid.
+  /// Sets the grid that the user states. If the user states only a scale or only an offset, `own`, the grid of the
+  /// incoming coordinates, completes the statement; none if they have no grid.
   void take_stated_grid(const std::optional<LasQuantization>& own) {
     const auto& [scale, offset, format, version, decimals] = plan_.layout;
     LasQuantization grid = own.value_or(LasQuantization{{1, 1, 1}, {}});

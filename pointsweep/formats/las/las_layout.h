@@ -38,7 +38,7 @@ struct LasLayout {
   std::vector<LasPiece> before, between;
   LasPiece after;
   std::vector<LasPiece> tail;
-  std::vector<std::byte> first_vlrs;       ///< the COPC VLR with its header, filled in later
+  std::vector<std::byte> first_vlrs;       ///< the COPC VLR with its header; its content is written after the points
   std::vector<std::byte> added_vlrs;       ///< VLRs with their headers; empty if the input's pieces contain all VLRs
   std::vector<std::byte> provenance_vlrs;  ///< new VLRs with their headers; old VLRs are in the pieces of the input
   std::vector<std::string> warnings;       ///< about properties of the cloud that the file cannot hold
@@ -47,8 +47,8 @@ struct LasLayout {
   /// Two schemas of equally many fields: field i of the incoming records is stored in field i of the file's records.
   Schema from, to;
   Field x, y, z;                      ///< the coordinates, as fields of `from`
-  bool positions_change = false;      ///< coordinates are quantised, which may fail
-  bool points_moved = false;          ///< the coordinates were changed by stages
+  bool positions_change = false;      ///< coordinates are rounded to the grid; those out of its reach are an Error
+  bool points_moved = false;          ///< stages of the run changed the coordinates
   bool keeps_scale = false;           ///< real coordinates are stored on KnownValues::grid
   bool grid_is_stated = false;        ///< coordinates are rounded to a grid that the user states
   std::optional<Vec3> fitting_scale;  ///< scales at which 32 bits hold all coordinates; none if the bounds are unknown
@@ -87,8 +87,8 @@ bool las_keeps_scale(const PositionFields& p);
 /// The VLRs that describe the records of the output.
 struct LasDescriptions {
   ExtraBytesVlr extra_bytes;
-  bool extended = false;       ///< extra_bytes must be written
-  bool keeps_records = false;  ///< records begin with the records of the input
+  bool extended = false;       ///< true if extra_bytes must be written
+  bool keeps_records = false;  ///< true if records begin with the records of the input
 };
 
 /// Sets the pieces and VLRs of the layout, the header entries about them and about the coordinate reference system, and

@@ -65,8 +65,8 @@ class PiecePlacer {
   }
 
  private:
-  /// Removes the bytes after the standard header, since readers of COPC expect the COPC VLR there. Removes the
-  /// reference to waveforms, for which the point formats of COPC have no fields.
+  /// Removes the bytes after the standard header, since readers of COPC expect the COPC VLR directly after it. Removes
+  /// the reference to waveforms, for which the point formats of COPC have no fields.
   void keep_standard_header() {
     LasHeader& header = layout_.header;
     if (header.header_size > standard_header_size(4))
@@ -80,8 +80,8 @@ class PiecePlacer {
   }
 
   /// Chooses the statements of the coordinate reference system that the file gets in addition to the input's VLRs, and
-  /// the statement that counts. Point formats 6 to 10 must have WKT. GeoTIFF keys cannot be turned into WKT without a
-  /// registry of systems, so they count if no WKT is known.
+  /// the statement that counts. Point formats 6 to 10 must have WKT. If no WKT is known, the GeoTIFF keys count, since
+  /// only a registry of systems could turn keys into WKT.
   void choose_crs() {
     LasHeader& header = layout_.header;
     if (plan_.replaces_crs && input_ != nullptr && input_->crs_in_evlrs)
@@ -125,8 +125,8 @@ class PiecePlacer {
 
   bool says_wkt() const { return (layout_.header.global_encoding & kLasWktBit) != 0; }
 
-  /// Warns that waveforms are lost. They lie after the points or in another file; only the waveforms of the first input
-  /// can be kept.
+  /// Warns that waveforms are lost. Waveforms lie after the points or in another file; only the waveforms of the first
+  /// input can be kept.
   void warn_of_waveforms() {
     if (!las_has_waveforms(layout_.header.point_format)) return;
     for (const auto& extras : plan_.other_extras) {
@@ -181,7 +181,8 @@ class PiecePlacer {
     if (--layout_.header.evlr_count == 0) layout_.header.evlr_start = 0;
   }
 
-  /// Sets the header entries for the extended VLR with the nodes, which follows the extended VLRs of the input.
+  /// Sets the header entries for the extended VLR with the COPC hierarchy, which follows the extended VLRs of the
+  /// input.
   void add_hierarchy() {
     LasHeader& header = layout_.header;
     const LasVlrChain none, &evlrs = input_ != nullptr ? input_->evlrs : none;
@@ -207,7 +208,7 @@ class PiecePlacer {
     return bytes;
   }
 
-  /// Moves a byte offset of the input if it refers to a place after the points.
+  /// Changes a byte offset that refers to a place after the points of the input to the same place of the output.
   void move_reference(std::uint64_t& place) const {
     if (place < input_->points_end) return;
     const std::optional<LasVlr>& left_out = input_->evlrs.copc_hierarchy;

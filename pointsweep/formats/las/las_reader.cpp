@@ -64,8 +64,8 @@ void read_provenance(LasParts& parts, const LasVlr& vlr) {
   std::ranges::move(provenance_in(text), std::back_inserter(parts.provenance));
 }
 
-/// Returns the byte after the points. The header does not state the end of compressed points; all bytes before the
-/// extended VLRs belong to them.
+/// Returns the byte after the points. Since the header does not state the end of compressed points, all bytes before
+/// the extended VLRs count as points.
 std::uint64_t end_of_points(const LasHeader& header, std::uint64_t file_size) {
   if (!header.is_compressed) return header.offset_to_points + point_count(header) * header.record_length;
   const bool has_evlrs = header.minor >= 4 && header.evlr_count != 0 && header.evlr_start >= header.offset_to_points;
@@ -191,8 +191,8 @@ class LazReader final : public Reader {
   LazReader(const LasParts& parts, std::vector<std::string> warnings)
       : points_(open_compressed(parts)), nodes_(copc_nodes(parts, points_, warnings)) {
     info_ = info_of(parts, warnings);
-    constexpr std::uint64_t kDecoderBytes =
-        3 << 20;  // buffers, layers and models; an estimate from the peak memory of runs
+    // The memory of buffers, layers and models, estimated from the peak memory of runs.
+    constexpr std::uint64_t kDecoderBytes = 3 << 20;
     info_.decoder_bytes = kDecoderBytes;
     info_.decode_once = true;
     if (nodes_.depths.empty() || !std::isfinite(nodes_.spacing) || !(nodes_.spacing > 0)) return;

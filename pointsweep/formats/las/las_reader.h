@@ -31,8 +31,8 @@ struct LasParts {
   std::vector<std::string> provenance;  ///< lines about how the file was made, from its VLRs
 };
 
-/// The parts of a LAS input that the writers of LAS, LAZ and COPC use. There may be very many inputs, so most parts are
-/// read only by parts().
+/// The parts of a LAS input that the writers of LAS, LAZ and COPC use. Most parts are not kept in memory, since a run
+/// may have many inputs; parts() reads them from the file.
 struct LasExtras final : FormatExtras {
   static constexpr std::string_view kFormat = "las";
   std::string_view format() const override { return kFormat; }
@@ -41,7 +41,7 @@ struct LasExtras final : FormatExtras {
   std::shared_ptr<const LasParts> parts() const;
 
   std::shared_ptr<const InputFile> file;
-  std::uint8_t minor = 4, point_format = 0;  ///< as in LasHeader
+  std::uint8_t minor = 4, point_format = 0;  ///< entries of the LasHeader
   std::uint32_t unnamed_bytes = 0;           ///< bytes at the end of a record that nothing describes
   std::vector<std::byte> extra_bytes;        ///< LasParts::extra_bytes
 };

@@ -53,7 +53,7 @@ class Look {
     for (const std::size_t f : fields_) values_.ranges[f].include(value_of(cloud_.schema().fields[f], record));
   }
 
-  /// Returns false if the coordinates read so far lie on no common grid. Coordinates that are not finite do not count.
+  /// Returns false if the coordinates read so far lie on no common grid. Coordinates that are not finite are ignored.
   bool take_coordinates(const std::byte* records, std::size_t rows) {
     for (auto& axis : xyz_) axis.resize(kBlockRows);
     decode_positions(positions_, records, cloud_.schema().stride, rows, xyz_[0].data(), xyz_[1].data(), xyz_[2].data());
@@ -80,7 +80,7 @@ class Look {
   std::array<std::vector<double>, 3> xyz_;
 };
 
-/// Returns whether all coordinates are float64, as text files, arrays and other formats have them.
+/// Returns whether all coordinates are unscaled float64, as from text files and arrays.
 bool are_double(const PositionFields& p) {
   const auto is_double = [](const Field& f) { return f.type == Type::f64 && f.is_plain(); };
   return is_double(p.x) && is_double(p.y) && is_double(p.z);

@@ -52,7 +52,7 @@ std::optional<LasVlr>* place_of(LasVlrChain& chain, std::string_view user, std::
   return record == kGeoAsciiRecord ? &chain.geo_ascii : nullptr;
 }
 
-/// Stores the place of a record in `chain` if readers use its kind.
+/// Stores the place of a record in `chain` if the record is of a kind that readers use.
 void note(LasVlrChain& chain, const std::byte* header, const LasVlr& vlr) {
   char user[16];
   std::uint16_t record;

@@ -40,7 +40,7 @@ struct LasVlr {
   std::uint64_t end() const { return content + length; }
 };
 
-/// The result of walking the chain. The contents of records are not kept: there may be many records, and a writer
+/// The result of walk_las_vlrs(). The contents of records are not kept: there may be many records, and a writer
 /// copies them from the file.
 struct LasVlrChain {
   std::uint64_t start = 0, end = 0;                             ///< bytes of the complete records

@@ -80,13 +80,13 @@ class LasWriter final : public LasFamilyWriter {
   std::uint64_t next_row_ = 0;
 };
 
-/// Number of chunks that are compressed at once with the least memory: about two megabytes each, and half as much for
-/// the compressed chunk.
+/// Number of chunks that are compressed at once with the least memory. A chunk takes about 2 MB, and half as much after
+/// compression.
 constexpr unsigned kFewChunksAtOnce = 4;
 
 /// Returns the memory for compressing a chunk of records of `record_bytes`.
 std::uint64_t chunk_bytes(std::uint64_t record_bytes) {
-  constexpr std::uint64_t kModels = 2 << 20;  // an estimate from the peak memory of runs
+  constexpr std::uint64_t kModels = 2 << 20;  // models of the entropy coder, estimated from the peak memory of runs
   const std::uint64_t chunk = kLazChunkPoints * record_bytes;
   return chunk + chunk / 2 + kModels;
 }

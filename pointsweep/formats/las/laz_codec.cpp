@@ -20,8 +20,7 @@ namespace pointsweep {
 
 namespace {
 
-constexpr std::uint64_t kMostTableEntry = 16;    ///< bytes of one entry of the chunk table, at most; the table is
-                                                 ///< compressed
+constexpr std::uint64_t kMostTableEntry = 16;    ///< most bytes of one entry of the compressed chunk table
 constexpr std::uint64_t kTableOverhead = 64;     ///< bytes of the table's header, and read-ahead of the entropy coder
 constexpr std::size_t kDecodedAtOnce = 1 << 12;  ///< records between two checks for cancellation
 
@@ -137,7 +136,7 @@ class LazPoints::Decoder {
   Decoder& operator=(const Decoder&) = delete;
 
   std::size_t chunk() const { return chunk_; }
-  std::uint64_t next() const { return next_; }  ///< next row in the chunk
+  std::uint64_t next() const { return next_; }  ///< row in the chunk that is decoded next
 
   void skip_to(std::uint64_t row) {
     if (row == next_) return;
@@ -204,7 +203,7 @@ void LazPoints::read_chunk_table(std::uint64_t begin, std::uint64_t count) {
   if (table <= begin || table > size) table = u64_at(*file_, size - kLazOffsetBytes);
   if (table < data || table + kLazOffsetBytes > size) layout_.fail_with("its chunk table is not in the file");
   const std::uint64_t chunks = u64_at(*file_, table) >> 32;
-  // Every chunk begins with one uncompressed record, and no points follow the last chunk.
+  // Every chunk begins with one uncompressed record, which limits the number of chunks.
   const std::uint32_t each = layout_.chunk_points();
   if (chunks == 0 || chunks > (table - data) / record_bytes_ || chunks > count ||
       (each != LazLayout::kVariable && chunks != (count - 1) / each + 1))

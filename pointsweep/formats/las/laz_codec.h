@@ -21,7 +21,7 @@ namespace pointsweep {
 inline constexpr std::string_view kLaszipUser = "laszip encoded";
 inline constexpr std::uint16_t kLaszipRecord = 22204;
 
-/// Points in each chunk of written files other than COPC; most writers use this number.
+/// Number of points in each chunk of a LAZ output, as in most programs. Chunks of COPC vary in size.
 inline constexpr std::uint32_t kLazChunkPoints = 50'000;
 
 /// Bytes before the first chunk, which store the offset of the chunk table.
@@ -31,7 +31,7 @@ inline constexpr std::uint64_t kLazOffsetBytes = 8;
 /// parse() and for_format() throw Error.
 class LazLayout {
  public:
-  /// Decodes the content of the LASzip VLR. Throws Error, which begins with `path`.
+  /// Decodes the content of the LASzip VLR. Throws Error with a message that begins with `path`.
   static LazLayout parse(std::span<const std::byte> vlr, const std::string& path);
   /// Makes a layout for writing records of a point format (0 to 10) with extra bytes; `chunk_points` may be kVariable.
   /// Throws Error for other formats.
@@ -46,7 +46,7 @@ class LazLayout {
   std::vector<std::byte> vlr() const;
 
   struct ChunkSize {
-    std::uint64_t points, bytes;  ///< points: 0 unless chunks vary in size
+    std::uint64_t points, bytes;  ///< points is 0 unless chunk_points() is kVariable
   };
   /// Decodes the chunk table with which `table` begins. Throws Error unless it has `count` chunks.
   std::vector<ChunkSize> read_chunk_table(std::span<const std::byte> table, std::size_t count) const;
@@ -56,7 +56,7 @@ class LazLayout {
   std::vector<std::byte> compress(std::span<const std::byte> records) const;
 
   const psc_laz* codec() const { return codec_.get(); }
-  /// Throws Error that says that the file cannot be decompressed, and why.
+  /// Throws Error with a message that the file cannot be decompressed, and the reason.
   [[noreturn]] void fail_with(const char* reason) const;
 
  private:
@@ -67,18 +67,19 @@ class LazLayout {
   std::string path_;
 };
 
-/// Rows of records as LAS stores them. Immutable, so that each of many threads may have a Cursor.
+/// The compressed points of a file, read by rows as LAS records. Immutable, so that each of many threads may have a
+/// Cursor.
 class LazPoints {
   class Decoder;
 
  public:
-  /// `begin`: the byte where the compressed data begin. `count`: records of `record_bytes`. Throws Error if the VLR or
-  /// the chunk table contradicts these arguments or the file.
+  /// `begin`: the byte where the compressed data begin. `count`: the number of points. Throws Error if the VLR or the
+  /// chunk table contradicts these arguments or the file.
   LazPoints(std::shared_ptr<const InputFile> file, std::span<const std::byte> vlr, std::uint64_t begin,
             std::uint64_t count, std::uint32_t record_bytes);
 
-  /// Reads rows for one thread. Chunks within one read are decoded in parallel, by all threads. A chunk that is read in
-  /// successive pieces is decoded once.
+  /// Reads rows for one thread. All threads decode the chunks of one call of read() in parallel. A chunk that
+  /// successive calls read in pieces is decoded once.
   class Cursor {
    public:
     /// `points` must outlive the cursor.

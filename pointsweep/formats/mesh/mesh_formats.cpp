@@ -120,7 +120,8 @@ std::size_t VertexLineReader::read(std::uint64_t row, std::span<std::byte> recor
   return rows;
 }
 
-/// A line has x y z, then the normal, the colour and texture coordinates, as far as the file has these.
+/// Lines have x y z, then the normal, the colour and the texture coordinates, if the file has them. Records have the
+/// colour last.
 void VertexLineReader::fill(std::uint64_t row, std::size_t rows, std::byte* records, std::size_t stride) {
   const std::size_t lengths = 3 + (columns_.normal ? 3 : 0);
   for (std::size_t i = 0; i < rows; ++i, records += stride) {
@@ -147,7 +148,7 @@ bool is_vertex_line(std::string_view line) {
 }
 
 struct OffHeader {
-  bool texture = false, normal = false;  ///< the keyword has the letters ST, N
+  bool texture = false, normal = false;  ///< true if the keyword has the letters ST, or N
   std::uint64_t vertices = 0, faces = 0;
 };
 
@@ -240,7 +241,7 @@ bool has_keyword(std::string_view line, std::string_view word) {
 bool is_vertex(std::string_view line) { return has_keyword(line, "v"); }
 bool is_normal(std::string_view line) { return has_keyword(line, "vn"); }
 
-/// Reads normals, under the names of coordinates.
+/// Reads the normals of an OBJ file as a cloud: their fields are called x, y and z.
 class NormalLines final : public VertexLineReader {
  public:
   NormalLines(std::unique_ptr<InputFile> file, const LineReader& lines)

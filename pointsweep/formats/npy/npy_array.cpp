@@ -50,8 +50,8 @@ class NpyReader final : public ColumnsReader {
 /// NumPy's type strings, in the order of Type.
 constexpr const char* kTypeStrings[] = {"|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f4", "<f8"};
 
-/// Returns magic, version, length and the dictionary, padded with spaces to a multiple of 64 bytes as the format
-/// requires.
+/// Returns the header of a file: magic, version, length and the dictionary, padded with spaces to a multiple of 64
+/// bytes as the format requires.
 std::string npy_header(const OutputPlan& plan) {
   if (plan.schema.fields.size() != 1 || !plan.schema.fields[0].is_plain()) {
     fail_usage("{}: a .npy file holds one attribute, but {} were to be written to it.", plan.path.string(),

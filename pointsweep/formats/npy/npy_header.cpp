@@ -117,8 +117,8 @@ const PyLiteral* PyLiteral::find(std::string_view key) const {
   return nullptr;
 }
 
-/// Parses texts, whole numbers, True and False, tuples, lists and dictionaries with up to 8 levels. Returns nothing for
-/// other text.
+/// Parses a literal of Python: strings, whole numbers, True and False, and tuples, lists and dictionaries of up to 8
+/// levels. Returns nothing for other text.
 std::optional<PyLiteral> parse_py_literal(std::string_view text) {
   PyParser parser(text);
   auto value = parser.value(0);
@@ -178,7 +178,7 @@ class NpyHeaderParser {
     for (const PyLiteral& field : type.items) {
       if (field.kind != Kind::list || field.items.size() < 2 || field.items.size() > 3)
         fail("{}: its header is damaged where it names fields.", what_);
-      // The name of a field with a title is a pair of texts.
+      // A field with a title has a pair of texts, title and name, instead of its name.
       const PyLiteral& named = field.items[0];
       const std::string& name = named.items.size() == 2 ? named.items[1].text : named.text;
       if (field.items[1].kind != Kind::text)
@@ -226,7 +226,7 @@ class NpyHeaderParser {
                                          Type::i32, Type::u32, Type::i64, Type::u64};
     if (kind == 'f')
       return bytes == 4 ? std::optional(Type::f32) : bytes == 8 ? std::optional(Type::f64) : std::nullopt;
-    if (kind == 'b' && bytes == 1) return Type::u8;  // True is 1
+    if (kind == 'b' && bytes == 1) return Type::u8;  // NumPy stores True as 1
     if (kind != 'i' && kind != 'u') return std::nullopt;
     for (const Type type : kIntegers)
       if (size_of(type) == bytes && name_of(type).starts_with(kind == 'u' ? "uint" : "int")) return type;

@@ -59,7 +59,7 @@ class NpzDirectory {
     return bytes;
   }
 
-  /// Finds the directory by the record at the end of the file.
+  /// Finds the directory of the archive by the record at the end of the file.
   void find_directory() {
     const std::uint64_t window = std::min(file_.size(), kEndBytes + kLongestComment);
     const std::string tail = bytes_at(file_.size() - window, window);
@@ -91,7 +91,7 @@ class NpzDirectory {
     if (number_at(entry, 10, 2) != 0)
       fail("{}: is compressed, and pointsweep reads stored archives; save it with numpy.savez, not savez_compressed.",
            file_.path().string());
-    // Numbers that do not fit in 32 bits follow in the extra bytes, in this order.
+    // Size, compressed size and offset. The extra bytes hold those that need 64 bits, in this order.
     std::array<std::uint64_t, 3> values{number_at(entry, 24, 4), number_at(entry, 20, 4), number_at(entry, 42, 4)};
     take_large(extra, values);
     const std::string local = bytes_at(values[2], kLocalBytes);
@@ -272,7 +272,7 @@ class NpyPointsReader final : public ColumnsReader {
                       fmt::format("{} {}", fmt::join(left_out_, ", "), left_out_.size() == 1 ? "is" : "are")));
   }
 
-  /// Names the columns like the columns of text without a header.
+  /// Gives the columns of an array the names of default_column_names(), as text without a header gets them.
   void name_columns() {
     std::vector<Field>& fields = info_.schema.fields;
     const std::size_t columns = columns_of_table();
@@ -296,7 +296,7 @@ class NpyPointsReader final : public ColumnsReader {
   std::vector<StoredColumn> columns_;
   std::vector<Field> big_endian_;
   std::vector<std::string> left_out_;
-  bool has_default_names_ = false;  ///< the first fields have default names
+  bool has_default_names_ = false;  ///< true if the positions are an array whose columns have no names
 };
 
 constexpr std::string_view kNpzExtensions[] = {".npz"};

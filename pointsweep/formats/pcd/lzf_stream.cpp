@@ -28,8 +28,9 @@ std::uint8_t LzfStream::next() {
   return static_cast<std::uint8_t>(buffer_[static_cast<std::size_t>(state_.in++ - buffer_begin_)]);
 }
 
-/// Begins a run. A control byte below 32 is the number of literals minus 1. Otherwise its upper three bits plus 2 are
-/// the length of a match (7: the next byte is added), and its lower five bits with the next byte the distance minus 1.
+/// Begins a run of literals or a match. A control byte below 32 is the number of literals minus 1. Otherwise its upper
+/// three bits plus 2 are the length of a match (7: the next byte is added), and its lower five bits with the next byte
+/// are the distance minus 1.
 void LzfStream::begin_run() {
   const std::uint32_t control = next();
   if (control < 32) {

@@ -32,7 +32,7 @@ struct PcdHeader {
   std::vector<PcdField> fields;  ///< padding, which is called `_`, included
   std::uint32_t stride = 0;      ///< bytes of a record
   std::uint64_t width = 0, height = 1, points = 0;
-  std::string viewpoint;                ///< the unchanged line; "" if there is none
+  std::string viewpoint;                ///< the unchanged line VIEWPOINT; "" if there is none
   std::vector<std::string> provenance;  ///< comment lines of the header with the record of the run (provenance.h)
   PcdData data = PcdData::ascii;
   std::uint64_t body_offset = 0;  ///< byte after the header
@@ -51,7 +51,7 @@ struct PcdExtras final : FormatExtras {
     return viewpoint == static_cast<const PcdExtras&>(other).viewpoint;
   }
 
-  std::string viewpoint;  ///< PcdHeader::viewpoint if it is complete
+  std::string viewpoint;  ///< PcdHeader::viewpoint if that line has all of its numbers, else empty
 };
 
 /// Reads the header of a file. Throws Error for a header that is wrong or has no end.

@@ -6,7 +6,8 @@
 ///     comment crs_geotiff_doubles 6378137 298.25       GeoDoubleParamsTag
 ///     comment crs_geotiff_ascii NAD83|                 GeoAsciiParamsTag; all but visible characters as %XX
 ///     comment las scale 0.01 0.01 0.01 offset 500000 0 0 gps_time standard
-///                                                      grid of a LAS input; gps_time standard or week, if it has times
+///                                                      grid of a LAS input, and the kind of its GPS times, if it has
+///                                                      any: `standard` or `week`
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -57,7 +57,7 @@ struct PlyHeader {
   std::uint64_t body_line = 0;       ///< number, from 1, of the first line after the header
 };
 
-/// Throws Error with the line if the header is invalid or longer than 1 MiB.
+/// Reads the header of a file. Throws Error, which names the line, for a header that is invalid or longer than 1 MiB.
 PlyHeader read_ply_header(const InputFile& file);
 
 std::string_view name_of(PlyEncoding encoding);

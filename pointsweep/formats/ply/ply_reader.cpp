@@ -30,7 +30,7 @@ class ForwardBytes {
 
   std::uint64_t offset() const { return offset_; }
   void skip(std::uint64_t bytes) { offset_ += bytes; }
-  /// Returns the next `size` <= 8 bytes, or null if the file ends before.
+  /// Returns the next `size` <= 8 bytes, or null if the file ends before their end.
   const std::byte* take(std::size_t size) {
     if (offset_ < block_offset_ || offset_ + size > block_offset_ + filled_) {
       block_offset_ = offset_;
@@ -50,7 +50,7 @@ class ForwardBytes {
   std::size_t filled_ = 0;
 };
 
-/// Returns the number of items of the list that starts at the walker's place; moves the walker past this number.
+/// Returns the number of items of the list that starts at the position of `walker`. Moves `walker` past the number.
 std::uint64_t take_count(ForwardBytes& walker, const PlyProperty& list, bool big_endian,
                          const std::filesystem::path& path, const PlyElement& element) {
   Field field;
@@ -66,7 +66,7 @@ std::uint64_t take_count(ForwardBytes& walker, const PlyProperty& list, bool big
     fail("{}: byte {}: a list of element '{}' has {} items; the file is damaged.", path.string(),
          walker.offset() - size, element.name, count);
   }
-  // A list with more items than any file has bytes ends after the end of the file, whatever its exact length.
+  // More items than any file has bytes count as 2^50 items: the list ends after the end of the file in any case.
   return count < 1e15 ? static_cast<std::uint64_t>(count) : std::uint64_t{1} << 50;
 }
 

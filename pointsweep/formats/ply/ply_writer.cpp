@@ -24,8 +24,8 @@ Type stored_type(const Field& field, bool keeps_wide) {
 
 const PlyExtras* ply_extras(const OutputPlan& plan) { return extras_as<PlyExtras>(plan.extras); }
 
-/// Returns the stored fields, plain and without gaps, under the names of the plan. ply_header_text() writes the names
-/// of column_names() instead.
+/// Returns the fields of a record in the file, which have no gaps, under the names of the plan. The header has the
+/// names of column_names() instead.
 Schema ply_schema(const OutputPlan& plan) {
   Schema stored;
   for (const Field& field : plan.schema.fields) {

@@ -19,7 +19,7 @@ constexpr std::size_t kHeaderLines = 10;
 /// Numbers in the lines of a header: columns, rows, position and axes of the scanner, transformation.
 constexpr std::array<std::size_t, kHeaderLines> kHeaderNumbers{1, 1, 3, 3, 3, 3, 4, 4, 4, 4};
 
-/// Parses all numbers of a line; nothing if a word is not a number or there are more than `most`.
+/// Returns all numbers of a line; nothing if a word is not a number or there are more than `most` words.
 std::optional<std::vector<double>> ptx_numbers(std::string_view line, std::size_t most) {
   std::vector<double> numbers;
   for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {
@@ -30,7 +30,7 @@ std::optional<std::vector<double>> ptx_numbers(std::string_view line, std::size_
   return numbers;
 }
 
-/// Returns whether a word is the number 0, without evaluating it: all digits before an exponent are 0.
+/// Returns whether a word is the number 0, by its characters: all digits before an exponent are 0.
 bool is_zero(std::string_view word) {
   bool any = false;
   for (const char c : word) {

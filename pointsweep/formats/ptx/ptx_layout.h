@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The scans of a PTX file (Leica Geosystems) and where their points are.
+/// The scans of a PTX file (Leica Geosystems), and the places of their points in the file.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 
 namespace pointsweep {
 
-/// A grid of cells, column by column. A cell is a line `x y z [intensity [red green blue]]`; 0 0 0 means that the
-/// scanner saw nothing.
+/// A scan: a grid of cells, column by column. A cell is a line `x y z [intensity [red green blue]]`; 0 0 0 means that
+/// the scanner saw nothing.
 struct PtxScan {
   std::uint64_t columns = 0, rows = 0;
   std::array<double, 16>
@@ -23,19 +23,18 @@ struct PtxScan {
   std::uint64_t cells() const { return columns * rows; }
 };
 
-/// The position of a cursor before a point.
+/// The place of a line with a cell.
 struct PtxPlace {
-  std::uint64_t offset = 0, line = 1;  ///< position of the next line
-  std::uint64_t scan = 0, cell = 0;    ///< scan and cell of the next line; after the last cell of a scan, a header
-                                       ///< follows
+  std::uint64_t offset = 0, line = 1;  ///< byte at which the line begins, and its number from 1
+  std::uint64_t scan = 0, cell = 0;    ///< number of the scan, and of the cell in the scan, from 0
 };
 
-/// All scans, found by reading the file once, with the position of each 16,384th point.
+/// All scans, found by reading the file once, with the place of every 16,384th point.
 struct PtxLayout {
   static constexpr std::uint64_t kPointsPerPlace = 16384;
 
   std::vector<PtxScan> scans;
-  std::vector<PtxPlace> places;  ///< positions of points 0, kPointsPerPlace, ...
+  std::vector<PtxPlace> places;  ///< places of points 0, kPointsPerPlace, ...
   std::uint64_t points = 0;      ///< number of cells that are not empty
   std::uint64_t empty = 0;       ///< number of empty cells
   std::uint64_t end = 0;         ///< byte after the last point

@@ -35,7 +35,7 @@ class QsplatReader final : public Reader {
     count_leaves();
   }
 
-  /// Returns the leaves between two stored places. The chunk has no range of bytes, since the nodes above the leaves
+  /// Returns the leaves between two stored positions. The chunk has no range of bytes, since the nodes above the leaves
   /// are spread over the whole file.
   Chunk chunk_of(std::uint64_t row) const override {
     const std::uint64_t first = row / kBetweenPlaces * kBetweenPlaces;
@@ -45,7 +45,7 @@ class QsplatReader final : public Reader {
   std::unique_ptr<RowDecoder> decoder(const WantedFields&) const override { return std::make_unique<Decoder>(*this); }
 
  private:
-  /// Returns whether any part has colours. Sets info_.bounds.
+  /// Returns whether any part of the file has colours. Sets info_.bounds.
   bool look_at_fragments() {
     bool has_color = false;
     Box bounds;
@@ -113,11 +113,11 @@ class QsplatReader final : public Reader {
 
     const QsplatReader& reader_;
     QsplatWalk walk_;
-    std::uint64_t row_ = 0;  ///< the row that the walk gives next
+    std::uint64_t row_ = 0;  ///< row of the next leaf of the walk
   };
 
   InputFile file_;
-  std::vector<QsplatWalk::Place> places_;  ///< places of rows 0, kBetweenPlaces, ...
+  std::vector<QsplatWalk::Place> places_;  ///< positions before rows 0, kBetweenPlaces, ...
 };
 
 constexpr std::string_view kQsplatExtensions[] = {".qs"};
@@ -126,8 +126,8 @@ bool is_qsplat(std::string_view head) { return head.starts_with("QSplat"); }
 
 /// Opens a file with fields x y z nx ny nz radius (f32), and red green blue (u8) if a part of the file has colours.
 /// Rows are in depth-first order, one part of the file after another. Opening walks through all trees once to count the
-/// leaves (about 20 ns per leaf), and keeps a place for every 32,768 leaves; a jump to a row walks from the last place
-/// before the row. Throws Error for a damaged or truncated file.
+/// leaves (about 20 ns per leaf), and stores a position for every 32,768 leaves; a jump to a row walks from the last
+/// stored position before the row. Throws Error for a damaged or truncated file.
 std::unique_ptr<Reader> open_qsplat(const std::filesystem::path& path) { return std::make_unique<QsplatReader>(path); }
 
 }  // namespace

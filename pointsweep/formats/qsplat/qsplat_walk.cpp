@@ -15,7 +15,8 @@ namespace {
 constexpr int kGrid = 13;
 constexpr unsigned kPlaces = 52;
 
-/// tan((2 i + 1 - 52) / 52 · π/4) in the floats of QSplat: places are denser in the middle of a face.
+/// Coordinate of place i on a face of the cube: tan((2 i + 1 - 52) / 52 · π/4), rounded as in QSplat. Places are denser
+/// in the middle of a face.
 constexpr std::array<float, kPlaces> kUnwarped = {
     -0.97023958f,  -0.913248599f, -0.859318495f,  -0.808118105f,  -0.759358764f,  -0.712786794f, -0.668178618f,
     -0.625336111f, -0.584082663f, -0.544260144f,  -0.505726278f,  -0.468352348f,  -0.432021499f, -0.396627009f,
@@ -26,7 +27,7 @@ constexpr std::array<float, kPlaces> kUnwarped = {
     0.544260204f,  0.584082782f,  0.62533623f,    0.668178797f,   0.712786794f,   0.759358823f,  0.808118284f,
     0.859318614f,  0.913248599f,  0.970239699f};
 
-/// Returns centres and radii of the codes, relative to a parent of centre 0 and radius 1.
+/// Returns the spheres of all codes, in the order of the codes, inside a parent with centre 0 and radius 1.
 std::vector<QsplatSphere> relative_spheres() {
   std::vector<QsplatSphere> spheres;
   const float step = 1.0f / static_cast<float>(kGrid), sqrt3 = std::sqrt(3.0f);
@@ -94,7 +95,7 @@ std::array<float, 3> qsplat_normal(unsigned code) {
   const float rest = 1.0f - u * u - v * v;
   if (!(rest >= 0)) return {0, 0, 0};
   const float out = face % 2 == 0 ? std::sqrt(rest) : -std::sqrt(rest);
-  const unsigned axis = face / 2;  // u and v belong to the two axes that follow it
+  const unsigned axis = face / 2;  // u and v are the components on the next two axes, cyclically
   std::array<float, 3> normal{};
   normal[axis] = out;
   normal[(axis + 1) % 3] = u;
@@ -171,8 +172,8 @@ bool QsplatWalk::next(QsplatLeaf& leaf) {
   }
 }
 
-/// Enters the next part that is not a comment. A tree that is only a root sets `leaf` and `is_leaf`. Returns false at
-/// the end of the file.
+/// Enters the next part that is not a comment. If its tree is only a root, sets `leaf` to the root and `is_leaf` to
+/// true. Returns false at the end of the file.
 bool QsplatWalk::enter_next_fragment(QsplatLeaf& leaf, bool& is_leaf) {
   do {
     if (place_.fragment.end >= file_.size()) return false;

@@ -22,8 +22,8 @@ struct QsplatSphere {
 /// Returns the sphere with the 13-bit `code` inside `parent`. Its radius is the parent's radius times s/13. Its centre
 /// is the parent's centre plus the parent's radius times (s + 2x)/13 - 1 on each axis. Here (s, x, y, z) is the code-th
 /// quadruple of 1 <= s <= 13, 0 <= x, y, z <= 13 - s that fits (the cube of the child meets the parent's sphere).
-/// Evaluated in single precision, as in QSplat. Returns nothing for an unused
-/// code: the format defines 7,621 codes, and 13 bits hold 8,192.
+/// Evaluated in single precision, as in QSplat. Returns nothing for an unused code: the format defines 7,621 codes, and
+/// 13 bits hold 8,192.
 std::optional<QsplatSphere> qsplat_sphere(unsigned code, const QsplatSphere& parent);
 
 /// Returns the unit normal with the 14-bit `code`, one of 52×52 places on a face of a cube. Returns (0, 0, 0) for codes
@@ -58,18 +58,20 @@ struct QsplatLeaf {
 };
 
 /// Walks through the leaves depth first. The file stores the tree breadth first, siblings together. Each group of
-/// siblings states the place of the first group below it; the groups below are consecutive. So a walk moves forward on
-/// every level of the tree, and needs one block of the file per level (64 KiB × depth, about 1 MB for 10^8 leaves).
+/// siblings states the place of the first group of its children; the groups of children of all siblings are
+/// consecutive. So a walk moves forward on every level of the tree, and needs one block of the file per level (64 KiB ×
+/// depth, about 1 MB for 10^8 leaves).
 class QsplatWalk {
  public:
-  /// One level of a walk's position. A position is small (40 bytes × depth), so that many can be stored, from which
-  /// walks resume.
+  /// One level of the tree in the position of a walk. A position is small (40 bytes × depth), so that a reader can
+  /// store many positions and resume walks from them.
   struct Level {
     std::uint64_t next = 0;   ///< byte of the next sibling
     std::uint64_t below = 0;  ///< byte of the next group of children; 0 if the siblings are all leaves
     std::uint64_t left = 0;   ///< siblings that remain
     QsplatSphere parent;
   };
+  /// The position of a walk.
   struct Place {
     QsplatFragment fragment;
     std::uint64_t walked = 0;  ///< bytes of groups entered in this fragment

@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-/// An arbitrary number of rows that takes some milliseconds to read.
+/// Number of rows in a chunk. The number is arbitrary; reading a chunk takes some milliseconds.
 constexpr std::uint64_t kColumnChunkRows = 65536;
 constexpr std::size_t kBlockBytes = 256 << 10;  ///< bytes of one column that a thread reads at a time
 

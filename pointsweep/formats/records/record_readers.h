@@ -71,7 +71,7 @@ class LineParser {
   virtual void parse(std::string_view line, std::uint64_t number, std::byte* record) = 0;
 };
 
-/// A reader whose chunks are the rows between two places of RowLines.
+/// A reader whose chunks are the rows between two stored places of RowLines (line_reader.h).
 class RowTextReader : public Reader {
  public:
   Chunk chunk_of(std::uint64_t row) const override;

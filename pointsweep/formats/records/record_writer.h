@@ -37,7 +37,7 @@ class RecordWriter : public Writer {
   const OutputPlan& plan() const { return plan_; }
 
  private:
-  void write_header();  ///< called with the first records, so that an earlier error leaves standard output empty
+  void write_header();  ///< called before the first records, not earlier: standard output stays empty if a check fails
 
   OutputPlan plan_;
   OutputFile file_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Files written in the background while the next records are made.
+/// Files that are written in the background while the caller makes the next records.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace pointsweep {
 
-/// Passes records to several writers in the background. The call after a failure throws the error of the writer.
+/// Passes records to several writers in the background. If a writer fails, the next call throws its error.
 class WriteBehind {
  public:
   void add(std::unique_ptr<Writer> writer) { writers_.push_back(std::move(writer)); }

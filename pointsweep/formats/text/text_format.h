@@ -49,13 +49,13 @@ bool has_number(std::span<const std::string_view> cells, std::span<const std::st
 
 struct TextLayout {
   std::vector<std::string> names;           ///< one for each column; kSkippedColumn for skipped ones
-  bool are_stated = false;                  ///< `names` come from --columns
+  bool are_stated = false;                  ///< true if `names` come from --columns
   std::vector<std::string> replaced_names;  ///< names in the file's header that stated names replace
   Separator separator = Separator::space;   ///< separator of the rows; the header may have another one
   bool has_header = false;
   std::vector<std::string> provenance;     ///< comment lines before the rows with the record of the run
   std::optional<std::uint64_t> announced;  ///< number of rows that a first line with only an integer states (PTS)
-  std::uint64_t body_offset = 0;           ///< where the rows start
+  std::uint64_t body_offset = 0;           ///< byte at which the rows start
   std::uint64_t body_line = 1;
 };
 

@@ -87,7 +87,8 @@ class TextReader final : public RowTextReader {
   }
 
  private:
-  /// Finds the rows. A file that states how many rows follow may state a number again before the rows of another scan.
+  /// Finds the rows. A PTS file that states the number of rows may state a number again before the rows of another
+  /// scan.
   void find_rows(const LineReader& lines) {
     constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
     if (!layout_.announced) return void(rows_.emplace(lines, is_text_row, kAll));

@@ -115,7 +115,7 @@ class TextWriter final : public Writer {
     double written = 0;
     if (rounds_ || !std::isfinite(value)) return;
     std::from_chars(text_.data() + from, text_.data() + text_.size(), written);
-    // A value on a grid of decimal fractions differs from its decimal fraction only in the last digits.
+    // A coordinate that is integer * scale + offset may differ from its decimal number by rounding errors.
     rounds_ = std::abs(written - value) > 4 * std::numeric_limits<double>::epsilon() * std::abs(value);
   }
 

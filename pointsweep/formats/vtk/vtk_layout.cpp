@@ -65,7 +65,7 @@ class VtkParser {
 
   void take(const std::string& keyword) {
     std::string_view rest = keyword == "METADATA" ? std::string_view() : text_.line().value_or("");
-    line_ = rest;  // a copy, since the scanner replaces its window
+    line_ = rest;  // a copy, since the scanner reuses its buffer
     rest = line_;
     if (keyword == "DATASET") return take_dataset(rest);
     if (keyword == "DIMENSIONS" || keyword == "ORIGIN" || keyword == "SPACING" || keyword == "ASPECT_RATIO") return;
@@ -110,7 +110,8 @@ class VtkParser {
       complain(fmt::format("POINT_DATA are for {} points, and there are {}", rows_, layout_.count));
   }
 
-  /// Skips cells: `n size` and `size` ints or, since version 5.1, `n + 1 size` and two arrays.
+  /// Skips a section of cells. Until version 5.0, its line has the number of cells and the number of ints that follow.
+  /// Since 5.1, the line has the lengths of the two arrays that follow, OFFSETS (one more than cells) and CONNECTIVITY.
   void take_cells(const std::string& keyword, std::string_view rest) {
     const std::uint64_t first = number(rest), second = number(rest);
     const std::uint64_t before = text_.offset();
@@ -201,7 +202,7 @@ class VtkParser {
     skip("LOOKUP_TABLE", "UNSIGNED_CHAR", colors, 4);
   }
 
-  /// Adds an array of points to the layout. Skips an array of cells, and an array whose type points cannot have.
+  /// Adds an array of points to the layout. Skips an array of cells, and an array whose type no attribute can have.
   void add_array(VtkArray array, std::string_view type_name, std::uint64_t rows) {
     const std::string type = upper_case(type_name);
     const std::optional<Type> known = vtk_type(type);
@@ -258,7 +259,7 @@ class VtkParser {
   VtkScanner text_;
   VtkLayout layout_;
   Section section_ = Section::geometry;
-  std::uint64_t rows_ = 0;  ///< rows of the arrays of the section
+  std::uint64_t rows_ = 0;  ///< number of rows that the arrays of the current section have
   std::string line_;
 };
 
@@ -273,7 +274,7 @@ void VtkScanner::jump(std::uint64_t offset) {
   at_ = end_ = 0;
 }
 
-/// Moves the unread bytes to the front of the window and fills the rest; false at the end of the file.
+/// Moves the unread bytes to the front of the buffer and fills the rest. Returns false at the end of the file.
 bool VtkScanner::read_more() {
   block_.resize(kVtkWindow);
   const std::size_t unread = end_ - at_;

@@ -14,12 +14,12 @@
 
 namespace pointsweep {
 
-/// One row of `components` values for each point.
+/// An array of the file, with one row of `components` values for each point.
 struct VtkArray {
   std::string name;
   Type type = Type::f32;
   std::uint32_t components = 1;
-  bool shares = false;                     ///< the text states bytes as fractions of 255, from 0 to 1
+  bool shares = false;                     ///< true if the text states bytes as numbers in [0, 1], to be scaled by 255
   std::uint64_t begin = 0;                 ///< byte of the first value in a binary file
   std::vector<std::uint64_t> places = {};  ///< in text: offsets of rows 0, VtkLayout::kRowsPerPlace, ...
 };
@@ -28,7 +28,7 @@ struct VtkLayout {
   static constexpr std::uint64_t kRowsPerPlace = 16384;
 
   bool text = false;
-  std::string dataset;                ///< "POLYDATA"
+  std::string dataset;                ///< kind of the data set: "POLYDATA", for example
   std::uint64_t count = 0;            ///< number of points
   std::vector<VtkArray> arrays;       ///< the positions, then attributes of points
   std::uint64_t cells = 0;            ///< number of cells, except the cells of a VERTICES section
@@ -41,7 +41,7 @@ bool starts_as_vtk(std::string_view head);
 /// Reads all of a text file, or the lines between the arrays of a binary file. Throws Error with the place of a fault.
 VtkLayout read_vtk_layout(const InputFile& file);
 
-/// Reads a file of text and blocks of bytes through a window of 16 KB. A longer word or line is an Error.
+/// Reads a file of text and blocks of bytes through a buffer of 16 KB. A longer word or line is an Error.
 class VtkScanner {
  public:
   explicit VtkScanner(const InputFile& file) : file_(&file) {}
