@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The description of a format and of the possible contents of its files. Each format defines it once, beside its code;
-/// registry.cpp lists all of them. Other layers use a Format and never compare names or extensions.
+/// The description of a format and of the possible contents of its files. Each format defines one Format, beside its
+/// code; registry.cpp lists all formats. Other layers use a Format and never compare names or extensions.
 #pragma once
 
 #include <cstddef>
@@ -71,8 +71,8 @@ struct Format {
   bool real_coordinates = true;
   /// True if a point with a coordinate that is not finite is read back with NaN for all coordinates.
   bool loses_nonfinite = false;
-  /// True if the header states the box of all points (FileInfo::bounds), so that it is known without reading the
-  /// points.
+  /// True if the header states the box of all points (FileInfo::bounds), so that a run need not read the points to find
+  /// the box.
   bool states_bounds = false;
   /// Returns the least memory in bytes with which the writer encodes records of `record_bytes` on `threads` threads;
   /// null: negligible.
@@ -97,8 +97,8 @@ struct Format {
                         const std::function<void(std::uint64_t rows)>& progress) = nullptr;
   /// Returns whether values() reads the points of the cloud; null if `values` is null.
   bool (*values_need_points)(const InputCloud& cloud, const FileLayout& layout) = nullptr;
-  /// Returns how the output of a plan rounds coordinates; none if it stores them unchanged. Null: all outputs store
-  /// them unchanged.
+  /// Returns how the output of a plan rounds coordinates; none if the output stores coordinates unchanged. Null: no
+  /// output rounds coordinates.
   StoredCoordinate (*stored_coordinate)(const OutputPlan& plan) = nullptr;
 
   /// Returns whether this build has the codec that the format needs, or the format needs none.

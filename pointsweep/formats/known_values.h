@@ -18,7 +18,7 @@ struct ValueRange {
   double lo = std::numeric_limits<double>::infinity(), hi = -std::numeric_limits<double>::infinity();
   bool whole = true;  ///< all values are integers
 
-  /// Extends the range. NaN makes it infinite, so that only a floating type can hold it.
+  /// Extends the range. NaN makes the range infinite, so that only a floating type can hold it.
   void include(double value) {
     if (std::isnan(value)) return include(unknown());
     lo = std::min(lo, value);

@@ -42,7 +42,8 @@ class InputCloud {
   const std::vector<std::shared_ptr<Reader>>& readers() const { return readers_; }
   /// Returns the extras of the first input; null if it has none.
   std::shared_ptr<const FormatExtras> extras() const;
-  /// Returns the extras of the inputs after the first, without extras that are like earlier ones (OutputPlan).
+  /// Returns the extras of the inputs after the first, without extras that are like earlier extras
+  /// (OutputPlan::other_extras).
   std::vector<std::shared_ptr<const FormatExtras>> other_extras() const;
   /// Returns the coordinate reference system that the user states, or else the system that the first input with a
   /// system states.

@@ -265,7 +265,7 @@ std::string both_names(const fs::path& named, const fs::path& other) {
   return named == other ? named.string() : fmt::format("{} ({})", named.string(), other.string());
 }
 
-/// A set of files, found by identity or canonical path. Each file keeps the path by which it was first named.
+/// A set of files, found by identity or canonical path. Each file keeps the path by which it was added first.
 class KnownFiles {
  public:
   /// Returns the known path that leads to the same file as `path`; null if the set does not hold the file.

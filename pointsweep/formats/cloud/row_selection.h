@@ -19,7 +19,7 @@ class RowSelection {
 
   /// `read(block, bits)` fills `bits`, which has kBlockBytes bytes, with the bits of a block: bit i % 8 of byte i / 8
   /// is set if row i of the block is kept; bits after the last row are 0. The constructor calls `read` for every block;
-  /// later, any thread may call it.
+  /// later, any thread may call `read`.
   RowSelection(std::uint64_t rows, std::function<void(std::uint64_t block, std::span<std::byte> bits)> read);
 
   std::uint64_t rows() const { return rows_; }            ///< number of rows of the whole cloud
@@ -50,7 +50,7 @@ class SelectionCursor {
   std::uint64_t kept_before(std::uint64_t row);
 
   /// Reads kept rows: as many whole records of `stride` bytes from kept row `first` on as fit. `read_all(row, records)`
-  /// fills `records` with rows of the whole cloud; it is called only for rows between the first and the last kept row
+  /// fills `records` with rows of the whole cloud, and is called only for rows between the first and the last kept row
   /// that is read.
   using ReadAll = std::function<void(std::uint64_t row, std::span<std::byte> records)>;
   std::size_t read(std::uint64_t first, std::size_t stride, std::span<std::byte> records, const ReadAll& read_all);

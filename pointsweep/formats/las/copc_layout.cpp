@@ -40,7 +40,7 @@ void add_ancestors(std::vector<CopcNode>& nodes) {
   if (all.empty()) nodes.push_back({});
 }
 
-/// An entry of the hierarchy, as it is stored.
+/// An entry of the hierarchy in the layout of the file.
 struct Entry {
   std::int32_t level, x, y, z;
   std::uint64_t offset;

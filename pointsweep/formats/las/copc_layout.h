@@ -27,7 +27,7 @@ namespace pointsweep {
 /// Bytes of the content of the info VLR, and of an entry of the hierarchy.
 inline constexpr std::size_t kCopcInfoBytes = 160, kCopcEntryBytes = 32;
 
-/// The content of the info VLR, as it is stored; reserved bytes follow it.
+/// The content of the info VLR in the layout of the file, without the reserved bytes at its end.
 struct CopcInfo {
   Vec3 center;
   double half_size = 0;
@@ -87,7 +87,7 @@ class CopcNodes {
   /// Takes the next point: a record of point format 6, 7 or 8. Throws Error if its node has too many points.
   void add(const CurveKey& key, int depth, const std::byte* record);
 
-  /// Returns the range of the GPS times of all points, without NaN; 0 and 0 if there is no such time.
+  /// Returns the range of the GPS times of all points, without NaN; 0 and 0 if no point has a time.
   TimeRange times() const { return times_; }
 
   using Put = std::function<void(std::uint64_t at, std::span<const std::byte> bytes)>;

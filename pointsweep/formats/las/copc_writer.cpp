@@ -83,7 +83,7 @@ class CopcWriter final : public LasFamilyWriter {
           frame_.put(at, bytes);
           bytes_written_ = frame_.bytes_written();
         });
-    if (progress_) progress_(added);  // may throw, so it comes before the file is complete
+    if (progress_) progress_(added);  // may throw, and so is called before the file is complete
     write_after_points(chunks, nodes.times());
   }
 

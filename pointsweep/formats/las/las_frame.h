@@ -88,7 +88,7 @@ class LasEncoder {
   /// `path` is used in messages only.
   LasEncoder(const LasLayout& layout, std::string path);
 
-  /// Returns whether records need no change, so that they can be written unchanged.
+  /// Returns whether the incoming records have the bytes of the records in the file.
   bool is_identity() const {
     return conversion_.is_identity() && !positions_change_ && !returns_missing_ && !overlap_by_class_;
   }
@@ -124,7 +124,7 @@ class LasFamilyWriter : public Writer {
   LasFamilyWriter(const OutputPlan& plan, LasPoints points);
 
   const LasHeader& header() const { return frame_.layout().header; }
-  /// Encodes the next `count` records on all threads and takes them into the statistics.
+  /// Encodes the next `count` records on all threads and adds the points to the statistics.
   void encode(const std::byte* from, std::byte* to, std::size_t count);
   /// Writes the chunk table of a compressed file at byte `at`, where the last chunk ends, and the offset of the table
   /// before the first chunk. Returns the byte after the table.

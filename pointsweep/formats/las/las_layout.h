@@ -47,7 +47,7 @@ struct LasLayout {
   /// Two schemas of equally many fields: field i of the incoming records is stored in field i of the file's records.
   Schema from, to;
   Field x, y, z;                      ///< the coordinates, as fields of `from`
-  bool positions_change = false;      ///< coordinates are rounded to the grid; those out of its reach are an Error
+  bool positions_change = false;      ///< coordinates are rounded to the grid, which must reach them
   bool points_moved = false;          ///< stages of the run changed the coordinates
   bool keeps_scale = false;           ///< real coordinates are stored on KnownValues::grid
   bool grid_is_stated = false;        ///< coordinates are rounded to a grid that the user states
@@ -66,7 +66,7 @@ struct LasLayout {
 /// 2. The records begin otherwise, the user states another point format, or a made field exists only in another point
 /// format (colours). choose_las_point_format() chooses the shortest point format that holds the fields; formats 0 to 5
 /// are allowed only if an input is LAS or was made from LAS, or if the user states them or a version before 1.4. The
-/// VLRs and EVLRs of a LAS input are kept. A value that does not fit its LAS field is stored there rounded, and exactly
+/// VLRs and EVLRs of a LAS input are kept. A value that does not fit its LAS field is rounded in the field, and exact
 /// in extra bytes.
 LasLayout lay_out_las(const OutputPlan& plan, LasPoints points = LasPoints::plain);
 

@@ -140,7 +140,7 @@ class PiecePlacer {
     }
   }
 
-  /// Warns that bytes without a description are lost, since they cannot be converted.
+  /// Warns that bytes without a description are lost, since bytes of unknown types cannot be converted.
   void warn_of_unnamed_bytes() {
     std::vector<std::shared_ptr<const FormatExtras>> inputs = plan_.other_extras;
     inputs.insert(inputs.begin(), plan_.extras);

@@ -88,7 +88,7 @@ bool are_double(const PositionFields& p) {
 
 /// The facts about all points that an output needs to know before its first record.
 struct Sought {
-  std::vector<std::size_t> fields;  ///< fields whose values decide where they are stored
+  std::vector<std::size_t> fields;  ///< fields whose values decide which point format holds the field
   Look::For coordinates = Look::For::nothing;
 };
 

@@ -96,7 +96,7 @@ void append_vlr(LasCrsVlrs& all, std::uint16_t record, std::string_view descript
   ++all.count;
 }
 
-/// Returns a VLR or an extended VLR. They differ in the type of the length.
+/// Returns a VLR or an extended VLR, which differ in the type of the length.
 template <class Length>
 std::vector<std::byte> record_of(Length length, std::string_view user, std::uint16_t record,
                                  std::string_view description, std::span<const std::byte> content) {

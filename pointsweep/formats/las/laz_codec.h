@@ -39,7 +39,7 @@ class LazLayout {
                               const std::string& path);
 
   static constexpr std::uint32_t kVariable = 0, kNoChunks = ~std::uint32_t{0};
-  /// Returns the number of points in every chunk but the last; kVariable if the chunk table states it for each chunk;
+  /// Returns the number of points in every chunk but the last; kVariable if the chunk table states the number for each;
   /// kNoChunks if all points are in one run without a table.
   std::uint32_t chunk_points() const;
   std::uint32_t record_bytes() const;

@@ -39,7 +39,7 @@ struct VertexColumns {
   std::size_t ignored = 0;  ///< further numbers at the end of the line
 };
 
-/// Reads the vertices of a mesh file, one line each. The constructor of a subclass finds the columns and sets them.
+/// Reads the vertices of a mesh file, one line each. The constructor of a subclass calls set_columns().
 class VertexLineReader : public Reader {
  public:
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override;
@@ -53,7 +53,7 @@ class VertexLineReader : public Reader {
                    bool has_keyword);
 
   const InputFile& file() const { return *file_; }
-  std::string_view first_line() { return cursor_.at(0); }  ///< there must be a row
+  std::string_view first_line() { return cursor_.at(0); }  ///< must be called only if there is a row
   /// Returns the numbers in a line, after its keyword; valid until the next call.
   const std::vector<double>& numbers(std::string_view line);
   /// Makes the fields. Reads all colours to find their range.
@@ -318,8 +318,8 @@ bool starts_as_obj(std::string_view head) {
 }
 
 /// Opens an OBJ file: lines "v x y z", followed by a weight, which is ignored, or a colour. Normals ("vn") are read if
-/// there are as many as vertices; they belong to vertices in order. Otherwise only faces would assign them, and they
-/// are left out with a warning, like faces and other elements.
+/// there are as many as vertices; the n-th normal belongs to the n-th vertex. Other normals, which only faces assign
+/// to vertices, are left out with a warning, like faces and other elements.
 std::unique_ptr<Reader> open_obj(const std::filesystem::path& path) {
   auto file = std::make_unique<InputFile>(path);
   const LineReader lines(*file);

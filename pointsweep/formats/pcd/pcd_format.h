@@ -38,8 +38,8 @@ struct PcdHeader {
   std::uint64_t body_offset = 0;  ///< byte after the header
   std::uint64_t body_line = 1;    ///< number of the line after the header, from 1
 
-  /// Returns the fields as operators see them: without padding, and with packed colours as red, green, blue (and
-  /// alpha).
+  /// Returns the fields of the points that the reader returns: without padding, and with packed colours as red, green,
+  /// blue (and alpha).
   Schema schema() const;
 };
 

@@ -45,8 +45,8 @@ struct QsplatFragment {
 };
 constexpr std::uint64_t kQsplatHeader = 40;  ///< bytes of the header of a tree
 
-/// Reads the header at byte `begin`. Throws Error if it is no QSplat 11 header, is truncated, or states more than the
-/// file has.
+/// Reads the header at byte `begin`. Throws Error if it is no QSplat 11 header, is truncated, or states more bytes
+/// than the file has.
 QsplatFragment read_qsplat_fragment(const InputFile& file, std::uint64_t begin);
 
 struct QsplatLeaf {

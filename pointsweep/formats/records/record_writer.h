@@ -32,7 +32,7 @@ class RecordWriter : public Writer {
   void finish() override;
 
  protected:
-  /// Checks a block of input records, whose first row is `row`, before it is stored. May throw.
+  /// Checks a block of input records, whose first row is `row`, before the block is stored. May throw.
   virtual void check(std::uint64_t row, std::span<const std::byte> records) { (void)row, (void)records; }
   const OutputPlan& plan() const { return plan_; }
 

@@ -49,7 +49,7 @@ class WriteBehind {
  private:
   std::vector<std::unique_ptr<Writer>> writers_;
   std::vector<std::byte> under_way_;
-  std::optional<BackgroundTask> task_;  // last, so that it ends before the members that it uses
+  std::optional<BackgroundTask> task_;  // declared last: the task ends before the members that it uses
 };
 
 }  // namespace pointsweep

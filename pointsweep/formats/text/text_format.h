@@ -19,8 +19,8 @@
 
 namespace pointsweep {
 
-/// The separator of the cells of a line: a semicolon, vertical bar or comma, the first of them that occurs outside of
-/// quotes; else spaces and tabs.
+/// The separator of the cells of a line: a semicolon, if one occurs outside of quotes, else a vertical bar, else a
+/// comma; spaces and tabs if none of these occurs.
 enum class Separator : char { space = ' ', comma = ',', semicolon = ';', bar = '|' };
 
 Separator separator_of(std::string_view line);

@@ -48,7 +48,7 @@ class TextWriter final : public Writer {
       if (extension != ".csv") append("# ");
       append(fmt::format("{}\n", fmt::join(names, std::string_view(&separator_, 1))));
     }
-    // Programs that read .csv take the first line as names and all others as rows.
+    // Programs that read .csv take the first line as names and all other lines as rows.
     if (extension == ".csv") return;
     for (const std::string& line : plan.provenance) append("# " + line + "\n");
   }
