@@ -59,7 +59,7 @@ class MissingFields {
 
  private:
   std::vector<Field> ones_;
-  std::optional<std::pair<Field, Field>> overlap_;  ///< classification, overlap
+  std::optional<std::pair<Field, Field>> overlap_;  ///< the fields classification and overlap
 };
 
 /// The fields of an input that hold integers of 64 bits and whose type in the common schema does not hold all of them.

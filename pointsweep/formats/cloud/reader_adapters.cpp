@@ -58,7 +58,7 @@ bool can_be_nonfinite(const Schema& schema, const std::filesystem::path& path) {
 
 /// Successive blocks of an input that one thread reads, with their finite and nonfinite rows.
 struct FiniteRowIndex::Piece {
-  std::uint64_t first, end;           ///< rows
+  std::uint64_t first, end;           ///< range of rows, [first, end)
   std::vector<std::uint64_t> finite;  ///< number of finite rows in each block
   std::vector<std::uint64_t> others;  ///< the first nonfinite rows, at most kMostListed
   std::uint64_t count = 0;            ///< number of nonfinite rows

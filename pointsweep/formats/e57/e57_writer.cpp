@@ -181,7 +181,7 @@ class E57Writer final : public Writer {
 }  // namespace
 
 std::uint64_t e57_encoder_bytes(std::uint64_t, unsigned) {
-  return 4 << 20;  // a packet, its points in the codec, and unwritten bytes
+  return 4 << 20;  // memory for a packet, its points in the codec, and unwritten bytes
 }
 
 std::unique_ptr<Writer> create_e57_writer(const OutputPlan& plan) { return std::make_unique<E57Writer>(plan); }

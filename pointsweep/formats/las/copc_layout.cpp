@@ -266,8 +266,8 @@ void CopcNodes::compress() {
 
 void CopcNodes::sort_by_time(std::vector<std::byte>& records) const {
   const std::size_t rows = records.size() / record_bytes_;
-  std::vector<std::pair<std::uint64_t, std::size_t>> order(rows);  // the index keeps equal times in the order of the
-                                                                   // curve
+  // Pairs of time and index; the index keeps points of equal time in the order of the Morton curve.
+  std::vector<std::pair<std::uint64_t, std::size_t>> order(rows);
   for (std::size_t i = 0; i < rows; ++i) order[i] = {order_of_time(&records[i * record_bytes_]), i};
   if (std::ranges::is_sorted(order)) return;
   std::ranges::sort(order);

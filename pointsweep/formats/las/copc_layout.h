@@ -31,7 +31,7 @@ inline constexpr std::size_t kCopcInfoBytes = 160, kCopcEntryBytes = 32;
 struct CopcInfo {
   Vec3 center;
   double half_size = 0;
-  double spacing = 0;  ///< spacing of the points of the root
+  double spacing = 0;  ///< spacing of the points of the root node
   std::uint64_t root_offset = 0, root_bytes = 0;
   double least_time = 0, greatest_time = 0;
 };

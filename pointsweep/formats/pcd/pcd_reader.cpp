@@ -139,7 +139,7 @@ class CompressedPcdReader final : public Reader {
       : file_(std::move(file)), stride_(header.stride) {
     info_ = info_of(*file_, header);
     const std::string name = file_->path().string();
-    std::uint32_t sizes[2] = {};  // compressed, decompressed
+    std::uint32_t sizes[2] = {};  // bytes of the compressed and of the decompressed data
     if (file_->size() < header.body_offset + sizeof sizes) fail_truncated(*file_, header, 0);
     file_->read_at(header.body_offset, std::as_writable_bytes(std::span(sizes)));
     const std::uint64_t begin = header.body_offset + sizeof sizes;

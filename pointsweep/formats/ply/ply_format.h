@@ -30,7 +30,7 @@ struct PlyProperty {
 
 struct PlyElement {
   std::string name;
-  std::uint64_t count = 0;  ///< number that the header states
+  std::uint64_t count = 0;  ///< number of entries that the header states
   std::vector<PlyProperty> properties;
 
   bool has_list() const;

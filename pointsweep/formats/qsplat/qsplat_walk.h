@@ -39,7 +39,7 @@ struct QsplatFragment {
   std::uint64_t begin = 0, end = 0;  ///< bytes in the file
   bool is_comment = false;
   bool has_color = false;
-  std::uint64_t leaves = 0;  ///< number that its header states
+  std::uint64_t leaves = 0;  ///< number of leaves that the header states
   QsplatSphere root;
   std::uint64_t root_children = 0;
 };

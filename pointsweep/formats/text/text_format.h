@@ -48,7 +48,7 @@ inline constexpr std::string_view kSkippedColumn = "-";
 bool has_number(std::span<const std::string_view> cells, std::span<const std::string> columns);
 
 struct TextLayout {
-  std::vector<std::string> names;           ///< one for each column; kSkippedColumn for skipped ones
+  std::vector<std::string> names;           ///< one for each column; kSkippedColumn for a skipped column
   bool are_stated = false;                  ///< true if `names` come from --columns
   std::vector<std::string> replaced_names;  ///< names in the file's header that stated names replace
   Separator separator = Separator::space;   ///< separator of the rows; the header may have another one
