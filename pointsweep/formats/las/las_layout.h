@@ -34,7 +34,7 @@ enum class LasPoints { plain, compressed, nodes };
 /// input are left out.
 struct LasLayout {
   LasHeader header;                        ///< the header without counts and bounds
-  std::shared_ptr<const InputFile> input;  ///< null if the input is not LAS
+  std::shared_ptr<const InputFile> input;  ///< null if the first input is not LAS
   std::vector<LasPiece> before, between;
   LasPiece after;
   std::vector<LasPiece> tail;

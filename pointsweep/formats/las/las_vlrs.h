@@ -45,7 +45,7 @@ struct LasVlr {
 struct LasVlrChain {
   std::uint64_t start = 0, end = 0;                             ///< bytes of the complete records
   std::uint32_t count = 0;                                      ///< number of complete records
-  std::optional<LasVlr> extra_bytes;                            ///< the first VLR of extra bytes
+  std::optional<LasVlr> extra_bytes;                            ///< the first record of extra bytes
   std::optional<LasVlr> laszip, copc, copc_hierarchy;           ///< the first record of each kind
   std::optional<LasVlr> wkt, geo_keys, geo_doubles, geo_ascii;  ///< the first record of each kind; see read_las_crs()
   std::vector<LasVlr> provenance;                               ///< the first 256 records
