@@ -131,6 +131,62 @@ TEST(Text, NumbersBeyondTheRangeOfADoubleAreZeroOrInfinite) {
   EXPECT_THAT(values_of(*reader, "a"), ElementsAre(0, -infinity, 0));
 }
 
+const Field& field(const Schema& schema, const char* name) { return schema.fields[schema.find(name).value()]; }
+
+TEST(Text, KeepsAllDigitsOfWholeNumbersOf64Bits) {
+  const TemporaryFolder folder;
+  const auto reader =
+      open_text(folder.write("in.csv",
+                             "x,y,z,time,key,small,real\n"
+                             "1,2,3,1700000000123456789,18446744073709551615,9007199254740992,1700000000123456789.5\n"
+                             "4,5,6,-9223372036854775808,9007199254740993,-7,nan\n"
+                             "7,8,9,12.0,+1,1e3,18446744073709551616\n"));
+  const Schema& schema = reader->info().schema;
+  const std::vector<std::byte> records = all_records(*reader);
+  const auto whole_numbers = [&](const char* name) {
+    std::vector<std::int64_t> values;
+    for (std::size_t row = 0; row < 3; ++row)
+      values.push_back(whole_number_of(field(schema, name), records.data() + row * schema.stride));
+    return values;
+  };
+  EXPECT_EQ(field(schema, "time").type, Type::i64);
+  EXPECT_THAT(whole_numbers("time"), ElementsAre(1700000000123456789, std::numeric_limits<std::int64_t>::min(), 12));
+  EXPECT_EQ(field(schema, "key").type, Type::u64);
+  EXPECT_THAT(whole_numbers("key"), ElementsAre(-1, 9007199254740993, 1));
+  for (const char* name : {"x", "small", "real"}) EXPECT_EQ(field(schema, name).type, Type::f64) << name;
+  EXPECT_THAT(values_of(*reader, "small"), ElementsAre(0x1p53, -7, 1000));
+  EXPECT_THAT(values_of(*reader, "real"), ElementsAre(1700000000123456789.5, testing::IsNan(), 0x1p64));
+
+  const std::vector<std::string> stated{"x", "y", "z", "time", "-", "-", "-"};
+  const auto named = open_text_columns(folder.path() / "in.csv", stated);
+  EXPECT_EQ(field(named->info().schema, "time").type, Type::i64);
+}
+
+TEST(Text, AWholeNumberThatItsColumnDoesNotHoldIsAnErrorWithItsLine) {
+  const TemporaryFolder folder;
+  const auto sentence_for = [&](const std::string& content) {
+    const auto path = folder.write("in.csv", content);
+    return sentence_of<Error>([&] { all_records(*open_text(path)); });
+  };
+  std::string small = "x,y,z,key\n";
+  for (int row = 0; row < 100; ++row) small += "1,2,3,4\n";
+  EXPECT_THAT(sentence_for(small + "1,2,3,9007199254740993\n"),
+              HasSubstr("line 102: '9007199254740993' in column 'key' cannot be held by float64"));
+  EXPECT_EQ(values_of(*open_text(folder.write("even.csv", small + "1,2,3,9007199254740994\n")), "key").back(),
+            9007199254740994);
+  EXPECT_THAT(sentence_for("x,y,z,key\n1,2,3,nan\n1,2,3,-9007199254740993\n"),
+              HasSubstr("line 3: '-9007199254740993' in column 'key' cannot be held by float64"));
+  EXPECT_THAT(sentence_for("1 2 9223372036854775807\n"), HasSubstr("in column 'z' cannot be held by float64"));
+  EXPECT_THAT(sentence_for("18446744073709551615 2 3\n"), HasSubstr("in column 'x' cannot be held by float64"));
+  std::string large = "x,y,z,key\n";
+  for (int row = 0; row < 100; ++row) large += "1,2,3,9007199254740993\n";
+  EXPECT_THAT(sentence_for(large + "1,2,3,nan\n"),
+              HasSubstr("line 102: 'nan' in column 'key' cannot be held by int64"));
+  EXPECT_THAT(sentence_for(large + "1,2,3,0.5\n"),
+              HasSubstr("line 102: '0.5' in column 'key' cannot be held by int64"));
+  EXPECT_THAT(sentence_for(large + "1,2,3,9223372036854775808\n"), HasSubstr("cannot be held by int64"));
+}
+
 TEST(Text, AnnouncedCountThatIsWrongIsAWarning) {
   const TemporaryFolder folder;
   const auto reader = open_text(folder.write("in.pts", "9999999999\n1 2 3\n4 5 6\n"));

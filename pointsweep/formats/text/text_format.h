@@ -41,6 +41,9 @@ std::string_view comment_of(std::string_view line);
 /// number.
 bool parse_cell(std::string_view cell, double& value);
 
+/// Returns whether the cell is a whole number in the range of int64 or uint64 that float64 does not hold.
+bool needs_integer(std::string_view cell);
+
 /// The name, in --columns, of a column that is skipped.
 inline constexpr std::string_view kSkippedColumn = "-";
 
@@ -49,6 +52,7 @@ bool has_number(std::span<const std::string_view> cells, std::span<const std::st
 
 struct TextLayout {
   std::vector<std::string> names;           ///< one for each column; kSkippedColumn for a skipped column
+  std::vector<Type> types;                  ///< one for each column
   bool are_stated = false;                  ///< true if `names` come from --columns
   std::vector<std::string> replaced_names;  ///< names in the file's header that stated names replace
   Separator separator = Separator::space;   ///< separator of the rows; the header may have another one
@@ -59,15 +63,17 @@ struct TextLayout {
   std::uint64_t body_line = 1;
 };
 
-/// Finds the layout. Names come from a header: a first line that is not all numbers, or a comment before the rows that
-/// names x, y and z and has a name for each column. Otherwise they follow from the number of columns and the first rows
-/// (default_column_names). Throws Error if there are no x, y and z. `stated`: names that replace all others; a first
-/// line without a number in a named column is then a header.
+/// Finds the layout. A column is float64, unless its first rows are whole numbers some of which float64 does not hold:
+/// then it is int64, or uint64 if a number is above the range of int64. x, y and z always are float64. Names come from
+/// a header: a first line that is not all numbers, or a comment before the rows that names x, y and z and has a name
+/// for each column. Otherwise they follow from the number of columns and the first rows (default_column_names). Throws
+/// Error if there are no x, y and z. `stated`: names that replace all others; a first line without a number in a named
+/// column is then a header.
 TextLayout find_text_layout(const InputFile& file, std::span<const std::string> stated = {});
 
-/// Opens a text file with a row for each line and a float64 field for each column (see TextLayout). Opening reads the
-/// file once to count the rows. A line with too few or too many cells, or a cell that is not a number, causes an Error
-/// that names the line when the line is read.
+/// Opens a text file with a row for each line and a field for each column (see TextLayout). Opening reads the file once
+/// to count the rows. A line with too few or too many cells, a cell that is not a number, or a whole number of 64 bits
+/// that its column does not hold exactly causes an Error that names the line when the line is read.
 std::unique_ptr<Reader> open_text(const std::filesystem::path& path);
 
 /// Opens a text file whose columns have the given names. The content of a column with the name "-" is ignored. A header

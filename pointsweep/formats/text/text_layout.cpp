@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <limits>
 
 #include "pointsweep/fail.h"
@@ -91,6 +94,7 @@ class LayoutFinder {
     layout_.body_offset = lines_.offset();
     layout_.body_line = lines_.next_line();
     look_at_rows();
+    find_types();
     return std::move(layout_);
   }
 
@@ -173,6 +177,36 @@ class LayoutFinder {
     layout_.are_stated = true;
   }
 
+  /// Reads the first rows once more, since columns with stated names are not read before.
+  void find_types() {
+    constexpr std::array kCandidates{Type::f64, Type::i64, Type::u64};
+    const std::size_t columns = layout_.names.size();
+    std::vector<std::array<bool, kCandidates.size()>> holds(columns, {true, true, true});
+    LineReader lines(file_);
+    lines.jump(layout_.body_offset, layout_.body_line);
+    for (std::size_t rows = 0; rows < kRowsLookedAt;) {
+      const auto line = lines.next();
+      if (!line) break;
+      if (layout_.announced ? !is_pts_row(*line) : !is_text_row(*line)) continue;
+      ++rows;
+      split_cells(*line, layout_.separator, cells_);
+      for (std::size_t i = 0; i < std::min(columns, cells_.size()); ++i) {
+        std::int64_t as_signed = 0;
+        std::uint64_t as_unsigned = 0;
+        holds[i][0] &= !needs_integer(cells_[i]);
+        holds[i][1] &= parse_number(cells_[i], as_signed);
+        holds[i][2] &= parse_number(cells_[i], as_unsigned);
+      }
+    }
+    layout_.types.assign(columns, Type::f64);
+    for (std::size_t i = 0; i < columns; ++i) {
+      if (std::ranges::any_of(kAxisNames, [&](const char* axis) { return is_spelling_of(axis, layout_.names[i]); }))
+        continue;
+      const auto first = std::ranges::find(holds[i], true);
+      if (first != holds[i].end()) layout_.types[i] = kCandidates[static_cast<std::size_t>(first - holds[i].begin())];
+    }
+  }
+
   const InputFile& file_;
   LineReader lines_;
   std::span<const std::string> stated_;
@@ -235,6 +269,20 @@ bool parse_cell(std::string_view cell, double& value) {
   if (!cell.empty() && !is_word(cell, "na") && !is_word(cell, "n/a") && !is_word(cell, "null")) return false;
   value = std::numeric_limits<double>::quiet_NaN();
   return true;
+}
+
+bool needs_integer(std::string_view cell) {
+  const auto is_rounded = [](auto whole) {
+    // A double of 2^64 or 2^63 is above the range of the type, and cannot be converted back.
+    const auto nearest = static_cast<double>(whole);
+    return nearest >= std::ldexp(1.0, std::numeric_limits<decltype(whole)>::digits) ||
+           static_cast<decltype(whole)>(nearest) != whole;
+  };
+  const char *const begin = cell.data() + (cell.starts_with('+') ? 1 : 0), *const end = cell.data() + cell.size();
+  std::uint64_t large = 0;
+  std::int64_t whole = 0;
+  if (std::from_chars(begin, end, large).ptr == end) return is_rounded(large);
+  return std::from_chars(begin, end, whole).ptr == end && is_rounded(whole);
 }
 
 bool has_number(std::span<const std::string_view> cells, std::span<const std::string> columns) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/files/number_text.h"
@@ -43,16 +45,53 @@ class TextLineParser final : public LineParser {
     }
     for (std::size_t i = 0; i < columns; ++i) {
       if (layout_.are_stated && layout_.names[i] == kSkippedColumn) continue;
-      double value = 0;
-      if (!parse_cell(cells_[i], value)) {
-        fail("{}: line {}: '{}' in column '{}' is no number; correct it or write nan.", path_.string(), number,
-             cells_[i].substr(0, 40), layout_.names[i]);
+      switch (layout_.types[i]) {
+        case Type::i64:
+          record = store(whole<std::int64_t>(i, number), record);
+          break;
+        case Type::u64:
+          record = store(whole<std::uint64_t>(i, number), record);
+          break;
+        default:
+          record = store(real(i, number), record);
       }
-      record = std::copy_n(reinterpret_cast<const std::byte*>(&value), sizeof value, record);
     }
   }
 
  private:
+  template <class T>
+  static std::byte* store(T value, std::byte* record) {
+    return std::copy_n(reinterpret_cast<const std::byte*>(&value), sizeof value, record);
+  }
+
+  double real(std::size_t column, std::uint64_t line) const {
+    double value = 0;
+    if (!parse_cell(cells_[column], value)) fail_in(column, line, "is no number; correct it or write nan");
+    if (std::abs(value) >= 0x1p53 && needs_integer(cells_[column])) {
+      fail_in(column, line,
+              "cannot be held by float64, the type that the first rows give the column; leave the column out, by '-' "
+              "in its place of --columns, or write 64-bit integers in all rows");
+    }
+    return value;
+  }
+
+  template <class T>
+  T whole(std::size_t column, std::uint64_t line) const {
+    T value = 0;
+    if (!parse_number(cells_[column], value)) {
+      fail_in(column, line,
+              fmt::format("cannot be held by {}, the type that the 64-bit integers of the first rows give the column; "
+                          "correct it, or leave the column out, by '-' in its place of --columns",
+                          std::is_signed_v<T> ? "int64" : "uint64"));
+    }
+    return value;
+  }
+
+  [[noreturn]] void fail_in(std::size_t column, std::uint64_t line, std::string_view what) const {
+    fail("{}: line {}: '{}' in column '{}' {}.", path_.string(), line, cells_[column].substr(0, 40),
+         layout_.names[column], what);
+  }
+
   const std::filesystem::path& path_;
   const TextLayout& layout_;
   std::vector<std::string_view> cells_;
@@ -75,8 +114,10 @@ class TextReader final : public RowTextReader {
     info_.bytes = file_->size();
     info_.count = rows_->count();
     info_.provenance = layout_.provenance;
-    for (const std::string& name : layout_.names)
-      if (!layout_.are_stated || name != kSkippedColumn) info_.schema.append(name, Type::f64);
+    for (std::size_t i = 0; i < layout_.names.size(); ++i) {
+      if (!layout_.are_stated || layout_.names[i] != kSkippedColumn)
+        info_.schema.append(layout_.names[i], layout_.types[i]);
+    }
     if (!layout_.replaced_names.empty() && layout_.replaced_names != layout_.names)
       info_.warnings.push_back(fmt::format("{}: --columns replaces the names of its header ({}).",
                                            file_->path().string(), fmt::join(layout_.replaced_names, ",")));
