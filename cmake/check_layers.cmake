@@ -1,7 +1,7 @@
 # cmake -D ROOT=<tree> -P check_layers.cmake: fails when an include of the library, of cli/ or of python/ points up.
 # A layer is a folder with sources, named by its path without `pointsweep/`; a folder that is not named here is refused, and so is a
 # folder of more than MOST_PAIRS pairs of files. A file may include its own folder, the layers named for it, and pointsweep/fail.h,
-# cancellation.h, leftovers.h, free_memory.h, threads.h, prefetch.h.
+# cancellation.h, free_memory.h, threads.h.
 # A header of include/pointsweep/ belongs to the layer named for it here, and includes other public headers alone.
 # The tool is built on public headers: cli/ includes no other header of pointsweep/.
 cmake_minimum_required(VERSION 3.25)
@@ -143,7 +143,7 @@ foreach(file ${files})
       endif()
       continue()
     endif()
-    if(path MATCHES "^pointsweep/(fail|threads|prefetch|cancellation|leftovers|free_memory)\\.h$" OR path MATCHES "^hwy/" OR target STREQUAL "top")
+    if(path MATCHES "^pointsweep/(fail|threads|cancellation|free_memory)\\.h$" OR path MATCHES "^hwy/" OR target STREQUAL "top")
       continue()
     endif()
     if(target STREQUAL layer OR target IN_LIST may_include_${layer})

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Errors about the value of a row. The threads of a run find them in any order; the run throws the error of the lowest
-/// row.
+/// Errors about the value of a row, and text that callers add to errors. The threads of a run find errors of rows in
+/// any order; the run throws the error of the lowest row.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "pointsweep/cancellation.h"
 #include "pointsweep/error.h"
 
 namespace pointsweep {
@@ -49,6 +50,23 @@ void with_rows_of_output(const Work& work) {
     work();
   } catch (const RowError& error) {
     throw Error(error.named(std::to_string(error.row()) + " of the output").what());
+  }
+}
+
+/// Performs work(). Appends the text that added() returns to the sentence of an Error. Errors are unchanged if the text
+/// is empty; UsageError and Cancelled are always unchanged.
+template <class Work, class Added>
+void extending_errors(const Work& work, const Added& added) {
+  try {
+    work();
+  } catch (const UsageError&) {
+    throw;
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
+    const std::string text = added();
+    if (text.empty()) throw;
+    throw Error(error.what() + text);
   }
 }
 

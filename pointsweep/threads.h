@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: MIT
-/// The threads of a run: parallel loops, the exception that such a loop throws, and background tasks. This header is
-/// the library's only interface to threads, and only threads.cpp uses oneTBB.
+/// The threads of a run: parallel loops, the exception that a parallel loop throws, background tasks, and objects that
+/// background tasks make ahead of their use. This header is the library's only interface to threads, and only
+/// threads.cpp uses oneTBB.
 #pragma once
 
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <deque>
 #include <exception>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <utility>
 
 namespace pointsweep {
 
@@ -84,6 +88,43 @@ class BackgroundTask {
  private:
   struct State;
   std::unique_ptr<State> state_;
+};
+
+/// A queue of the objects make(i) for i in [first, end), in order, of which up to `depth` are made ahead in the
+/// background.
+template <class Thing>
+class Prefetch {
+ public:
+  Prefetch(std::function<Thing(std::size_t)> make, std::size_t first, std::size_t end, std::size_t depth)
+      : make_(std::move(make)), next_(first), end_(end), depth_(depth) {
+    fill();
+  }
+
+  /// Returns the next object, and starts to make another. Throws the exception with which make() ended for the object.
+  Thing next() {
+    pending_.front()->task->wait();
+    Thing thing = std::move(*pending_.front()->thing);
+    pending_.pop_front();
+    fill();
+    return thing;
+  }
+
+ private:
+  struct Pending {
+    std::optional<Thing> thing;
+    std::optional<BackgroundTask> task;  // last, so that it ends before the members that it uses
+  };
+
+  void fill() {
+    while (next_ < end_ && pending_.size() < depth_) {
+      pending_.push_back(std::make_unique<Pending>());
+      pending_.back()->task.emplace([this, &p = *pending_.back(), i = next_++] { p.thing.emplace(make_(i)); });
+    }
+  }
+
+  std::function<Thing(std::size_t)> make_;
+  std::size_t next_, end_, depth_;
+  std::deque<std::unique_ptr<Pending>> pending_;
 };
 
 }  // namespace pointsweep

@@ -14,7 +14,6 @@
 #include "pointsweep/order/page_memory.h"
 #include "pointsweep/order/slab_store.h"
 #include "pointsweep/points/fixed_copy.h"
-#include "pointsweep/prefetch.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

@@ -10,7 +10,6 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/connect/forest_edge.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/part/component_records.h"
 #include "pointsweep/part/record_list.h"
 #include "pointsweep/part/tile_graph.h"
 

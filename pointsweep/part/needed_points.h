@@ -9,7 +9,7 @@
 
 #include "pointsweep/in_order_operator.h"
 #include "pointsweep/order/source.h"
-#include "pointsweep/part/tile_reader.h"
+#include "pointsweep/part/tile_catalogue.h"
 #include "pointsweep/storage/storage.h"
 
 namespace pointsweep {

@@ -7,7 +7,7 @@
 
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/order/stream.h"
-#include "pointsweep/part/tile_reader.h"
+#include "pointsweep/part/tile_catalogue.h"
 #include "pointsweep/storage/storage.h"
 
 namespace pointsweep {

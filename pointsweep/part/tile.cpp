@@ -18,7 +18,7 @@
 #include "pointsweep/points/record_map.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/search/cut.h"
-#include "pointsweep/storage/sealed_value.h"
+#include "pointsweep/storage/storage.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

@@ -12,10 +12,10 @@
 #include "pointsweep/connect/spanning_forest.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/order/row_store.h"
-#include "pointsweep/part/component_records.h"
 #include "pointsweep/part/record_list.h"
 #include "pointsweep/part/stored_graph.h"
-#include "pointsweep/storage/sealed_value.h"
+#include "pointsweep/part/tile_graph.h"
+#include "pointsweep/storage/storage.h"
 
 namespace pointsweep {
 namespace {

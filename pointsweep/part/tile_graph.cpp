@@ -9,9 +9,8 @@
 #include "pointsweep/connect/components.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/order/row_store.h"
-#include "pointsweep/part/component_records.h"
 #include "pointsweep/part/record_list.h"
-#include "pointsweep/storage/sealed_value.h"
+#include "pointsweep/storage/storage.h"
 
 namespace pointsweep {
 namespace {

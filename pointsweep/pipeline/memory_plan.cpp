@@ -10,7 +10,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/order/slabs_on_demand.h"
 #include "pointsweep/search/cell_search.h"
-#include "pointsweep/sweep/window_cell.h"
+#include "pointsweep/sweep/window.h"
 
 namespace pointsweep {
 namespace {

@@ -7,8 +7,6 @@
 #include <cstring>
 #include <string_view>
 
-#include "pointsweep/storage/encoding.h"
-
 namespace pointsweep {
 namespace {
 

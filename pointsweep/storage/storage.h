@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "pointsweep/fail.h"
+#include "pointsweep/storage/encoding.h"
+
 namespace pointsweep {
 
 /// Bytes that do not change while they are read. Thread-safe.
@@ -59,5 +62,23 @@ void seal_bytes(Storage& storage, const std::string& key, std::span<const std::b
 std::vector<std::byte> sealed_identity(const Storage& storage, const std::string& key);
 /// Returns the bytes of an object that seal_bytes() has stored; nothing if the object is damaged.
 std::optional<std::vector<std::byte>> sealed_bytes(const Storage& storage, const std::string& key);
+
+/// Returns the value that decode(in) makes of the bytes that seal_bytes() has stored. Throws Error, which calls the
+/// object damaged, if the object is incomplete or its checksum is wrong; also if bytes follow the value.
+template <class Decode>
+auto sealed_value(const Storage& storage, const std::string& key, const Decode& decode) {
+  const std::optional<std::vector<std::byte>> bytes = sealed_bytes(storage, key);
+  if (!bytes) fail("{}: is damaged.", key);
+  Decoder in(*bytes);
+  auto value = decode(in);
+  in.finish();
+  return value;
+}
+
+/// Returns the value that T::decode() makes of the bytes that seal_bytes() has stored. Throws the same errors.
+template <class T>
+T sealed_value(const Storage& storage, const std::string& key) {
+  return sealed_value(storage, key, &T::decode);
+}
 
 }  // namespace pointsweep

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "pointsweep/sweep/window_cell.h"
+#include "pointsweep/sweep/window.h"
 #include "pointsweep/sweep/worker.h"
 
 namespace pointsweep {

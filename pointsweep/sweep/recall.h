@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "pointsweep/sweep/frontier.h"
-#include "pointsweep/sweep/point_collector.h"
+#include "pointsweep/sweep/region.h"
 #include "pointsweep/sweep/slab_loader.h"
 #include "pointsweep/sweep/worker.h"
 

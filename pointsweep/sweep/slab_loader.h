@@ -12,7 +12,7 @@
 #include "pointsweep/row_error.h"
 #include "pointsweep/search/cut.h"
 #include "pointsweep/sweep/plan.h"
-#include "pointsweep/sweep/window_cell.h"
+#include "pointsweep/sweep/window.h"
 
 namespace pointsweep {
 

@@ -2,6 +2,8 @@
 /// Applies the stages of a step to a batch of points whose neighbourhoods are known.
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -12,7 +14,6 @@
 #include "pointsweep/operators/kinds/connect_operator.h"
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/row_error.h"
-#include "pointsweep/sweep/distance_histogram.h"
 #include "pointsweep/sweep/plan.h"
 
 namespace pointsweep {
@@ -45,6 +46,33 @@ inline constexpr std::uint64_t kBucketPoints = 16384;
 /// Returns the places where buckets of a graph begin: at each slab, at `places`, and within large slabs, so that each
 /// bucket contains about kBucketPoints if points are spread evenly along the axis.
 std::vector<PointKey> bucket_begins(const class Stream& stream, std::span<const Vec3> places);
+
+/// Counts of distances in eight bins per octave. The number of a bin is the leading bits of the squared distance as an
+/// IEEE double. Counts do not depend on the order of distances. Memory: 64 KB.
+class DistanceHistogram {
+ public:
+  static constexpr std::size_t kBins = 8192;
+
+  void add(double distance2) { ++counts_[std::bit_cast<std::uint64_t>(distance2) >> 50 & (kBins - 1)]; }
+  void add(const DistanceHistogram& other) {
+    for (std::size_t i = 0; i < kBins; ++i) counts_[i] += other.counts_[i];
+  }
+  std::uint64_t count(std::size_t bin) const { return counts_[bin]; }
+  /// Returns the smallest squared distance of a bin. Bin 0 holds 0 and the smallest squared distances.
+  static double lower_end2(std::size_t bin) { return std::bit_cast<double>(std::uint64_t{bin} << 50); }
+
+ private:
+  std::array<std::uint64_t, kBins> counts_{};
+};
+
+/// Histograms of the distances from each point to the nearest and to the farthest point of its neighbourhood.
+struct NeighborDistances {
+  DistanceHistogram nearest, farthest;
+  void add(const NeighborDistances& other) {
+    nearest.add(other.nearest);
+    farthest.add(other.farthest);
+  }
+};
 
 /// Times, degenerate points and errors of the stages that one thread ran.
 struct StageTally {

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <optional>
 
-#include "pointsweep/prefetch.h"
 #include "pointsweep/sweep/cell_runner.h"
 #include "pointsweep/sweep/recall.h"
 #include "pointsweep/sweep/sweep_observer.h"

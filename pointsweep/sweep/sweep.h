@@ -13,10 +13,10 @@
 #include "pointsweep/order/stream.h"
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/storage/encoding.h"
-#include "pointsweep/sweep/distance_histogram.h"
 #include "pointsweep/sweep/frontier.h"
 #include "pointsweep/sweep/plan.h"
-#include "pointsweep/sweep/window_cell.h"
+#include "pointsweep/sweep/stage_runner.h"
+#include "pointsweep/sweep/window.h"
 
 namespace pointsweep {
 

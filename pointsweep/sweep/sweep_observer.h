@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pointsweep/sweep/point_collector.h"
+#include "pointsweep/sweep/region.h"
 #include "pointsweep/sweep/sweep.h"
 #include "pointsweep/sweep/window.h"
 #include "pointsweep/sweep/worker.h"

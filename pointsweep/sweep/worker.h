@@ -14,7 +14,7 @@
 #include "pointsweep/search/cell_search.h"
 #include "pointsweep/sweep/plan.h"
 #include "pointsweep/sweep/stage_runner.h"
-#include "pointsweep/sweep/window_cell.h"
+#include "pointsweep/sweep/window.h"
 
 namespace pointsweep {
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// Points with non-finite coordinates of a stored tile, read in parts, whole and damaged.
-#include "pointsweep/part/tile_reader.h"
-
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <limits>
 
 #include "pointsweep/error.h"
+#include "pointsweep/part/tile_catalogue.h"
 #include "tests/support/memory_storage.h"
 #include "tests/sweep/swept_cloud.h"
 

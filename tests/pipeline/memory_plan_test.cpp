@@ -9,7 +9,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
-#include "pointsweep/sweep/window_cell.h"
+#include "pointsweep/sweep/window.h"
 #include "tests/pipeline/dense_ball.h"
 #include "tests/pipeline/in_memory.h"
 

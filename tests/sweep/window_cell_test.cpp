@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/sweep/window_cell.h"
 
 #include <gtest/gtest.h>
 

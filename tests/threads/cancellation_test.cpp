@@ -5,7 +5,6 @@
 
 #include <atomic>
 
-#include "pointsweep/prefetch.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

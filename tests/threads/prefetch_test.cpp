@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/prefetch.h"
-
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <memory>
 #include <stdexcept>
+
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {

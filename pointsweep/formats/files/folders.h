@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "pointsweep/leftovers.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/extended_errors.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/order/parallel_rows.h"
 #include "pointsweep/row_error.h"

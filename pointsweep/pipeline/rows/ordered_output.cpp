@@ -9,7 +9,7 @@
 #include "pointsweep/order/canonical_order.h"
 #include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
-#include "pointsweep/prefetch.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {

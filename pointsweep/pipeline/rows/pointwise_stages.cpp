@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "pointsweep/order/parallel_rows.h"
-#include "pointsweep/prefetch.h"
 #include "pointsweep/sweep/slab_loader.h"
 #include "pointsweep/threads.h"
 

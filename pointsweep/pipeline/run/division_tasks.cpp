@@ -24,7 +24,7 @@
 #include "pointsweep/pipeline/run/request.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/row_error.h"
-#include "pointsweep/storage/sealed_value.h"
+#include "pointsweep/storage/storage.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

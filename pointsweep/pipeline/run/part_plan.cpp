@@ -20,7 +20,7 @@
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/request.h"
 #include "pointsweep/pipeline/run/tile_state.h"
-#include "pointsweep/storage/sealed_value.h"
+#include "pointsweep/storage/storage.h"
 
 namespace pointsweep {
 namespace {

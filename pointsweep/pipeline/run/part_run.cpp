@@ -32,7 +32,7 @@
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/storage/local/unfinished_output.h"
-#include "pointsweep/storage/sealed_value.h"
+#include "pointsweep/storage/storage.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

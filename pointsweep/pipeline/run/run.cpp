@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/extended_errors.h"
 #include "pointsweep/free_memory.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/memory/run_memory.h"

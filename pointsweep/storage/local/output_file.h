@@ -8,8 +8,8 @@
 #include <optional>
 #include <span>
 
-#include "pointsweep/leftovers.h"
 #include "pointsweep/storage/local/descriptor.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 #include "pointsweep/storage/storage.h"
 
 namespace pointsweep {

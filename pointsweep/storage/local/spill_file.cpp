@@ -9,8 +9,8 @@
 #include <cstring>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/leftovers.h"
 #include "pointsweep/storage/local/temp_folder.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "pointsweep/leftovers.h"
 #include "pointsweep/storage/local/descriptor.h"
+#include "pointsweep/storage/local/unfinished_output.h"
 
 namespace pointsweep {
 

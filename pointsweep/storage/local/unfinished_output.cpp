@@ -8,8 +8,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <charconv>
+#include <cstring>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -17,6 +20,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "pointsweep/program/process.h"
 #include "pointsweep/storage/local/descriptor.h"
 #include "pointsweep/storage/remote/url.h"
 
@@ -24,6 +28,18 @@ namespace pointsweep {
 namespace {
 
 namespace fs = std::filesystem;
+
+enum class EntryState : unsigned char { free, changing, listed };
+
+/// An entry of the list of leftovers. It has a fixed address, so a signal handler can read the name even if other
+/// threads change the list.
+struct ListEntry {
+  std::atomic<EntryState> state = EntryState::free;
+  std::array<char, 4096> name{};
+};
+static_assert(std::atomic<EntryState>::is_always_lock_free);
+
+std::array<ListEntry, 64> entries;
 
 /// The parts of the name of an incomplete output: the name of the output, and the process that has begun it.
 struct Part {
@@ -84,6 +100,32 @@ bool is_cleared(const fs::path& folder, const std::string& name) {
 }
 
 }  // namespace
+
+Leftover::Leftover(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  if (name.size() >= entries[0].name.size()) return;
+  for (std::size_t i = 0; i < entries.size() && place_ == kNone; ++i) {
+    EntryState expected = EntryState::free;
+    if (!entries[i].state.compare_exchange_strong(expected, EntryState::changing)) continue;
+    std::memcpy(entries[i].name.data(), name.c_str(), name.size() + 1);
+    entries[i].state = EntryState::listed;
+    place_ = i;
+  }
+}
+
+void Leftover::forget() noexcept {
+  if (place_ != kNone) entries[place_].state = EntryState::free;
+  place_ = kNone;
+}
+
+/// Removes files first, so that folders are empty.
+void remove_leftovers() noexcept {
+  const int before = errno;
+  for (const auto remove : {::unlink, ::rmdir})
+    for (const ListEntry& entry : entries)
+      if (entry.state == EntryState::listed) remove(entry.name.data());
+  errno = before;
+}
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Outputs that are not complete: their files, and the removal of files of killed processes.
+/// Files of outputs that are not complete. A process that a signal stops removes its own files; files of killed
+/// processes are removed by later processes.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +10,24 @@
 #include <vector>
 
 namespace pointsweep {
+
+/// Lists a file or an empty folder for remove_leftovers() (process.h) during its lifetime; removes nothing itself. A
+/// file must be listed before it is made, since the process may be stopped in between. At most 64 paths are listed at
+/// once; further paths, and paths of 4,096 characters or more, are ignored.
+class Leftover {
+ public:
+  Leftover() = default;
+  explicit Leftover(const std::filesystem::path& path);
+  ~Leftover() { forget(); }
+  Leftover(const Leftover&) = delete;
+  Leftover& operator=(const Leftover&) = delete;
+  /// Takes the path off the list, because the file was removed or has become a complete output.
+  void forget() noexcept;
+
+ private:
+  std::size_t place_ = kNone;
+  static constexpr std::size_t kNone = ~std::size_t{0};
+};
 
 /// Returns the folder of a file; "." if the path has none.
 std::filesystem::path folder_of(const std::filesystem::path& file);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Finds the points of the stream that lie inside balls. Reads once each slab that a ball touches.
+/// The region of a recall: points of the stream inside balls, which are read into memory again after the sweep. One
+/// reading of the stream reads each slab that a ball touches once.
 #pragma once
 
 #include <array>
@@ -13,6 +14,8 @@
 
 #include "pointsweep/search/ball_lookup.h"
 #include "pointsweep/sweep/frontier.h"
+#include "pointsweep/sweep/slab_loader.h"
+#include "pointsweep/sweep/window.h"
 
 namespace pointsweep {
 
@@ -100,6 +103,38 @@ class PointCollector {
   std::array<std::mutex, 64> mutexes_;  ///< mutex i guards the heaps of the balls i, i + 64, ...
   std::vector<CollectedPoints> found_;
   std::uint64_t points_ = 0;
+  SlabsRead slabs_read_;
+};
+
+/// The cells that a recall has read. collect() adds points, in new cells; a slot (0, 1, ...) refers to the same cell as
+/// long as the region lives. All functions but collect() are thread-safe.
+class Region : public CellSet {
+ public:
+  /// `frontier` comes from a completed sweep and holds the boxes of all cells that are not superfluous.
+  Region(const Stream& stream, const SlabLoader& loader, const Frontier& frontier, std::size_t slabs_at_once)
+      : stream_(stream),
+        loader_(loader),
+        frontier_(frontier),
+        slabs_at_once_(slabs_at_once),
+        held_(stream.slabs().size()) {}
+
+  /// Adds the wanted points that the region does not hold yet. Returns false if they are more than `wanted` allows.
+  bool collect(WantedPoints wanted);
+
+  /// Returns whether the cells of the stream within sqrt(reach2) of `p` hold more than `count` points.
+  bool touches_more_than(std::uint64_t count, Vec3 p, double reach2) const;
+  /// Returns a squared distance from `p` within which at least `count` points of the stream lie; infinite if all cells
+  /// hold fewer.
+  double reach2_that_holds(Vec3 p, std::uint64_t count) const;
+
+  const SlabsRead& slabs_read() const { return slabs_read_; }
+
+ private:
+  const Stream& stream_;
+  const SlabLoader& loader_;
+  const Frontier& frontier_;
+  std::size_t slabs_at_once_;
+  std::vector<std::vector<std::uint32_t>> held_;  ///< for each slab, indices of the points held, ascending
   SlabsRead slabs_read_;
 };
 
