@@ -33,7 +33,7 @@ void keep_little_free_memory() noexcept {
 }
 
 /// Dask starts its workers with MALLOC_TRIM_THRESHOLD_=65536, which also fixes M_MMAP_THRESHOLD at 128 kB: each larger
-/// block is mapped for itself, and all its pages are cleared again.
+/// block is mapped separately, and the system clears all its pages again.
 void reuse_free_memory() noexcept {
   ::mallopt(M_MMAP_THRESHOLD, 1 << 20);
   ::mallopt(M_TRIM_THRESHOLD, 16 << 20);

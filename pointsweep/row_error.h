@@ -24,7 +24,8 @@ class RowError : public Error {
  public:
   RowError(std::uint64_t row, RowSentence sentence) : RowError(row, std::to_string(row), std::move(sentence)) {}
   std::uint64_t row() const { return row_; }
-  /// Returns this error with the row number `row`, since a pass numbers only the rows that earlier selects have kept.
+  /// Returns this error with another row number. A pass numbers only the rows that earlier selects have kept, so the
+  /// run replaces such a number by the row of the input.
   RowError numbered(std::uint64_t row) const { return {row, sentence_}; }
   /// Returns this error with a sentence that calls the row `name`.
   RowError named(const std::string& name) const { return {row_, name, sentence_}; }
@@ -42,8 +43,8 @@ class RowError : public Error {
   RowSentence sentence_;
 };
 
-/// Calls `work()`. Replaces a RowError of a writer that counts its own rows, which are not those of the input, by an
-/// Error that says so: "row 5 of the output".
+/// Calls `work()`. Replaces a RowError by an Error that names the row "5 of the output": for writers, whose rows differ
+/// from the rows of the input.
 template <class Work>
 void with_rows_of_output(const Work& work) {
   try {
@@ -53,8 +54,8 @@ void with_rows_of_output(const Work& work) {
   }
 }
 
-/// Performs work(). Appends the text that added() returns to the sentence of an Error. Errors are unchanged if the text
-/// is empty; UsageError and Cancelled are always unchanged.
+/// Calls work(). If work() throws an Error, appends the text that added() returns to its sentence. The Error is
+/// unchanged if the text is empty; UsageError and Cancelled are always unchanged.
 template <class Work, class Added>
 void extending_errors(const Work& work, const Added& added) {
   try {
@@ -70,7 +71,7 @@ void extending_errors(const Work& work, const Added& added) {
   }
 }
 
-/// Keeps the least of several errors. Not thread-safe.
+/// Keeps the least of several errors, as operator< orders them. Not thread-safe.
 class FirstRowError {
  public:
   /// Notes an error of `row`. Calls `sentence()`, which returns the RowSentence, only if no lower row has been noted.

@@ -58,7 +58,7 @@ class LimitAround {
   ThreadLimit* before_;
 };
 
-/// Lifts a limit until destruction.
+/// Lifts a limit during its lifetime.
 class LiftedLimit {
  public:
   explicit LiftedLimit(ThreadLimit* limit) : limit_(limit) {
@@ -78,11 +78,11 @@ class LiftedLimit {
 
 void with_threads(unsigned threads, const std::function<void()>& work) {
   threads = std::max(threads, 1u);
-  const LiftedLimit outer(limit_around);  // it may be lower than `threads`, and its threads only wait here
+  const LiftedLimit outer(limit_around);  // its limit may be lower than `threads`, and its threads only wait
   ThreadLimit limit(threads);
   tbb::task_arena arena(static_cast<int>(threads));
   const CancellationToken* const token = CancellationScope::current();
-  arena.execute([&] {  // another thread may run this function
+  arena.execute([&] {  // oneTBB may call this function on another thread
     const CancellationScope scope(token);
     const LimitAround around(&limit);
     work();
@@ -105,7 +105,8 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t, unsig
       });
     });
   };
-  // While a body waits for its inner loop, its thread must not start another body, since the body may hold a lock.
+  // While a body waits for its inner loop, its thread must not start another body, since the waiting body may hold
+  // a lock.
   working ? tbb::this_task_arena::isolate(loop) : loop();
   failure.rethrow();
 }
@@ -126,7 +127,7 @@ BackgroundTask::BackgroundTask(std::function<void()> work) : state_(std::make_un
 BackgroundTask::~BackgroundTask() {
   try {
     state_->group.wait();
-  } catch (...) {  // the run has already failed with another error
+  } catch (...) {  // dropped, since the run has already failed with another error
   }
 }
 

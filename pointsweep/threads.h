@@ -21,7 +21,7 @@ namespace pointsweep {
 /// Calls work() so that the loops in it use `threads` threads (at least 1), including the calling thread.
 void with_threads(unsigned threads, const std::function<void()>& work);
 
-/// Returns the number of threads of a loop that is started here: the number of with_threads(), or one for each core.
+/// Returns the number of threads of a loop that this thread starts: the number of with_threads(), or one for each core.
 /// Each `worker` of a loop is lower than this number.
 unsigned thread_count();
 
@@ -100,7 +100,8 @@ class Prefetch {
     fill();
   }
 
-  /// Returns the next object, and starts to make another. Throws the exception with which make() ended for the object.
+  /// Returns the next object, and starts to make a later object. Throws the exception that make() has thrown for the
+  /// returned object. Must be called at most once for each object.
   Thing next() {
     pending_.front()->task->wait();
     Thing thing = std::move(*pending_.front()->thing);
@@ -112,7 +113,7 @@ class Prefetch {
  private:
   struct Pending {
     std::optional<Thing> thing;
-    std::optional<BackgroundTask> task;  // last, so that it ends before the members that it uses
+    std::optional<BackgroundTask> task;  // last member: its destructor waits for the task, which uses `thing`
   };
 
   void fill() {

@@ -28,8 +28,8 @@
 
 namespace pointsweep {
 
-/// A view of the coordinates of N points: an array of 3 N floats or doubles, x, y and z of a point side by side, or N
-/// arrays of three. Borrows the array.
+/// A view of the coordinates of N points: an array of 3 N floats or doubles with x, y and z of a point side by side, or
+/// an array of N arrays of three numbers. Borrows the array.
 class PointsView {
  public:
   template <std::ranges::contiguous_range Range>

@@ -81,8 +81,8 @@ struct POINTSWEEP_EXPORT Schema {
   std::vector<Field> fields;
   std::uint32_t stride = 0;  ///< bytes of a record, at least the sum of the bytes of its fields
 
-  /// Returns the index of the field that holds `name`, one of the library's own names ("x", "nx", "intensity", ...), in
-  /// any spelling that files use ("normal_x", "NormalX"), ignoring case.
+  /// Returns the index of the field for `name`, which is one of the library's own names ("x", "nx", "intensity", ...).
+  /// The field may have any spelling that files use ("normal_x", "NormalX"), in upper or lower case.
   std::optional<std::size_t> find(std::string_view name) const;
   /// Appends a field after the present record and returns its index.
   std::size_t append(std::string name, Type type, std::uint32_t count = 1);

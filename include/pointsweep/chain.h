@@ -34,10 +34,10 @@ struct Reneighbor {
 };
 
 /// Orders the rows of the output by the current positions. With Order::sweep, the rows are in canonical order along the
-/// axis of the largest extent of these positions, or along a chosen axis, exactly as after sort() of a file that holds
-/// the positions in float64. Without Resort, rows are ordered by the positions in the input, also after Reneighbor.
-/// Resort changes no value and no neighbourhood; with Order::input it is a no-op. The last Resort of a chain counts.
-/// Cost: none in the sweep, one more ordering of the output.
+/// axis of the largest extent of these positions, or along a chosen axis, exactly as after sort() (run.h) of a file
+/// with the positions in float64. Without Resort, rows are ordered by the positions in the input, also after
+/// Reneighbor. Resort changes no value and no neighbourhood; with Order::input it is a no-op. The last Resort of a
+/// chain counts. Cost: none in the sweep, one more ordering of the output.
 struct Resort {};
 
 /// Hides attributes from later stages and from the output: attributes that earlier stages make, or fields of the input

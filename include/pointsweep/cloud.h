@@ -75,7 +75,7 @@ class POINTSWEEP_EXPORT Cloud {
   /// only at the end of the cloud. Returns their number. Reading in order costs no more than reading the files.
   std::size_t read(std::uint64_t row, std::span<std::byte> records);
 
-  /// Gives the engine access; not for users.
+  /// Returns the inputs, for the engine; not for users.
   InputCloud& inputs() { return *inputs_; }
   const InputCloud& inputs() const { return *inputs_; }
 

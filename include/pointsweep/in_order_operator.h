@@ -80,7 +80,7 @@ struct InOrderSetup {
   std::function<bool(Vec3 position, double distance)> may_lack = {};
 };
 
-/// An estimate of the cloud that an InOrderWork will take, from a survey.
+/// Facts about the cloud that an InOrderWork will take, some of them estimated from a sample of its points.
 struct CloudEstimate {
   std::uint64_t points = 0;
   std::span<const Vec3> sample;  ///< positions of a sample of the points, which are finite

@@ -91,7 +91,7 @@ struct PointColumns {
 class Neighborhoods {
  public:
   /// Makes a batch for the engine. `position_column`: number of the column of moved positions, which replace the
-  /// positions of the search; negative without one. `moved`: true if the positions in `own` and `slots` have been
+  /// positions of the search; negative if there is none. `moved`: true if the positions in `own` and `slots` have been
   /// moved. `column_bytes`: bytes of a value of each column; null if types are not checked.
   Neighborhoods(const PointColumns& own, std::size_t size, const PointColumns* slots, const std::uint32_t* begin,
                 const NeighborRef* refs, std::span<const std::uint16_t> reads,

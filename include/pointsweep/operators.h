@@ -153,7 +153,7 @@ struct SimplifyOptions {
   /// The largest distance of a kept point from a point that it represents, as on flat parts; > 0. If absent, 32 times
   /// `error`.
   std::optional<double> most = {};
-  /// Lower limit of the distance within which a kept point represents others, for places where noise looks like
+  /// Lower limit of the distance within which a kept point represents other points, for places where noise looks like
   /// curvature; 0 to `most`.
   double least = 0;
 };

@@ -26,7 +26,7 @@ namespace pointsweep {
 struct LasOrigin;
 
 /// The parts of a file other than its points, kept for a writer of the same format (LAS: header, VLRs, EVLRs;
-/// PLY: comments and obj_info). A writer of another format ignores it.
+/// PLY: comments and obj_info). A writer of another format ignores them.
 struct POINTSWEEP_EXPORT FormatExtras {
   virtual ~FormatExtras() = default;
   /// Returns the name of the format, e.g. "las". Each name belongs to one class.

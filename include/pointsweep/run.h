@@ -39,7 +39,7 @@ enum class Engine : std::uint8_t {
   reference,
 };
 
-/// The treatment of points whose coordinates are NaN or infinite. They are neighbours of no other point in any case.
+/// The treatment of points whose coordinates are NaN or infinite. Such points are never neighbours of other points.
 enum class Nonfinite : std::uint8_t {
   by_format,  ///< `drop` for LAS, which cannot hold such points, `keep` for all other formats
   keep,       ///< such points are written, with made attributes as documented for undefined results
@@ -58,8 +58,8 @@ struct Progress {
 
 /// Observes a run, and can stop it. An exception thrown by an override ends the run, which then leaves no files.
 ///
-/// cancel(), from any thread or from a signal handler, ends the run with Cancelled within a fraction of a second. An
-/// operator is not interrupted between two batches of at most 262,144 neighbours or one point. A cancelled observer
+/// cancel(), from any thread or from a signal handler, ends the run with Cancelled within a fraction of a second. A
+/// call of an operator is not interrupted, but gets at most 262,144 neighbours, or one point. A cancelled observer
 /// remains cancelled.
 class POINTSWEEP_EXPORT Observer {
  public:

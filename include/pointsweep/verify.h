@@ -95,7 +95,7 @@ struct Verdict {
   /// Number of rows that a select after other stages has dropped; absent without such a select.
   std::optional<std::uint64_t> left_out;
   std::uint64_t open_rows = 0;  ///< number of sampled rows for which the data do not decide whether a select keeps them
-  /// Names of unchecked attributes of the output, which neither the input has nor a stage makes.
+  /// Names of attributes of the output that are not checked, since neither the input has them nor a stage makes them.
   std::vector<std::string> unknown;
   std::vector<std::string> untold;  ///< sentences about values that are not checked, with the reasons
 

@@ -96,8 +96,8 @@ class POINTSWEEP_EXPORT Writer {
  public:
   virtual ~Writer() = default;
 
-  /// Appends whole records. Large calls run at disk speed. Throws Error if the records cannot be written, e.g. because
-  /// no space is left.
+  /// Appends whole records. One call with many records is faster than many calls with few. Throws Error if the records
+  /// cannot be written, e.g. because no space is left.
   virtual void write(std::span<const std::byte> records) = 0;
 
   /// Returns whether write_at() works, as in formats whose records have a fixed size in the file.

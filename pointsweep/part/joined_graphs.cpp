@@ -55,6 +55,7 @@ class Joined {
     }
   }
 
+  /// A component of the cloud: sums over its components of tiles, and its number, once it has one.
   struct Whole {
     std::uint64_t points = 0;
     std::vector<std::byte> votes, result;

@@ -40,8 +40,8 @@ class Chooser {
   }
 
   /// Converts a box of positions into the space in which the operator compares points. An operator that looks for
-  /// nearest points compares positions, with z = 0 if it works in the plane. Other operators compare their places,
-  /// which ascend with positions.
+  /// nearest points compares positions, with z = 0 if it works in the plane. Other operators compare the
+  /// places that place_of() gives, which ascend with positions.
   Box compared(const Box& box) const {
     if (box.empty()) return box;
     if (reach_.nearest == 0) return {op_.place_of(box.lo), op_.place_of(box.hi)};
@@ -78,8 +78,8 @@ class Chooser {
     choose(boxes, middle, end, candidates, std::move(left), chosen);
   }
 
-  /// Returns the square of a distance within which all nearest points lie that any point of the box needs; this
-  /// distance is at most Reach::distance. Returns infinity if the operator does not look for nearest points.
+  /// Returns the square of a distance, at most Reach::distance, within which all nearest points lie that the operator
+  /// needs for any point of the box. Returns infinity if the operator does not look for nearest points.
   double most_distance2_of_nearest(const Box& box, const std::vector<Candidate>& candidates,
                                    const std::vector<std::size_t>& left) const {
     if (reach_.nearest == 0) return kEverywhere;
@@ -221,8 +221,8 @@ std::vector<Candidate> needed_blocks(TileReader& reader, const TileCatalogue& ti
   return only_needed(std::move(blocks));
 }
 
-/// Returns a function that returns whether points within a distance of a position may be missing, if all blocks within
-/// `reach` of the boxes of the tile are present. It uses the triangle inequality, with a factor for rounding.
+/// Returns the function for NeededPoints::may_lack, if all blocks within `reach` of the boxes of the tile are present.
+/// It uses the triangle inequality, with a factor for rounding.
 std::function<bool(Vec3, double)> beyond(const TileIndex& own, double reach) {
   std::vector<Box> boxes;
   for (std::uint32_t b = 0; b < own.own_blocks(); ++b) boxes.push_back(own.blocks[b].box);

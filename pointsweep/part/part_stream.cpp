@@ -23,7 +23,8 @@ struct BlocksOfSlab {
   std::size_t first, count;
 };
 
-/// Divides the cloud for one tile: slabs near it (its own and its halo), which are swept, and slabs far from it.
+/// Divides a cloud for the sweep of one tile: into slabs near the tile (its own and its halo), which the sweep reads,
+/// and slabs far from the tile, which only the recall reads.
 class PartCutter {
  public:
   PartCutter(TileReader& reader, const TileCatalogue& tiles, std::size_t own)

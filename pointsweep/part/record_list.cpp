@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t kChunkRecords = 1024;
 constexpr std::size_t kChecksumBytes = sizeof(std::uint64_t);
-constexpr std::size_t kBytesAtOnce = 1 << 20;  ///< most bytes of chunks in one read, if a chunk is no larger
+constexpr std::size_t kBytesAtOnce = 1 << 20;  ///< most bytes of one read; a larger chunk is read alone
 
 }  // namespace
 

@@ -38,9 +38,11 @@ void encode(Encoder& out, const OpenForest& forest);
 OpenForest decode_open_forest(Decoder& in, std::size_t vote_bytes);
 
 /// Stores a graph as four lists: NAME.nodes, its points with their ballots (the values from which votes are made);
-/// NAME.edges; NAME.marks, the OpenUntil marks; NAME.buckets, the numbers of nodes, edges and marks of each bucket.
+/// NAME.edges; NAME.marks, for each mark the last bucket with edges of a point (OpenUntil); NAME.buckets, the numbers
+/// of nodes, edges and marks of each bucket.
 void store_graph(const BucketedGraph& graph, std::size_t ballot_bytes, Storage& scratch, const std::string& name);
 
+/// A graph that store_graph() has stored.
 class StoredGraph final : public BucketedGraph {
  public:
   /// Opens a stored graph. Throws Error, which calls an object damaged, if the lengths of its lists disagree.

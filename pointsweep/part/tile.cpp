@@ -41,7 +41,8 @@ class ScratchRecord {
   }
   const Schema& schema() const { return schema_; }
 
-  /// Writes the converted record of a stream record, whose point is at `position`, to `to`. Returns its row.
+  /// Writes the converted record of the stream record `from`, whose point is at `position`, to `to`. Returns the row of
+  /// the point.
   std::uint64_t convert(const std::byte* from, const Vec3& position, std::byte* to) const {
     std::memcpy(to, &position, sizeof position);
     carried_.copy(from, to);
@@ -116,8 +117,8 @@ StoredBlocks cut_into_blocks(const ScratchRecord& record, const Slab& slab, std:
   return stored;
 }
 
-/// Stores the slabs of a tile. Copies of the points that other tiles have to know follow the slabs, in the order in
-/// which threads finish them.
+/// Stores the slabs of a tile. Copies of the points that other tiles have to know follow the slabs; the copies of a
+/// slab stand together, in the order in which threads finish slabs.
 class SlabsToTile {
  public:
   SlabsToTile(const Stream& stream, const ChooseForOthers& choose, Unsealed& points)
@@ -159,7 +160,7 @@ class SlabsToTile {
     points_.write_at(place_for_others(chosen) * record_.schema().stride, chosen.records);
   }
 
-  /// Adds blocks to `for_others_`, and returns the number that their first record gets in the object of points.
+  /// Adds blocks to `for_others_`, and returns the number of their first record in the object NAME.points.
   std::uint64_t place_for_others(const StoredBlocks& chosen) {
     const std::scoped_lock lock(mutex_);
     for_others_.insert(for_others_.end(), chosen.blocks.begin(), chosen.blocks.end());

@@ -29,16 +29,16 @@ struct TileBlock {
 inline constexpr std::uint64_t kNonfiniteAtOnce = 1 << 14;
 
 /// The index of a tile that is stored under NAME, in the object NAME.index. The object NAME.points holds the records:
-/// slab by slab, then copies of the points that other tiles have to know (unless they have to know all points), then
-/// the points with non-finite coordinates.
+/// slab by slab, then copies of the points that other tiles have to know (unless other tiles have to know all points),
+/// then the points with non-finite coordinates.
 struct TileIndex {
   /// The layout of the records as text. Tiles with equal texts have records that one run can read.
   std::string layout;
   std::uint32_t record_bytes = 0;
   std::uint64_t rows = 0;       ///< number of all points of the tile
   std::uint64_t nonfinite = 0;  ///< number of points with non-finite coordinates, which are in no block
-  /// Checksums of the records of points with non-finite coordinates, one for each kNonfiniteAtOnce points; the last may
-  /// be of fewer points.
+  /// Checksums of the records of points with non-finite coordinates, one for each kNonfiniteAtOnce points; the last
+  /// checksum may cover fewer points.
   std::vector<std::uint64_t> nonfinite_checksums;
   Survey survey;
   std::vector<TileBlock> blocks;

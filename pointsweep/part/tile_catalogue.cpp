@@ -170,7 +170,7 @@ TileCatalogue catalogue_of(const Storage& scratch, const std::vector<std::string
   TileCatalogue catalogue;
   std::uint64_t rows = 0;
   std::string layout;
-  std::size_t of_layout = 0;  // the first tile with a layout
+  std::size_t of_layout = 0;  // number of the first tile with a layout
   for (std::size_t t = 0; t < names.size(); ++t) {
     const TileIndex tile = tile_index(scratch, names[t]);
     if (layout.empty()) layout = tile.layout, of_layout = t;

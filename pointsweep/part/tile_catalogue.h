@@ -30,7 +30,7 @@ struct TileRegion {
 
 /// The facts about a tile that every process of the run reads.
 struct TileSummary {
-  std::string name;             ///< prefix of the keys of the tile's objects in the scratch
+  std::string name;             ///< prefix of the keys of the tile's objects in the scratch (tile.h)
   std::uint64_t first_row = 0;  ///< first row of the tile in the cloud: the number of rows of all earlier tiles
   std::uint64_t rows = 0;
   std::vector<TileRegion> regions;  ///< at most 16 regions, which hold the points that other tiles may have to know
@@ -47,7 +47,7 @@ struct TileGroup {
 /// The catalogue of all tiles of a cloud, made after each tile has stored its points.
 struct TileCatalogue {
   std::vector<TileSummary> tiles;  ///< tiles in the order of their numbers
-  /// All tiles that have regions, in groups. They are not stored, since the tiles determine them.
+  /// All tiles that have regions, in groups. Groups are not stored, since the tiles determine them.
   std::vector<TileGroup> groups = {};
 
   /// Returns the number of the tile that holds a row of the cloud. Throws Error if no tile holds it.

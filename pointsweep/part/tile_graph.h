@@ -44,8 +44,8 @@ struct Crossing {
 };
 using SortedCrossings = SortedRecords<Crossing, std::less<>>;
 
-/// Takes the edges that points of a tile emit. Edges between two points of the tile go to buckets; edges to other tiles
-/// (crossings) go to a function.
+/// Takes the edges that points of a tile emit. Edges between two points of the tile go to buckets (edge_buckets.h);
+/// edges to other tiles (crossings) go to a function.
 class TileEdges final : public EdgeSink {
  public:
   /// `take_crossings` gets the edges of a batch that lead to other tiles; its calls do not overlap.
@@ -62,7 +62,7 @@ class TileEdges final : public EdgeSink {
 };
 
 struct TileGraphSetup {
-  const VoteRule* votes = nullptr;  ///< null if components need no votes
+  const VoteRule* votes = nullptr;  ///< rule by which points of a component vote; null if there are no votes
   MakeScratch make_scratch;
   SpillPlace spill = nullptr;      ///< place for labels that do not fit in memory; null: all labels stay in memory
   std::uint64_t memory_bytes = 0;  ///< bytes of memory for sorting and for labels
@@ -100,9 +100,9 @@ inline RowStore store_of_labels(std::uint64_t rows, const TileGraphSetup& setup)
   return {rows, none, setup.spill, std::max<std::uint64_t>(setup.memory_bytes / 4, 1 << 20)};
 }
 
-/// A vote rule that sums the votes of another rule without concluding them, so that components of several tiles can be
-/// joined later. If the other rule is null, there are no votes. turns() is not forwarded, because edges without weights
-/// flip no signs.
+/// A vote rule whose result is the sum of the votes by another rule, so that components of several tiles can be joined
+/// before their votes are concluded. If the other rule is null, there are no votes. turns() is not forwarded, because
+/// edges without weights flip no signs.
 class OpenVotes final : public VoteRule {
  public:
   explicit OpenVotes(const VoteRule* rule) : rule_(rule) {}
@@ -130,7 +130,8 @@ class OpenVotes final : public VoteRule {
   const VoteRule* rule_;
 };
 
-/// Bytes of the record of a tile's component, a FinishedComponent, without the votes that follow it.
+/// Bytes of the record of a tile's component: a FinishedComponent. The votes of the component follow and are not
+/// counted.
 inline constexpr std::size_t kComponentBytes = sizeof(PointKey) + sizeof(std::uint64_t);
 
 inline FinishedComponent component_at(const std::byte* record) {

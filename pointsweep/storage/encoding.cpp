@@ -60,7 +60,7 @@ void Decoder::finish() const {
 
 std::uint64_t Decoder::get_count() {
   const auto count = get<std::uint64_t>();
-  if (count > rest_.size()) refuse("end too early");  // before memory is reserved for the elements
+  if (count > rest_.size()) refuse("end too early");  // a damaged count must not make the caller reserve memory
   return count;
 }
 

@@ -37,7 +37,7 @@ class Unsealed {
   virtual void seal() = 0;
 };
 
-/// A place for sealed objects with keys. Failures throw Error, except in remove().
+/// A place that holds complete (sealed) objects, each under a key. Failures throw Error, except in remove().
 class Storage {
  public:
   virtual ~Storage() = default;
@@ -55,7 +55,7 @@ class Storage {
 /// zeros. Four sums take the words in turn, as long as four words remain. The number of bytes, the four sums and the
 /// remaining words are then joined into one sum.
 std::uint64_t checksum_of(std::span<const std::byte> bytes);
-/// Stores and seals an object that holds the number of `bytes`, a checksum, and the bytes.
+/// Stores and seals an object that holds a signature, the number of `bytes`, their checksum, and the bytes.
 void seal_bytes(Storage& storage, const std::string& key, std::span<const std::byte> bytes);
 /// Returns the size and the checksum in the head of an object that seal_bytes() has stored, without reading its bytes.
 /// Objects with equal heads hold equal values. Returns nothing if the object has no complete head.
@@ -63,8 +63,8 @@ std::vector<std::byte> sealed_identity(const Storage& storage, const std::string
 /// Returns the bytes of an object that seal_bytes() has stored; nothing if the object is damaged.
 std::optional<std::vector<std::byte>> sealed_bytes(const Storage& storage, const std::string& key);
 
-/// Returns the value that decode(in) makes of the bytes that seal_bytes() has stored. Throws Error, which calls the
-/// object damaged, if the object is incomplete or its checksum is wrong; also if bytes follow the value.
+/// Returns the value that decode(Decoder&) makes of the bytes that seal_bytes() has stored. Throws Error, which calls
+/// the object damaged, if the object is incomplete, its checksum is wrong, or bytes follow the value.
 template <class Decode>
 auto sealed_value(const Storage& storage, const std::string& key, const Decode& decode) {
   const std::optional<std::vector<std::byte>> bytes = sealed_bytes(storage, key);
@@ -75,7 +75,8 @@ auto sealed_value(const Storage& storage, const std::string& key, const Decode& 
   return value;
 }
 
-/// Returns the value that T::decode() makes of the bytes that seal_bytes() has stored. Throws the same errors.
+/// Returns the value that T::decode() makes of the bytes that seal_bytes() has stored. Throws the errors of the
+/// overload above.
 template <class T>
 T sealed_value(const Storage& storage, const std::string& key) {
   return sealed_value(storage, key, &T::decode);

@@ -43,8 +43,8 @@ class CellLists {
   /// Fills worker.reach2, the squared radius of each neighbourhood of the cell. Returns whether worker.neighbors holds
   /// the lists of all points of the cell. Without a limit k the reach is the radius, so no search is needed.
   bool find_reaches(std::uint32_t slot, Worker& worker) const;
-  /// Finds the lists of the first of `points`, as many as fit in memory but at least one, without truncate().
-  /// Stores the lists in worker.neighbors and returns their number.
+  /// Finds the lists of the first of `points`: as many lists as fit in ListMemory::lists_bytes, but at least one. The
+  /// lists are not yet shortened by truncate(). Stores them in worker.neighbors and returns their number.
   std::uint32_t find(std::uint32_t slot, const CellSubset& points, Worker& worker) const;
   /// Shortens worker.neighbors, the lists of `points`, by the rule of the plan's neighbourhood, if it has one.
   void truncate(const WindowCell& cell, const CellSubset& points, Worker& worker) const;

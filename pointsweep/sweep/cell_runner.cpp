@@ -31,7 +31,7 @@ constexpr double kCountedShare = 0.9;
 /// farther, such as outliers, are deferred, since their cell would stay in the window for long.
 constexpr double kWorthWaiting = 5;
 
-/// Returns the greatest reach of the points in `early` that are worth a wait (kWorthWaiting); 0 if none is.
+/// Returns the greatest reach of the points in `early` that are worth a wait (kWorthWaiting); 0 if no point is.
 double reach_worth_waiting(const std::vector<double>& reach2, const std::vector<std::uint32_t>& early) {
   double worth = 0;
   if (early.empty()) return worth;
@@ -76,9 +76,9 @@ double end_of_list(const Neighborhood& what, Vec3 p, const CellNeighbors& lists,
 }
 
 /// Certifies the points of a cell. The ball of a point has the squared radius worker.reach2 and must touch no unread
-/// slab and no dropped cell; otherwise the point is deferred. Returns false if many balls, or some that are worth a
-/// wait, touch slabs that the sweep has still to read: the cell then waits and is searched again. It does not wait for
-/// slabs that only the recall reads.
+/// slab and no dropped cell; otherwise the point is deferred. Returns false if many balls, or any ball that is
+/// worth a wait, touch slabs that the sweep has still to read: the cell then waits and is searched again. A cell does
+/// not wait for slabs that only the recall reads.
 bool certify(WindowCell& cell, const Frontier& frontier, Worker& worker) {
   const std::vector<double>& reach2s = worker.reach2;
   const Box& box = cell.cell.box;
@@ -169,7 +169,7 @@ void CellRunner::look_no_further(WindowCell& cell, std::uint32_t step) const {
 }
 
 /// Takes the first step. The lists of a cell are found and used for one run of points after another; lists for later
-/// steps are stored if those of all runs fit in memory.
+/// steps are stored if the lists of all runs fit in memory.
 void CellRunner::run_first_step(std::uint32_t slot, bool all_found, Worker& worker) const {
   WindowCell& cell = window_.at(slot);
   const bool later = plan_.step_count() > 1;
@@ -195,8 +195,8 @@ void CellRunner::run_first_step(std::uint32_t slot, bool all_found, Worker& work
   CellLists::hold_references(cell, worker);
 }
 
-/// Takes a later step with the stored lists, or finds equal lists again. They are equal because no point has entered
-/// the certified balls, and the cells of the lists are still in the window.
+/// Takes a later step with the stored lists, or searches again, which finds equal lists: no point has entered the
+/// certified balls, and the cells of the lists are still in the window.
 void CellRunner::run_later_step(std::uint32_t slot, std::uint32_t step, Worker& worker) const {
   WindowCell& cell = window_.at(slot);
   const std::uint32_t size = cell.cell.size();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Takes one cell through one step: search, certificate, stages, delivery of results (the pull-push of a point, Figures
-/// 12 and 14 of the paper, done for a thousand points at once).
+/// Takes one cell through one step: search, certificate (the proof that neighbourhoods are complete), stages, delivery
+/// of results. It is the pull-push of a point, Figures 12 and 14 of the paper, for a thousand points at once.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ class CellRunner {
   Window& window_;
   const Frontier& frontier_;
   Sink& sink_;
-  std::vector<bool> read_of_neighbors_;  ///< for each column, true if a stage reads it of neighbours in other cells
+  std::vector<bool> read_of_neighbors_;  ///< for each column, true if a stage reads values of neighbours
   CellLists lists_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Places of points that are not in memory. A ball that touches none of them cannot contain an unread or a dropped
-/// point. The paper considers only unread points (Section 4.2.2).
+/// Boxes of the points that are not in memory: of slabs that the sweep has not read yet, and of cells that have left
+/// the window (window.h). A ball that touches none of these boxes contains only points in memory. The paper considers
+/// only unread points (Section 4.2.2).
 #pragma once
 
 #include <array>
@@ -21,17 +22,17 @@ struct DroppedCell {
   std::uint32_t points;
 };
 
-/// The boxes of the unread slabs and of the cells that have left the window. Only the thread of the sweep changes it;
-/// queries are thread-safe.
+/// The boxes of the unread slabs and of the cells that have left the window. Only the thread of the sweep
+/// changes the frontier; queries are thread-safe.
 ///
-/// Among coincident points, only the k + 1 with the lowest rows belong to any neighbourhood. A location is saturated
-/// once a cell has been read that contains more than k points, all of them there. Points there with higher rows than
-/// k + 1 points of this cell are superfluous. Slabs and cells of superfluous points need not be read or kept, so a
-/// cloud may have more copies of a point than fit in memory.
+/// Among coincident points, only the k + 1 points with the lowest rows belong to any neighbourhood. A location is
+/// saturated once a cell has been read that holds more than k points, all at this location. A point at the location is
+/// superfluous if its row is higher than k + 1 rows of this cell. Slabs and cells of superfluous points need not be
+/// read or kept, so a cloud may have more copies of a point than fit in memory.
 class Frontier {
  public:
-  /// `slabs` is borrowed. Answers are right for slabs in any order, and fast if the slabs mostly ascend along the axis.
-  /// The sweep reads the first `swept_slabs` of them.
+  /// Borrows `slabs`, of which the sweep reads the first `swept_slabs`. Slabs may come in any order; queries are fast
+  /// if slabs mostly ascend along the axis.
   Frontier(const std::vector<Slab>& slabs, int axis, std::size_t swept_slabs);
   Frontier(const std::vector<Slab>& slabs, int axis) : Frontier(slabs, axis, slabs.size()) {}
 
@@ -39,7 +40,7 @@ class Frontier {
   void slab_was_read() { ++read_; }
   /// Sets the number of slabs that have been read, for a sweep that continues an earlier sweep.
   void slabs_were_read(std::size_t first) { read_ = first; }
-  /// Returns whether the sweep has slabs to read. Slabs that only the recall reads do not count.
+  /// Returns whether the sweep has slabs to read. Slabs that only the recall (recall.h) reads do not count.
   bool more_to_read() const { return read_ < swept_slabs_; }
   /// Treats the unread slabs as cells that have left the window. Must be called after the last slab of the sweep.
   void leave_unread_slabs();
@@ -84,7 +85,7 @@ class Frontier {
   const std::vector<Slab>& slabs_;
   int axis_;
   std::size_t swept_slabs_;
-  /// For each slab that the sweep reads, the least coordinate along the axis among this slab and all later ones.
+  /// For each slab that the sweep reads, the least coordinate along the axis of this slab and all later slabs.
   std::vector<double> least_begin_;
   BoxTree beyond_;  ///< the boxes of the slabs that only the recall reads
   std::size_t read_ = 0;

@@ -16,7 +16,7 @@ namespace pointsweep {
 /// The time for which the values of a column are needed.
 enum class Lifetime : std::uint8_t {
   none,  ///< no stage reads the column, and it is not written
-  step,  ///< later stages of the same step read the point's own value, or it is written after the step
+  step,  ///< later stages of the same step read the value at the point itself, or the value is written after the step
   cell,  ///< needed as long as the point is in memory
 };
 
@@ -86,7 +86,7 @@ struct Finished {
 };
 
 /// Receives finished points: the deferred-write operator Φ_W (paper Section 4.2.1). Each point, except in slabs
-/// of a halo (Slab::is_halo), is passed once to finished() or recalled(). Many threads call these functions.
+/// of a halo (Slab::is_halo), is passed once to finished() or recalled(). Many threads call both functions at once.
 class Sink {
  public:
   virtual ~Sink() = default;

@@ -80,15 +80,16 @@ void RecalledPoints::for_cells(const std::vector<std::uint32_t>& slots, Work wor
   });
 }
 
-/// Returns whether the cells within `widths` times the radius of the ball hold many more points than a neighbourhood.
-/// Returns false without a limit k, since all points of the ball are then neighbours.
+/// Returns whether the cells within `widths` times the radius of the ball hold many more points than a neighbourhood
+/// (kFewPoints). Returns false without a limit k, since all points of the ball are then neighbours.
 bool RecalledPoints::may_hold_many(const Ball& ball, double widths) const {
   const std::uint64_t few = kFewPoints + kFewForNeighbor * plan_.neighborhood.k;
   return plan_.neighborhood.k != Neighborhood::kUnlimited &&
          region_.touches_more_than(few, ball.center, widths * widths * ball.reach2);
 }
 
-/// Returns the ball, or a smaller ball in which whole cells hold enough points: k and the point itself.
+/// Returns the ball, or a smaller ball that contains whole cells with at least k + 1 points: k neighbours and the
+/// point.
 Ball RecalledPoints::smaller(const Ball& ball) const {
   const double reach2 = region_.reach2_that_holds(ball.center, std::uint64_t{plan_.neighborhood.k} + 1);
   return {ball.center, std::min(ball.reach2, reach2)};

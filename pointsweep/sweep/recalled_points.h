@@ -106,7 +106,7 @@ class RecalledPoints {
   const CellLists lists_;
   static constexpr std::uint64_t kStateBytes = sizeof(double) + 1;  ///< bytes of a point in CellState
   std::uint64_t point_bytes_;
-  std::uint64_t record_bytes_;   ///< bytes of a point while it is collected
+  std::uint64_t record_bytes_;   ///< bytes of a record, and of an index in the slab, while points are collected
   bool alone_ = false;           ///< true for a single deferred point, which may take more memory than allowed
   std::deque<CellState> cells_;  ///< state of the cell in each slot
   std::atomic<std::uint64_t> list_bytes_ = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The region of a recall: points of the stream inside balls, which are read into memory again after the sweep. One
-/// reading of the stream reads each slab that a ball touches once.
+/// The region of a recall: points of the stream inside balls, which are read into memory again after the sweep. A
+/// reading of the stream reads only the slabs that a ball touches, each once.
 #pragma once
 
 #include <array>
@@ -34,11 +34,11 @@ struct WantedPoints {
   /// Balls of which all points are needed. Some points near the balls are collected, too. Costs much less time than
   /// `balls` if many balls overlap.
   std::vector<Ball> whole_balls = {};
-  std::vector<NeededPlace> places = {};  ///< places of points that are needed in any case, ascending
+  std::vector<NeededPlace> places = {};  ///< places of points that are needed even outside of all balls, ascending
   std::uint64_t most_points = 0;         ///< limit of the number of points; the search ends when it finds more
 };
 
-/// Points of one slab and their working records.
+/// Points of one slab, and their records (Stream::record_schema()).
 struct CollectedPoints {
   std::uint32_t slab;
   std::vector<std::uint32_t> index_in_slab;  ///< index of each point in the slab, ascending
@@ -60,7 +60,7 @@ struct CollectedPoints {
   }
 };
 
-/// Slabs that were read, and the bytes of their working records.
+/// The number of slabs that were read, and the bytes of their records.
 struct SlabsRead {
   std::uint64_t slabs = 0, bytes = 0;
   void add(const SlabsRead& more) { slabs += more.slabs, bytes += more.bytes; }
@@ -106,8 +106,8 @@ class PointCollector {
   SlabsRead slabs_read_;
 };
 
-/// The cells that a recall has read. collect() adds points, in new cells; a slot (0, 1, ...) refers to the same cell as
-/// long as the region lives. All functions but collect() are thread-safe.
+/// The cells that a recall has read. collect() adds points, in new cells. A slot (0, 1, ...) refers to the same cell
+/// during the lifetime of the region. All functions except collect() are thread-safe.
 class Region : public CellSet {
  public:
   /// `frontier` comes from a completed sweep and holds the boxes of all cells that are not superfluous.
@@ -118,7 +118,8 @@ class Region : public CellSet {
         slabs_at_once_(slabs_at_once),
         held_(stream.slabs().size()) {}
 
-  /// Adds the wanted points that the region does not hold yet. Returns false if they are more than `wanted` allows.
+  /// Adds the wanted points that the region does not hold yet. Returns false, and adds none, if the wanted points are
+  /// more than WantedPoints::most_points.
   bool collect(WantedPoints wanted);
 
   /// Returns whether the cells of the stream within sqrt(reach2) of `p` hold more than `count` points.

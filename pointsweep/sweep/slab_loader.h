@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Reads a slab of the ordered stream and cuts it into cells (the read operator Φ_R, paper Section 4.2.1).
+/// Reads slabs of the ordered stream (order/stream.h) and cuts them into cells (the read operator Φ_R, paper Section
+/// 4.2.1).
 #pragma once
 
 #include <memory>
@@ -19,8 +20,8 @@ namespace pointsweep {
 struct LoadScratch;
 
 struct LoadedSlab {
-  std::vector<std::unique_ptr<WindowCell>> cells;  ///< cells of the slab, ascending by number, with expected reaches
-  std::vector<std::byte> records;  ///< records of the slab if the caller has asked for records; else empty
+  std::vector<std::unique_ptr<WindowCell>> cells;  ///< cells of the slab, ascending by number
+  std::vector<std::byte> records;                  ///< records of the slab if `keep_records`, else empty
 };
 
 /// Reads slabs and cuts them into cells. A slab gives equal cells every time, so that a resumed run finds the cells of
@@ -29,12 +30,14 @@ class SlabLoader {
  public:
   SlabLoader(const Stream& stream, const SweepPlan& plan, std::uint32_t cell_points);
   ~SlabLoader();
+  /// Returns the cells of a slab, with estimates of their reaches (expect_reaches()).
   LoadedSlab load(std::uint32_t slab, bool keep_records) const;
   /// Cuts some points of a slab into cells, all with the number 0: `records` holds their records, and `index_in_slab`
   /// their indices in the slab.
   std::vector<std::unique_ptr<WindowCell>> cells_of(std::uint32_t slab, std::span<const std::uint32_t> index_in_slab,
                                                     const std::vector<std::byte>& records) const;
-  /// Returns the error of the lowest loaded row that has a value that a stage cannot read; empty if there is none.
+  /// Returns the error of the lowest loaded row with a value that the type expected by a stage cannot hold; empty if
+  /// there is no such row.
   FirstRowError refused() const;
 
  private:
@@ -53,7 +56,7 @@ class SlabLoader {
   Field row_;
   class OwnScratch;
   mutable std::mutex mutex_;
-  mutable std::vector<std::unique_ptr<LoadScratch>> free_;  ///< scratch of loads that have ended, for later loads
+  mutable std::vector<std::unique_ptr<LoadScratch>> free_;  ///< buffers of calls that have ended, for later calls
   mutable FirstRowError refused_;
 };
 

@@ -20,8 +20,8 @@ namespace pointsweep {
 
 struct Batch;
 
-/// Passes the edges that a connecting stage emits for a batch to a sink. Not thread-safe: each thread has its own
-/// emitter, whose memory is reused from batch to batch.
+/// Passes the edges between neighbours that a connecting stage emits for a batch to a sink. Not thread-safe: each
+/// thread has its own emitter, whose memory is reused from batch to batch.
 class EdgeEmitter {
  public:
   explicit EdgeEmitter(EdgeSink& sink) : sink_(sink) {}
@@ -47,8 +47,9 @@ inline constexpr std::uint64_t kBucketPoints = 16384;
 /// bucket contains about kBucketPoints if points are spread evenly along the axis.
 std::vector<PointKey> bucket_begins(const class Stream& stream, std::span<const Vec3> places);
 
-/// Counts of distances in eight bins per octave. The number of a bin is the leading bits of the squared distance as an
-/// IEEE double. Counts do not depend on the order of distances. Memory: 64 KB.
+/// Counts of distances, in eight bins for each factor of 2. The number of a bin is the exponent and the two leading
+/// bits of the mantissa of the squared distance as an IEEE double. Counts do not depend on the order of distances.
+/// Memory: 64 KB.
 class DistanceHistogram {
  public:
   static constexpr std::size_t kBins = 8192;
@@ -74,7 +75,7 @@ struct NeighborDistances {
   }
 };
 
-/// Times, degenerate points and errors of the stages that one thread ran.
+/// Times, degenerate points and errors of the stages that one thread has run.
 struct StageTally {
   std::vector<double> seconds;           ///< seconds of each stage
   std::vector<DegeneratePoints> marked;  ///< for each stage of the last step, degenerate points of the last batch
@@ -85,8 +86,8 @@ struct StageTally {
   std::unique_ptr<EdgeEmitter> edges;            ///< takes the edges of a connecting stage if not null
 };
 
-/// A batch as the stages see it. A stage reads the columns of the batch through `own`, and fills columns through
-/// `made`.
+/// A batch of points with their neighbour lists, to which stages are applied. A stage reads columns through `own`, and
+/// fills columns through `made`.
 struct Batch {
   PointColumns own;  ///< points of the batch and their columns
   std::size_t size = 0;

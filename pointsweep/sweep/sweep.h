@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The engine: one pass of the sweep plane over the ordered stream (paper Section 5.3 and Figure 16).
+/// The engine: one pass of the sweep plane over the ordered stream (paper Section 5.3 and Figure 16). In each turn, the
+/// sweep reads some slabs and takes all cells that are ready through the steps of the plan.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +36,7 @@ struct WindowedCell {
   std::uint32_t slab;
   std::uint32_t number;  ///< number of the cell in its slab
   std::uint32_t points;
-  std::uint32_t finished;  ///< 1 if no more points of the cell are to be delivered or deferred, else 0
+  std::uint32_t finished;  ///< 1 if no point of the cell is left to deliver or defer, else 0
   double reach;            ///< WindowCell::reach
 };
 
@@ -106,7 +107,7 @@ struct SweepOptions {
 };
 
 struct SweepStatistics {
-  /// Points whose neighbourhoods are proven exact; at the end all points, except points of a halo.
+  /// Points whose neighbourhoods are proven exact; at the end all points, except points of a halo (Slab::is_halo).
   std::uint64_t certified = 0;
   std::uint64_t recalled = 0;  ///< certified points that were finished in the recall
   std::uint64_t recalled_slabs = 0;

@@ -13,7 +13,8 @@
 
 namespace pointsweep {
 
-/// Collects statistics and reports progress. Called by the thread of the sweep. No result depends on it.
+/// Collects statistics and reports progress. Only the thread of the sweep calls its functions, and no result depends on
+/// them.
 class SweepObserver {
  public:
   SweepObserver(const Stream& stream, const SweepPlan& plan, const SweepOptions& options);
@@ -42,7 +43,7 @@ class SweepObserver {
   const SweepOptions& options_;
   SweepStatistics statistics_;
   std::uint64_t points_read_ = 0, points_swept_ = 0;  ///< points read in all; points swept by this process
-  std::uint64_t recalled_slabs_before_ = 0;           ///< slabs that the recall of earlier processes has read
+  std::uint64_t recalled_slabs_before_ = 0;           ///< number of slabs that recalls of earlier processes have read
   bool half_way_noted_;
   double active_sum_ = 0;
 };

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// Saves the progress of a sweep, and restores it in another sweep, perhaps of another process (docs/adr/0008).
 ///
-/// Restores the cells of the window, and the boxes of dropped cells in the frontier. If later steps read values that
-/// earlier steps have made of neighbours, the last slabs are read again and their cells take all steps once more, to
-/// provide these values; results delivered earlier are not delivered again. No value depends on the number of slabs
-/// read again: points that cannot be certified are recalled.
+/// A restart restores the cells of the window, and the boxes of dropped cells in the frontier. If later steps read
+/// values that earlier steps have made for neighbours, the last slabs are read again and their cells take all steps
+/// once more, which makes these values again; results delivered earlier are not delivered again. No value depends on
+/// the number of slabs read again: points that cannot be certified are recalled.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,8 @@ class SweepRestart {
   /// All arguments must outlive the restart.
   SweepRestart(const SweepProgress& from, const Stream& stream, const SweepPlan& plan);
 
-  /// Returns the slab with which reading begins. Slabs for which was_read() is true are read for the second time.
+  /// Returns the number of the slab with which reading begins. Slabs for which was_read() is true are read for the
+  /// second time.
   std::uint32_t first_slab() const { return first_slab_; }
   /// Returns whether the earlier sweep had read the slab.
   bool was_read(std::uint32_t slab) const { return slab < from_.slabs_read; }
@@ -36,7 +37,7 @@ class SweepRestart {
   /// to `worker`.
   void restore(const SlabLoader& loader, Window& window, Frontier& frontier, Sink& sink, Worker& worker) const;
   /// Prepares a slab that was read again, before its cells go into the window: marks the cells that the earlier sweep
-  /// had finished, and reports the slab to `sink` if it takes records.
+  /// had finished, and passes the records of the slab to `sink` if the sink takes records.
   void prepare(std::uint32_t slab, LoadedSlab& loaded, Sink& sink) const;
 
  private:

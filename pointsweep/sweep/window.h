@@ -19,8 +19,8 @@
 
 namespace pointsweep {
 
-/// A point that the sweep could not finish: its neighbourhood touches a dropped cell or a slab that was not read in
-/// time, or contains a deferred point whose values a later step needs.
+/// A point that the sweep could not finish, so that the recall (recall.h) finishes it: its neighbourhood touches a
+/// dropped cell or a slab that was not read in time, or contains a deferred point whose values a later step needs.
 struct DeferredPoint {
   Vec3 position;
   std::uint64_t row;
@@ -39,21 +39,25 @@ struct WindowCell {
   std::vector<const std::byte*> column_pointers;  ///< pointers into `columns`, in the form that Neighborhoods takes
 
   std::uint32_t steps_done = 0;
-  std::vector<double> leaf_reach;        ///< expected reach of the neighbourhoods of each leaf, until the search
+  /// For each leaf, the expected reach of its points until the search. The reach of a point is the distance at which
+  /// its neighbourhood ends.
+  std::vector<double> leaf_reach;
   double wait_reach = 0;                 ///< no slab to be read may be nearer than this when the cell is searched
   std::size_t wait_for_slabs = 0;        ///< while slabs are left to read, the search waits until this many are read
-  double reach = 0;                      ///< reach of most neighbourhoods of the cell, known after the search
+  double reach = 0;                      ///< reach of most points of the cell, known after the search
   std::vector<CellNeighbors> lists;      ///< lists of runs of points, if a later step needs them and memory allows
   std::vector<std::uint32_t> refers_to;  ///< slots of the cells that the lists name
   /// For each point, 1 if the sweep deferred the point to the recall; empty if no point was deferred. A cell marks its
   /// own points in `deferred` while cells are processed in parallel; other cells read `deferred_before`, the state
   /// before the step.
   std::vector<std::uint8_t> deferred, deferred_before;
-  /// The next three members are added to the counts and the deferred points of the run when the cell is finished.
+  /// Number of certified points (points whose neighbourhoods are proven exact). When the cell is finished, this number
+  /// and the next two members are added to the counts and the deferred points of the run.
   std::uint64_t certified = 0;
   std::vector<DegeneratePoints> degenerate;  ///< marked points of each stage; empty if no point is marked
   std::vector<DeferredPoint> left_to_recall;
-  /// True if the cell was finished before the run was resumed, or belongs to a halo: its results are not delivered.
+  /// True if results of the cell are not delivered, because the cell was finished before the run was resumed or belongs
+  /// to a halo (Slab::is_halo).
   bool is_only_looked_at = false;
   std::chrono::steady_clock::time_point read_at;
 
@@ -66,11 +70,13 @@ struct WindowCell {
   }
 };
 
-/// The reciprocal of the largest share of a cell's points that may be deferred for unread slabs. With more such points,
-/// the cell waits and is searched again, since a deferred point costs several times as much as searching a point twice.
+/// The reciprocal of the largest share of a cell's points that may be deferred because their neighbourhoods touch
+/// unread slabs. With more such points, the cell waits and is searched again: a deferred point costs several times as
+/// much as two searches of a point.
 inline constexpr std::size_t kStragglers = 16;
 
-/// Fills WindowCell::leaf_reach and wait_reach with estimates in units of the cloud. No result depends on them.
+/// Fills WindowCell::leaf_reach and wait_reach with estimates in units of the cloud. No result depends on these
+/// estimates.
 void expect_reaches(WindowCell& cell, const Neighborhood& what);
 
 /// Bytes of a point in the window without columns and lists: coordinates, row and place in the slab.
@@ -122,7 +128,7 @@ class CellSet {
 };
 
 /// The cells that the sweep has read and still needs. Each cell leaves separately: a dense cell leaves early while a
-/// sparse one beside it stays, so that neither an outlier nor a scanner's far field keeps dense parts in memory. Only
+/// sparse cell beside it stays, so that neither an outlier nor a scanner's far field keeps dense parts in memory. Only
 /// the thread of the sweep changes the window.
 class Window : public CellSet {
  public:
@@ -137,7 +143,9 @@ class Window : public CellSet {
   /// Drops every finished cell that no unfinished cell refers to and that later points are unlikely to need.
   void drop();
 
-  double lifespan_sum() const { return lifespan_sum_; }  ///< sum of seconds × points over cells that have left
+  double lifespan_sum() const {
+    return lifespan_sum_;
+  }  ///< sum of seconds × points over cells that have left the window
   double lifespan_max() const { return lifespan_max_; }
 
  private:
@@ -149,7 +157,7 @@ class Window : public CellSet {
 
   const SweepPlan& plan_;
   Frontier& frontier_;
-  double allowance_ = 1;  ///< factor on the expected reaches of cells that wait; grows while many of them wait
+  double allowance_ = 1;  ///< factor on the expected reaches of waiting cells; grows while many cells wait
   double lifespan_sum_ = 0, lifespan_max_ = 0;
 };
 

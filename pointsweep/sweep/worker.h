@@ -25,7 +25,7 @@ class ChosenPoints {
   void take(const SweepPlan& plan, const Cell& cell, const CellSubset& points, const std::byte* const* columns);
   /// Allocates every column that the step makes and that was not copied, filled with 0.
   void make_columns(const SweepPlan& plan, std::size_t step);
-  /// Copies the results of the step to the columns that are not null.
+  /// Copies the values that the step has made to the columns in `columns` that are not null.
   void give_back(const SweepPlan& plan, std::size_t step, std::byte* const* columns) const;
 
   std::size_t size() const { return chosen_.size(); }
@@ -50,9 +50,9 @@ struct Worker {
   std::vector<Box> dropped;
   std::vector<std::byte*> columns;  ///< columns of the current cell, by column number
   std::vector<const std::byte*> own_columns;
-  std::vector<std::byte*> run_columns;  ///< `columns`, from the first point of a run on
-  std::vector<std::byte> passing;       ///< memory of the columns that are needed only in the step
-  ChosenPoints chosen;                  ///< the points that take the step, if not all points of the cell do
+  std::vector<std::byte*> run_columns;  ///< `columns`, from the first of some successive points on
+  std::vector<std::byte> passing;       ///< memory of the columns that are needed only in the current step
+  ChosenPoints chosen;  ///< the points that take the step, unless these are successive points of the cell
   CellNeighbors chosen_lists;
   std::vector<std::byte> results;
   StageTally tally;
@@ -70,13 +70,13 @@ void place_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, 
 /// Sets worker.columns as place_columns() does, but leaves the columns that are needed only in the step null.
 void place_cell_columns(const SweepPlan& plan, std::uint32_t step, WindowCell& cell, Worker& worker);
 
-/// Drops all lists except the lists with the numbers `kept`, which ascend.
+/// Drops all lists except the lists with the numbers `kept`, ascending.
 void keep_lists_of(std::span<const std::uint32_t> kept, CellNeighbors& lists);
 
 /// Applies the step to `points` of the cell; `lists` holds one list for each. Operators get a bounded number of
 /// neighbours at a time, so that a run can be cancelled soon: after each part of the points, `done` is called with the
-/// part, and tally.marked says which points of the part are degenerate. If `points` is not a run, the points of a part
-/// are copied to worker.chosen, which then holds the part with all columns.
+/// part, and tally.marked holds the degenerate points of the part. If the points are not successive points of the cell,
+/// each part is copied to worker.chosen, which then holds the part with all columns.
 void apply_step(const SweepPlan& plan, std::uint32_t step, const Cell& cell, const CellSubset& points,
                 const CellNeighbors& lists, const PointColumns* slots, Worker& worker, StageTally& tally,
                 const std::function<void(const CellSubset& part)>& done);

@@ -31,7 +31,7 @@ constexpr std::string_view kUnsealed = ".unsealed";
 class UnsealedFile final : public Unsealed {
  public:
   /// Makes the file `unsealed`, which becomes `path`. `fail_to_write` throws the Error for an errno. `flushed`: the
-  /// folder if a sealed file has to be safely on the disk, else null.
+  /// folder if seal() must flush the file and its name to the disk, else null.
   UnsealedFile(fs::path path, const std::string& unsealed, mode_t mode, std::function<void(int)> fail_to_write,
                const LocalFolder* flushed)
       : path_(std::move(path)),
@@ -146,7 +146,7 @@ class RemoteFolder final : public Storage {
       remove_remote(url_ + key);
     } catch (const Cancelled&) {
       throw;
-    } catch (const Error&) {  // the file is removed later, together with the whole folder
+    } catch (const Error&) {  // ignored: the object stays until the whole folder is removed
     }
   }
 

@@ -44,9 +44,9 @@ class LocalFolder final : public Storage {
   FileDescriptor folder_;  ///< the open folder, which this process has locked
 };
 
-/// Returns the storage that several processes share in a folder, or in a folder of a bucket if `place` is a URL. An
-/// object of a bucket appears complete, so several processes may create objects with the same key; until an object is
-/// sealed, its bytes are in the system's folder for temporary files.
+/// Returns the storage that several processes share in a folder, or in a folder of a bucket if `place` is a URL.
+/// Several processes may create objects with the same key, since objects appear complete. Until an object of a bucket
+/// is sealed, its bytes are in the system's folder for temporary files.
 std::unique_ptr<Storage> shared_storage(const std::filesystem::path& place);
 
 }  // namespace pointsweep

@@ -93,7 +93,7 @@ int rename_to_new(const fs::path& from, const fs::path& to) {
   if (errno != EINVAL && errno != ENOSYS) return errno;
   if (::link(from.c_str(), to.c_str()) == 0) return ::unlink(from.c_str()) == 0 ? 0 : errno;
   if (errno == EEXIST) return EEXIST;
-  // This file system supports neither call, so that a test before the rename has to suffice.
+  // This file system supports neither call, so a test before the rename has to suffice.
   struct stat status {};
   if (::lstat(to.c_str(), &status) == 0) return EEXIST;
   return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;

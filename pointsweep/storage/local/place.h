@@ -12,7 +12,8 @@
 
 namespace pointsweep {
 
-/// Returns whether the path names an existing folder. A URL names a folder if it ends in '/'; no server is asked.
+/// Returns whether the path names an existing folder. A URL names a folder if it ends in '/'; no request is
+/// sent.
 bool is_folder(const std::filesystem::path& path);
 /// Returns whether a file, folder or object of this name exists.
 bool exists_at(const std::filesystem::path& path);

@@ -20,7 +20,7 @@ class TempFolder;
 class SpillPlace {
  public:
   /// The place is memory if `folder` is null.
-  SpillPlace(const TempFolder* folder);  // NOLINT: a folder is a place
+  SpillPlace(const TempFolder* folder);  // NOLINT: implicit, since a folder is a place
   static SpillPlace kept(const std::filesystem::path& file);
 
   /// True unless the place is memory.
@@ -34,6 +34,8 @@ class SpillPlace {
   std::string name_;
 };
 
+/// A file for spilled data, or a kept file that a resumed run opens again. Threads reserve ranges of the file, then
+/// write and read them. Thread-safe for ranges that do not overlap.
 class SpillFile {
  public:
   /// Creates a new file; replaces a kept file of the same name.
@@ -43,7 +45,7 @@ class SpillFile {
 
   /// Reserves `bytes` bytes of the file for the caller and returns their offset. Thread-safe.
   std::uint64_t reserve(std::uint64_t bytes) { return reserved_.fetch_add(bytes, std::memory_order_relaxed); }
-  /// Throws Error, which says what to do if no space is left.
+  /// Throws Error, with the remedy if no space is left.
   void write(std::uint64_t offset, std::span<const std::byte> bytes);
   void read(std::uint64_t offset, std::span<std::byte> bytes) const;
   /// Turns the read-ahead of the system off, for files that are read in scattered pieces.

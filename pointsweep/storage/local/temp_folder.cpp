@@ -38,8 +38,8 @@ std::optional<pid_t> maker_of(std::string_view name) {
 
 bool is_alive(pid_t pid) { return ::kill(pid, 0) == 0 || errno != ESRCH; }
 
-/// Removes a folder that no process uses. The lock protects folders of processes that this process cannot see, such as
-/// in another container on the same disk.
+/// Removes a folder of this user unless a process has locked it. The lock protects folders of processes that this
+/// process cannot see, such as processes in another container on the same disk.
 void remove_if_abandoned(const std::filesystem::path& path) {
   const FileDescriptor folder = open_folder(path, false);
   if (!folder) return;

@@ -14,7 +14,7 @@ namespace pointsweep {
 /// Throws Error unless `parent` is an existing folder in which this process may create files.
 void require_temp_parent(const std::filesystem::path& parent);
 
-/// Returns `asked`, or the system's folder for temporary files if `asked` is empty.
+/// Returns the folder `asked`, or the system's folder for temporary files if `asked` is empty.
 std::filesystem::path temp_parent(const std::filesystem::path& asked);
 
 /// Returns `begin` and six lower-case letters or digits. The name differs in each call, and almost certainly in each

@@ -11,9 +11,10 @@
 
 namespace pointsweep {
 
-/// Lists a file or an empty folder for remove_leftovers() (process.h) during its lifetime; removes nothing itself. A
-/// file must be listed before it is made, since the process may be stopped in between. At most 64 paths are listed at
-/// once; further paths, and paths of 4,096 characters or more, are ignored.
+/// An entry in the list of files and empty folders that remove_leftovers() (program/process.h) removes when a signal
+/// stops the process. The destructor takes the entry off the list and removes no file. A file must be listed before it
+/// is made, since the process may be stopped in between. At most 64 paths are listed at once; further paths, and paths
+/// of 4,096 characters or more, are ignored.
 class Leftover {
  public:
   Leftover() = default;
@@ -21,7 +22,7 @@ class Leftover {
   ~Leftover() { forget(); }
   Leftover(const Leftover&) = delete;
   Leftover& operator=(const Leftover&) = delete;
-  /// Takes the path off the list, because the file was removed or has become a complete output.
+  /// Takes the path off the list, after the file was removed or has become a complete output.
   void forget() noexcept;
 
  private:

@@ -126,8 +126,8 @@ std::shared_ptr<RemoteObject::Block> RemoteObject::known_block(std::uint64_t off
 }
 
 /// Returns the offset at which a request for the byte at `offset` begins: the first offset of an announced range if the
-/// byte is among its first 64 kB and no byte from there to `offset` is in the cache, else `offset`. The caller holds
-/// the lock of the cache.
+/// byte is among the first 64 kB of the range and no byte of the range up to `offset` is in the cache, else `offset`.
+/// The caller holds the lock of the cache.
 std::uint64_t RemoteObject::begin_of_request(std::uint64_t offset) const {
   const auto said = said_.upper_bound(offset);
   if (said == said_.begin()) return offset;

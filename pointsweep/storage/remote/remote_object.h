@@ -23,8 +23,8 @@ inline constexpr std::uint64_t kRemoteCacheBytes = 16u << 20;
 /// grow to 2 MB, and will_read() announces a range. Thread-safe.
 class RemoteObject {
  public:
-  /// Opens the object with one request. If it is already open, asks the server for a newer version at most every 2
-  /// seconds. Throws Error on failure.
+  /// Opens the object with one request. For an object that is already open, a request looks for a newer version, at
+  /// most every 2 seconds. Throws Error on failure.
   static std::shared_ptr<RemoteObject> open(const std::string& url);
   ~RemoteObject();
   RemoteObject(const RemoteObject&) = delete;

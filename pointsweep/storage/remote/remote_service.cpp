@@ -84,7 +84,7 @@ psr_version version_for(const RemoteVersion& version) {
   return out;
 }
 
-/// Throws UsageError for the address of a bucket that holds a password or signature: only http addresses may hold one.
+/// Throws UsageError for an address in a bucket with a password or signature: only http addresses may contain these.
 void require_no_secret(const std::string& url) {
   if (is_bucket(url) && address_of(url) != url)
     fail_usage("{}: credentials in the address of a bucket are not used; {}.", url, credentials_for(url));

@@ -16,8 +16,8 @@ namespace pointsweep {
 struct RemoteVersion {
   std::uint64_t size = 0;
   std::int64_t seconds = 0;       ///< time of the last change in seconds since 1970; 0 if the server does not state it
-  std::uint32_t nanoseconds = 0;  ///< nanoseconds of that time
-  std::string etag = {};          ///< empty if the server states none
+  std::uint32_t nanoseconds = 0;  ///< nanoseconds of the time of the last change
+  std::string etag = {};          ///< ETag; empty if the server states none
 
   /// Returns whether `other` is the same version.
   bool is(const RemoteVersion& other) const;
@@ -30,8 +30,8 @@ struct RemoteEntry {
   std::uint64_t size;
 };
 
-// Each function below throws Error on failure, with the URL, what happened and what to do. If a server does not answer,
-// it fails after about half a minute.
+// Each function below throws Error on failure, with the URL, the cause and the remedy. If a server does not answer, the
+// function fails after about half a minute.
 
 /// Returns the version of an object; nothing if the object does not exist.
 std::optional<RemoteVersion> look_at(const std::string& url);
@@ -51,7 +51,7 @@ bool put_remote_if_absent(const std::string& url, std::span<const std::byte> byt
 /// Removes an object if it exists.
 void remove_remote(const std::string& url);
 
-/// Throws unless this build can write URLs and `url` is in a bucket. Asks no server.
+/// Throws unless this build can write URLs and `url` is in a bucket. Sends no request.
 void require_writable_url(const std::string& url);
 
 }  // namespace pointsweep

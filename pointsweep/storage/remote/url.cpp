@@ -15,7 +15,8 @@ using namespace std::string_view_literals;
 
 constexpr std::string_view kAuthority = "://";
 
-/// Parameters that give access to an object, in lower case. An entry may be only the beginning of a name.
+/// Names of query parameters that give access to an object, in lower case. An entry may be only the beginning of a
+/// name.
 constexpr std::array kSecretParameters = {
     "x-amz-"sv, "x-goog-"sv,     "signature"sv, "sig"sv,    "awsaccesskeyid"sv, "googleaccessid"sv, "access_token"sv,
     "token"sv,  "key-pair-id"sv, "policy"sv,    "apikey"sv, "api_key"sv,        "password"sv};
