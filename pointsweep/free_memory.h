@@ -14,7 +14,7 @@ void return_free_memory() noexcept;
 /// milliseconds, so memory that later work uses again should stay with the allocator while the budget has room for it.
 void return_free_memory_above(std::uint64_t bytes);
 
-/// Empties a container and frees its memory, which neither clear() nor the assignment of {} does.
+/// Empties a container and frees its memory, unlike clear() and the assignment of {}.
 template <class Container>
 void free_memory_of(Container& container) {
   Container().swap(container);

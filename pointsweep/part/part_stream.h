@@ -14,7 +14,7 @@ namespace pointsweep {
 
 /// A tile as a part of its cloud.
 struct PartStream {
-  Stream stream;                   ///< stream with rows of the cloud, along the axis of the tile's survey
+  Stream stream;                   ///< stream with row numbers of the cloud, along the axis of the tile's survey
   Survey survey;                   ///< survey of the points of the tile
   std::uint64_t first_row = 0;     ///< first row of the tile in the cloud
   std::uint64_t own_points = 0;    ///< points of the tile with finite coordinates

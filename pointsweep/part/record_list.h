@@ -60,8 +60,8 @@ class RecordList {
   mutable std::vector<std::byte> chunk_;  ///< records of the chunk `chunk_number_`, then their checksum
 };
 
-/// Calls use(first, records) for all records of a list in order, some at a time; `first` is the number of the first of
-/// them. Record: a type whose bytes the list stores.
+/// Calls use(first, records) for all records of a list in order, some at a time; `first` is the number of the first
+/// record of a piece. Record: a type whose bytes the list stores.
 template <class Record, class Use>
 void for_each_piece(const RecordList& list, const Use& use) {
   constexpr std::uint64_t kAtOnce = 4096;

@@ -18,7 +18,8 @@
 
 namespace pointsweep {
 
-/// The border of a tile: its points at which edges between tiles end, and the edges between it and earlier tiles.
+/// The border of a tile: its points at which edges between tiles end, and the edges between this tile and earlier
+/// tiles.
 struct TileBorder {
   struct Point {
     std::uint64_t row;

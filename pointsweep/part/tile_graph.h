@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Components of a graph without weights whose edges join the points of a tile with each other and with points of other
 /// tiles: each tile finds its own components, which are then joined by the edges that cross from tile to tile
-/// (docs/adr/0021).
+/// (docs/adr/0021). In names of objects, NAME and KEY stand for the arguments `name` and `key`, and TILE for the number
+/// of a tile.
 #pragma once
 
 #include <algorithm>

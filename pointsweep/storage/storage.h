@@ -43,7 +43,7 @@ class Storage {
   virtual ~Storage() = default;
   /// Opens a sealed object.
   virtual std::unique_ptr<Source> open(const std::string& key) const = 0;
-  /// Begins an object, which takes the place of the object with this key when it is sealed.
+  /// Begins a new object, which replaces the object with this key when the new object is sealed.
   virtual std::unique_ptr<Unsealed> create(const std::string& key) = 0;
   /// Returns the keys of all sealed objects, ascending.
   virtual std::vector<std::string> list() const = 0;

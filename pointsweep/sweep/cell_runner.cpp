@@ -67,7 +67,7 @@ void defer(WindowCell& cell, std::uint32_t i, double reach2) {
 }
 
 /// Returns the squared distance at which the neighbourhood of list `i`, of a point at `p`, ends; infinite if a rule may
-/// have shortened the list or it has fewer than k neighbours.
+/// have shortened the list, or if the list has fewer than k neighbours.
 double end_of_list(const Neighborhood& what, Vec3 p, const CellNeighbors& lists, std::uint32_t i,
                    const Window& window) {
   if (what.rule || lists.begin[i + 1] - lists.begin[i] < what.k) return Box::kInf;

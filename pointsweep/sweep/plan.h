@@ -15,8 +15,8 @@ namespace pointsweep {
 
 /// The time for which the values of a column are needed.
 enum class Lifetime : std::uint8_t {
-  none,  ///< no stage reads the column, and it is not written
-  step,  ///< later stages of the same step read the value at the point itself, or the value is written after the step
+  none,  ///< no stage reads the column, and the column is not written to the output
+  step,  ///< later stages of the same step read the value at the point itself, or the value is written to the output
   cell,  ///< needed as long as the point is in memory
 };
 
@@ -41,7 +41,7 @@ struct FileColumn {
   Type type;                        ///< type that the operator expects; values are converted to it
 };
 
-/// A made column that is written: copied to `offset` of the result record.
+/// A made column that is written to the output. Its values are copied to `offset` of the result records.
 struct ResultColumn {
   std::uint16_t column;
   std::uint32_t offset;

@@ -5,8 +5,8 @@
 /// The paper has no recall; its neighbourhoods are approximate in such places (Section 8). A recall collects the points
 /// around some deferred points in a region, finds the neighbourhoods of these points, of their neighbours, and so on
 /// for each step of the chain, and takes all of these points through the steps: by the search and the stages of the
-/// sweep, cell by cell, on all threads. In each step, a recall evaluates each point at most once and reads each slab at
-/// most once.
+/// sweep, cell by cell, on all threads. A recall evaluates each point at most once in each step, and reads each slab at
+/// most once for each step.
 #pragma once
 
 #include <cstdint>

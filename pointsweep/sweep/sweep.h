@@ -25,7 +25,7 @@ namespace pointsweep {
 enum class PointState : std::uint8_t {
   unread,
   waiting,   ///< the point is in the window and waits for unread slabs near it
-  searched,  ///< the neighbourhood of the point is known; it waits for values of its neighbours
+  searched,  ///< the neighbourhood of the point is known; the point waits for values of its neighbours
   kept,      ///< the cell of the point is finished, but other points may need it
   gone,      ///< the point has left the window
 };
@@ -55,7 +55,7 @@ struct SaturatedLocation {
 /// (docs/adr/0008).
 struct SweepProgress {
   std::uint32_t slabs_read = 0;
-  std::vector<WindowedCell> window;        ///< in any order; cells that were read but are not listed are finished
+  std::vector<WindowedCell> window;  ///< cells of the window, in any order; other cells of the slabs read are finished
   std::vector<DroppedCellOfSlab> dropped;  ///< dropped cells; the recall needs them even if all slabs have been read
   std::vector<SaturatedLocation> saturated_locations;
   std::vector<DeferredPoint> deferred;  ///< points of finished cells that are not yet recalled
@@ -84,7 +84,7 @@ struct SweepOptions {
   std::uint32_t slabs_per_turn = 1;      ///< slabs that are read before the steps are taken; at least 1
   std::size_t recall_bytes = 64u << 20;  ///< bytes of memory for a group of recalled points
   std::uint64_t spare_bytes = 0;         ///< resident bytes up to which the recall leaves freed memory to the allocator
-  /// Memory for the cells of the window. Cells may exceed it; lists for later steps use only the rest.
+  /// Memory for the cells of the window. Cells may exceed this limit; lists for later steps use only the rest.
   std::uint64_t cells_bytes = std::numeric_limits<std::uint64_t>::max();
   /// Memory for the lists that each thread uses at a time. Cells with larger lists are processed in runs of points, at
   /// least one point each.
@@ -127,8 +127,8 @@ struct SweepStatistics {
 };
 
 /// Runs the plan over the swept slabs; hands each of their points, except points of a halo, to `sink` exactly once.
-/// Uses all threads of the calling arena. The results do not depend on threads, slabs, cells or memory. An exception in
-/// any part ends the run and is thrown.
+/// Uses thread_count() threads. The results do not depend on threads, slabs, cells or memory. An exception in any
+/// part ends the sweep and is thrown.
 SweepStatistics sweep(const Stream& stream, const SweepPlan& plan, Sink& sink, const SweepOptions& options);
 
 }  // namespace pointsweep

@@ -103,7 +103,8 @@ void Window::admit(std::unique_ptr<WindowCell> cell) {
   add(std::move(cell));
 }
 
-/// Records a location with more than k coincident points: points there with higher rows can never be neighbours.
+/// Records the location of a cell whose more than k points all coincide. Points at this location with higher rows than
+/// k + 1 of them can never be neighbours.
 void Window::note_saturated_location(const WindowCell& cell) {
   const std::size_t k = plan_.neighborhood.k;
   if (cell.cell.lowest_row == Cell::kSeveralPlaces || cell.cell.size() <= k) return;
@@ -149,7 +150,7 @@ double Window::kept_clear(double reach) const {
 
 /// Returns whether a waiting cell will probably search `cell`. Each leaf is tested separately, since a cell may have a
 /// dense and a sparse end. A leaf needs cells within twice its reach. Cells whose reach is less than a quarter of the
-/// leaf's are not kept for it: the few points of the leaf whose balls touch dropped cells are recalled instead.
+/// leaf's are not kept for the leaf: its few points whose balls touch dropped cells are recalled instead.
 bool Window::asks_for(const WindowCell& waiting, const WindowCell& cell) const {
   const double most = kMuchDenser * cell.reach;
   if (distance2(waiting.cell.box, cell.cell.box) > most * most) return false;

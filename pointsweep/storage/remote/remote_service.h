@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Requests to servers of HTTP and to buckets. Only this pair of files uses the client library, which a build may lack.
+/// Requests to HTTP servers and to buckets. Only this pair of files uses the client library, which a build may lack.
 #pragma once
 
 #include <cstddef>
@@ -36,7 +36,7 @@ struct RemoteEntry {
 /// Returns the version of an object; nothing if the object does not exist.
 std::optional<RemoteVersion> look_at(const std::string& url);
 /// Reads up to bytes.size() bytes from `offset` on, fewer at the end of the object. Returns their number. Throws if the
-/// object is not the `expected` version; if `expected` is empty, sets it.
+/// object is not the `expected` version; if `expected` is empty, sets `expected`.
 std::size_t read_remote(const std::string& url, std::optional<RemoteVersion>& expected, std::uint64_t offset,
                         std::span<std::byte> bytes);
 /// Returns the objects in a folder, whose URL ends in '/'. `recursive`: also objects in nested folders.

@@ -16,7 +16,8 @@ bool is_bucket(std::string_view url);
 /// Returns the address for requests: the URL with the credentials that known_place() has removed.
 std::string address_of(const std::string& url);
 
-/// Returns an http URL without query and fragment, so that it ends in the name of a file; any other path unchanged.
+/// Returns an http URL without query and fragment, so that it ends in the name of a file. Returns any other path
+/// unchanged.
 std::filesystem::path without_query(const std::filesystem::path& path);
 
 /// Returns the URL to which a reference in the document with the URL `base` leads.
