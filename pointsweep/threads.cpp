@@ -58,7 +58,7 @@ class LimitAround {
   ThreadLimit* before_;
 };
 
-/// Lifts a limit during its lifetime.
+/// Lifts a limit while this object exists.
 class LiftedLimit {
  public:
   explicit LiftedLimit(ThreadLimit* limit) : limit_(limit) {
@@ -78,7 +78,7 @@ class LiftedLimit {
 
 void with_threads(unsigned threads, const std::function<void()>& work) {
   threads = std::max(threads, 1u);
-  const LiftedLimit outer(limit_around);  // its limit may be lower than `threads`, and its threads only wait
+  const LiftedLimit outer(limit_around);  // the outer limit may be lower, and the outer threads only wait
   ThreadLimit limit(threads);
   tbb::task_arena arena(static_cast<int>(threads));
   const CancellationToken* const token = CancellationScope::current();

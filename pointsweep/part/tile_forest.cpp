@@ -44,7 +44,7 @@ struct BorderEdge {
 /// A record of NAME.labels: the sign of a point. If all points of its component lie in the tile, the sign is final;
 /// otherwise it is relative to the supernode of the point.
 struct SignOfPoint {
-  /// Value of `supernode` for a point whose component lies in the tile alone.
+  /// Value of `supernode` for a point whose component lies only in this tile.
   static constexpr std::uint64_t kWhole = ComponentLabel::kNone;
   std::uint64_t supernode;
   bool flips;

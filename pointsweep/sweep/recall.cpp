@@ -32,7 +32,7 @@ void Recall::run(Sink& sink, const std::function<void(std::size_t points, std::s
   worker.deferred = take_deferred();
   group_ = first_guess();
   while (!worker.deferred.empty()) {
-    return_free_memory_above(memory_.spare_bytes);  // memory of the sweep and of the previous group
+    return_free_memory_above(memory_.spare_bytes);  // the sweep or the previous group has freed memory
     const std::size_t points = run_group(worker.deferred, sink);
     worker.certified += points;
     done(points, worker.deferred.size());

@@ -21,8 +21,8 @@
 namespace pointsweep {
 
 struct RecallMemory {
-  std::uint64_t bytes;            ///< memory for points, columns and lists; the surroundings of a single point may take
-                                  ///< more
+  /// Memory for points, columns and lists; the surroundings of a single point may take more.
+  std::uint64_t bytes;
   std::uint64_t lists_bytes;      ///< memory for the lists that each thread uses at a time
   std::uint64_t spare_bytes = 0;  ///< size of the resident set above which freed memory is returned to the system
   std::size_t slabs_at_once = 1;  ///< number of slabs that may be read ahead; their memory comes in addition to `bytes`

@@ -34,7 +34,7 @@ SweepProgress progress_of(const Stream& stream, const SweepPlan& plan, const Fro
   frontier.for_each_saturated_location([&](Vec3 place, std::uint64_t row) {
     p.saturated_locations.push_back({place, row});
   });
-  if (p.slabs_read == stream.slabs().size()) return p;  // the recall does not use the window
+  if (p.slabs_read == stream.slabs().size()) return p;  // the recall, which follows, does not use the window
   for (const std::uint32_t slot : window.occupied()) {
     const WindowCell& cell = window.at(slot);
     const bool finished = cell.is_only_looked_at || cell.steps_done == plan.step_count();

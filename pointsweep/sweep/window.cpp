@@ -21,8 +21,8 @@ double reach_of_most(std::vector<double> reach) {
   return *most;
 }
 
-/// Factor on the radius of a ball that holds k points at the density of a leaf. It allows for balls of points that are
-/// not centred in the leaf.
+/// Factor on the radius of a ball that holds k points at the density of a leaf. The factor allows for points
+/// that are not in the middle of the leaf.
 constexpr double kAllowance = 1.3;
 
 /// Estimates the reach from the density of the leaf. Returns the larger of two estimates: one for points on a surface,

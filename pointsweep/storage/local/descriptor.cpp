@@ -115,7 +115,7 @@ int lock(const FileDescriptor& descriptor) { return ::flock(descriptor.number(),
 FileDescriptor open_nameless(const std::filesystem::path& folder) {
   FileDescriptor nameless(::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
   if (nameless) return nameless;
-  std::string name = (folder / "pointsweep-nameless-XXXXXX").string();  // for file systems without O_TMPFILE
+  std::string name = (folder / "pointsweep-nameless-XXXXXX").string();  // for a file system without O_TMPFILE
   FileDescriptor named(::mkostemp(name.data(), O_CLOEXEC));
   if (named) ::unlink(name.c_str());
   return named;

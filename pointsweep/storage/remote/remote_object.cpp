@@ -96,7 +96,8 @@ std::shared_ptr<RemoteObject> RemoteObject::open(const std::string& url) {
   return object;
 }
 
-/// Removes a block that no thread loads. The caller holds the lock of the cache.
+/// Removes a block from the cache. Only the thread that loads a block may remove the block before it is loaded. The
+/// caller holds the lock of the cache.
 void RemoteObject::forget(const Block& block) {
   cache().bytes -= block.end - block.begin;
   cache().blocks.erase(block.place);
