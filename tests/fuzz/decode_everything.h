@@ -15,8 +15,7 @@
 #include "pointsweep/part/tile.h"
 #include "pointsweep/part/tile_catalogue.h"
 #include "pointsweep/pipeline/checkpoint/checkpoints.h"
-#include "pointsweep/pipeline/output/pieces.h"
-#include "pointsweep/pipeline/run/tile_state.h"
+#include "pointsweep/pipeline/run/task_values.h"
 #include "pointsweep/sweep/sweep.h"
 
 namespace pointsweep {

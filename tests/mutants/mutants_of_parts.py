@@ -25,7 +25,7 @@ MUTANTS = [
            "for (const std::uint32_t t : group.tiles) {\n      for", "for (const std::uint32_t t : {group.tiles.front()}) {\n      for", TESTS),
     Mutant("a damaged block is taken for whole", "parts", PART + "tile_catalogue.cpp",
            "if (checksum_of(records) != checksum)", "if (false)", ("part:*",)),
-    Mutant("the values of the cloud are those of the last tile", "parts", "pointsweep/pipeline/rows/pass_values.cpp",
+    Mutant("the values of the cloud are those of the last tile", "parts", "pointsweep/pipeline/rows/pass_update.cpp",
            "      all->load(of_part[v]);", "      if (&of_part == &saved.back()) all->load(of_part[v]);", TESTS),
     Mutant("a part forgets which rows are left", "parts", RUN,
            "if (!state.mask.empty()) {", "if (state.mask.size() > 1000000) {", TESTS),

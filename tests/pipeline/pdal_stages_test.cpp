@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// Translations of PDAL pipelines, written from the documentation of PDAL 2.
-#include "pointsweep/pipeline/language/pdal_stages.h"
 
 #include <gtest/gtest.h>
 
 #include "pointsweep/chain.h"
 #include "pointsweep/error.h"
 #include "pointsweep/pipeline/language/build_chain.h"
+#include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
 namespace {

@@ -17,7 +17,7 @@
 #include "pointsweep/pipeline/checkpoint/resume_folder.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/pipeline/rows/pass_values.h"
+#include "pointsweep/pipeline/rows/pass_update.h"
 #include "pointsweep/storage/encoding.h"
 #include "pointsweep/sweep/sweep.h"
 

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
+/// Pipelines in JSON: of stages of this library, or of stages of PDAL, which are translated one by one.
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
 #include <set>
+#include <sstream>
+#include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/pipeline/language/pdal_stages.h"
 #include "pointsweep/program/pipeline.h"
 
 namespace pointsweep {
@@ -71,6 +75,216 @@ StageText stage_of(const Json& json, const std::string& place) {
     stage.options.push_back({name, value_of_option(value, name, place), place});
   }
   return stage;
+}
+
+/// A stage of PDAL. It records which of its options were used.
+class PdalStage {
+ public:
+  explicit PdalStage(const StageText& text) : text_(text) {}
+  const std::string& name() const { return text_.name; }
+  const std::string& place() const { return text_.place; }
+  std::optional<std::string> take(const std::string& option) {
+    known_.insert(option);
+    const auto found = std::ranges::find(text_.options, option, &OptionText::name);
+    return found == text_.options.end() ? std::nullopt : std::optional(found->value);
+  }
+  std::string take(const std::string& option, const std::string& preset) { return take(option).value_or(preset); }
+  std::string required(const std::string& option) {
+    const auto value = take(option);
+    if (!value) fail_usage("{}: {} needs its option '{}'.", place(), name(), option);
+    return *value;
+  }
+  /// Throws UsageError if the stage has an option that take() was not called for, except `tag`, `inputs` and
+  /// `user_data`. `instead`: advice with which the message ends.
+  void require_no_more(const std::string& instead) {
+    known_.insert({"tag", "inputs", "user_data"});
+    for (const OptionText& option : text_.options)
+      if (!known_.contains(option.name))
+        fail_usage("{}: the option '{}' of {} is not known here; {}.", place(), option.name, name(), instead);
+  }
+
+ private:
+  const StageText& text_;
+  std::set<std::string> known_;
+};
+
+/// Converts a range: in `Classification[2:5)` a bracket includes the limit, a parenthesis excludes it.
+std::string condition_of_range(const std::smatch& range) {
+  const std::string name = range[1];
+  std::vector<std::string> sides;
+  if (range[4].length() > 0) sides.push_back(name + (range[3] == "[" ? " >= " : " > ") + range[4].str());
+  if (range[5].length() > 0) sides.push_back(name + (range[6] == "]" ? " <= " : " < ") + range[5].str());
+  const std::string both = sides.empty() ? name + " == " + name : fmt::format("{}", fmt::join(sides, " && "));
+  return (range[2] == "!" ? "!(" : "(") + both + ")";
+}
+
+/// Joins ranges of one dimension by "or", and ranges of different dimensions by "and".
+std::string condition_of_limits(const std::string& limits, const std::string& place) {
+  static const std::regex range(R"(\s*([A-Za-z_]\w*)(!?)([\[(])\s*([^\s:,]*)\s*:\s*([^\s\])]*)\s*([\])])\s*(,|$))");
+  std::vector<std::pair<std::string, std::string>> conditions;  // name, condition
+  auto at = limits.cbegin();
+  for (std::smatch match; at != limits.cend(); at = match[0].second) {
+    if (!std::regex_search(at, limits.cend(), match, range, std::regex_constants::match_continuous))
+      fail_usage("{}: the limits '{}' are not ranges such as Classification[2:2].", place, limits);
+    const auto same = std::ranges::find(conditions, match[1].str(), [](const auto& c) { return c.first; });
+    if (same == conditions.end())
+      conditions.emplace_back(match[1], condition_of_range(match));
+    else
+      same->second += " || " + condition_of_range(match);
+  }
+  std::string all;
+  for (const auto& [name, condition] : conditions) all += (all.empty() ? "(" : " && (") + condition + ")";
+  return all;
+}
+
+/// Converts `([0,300],[0,200])` to xmin, ymin, xmax, ymax.
+std::string crop_bounds(std::string bounds, const std::string& place) {
+  std::erase(bounds, ' ');
+  static const std::regex plane(R"(\(\[([^,\]]+),([^,\]]+)\],\[([^,\]]+),([^,\]]+)\]\))");
+  std::smatch match;
+  if (!std::regex_match(bounds, match, plane))
+    fail_usage("{}: the bounds '{}' are not ([xmin,xmax],[ymin,ymax]).", place, bounds);
+  return fmt::format("{},{},{},{}", match[1].str(), match[3].str(), match[2].str(), match[4].str());
+}
+
+std::string with_commas(const std::string& numbers) {
+  std::istringstream words(numbers);
+  std::string list;
+  for (std::string word; words >> word;) list += (list.empty() ? "" : ",") + word;
+  return list;
+}
+
+std::string lower_case_where(const std::string& assignment) {
+  static const std::regex where(R"(\bwhere\b)", std::regex::icase);
+  return std::regex_replace(assignment, where, "where");
+}
+
+/// The stages of this library that are equivalent to the stages of PDAL added so far.
+class OurStages {
+ public:
+  void add(const StageText& text) {
+    PdalStage stage(text);
+    const std::string& name = stage.name();
+    if (name.starts_with("readers.") || name.starts_with("writers.")) {
+      stage.take("filename");
+      stage.require_no_more("give the option of the command, as 'pointsweep help run' lists them");
+      return;
+    }
+    for (const auto& [known, make] : kFilters)
+      if (name == known) {
+        (this->*make)(stage);
+        return stage.require_no_more("leave it out, or write our own stage, as 'pointsweep operators' lists them");
+      }
+    fail_usage("{}: {} is a stage of PDAL without a counterpart here; 'pointsweep operators' lists what there is.",
+               stage.place(), name);
+  }
+
+  std::vector<StageText> finish() && {
+    if (first_) stages_.insert(stages_.begin(), {"knn", {*first_}, first_->place});
+    return std::move(stages_);
+  }
+
+ private:
+  void nothing(PdalStage&) {}
+  void range(PdalStage& s) { ours("where", s, {{"", condition_of_limits(s.required("limits"), s.place())}}); }
+  void expression(PdalStage& s) { ours("where", s, {{"", s.required("expression")}}); }
+  void assign(PdalStage& s) { ours("set", s, {{"", lower_case_where(s.required("value"))}}); }
+  void crop(PdalStage& s) {
+    ours("crop", s,
+         {{"bounds", crop_bounds(s.required("bounds"), s.place())}, {"outside", s.take("outside", "false")}});
+  }
+  void transformation(PdalStage& s) { ours("transform", s, {{"matrix", with_commas(s.required("matrix"))}}); }
+  void sample(PdalStage& s) { ours("poisson", s, {{"radius", s.required("radius")}}); }
+  void voxel_center(PdalStage& s) { ours("voxel", s, {{"size", s.take("cell", "1")}, {"keep", "center"}}); }
+  void smrf(PdalStage& s) {
+    ours("ground", s,
+         {{"cell", s.take("cell", "1")},
+          {"slope", s.take("slope", "0.15")},
+          {"window", s.take("window", "18")},
+          {"threshold", s.take("threshold", "0.5")},
+          {"scalar", s.take("scalar", "1.25")}});
+  }
+  void hag_nn(PdalStage& s) { ours("height", s, {{"k", s.take("count", "1")}}); }
+  void normal(PdalStage& s) {
+    near(s, "k", s.take("knn", "8"));
+    ours("normals", s, {{"orient", s.take("always_up", "true") == "true" ? "up" : "none"}});
+  }
+  void lof(PdalStage& s) {
+    near(s, "k", s.take("minpts", "10"));
+    ours("lof", s, {});
+  }
+  void dbscan(PdalStage& s) {
+    const std::string eps = s.take("eps", "1");
+    near(s, "radius", eps);
+    ours("dbscan", s, {{"eps", eps}, {"min_points", s.take("min_points", "6")}});
+  }
+  void outlier(PdalStage& s) {
+    const std::string noise = s.take("class", "7");
+    if (s.take("method", "statistical") == "radius") {
+      const std::string radius = s.take("radius", "1");
+      near(s, "radius", radius);
+      ours("ror", s, {{"radius", radius}, {"min_neighbors", s.take("min_k", "2")}});
+    } else {
+      near(s, "k", s.take("mean_k", "8"));
+      ours("sor", s, {{"multiplier", s.take("multiplier", "2")}, {"definition", "pdal"}});
+    }
+    ours("set", s, {{"", fmt::format("classification = {} where outlier == 1", noise)}});
+    ours("drop", s, {{"", "outlier"}});
+  }
+
+  void ours(const std::string& name, const PdalStage& of, std::vector<std::pair<std::string, std::string>> options) {
+    StageText stage{name, {}, of.place()};
+    for (auto& [option, value] : options) stage.options.push_back({option, value, of.place()});
+    stages_.push_back(std::move(stage));
+  }
+
+  /// States the neighbourhood of a stage. Each stage of PDAL has its own; stages of this library use the last one
+  /// stated.
+  void near(const PdalStage& of, const std::string& option, const std::string& value) {
+    const OptionText wanted{option, value, of.place()};
+    if (!first_)
+      first_ = wanted;
+    else if (latest_.name != option || latest_.value != value)
+      stages_.push_back({"reneighbor", {wanted}, of.place()});
+    latest_ = wanted;
+  }
+
+  using Make = void (OurStages::*)(PdalStage&);
+  static constexpr std::array<std::pair<std::string_view, Make>, 16> kFilters = {{
+      {"filters.range", &OurStages::range},
+      {"filters.expression", &OurStages::expression},
+      {"filters.assign", &OurStages::assign},
+      {"filters.crop", &OurStages::crop},
+      {"filters.transformation", &OurStages::transformation},
+      {"filters.sample", &OurStages::sample},
+      {"filters.voxelcenternearestneighbor", &OurStages::voxel_center},
+      {"filters.smrf", &OurStages::smrf},
+      {"filters.hag_nn", &OurStages::hag_nn},
+      {"filters.normal", &OurStages::normal},
+      {"filters.lof", &OurStages::lof},
+      {"filters.dbscan", &OurStages::dbscan},
+      {"filters.outlier", &OurStages::outlier},
+      {"filters.merge", &OurStages::nothing},
+      {"filters.info", &OurStages::nothing},
+      {"filters.stats", &OurStages::nothing},
+  }};
+
+  std::vector<StageText> stages_;
+  std::optional<OptionText> first_;
+  OptionText latest_;
+};
+
+/// Converts stages of PDAL to equivalent stages, in order, with their neighbourhoods. Readers and writers are dropped:
+/// files are named on the command line. Throws UsageError for a stage, or an option of a stage, without an equivalent.
+std::vector<StageText> stages_of_pdal(const std::vector<StageText>& stages) {
+  OurStages ours;
+  for (const StageText& stage : stages) ours.add(stage);
+  return std::move(ours).finish();
+}
+
+/// Returns whether the name has the form of PDAL's stages: `readers.las`, `filters.range`, `writers.copc`.
+bool is_pdal_stage(std::string_view name) {
+  return name.starts_with("readers.") || name.starts_with("filters.") || name.starts_with("writers.");
 }
 
 bool is_of_pdal(const Json& stage) {

@@ -7,7 +7,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/operators/kinds/stage_operator.h"
-#include "pointsweep/pipeline/plan/pass_planner.h"
+#include "pointsweep/pipeline/plan/pass_schedule.h"
 #include "pointsweep/points/input_row.h"
 
 namespace pointsweep {

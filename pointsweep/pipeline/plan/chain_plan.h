@@ -15,7 +15,6 @@
 #include "pointsweep/operator.h"
 #include "pointsweep/pipeline/plan/chain_graph.h"
 #include "pointsweep/pipeline/plan/kept_fields.h"
-#include "pointsweep/pipeline/plan/pass_schedule.h"
 #include "pointsweep/sweep/plan.h"
 
 namespace pointsweep {
@@ -33,6 +32,12 @@ struct ColumnPlan {
   std::uint32_t bytes = 0;
   std::size_t last_step = 0;  ///< the last step that makes or reads the column; the last step of the pass if `written`
   bool written = false;
+};
+
+enum class PassKind : std::uint8_t {
+  sweep,  ///< finds neighbourhoods
+  rows,   ///< reads the rows in order; its stages read only the point itself
+  order,  ///< puts the points in order for an InOrderOperator, by position or by a place that it gives (Places)
 };
 
 /// One pass. It sees the cloud as a file in which attributes made by earlier passes replace attributes of the input.

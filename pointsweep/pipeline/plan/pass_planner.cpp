@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/plan/pass_planner.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
 #include <utility>
+
+#include "pointsweep/pipeline/plan/pass_schedule.h"
 
 namespace pointsweep {
 namespace {

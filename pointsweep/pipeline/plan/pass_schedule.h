@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: MIT
-/// Decides in which pass over the cloud each node of a chain runs.
+/// The steps by which plan_chain() plans the passes over the cloud: the schedule, which decides in which pass each node
+/// of the graph runs, and the stages and columns of each pass.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
-#include "pointsweep/pipeline/plan/chain_graph.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
 
 namespace pointsweep {
-
-enum class PassKind : std::uint8_t {
-  sweep,  ///< finds neighbourhoods
-  rows,   ///< reads the rows in order; its stages read only the point itself
-  order,  ///< puts the points in order for an InOrderOperator, by position or by a place that it gives (Places)
-};
 
 /// A pass as a list of its nodes, without columns and steps.
 struct ScheduledPass {
@@ -39,5 +35,11 @@ struct ScheduledPass {
 ///
 /// Throws UsageError for a stage that needs the neighbours which points had before an earlier pass moved them.
 std::vector<ScheduledPass> schedule_passes(const ChainGraph& graph);
+
+/// Fills the plan, columns and fields of `pass`, whose `input` is the cloud as the pass sees it, with the nodes of
+/// `scheduled`. `carried`: attributes carried into this pass. `first_stage`: number of stages in earlier passes.
+/// `kept`: names of the attributes that the pass makes and keeps.
+void plan_columns(const ChainGraph& graph, const ScheduledPass& scheduled, const std::vector<Attribute>& carried,
+                  std::size_t first_stage, const std::vector<std::string>& kept, PlannedPass& pass);
 
 }  // namespace pointsweep

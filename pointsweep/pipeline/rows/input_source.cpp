@@ -4,9 +4,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
+#include <utility>
 #include <variant>
+#include <vector>
+
+#include "pointsweep/cancellation.h"
+#include "pointsweep/fail.h"
+#include "pointsweep/pipeline/memory_plan.h"
+#include "pointsweep/threads.h"
 
 namespace pointsweep {
 namespace {
@@ -54,6 +65,151 @@ std::string ruled_out_by_inputs(const InputCloud& cloud) {
     if (!reader->decodes_any_range() && !reader->info().decode_once)
       return fmt::format("{} has to be read from its beginning", reader->info().path.filename().string());
   return "";
+}
+
+constexpr std::size_t kBatchBytes = 1 << 20;    ///< bytes that a thread decodes before it writes them
+constexpr std::size_t kPiecesAtOnce = 1 << 12;  ///< pieces that are listed before threads decode them
+
+std::uint64_t decoded_bytes(const FileInfo& info) { return info.decode_once ? info.count * info.schema.stride : 0; }
+
+/// Reads the decoded records of another reader from a temporary file.
+class DecodedReader final : public Reader {
+ public:
+  /// The records begin at byte `begin` of `file`.
+  DecodedReader(std::shared_ptr<const Reader> encoded, std::shared_ptr<const SpillFile> file, std::uint64_t begin)
+      : encoded_(std::move(encoded)), file_(std::move(file)), begin_(begin) {
+    info_ = encoded_->info();
+    info_.decode_once = false;
+    info_.decoder_bytes = 0;
+  }
+
+  bool has_decoders() const override { return true; }
+  bool decodes_any_range() const override { return true; }
+  /// Returns the chunk of the encoded file, with its box; the byte range is empty, since the file is not read any more.
+  Chunk chunk_of(std::uint64_t row) const override {
+    Chunk chunk = encoded_->chunk_of(row);
+    chunk.begin = chunk.end = 0;
+    return chunk;
+  }
+  std::unique_ptr<RowDecoder> decoder(const WantedFields&) const override { return std::make_unique<Decoder>(*this); }
+
+ private:
+  class Decoder final : public RowDecoder {
+   public:
+    explicit Decoder(const DecodedReader& reader) : reader_(reader) {}
+    std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
+      const std::size_t rows = reader_.rows_for(row, records), stride = reader_.info_.schema.stride;
+      if (rows != 0) reader_.file_->read(reader_.begin_ + row * stride, records.first(rows * stride));
+      return rows;
+    }
+
+   private:
+    const DecodedReader& reader_;
+  };
+
+  std::shared_ptr<const Reader> encoded_;
+  std::shared_ptr<const SpillFile> file_;
+  std::uint64_t begin_;
+};
+
+/// Rows of an input that one thread decodes: a chunk, or all rows if the input has no decoders.
+struct Piece {
+  std::size_t input;
+  std::uint64_t first, end;
+  std::uint64_t at;  ///< offset of its records in the temporary file
+};
+
+/// Lists the pieces of all inputs that are decoded once, in order. The records of these inputs follow each other in the
+/// temporary file.
+class Pieces {
+ public:
+  explicit Pieces(const InputCloud& cloud) : cloud_(cloud) {}
+
+  /// Returns the next pieces, at most kPiecesAtOnce; none at the end of the input.
+  std::vector<Piece> next() {
+    std::vector<Piece> pieces;
+    while (input_ < cloud_.readers().size() && pieces.size() < kPiecesAtOnce) {
+      const Reader& reader = *cloud_.readers()[input_];
+      const FileInfo& info = reader.info();
+      if (decoded_bytes(info) == 0 || row_ == info.count) {
+        begin_ += decoded_bytes(info);
+        row_ = 0;
+        ++input_;
+        continue;
+      }
+      const std::uint64_t end = reader.has_decoders() ? reader.chunk_of(row_).end_row() : info.count;
+      pieces.push_back({input_, row_, end, begin_ + row_ * info.schema.stride});
+      row_ = end;
+    }
+    return pieces;
+  }
+
+ private:
+  const InputCloud& cloud_;
+  std::size_t input_ = 0;
+  std::uint64_t row_ = 0, begin_ = 0;  ///< next row of input_; offset of its records in the temporary file
+};
+
+/// Decodes pieces for one thread.
+class PieceDecoder {
+ public:
+  /// Writes the records of a piece to `file`. Calls `note(rows)` after each batch.
+  template <class Note>
+  void decode(Reader& encoded, const Piece& piece, SpillFile& file, const Note& note) {
+    const std::size_t stride = encoded.info().schema.stride;
+    if (encoded.has_decoders() && (!decoder_ || input_ != piece.input)) decoder_ = encoded.decoder();
+    input_ = piece.input;
+    std::uint64_t at = piece.at;
+    for (std::uint64_t row = piece.first; row < piece.end;) {
+      stop_if_cancelled();
+      const std::uint64_t most = std::max<std::size_t>(1, kBatchBytes / stride);
+      const std::uint64_t rows = std::min(piece.end - row, most);
+      if (batch_.size() < rows * stride) batch_.resize(rows * stride);
+      const std::span<std::byte> records = std::span(batch_).first(rows * stride);
+      const std::size_t n = encoded.has_decoders() ? decoder_->read(row, records) : encoded.read(row, records);
+      if (n == 0) fail("{}: ends before its last point; run again once it is complete.", encoded.info().path.string());
+      file.write(at, records.first(n * stride));
+      at += n * stride;
+      row += n;
+      note(n);
+    }
+    if (!encoded.has_decoders()) encoded.rest();
+  }
+
+ private:
+  std::unique_ptr<RowDecoder> decoder_;
+  std::size_t input_ = 0;  ///< input of decoder_
+  std::vector<std::byte> batch_;
+};
+
+/// Returns the number of decoding threads: as many as fit in half of the memory budget, but at least one.
+unsigned decoding_threads(const InputCloud& cloud, const EngineOptions& options) {
+  std::uint64_t bytes = kBatchBytes;
+  for (const auto& reader : cloud.readers())
+    if (const FileInfo& info = reader->info(); info.decode_once)
+      bytes = std::max(bytes, info.decoder_bytes + std::max<std::uint64_t>(kBatchBytes, info.schema.stride));
+  const std::uint64_t budget = memory_budget(options.resources.memory_bytes);
+  return static_cast<unsigned>(std::clamp<std::uint64_t>(budget / 2 / bytes, 1, thread_count()));
+}
+
+/// Decodes all inputs that are decoded once. Calls `progress` with the number of rows decoded so far, from one thread
+/// at a time.
+void decode_inputs(const InputCloud& cloud, const EngineOptions& options, SpillFile& file,
+                   const std::function<void(std::uint64_t rows)>& progress) {
+  std::mutex noting;
+  std::uint64_t done = 0;
+  const auto note = [&](std::uint64_t rows) {
+    const std::lock_guard lock(noting);
+    progress(done += rows);
+  };
+  with_threads(decoding_threads(cloud, options), [&] {
+    Pieces pieces(cloud);
+    std::vector<PieceDecoder> decoders(thread_count());
+    for (std::vector<Piece> some = pieces.next(); !some.empty(); some = pieces.next())
+      parallel_for(some.size(), [&](std::size_t i, unsigned worker) {
+        decoders[worker].decode(*cloud.readers()[some[i].input], some[i], file, note);
+      });
+  });
 }
 
 }  // namespace
@@ -106,6 +262,33 @@ OnDemandOrder on_demand_order(const InputCloud& cloud, const ChainPlan& planned,
       without != nullptr && options.ordering != Ordering::on_demand)
     order.why_not = fmt::format("{} does not state where its points lie", without->info().path.filename().string());
   return order;
+}
+
+InputCloud decoded_input(const InputCloud& cloud, const EngineOptions& options, const SpillPlace& place) {
+  const auto file = std::make_shared<SpillFile>(place);
+  file->reserve(decoded_input_bytes(cloud));
+  decode_inputs(cloud, options, *file, [&](std::uint64_t rows) {
+    if (options.observer != nullptr) options.observer->on_progress({"decoding", rows, cloud.count(), 0});
+  });
+  std::vector<std::shared_ptr<Reader>> readers = cloud.readers();
+  std::uint64_t begin = 0;
+  for (std::shared_ptr<Reader>& reader : readers) {
+    const std::uint64_t bytes = decoded_bytes(reader->info());
+    if (bytes != 0) reader = std::make_shared<DecodedReader>(reader, file, begin);
+    begin += bytes;
+  }
+  return cloud.read_by(std::move(readers));
+}
+
+std::uint64_t decoded_input_bytes(const InputCloud& cloud) {
+  std::uint64_t bytes = 0;
+  for (const auto& reader : cloud.readers()) bytes += decoded_bytes(reader->info());
+  return bytes;
+}
+
+std::string decoded_input_text(std::uint64_t bytes) {
+  if (bytes == 0) return "";
+  return fmt::format("decoding      once, into a temporary file of {:.1f} MB\n", megabytes(bytes));
 }
 
 }  // namespace pointsweep

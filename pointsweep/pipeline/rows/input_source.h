@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The input of a run as its chain reads it: without the nodes that its first stages crop, with row numbers if a stage
-/// reads them, as a source of points for streams; and whether the boxes of the input allow to put its points in order
-/// on demand, without a distribution pass.
+/// reads them, decoded once if decoding is slow, as a source of points for streams; and whether the boxes of the input
+/// allow to put its points in order on demand, without a distribution pass.
 #pragma once
 
 #include <cstddef>
@@ -15,6 +15,7 @@
 #include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/storage/local/spill_file.h"
 
 namespace pointsweep {
 
@@ -42,5 +43,16 @@ std::size_t first_ordered_pass(const ChainPlan& planned);
 
 /// Decides whether the first pass that puts points in order can do so on demand.
 OnDemandOrder on_demand_order(const InputCloud& cloud, const ChainPlan& planned, const EngineOptions& options);
+
+/// Returns the cloud in which all inputs with FileInfo::decode_once are read from one temporary file at `place`, with
+/// FileInfo::schema.stride bytes for each point. Decoding once saves time, since a run reads its input two or three
+/// times. Fills the file on all threads. Throws Error if an input cannot be decoded or the disk is full; of several
+/// such inputs, the error names the first. Reports the phase "decoding".
+InputCloud decoded_input(const InputCloud& cloud, const EngineOptions& options, const SpillPlace& place);
+
+/// Returns the bytes that the temporary file of a run over `cloud` will take.
+std::uint64_t decoded_input_bytes(const InputCloud& cloud);
+/// Returns the line of a dry run that states decoded_input_bytes(); empty for 0 bytes.
+std::string decoded_input_text(std::uint64_t bytes);
 
 }  // namespace pointsweep

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/pipeline/run/division_tasks.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,11 +15,12 @@
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/output/divided_writer.h"
 #include "pointsweep/pipeline/output/output_warnings.h"
-#include "pointsweep/pipeline/output/pieces.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/pipeline/run/output_files.h"
+#include "pointsweep/pipeline/run/part_run.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/request.h"
+#include "pointsweep/pipeline/run/task_values.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/storage/storage.h"

@@ -13,13 +13,13 @@
 #include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
-#include "pointsweep/pipeline/rows/pass_values.h"
+#include "pointsweep/pipeline/rows/pass_update.h"
 #include "pointsweep/pipeline/run/context.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/part_run.h"
 #include "pointsweep/pipeline/run/phases.h"
 #include "pointsweep/pipeline/run/request.h"
-#include "pointsweep/pipeline/run/tile_state.h"
+#include "pointsweep/pipeline/run/task_values.h"
 #include "pointsweep/storage/storage.h"
 
 namespace pointsweep {

@@ -19,7 +19,6 @@
 #include "pointsweep/pipeline/plan/output_layout.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/rows/pass_update.h"
-#include "pointsweep/pipeline/rows/pass_values.h"
 #include "pointsweep/pipeline/run/context.h"
 #include "pointsweep/storage/storage.h"
 #include "pointsweep/sweep/sweep.h"

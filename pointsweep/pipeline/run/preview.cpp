@@ -12,7 +12,6 @@
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/output/output_set.h"
-#include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/rows/other_cloud.h"
 #include "pointsweep/pipeline/run/request.h"

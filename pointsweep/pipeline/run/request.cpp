@@ -16,7 +16,7 @@
 #include "pointsweep/pipeline/output/output_formats.h"
 #include "pointsweep/pipeline/output/output_set.h"
 #include "pointsweep/pipeline/plan/output_layout.h"
-#include "pointsweep/pipeline/rows/decoded_input.h"
+#include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/statistics.h"
 #include "pointsweep/pipeline/sweep_engine.h"
 #include "pointsweep/storage/local/place.h"

@@ -2,7 +2,6 @@
 /// The first phase: decodes inputs that are slow to decode (FileInfo::decode_once), surveys the input, and makes the
 /// WorkPlan.
 #include "pointsweep/pipeline/output/output_formats.h"
-#include "pointsweep/pipeline/rows/decoded_input.h"
 #include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
