@@ -13,11 +13,12 @@
 
 namespace pointsweep {
 
-/// The way in which a run puts its points in order.
+/// The way in which a run puts its points in order: a distribution pass copies all points into slabs, or each slab is
+/// made on demand, when the sweep reads it (docs/adr/0011).
 enum class Ordering : std::uint8_t {
   planned,       ///< as the memory plan decides
   distribution,  ///< never on demand
-  on_demand,     ///< on demand wherever possible, for any number of points that wait in memory
+  on_demand,     ///< on demand wherever possible, even if many points wait in memory for their slabs
 };
 
 /// RunOptions with further options of the engine. No result depends on the further options.
@@ -28,7 +29,8 @@ struct EngineOptions : RunOptions {
   std::uint64_t slab_points = 0;  ///< intended points of a slab; 0: chosen from the cloud
   /// Slabs that are read together if memory allows. 0: chosen from the number of threads, or 1 if slab_points is set.
   std::uint32_t slabs_per_turn = 0;
-  std::uint32_t cell_points = 1024;  ///< a multiple of 16 up to 2,048
+  std::uint32_t cell_points =
+      1024;  ///< most points of a cell, a unit of work (search/cell.h); a multiple of 16 up to 2,048
   Ordering ordering = Ordering::planned;
   std::uint64_t block_rows = 0;  ///< for slabs on demand: rows that are decoded together; 0: chosen
   bool spill = false;            ///< use the temporary folder even if memory suffices

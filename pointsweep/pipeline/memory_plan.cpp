@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kMega = 1u << 20;
 /// Returns the part of `bytes` of memory that cells may fill: an eighth is lost between allocations.
-std::uint64_t without_what_is_lost(std::uint64_t bytes) { return bytes / 8 * 7; }
+std::uint64_t fillable_bytes(std::uint64_t bytes) { return bytes / 8 * 7; }
 
 // Bytes of structures that grow slowly with the cloud. Each constant is the size of the structure named in its comment
 // on a 64-bit machine. Vectors that grow count with half of their capacity unused.
@@ -77,7 +77,7 @@ std::uint64_t usual_cell_points(std::uint32_t cell_points) { return std::max<std
 constexpr std::uint64_t kReadyCells = 8;
 
 /// Returns the number of slabs that a turn of the sweep should read, so that each thread gets kReadyCells cells; fewer
-/// are read if the budget is too small. If `demand.slabs_per_turn` is not 0, it is that number.
+/// are read if the budget is too small. Returns `demand.slabs_per_turn` if that is not 0.
 std::uint32_t most_slabs_per_turn(std::uint64_t slab_points, const MemoryDemand& demand) {
   if (demand.slabs_per_turn != 0) return demand.slabs_per_turn;
   const std::uint64_t points = kReadyCells * demand.threads * usual_cell_points(demand.cell_points);
@@ -87,7 +87,8 @@ std::uint32_t most_slabs_per_turn(std::uint64_t slab_points, const MemoryDemand&
 
 /// Returns the estimated number of points in the window: in the slabs of a turn, in slabs next to them, of which there
 /// are more with more steps, in the slabs read ahead, and within the radius. With several steps, the points that wait
-/// for one another are added; the number is then at least kUsuallyWaiting, and they do not raise it above kMostWaiting.
+/// for one another are added; the number is then at least kUsuallyWaiting, and the waiting points do not raise it above
+/// kMostWaiting.
 std::uint64_t window_points(const SweepPlan& plan, std::uint64_t slab_points, const MemoryDemand& demand,
                             std::uint32_t slabs_per_turn = 1) {
   const std::uint64_t slabs = slabs_per_turn + 2 + plan.step_count() + std::max(1u, demand.threads / 2);
@@ -199,11 +200,11 @@ class Division {
     out_.lists_bytes = lists_bytes(budget, demand) / neighbor_bytes(demand) * sizeof(NeighborRef);
     if (!is_unlimited(plan))
       out_.threads_bytes = std::max(1u, demand.threads) * thread_bytes(plan, least_slab_points(plan), budget, demand);
-    // Buffers hold chunks on their way to slabs, also if the slabs are in memory.
+    // The distribution pass needs its buffers even if the slabs stay in memory.
     out_.stream_buffer_bytes = std::clamp<std::uint64_t>(budget / 8, 8 * kMega, 64 * kMega);
   }
 
-  /// Finds a plan. Prefers memory, then spilling, then thinner slabs.
+  /// Finds a plan. Prefers memory, then spilling, then thinner slabs. If nothing fits, the plan exceeds the budget.
   MemoryPlan find() {
     if (fits_with_results()) return out_;
     out_.spill_stream = true;
@@ -224,7 +225,7 @@ class Division {
   }
 
  private:
-  /// Returns whether the plan fits with the results in memory, or else spilled. The plan then has them there.
+  /// Returns whether the plan fits into the budget. Spills the results if they do not fit in memory.
   bool fits_with_results() {
     if (fits()) return true;
     out_.spill_results = true;
@@ -288,9 +289,9 @@ MemoryPlan divide(std::uint64_t budget, const SweepPlan& plan, const MemoryDeman
     others += more;
   }
   const std::uint64_t cells = budget - std::min(budget, others);
-  out.cells_bytes = without_what_is_lost(cells);
+  out.cells_bytes = fillable_bytes(cells);
   // In the recall, the memory of the window and of the distribution pass is free.
-  out.recall_bytes = std::max(kMega, without_what_is_lost(cells + (out.on_demand ? 0 : out.stream_buffer_bytes)));
+  out.recall_bytes = std::max(kMega, fillable_bytes(cells + (out.on_demand ? 0 : out.stream_buffer_bytes)));
   out.in_order_bytes = demand.in_order_bytes + (budget - std::min(budget, out.expected_bytes));
   add_slabs_to_turns(out, plan, demand, lists);
   return out;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The memory plan: which data are kept in memory and which are spilled, so that a run stays within its budget.
+/// The memory plan: which data are kept in memory and which are spilled, so that a run stays within its budget. The
+/// window holds the points that a sweep has in memory (sweep/window.h); the recall finishes points whose neighbours
+/// have left the window (sweep/recall.h).
 #pragma once
 
 #include <cstdint>
@@ -39,8 +41,8 @@ struct MemoryPlan {
   std::uint64_t slab_points = 0;
   std::uint64_t stream_buffer_bytes = 0;  ///< buffers of the distribution pass
   std::uint64_t result_buffer_bytes = 0;
-  std::uint64_t most_waiting = 0;  ///< most points that may wait in memory for slabs that are made on demand
-  std::uint64_t recall_bytes = 0;
+  std::uint64_t most_waiting = 0;    ///< most points that may wait in memory for slabs that are made on demand
+  std::uint64_t recall_bytes = 0;    ///< limit for the points that the recall has in memory
   std::uint32_t slabs_per_turn = 1;  ///< slabs that the sweep reads before it runs the steps
   std::uint64_t window_bytes = 0;    ///< expected memory of the window, including memory that threads use at a time
   std::uint64_t threads_bytes = 0;   ///< memory of all threads with the thinnest slabs; 0 if nothing is recalled

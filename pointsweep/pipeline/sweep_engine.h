@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Engines that can replace the sweep over cells for a pass. The core has none; a program registers those that it
-/// links.
+/// Engines that can replace the library's sweep for a pass, such as the reference engine. The library itself registers
+/// none; a program registers the engines that it links.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The state of a run at a checkpoint, the checkpoints of a run, the checkpoint that an earlier process has left, and
-/// the identity by which a run recognises its own checkpoints.
+/// The checkpoints of a run, from which another process can continue it, and the identity of a run, a text that must be
+/// equal in both processes.
 #pragma once
 
 #include <chrono>
@@ -25,7 +25,7 @@ namespace pointsweep {
 
 /// Returns lines of text: the version of pointsweep and of its checkpoints, inputs (with size and time), outputs,
 /// options that change outputs, the pipeline with every option of every stage, passes, and the fields that are kept.
-/// Throws Error if an input is not a file, since changes of it could not be detected.
+/// Throws Error if an input is not a file, since its changes could not be detected.
 std::string run_identity(const InputCloud& cloud, const ChainPlan& plan, const Outputs& outputs,
                          const EngineOptions& options);
 
@@ -36,16 +36,15 @@ void require_same_run(const std::string& checkpoint, const std::string& now, con
 /// sweep, `results` and `progress` are set, too. After the sweep only `results` is set. None of the three is set after
 /// the update, when the results have become the rows of the next pass.
 struct Checkpoint {
-  std::uint64_t memory_bytes = 0;           ///< the budget, for a resumed run that states none
-  Survey survey;                            ///< survey of the input, from which a resumed run also plans its memory
-  std::uint64_t sweep = 0;                  ///< pass to begin or to continue; the rows carried into it are complete
-  std::uint64_t slab_points = 0;            ///< intended number of points of a slab of `stream`
-  std::vector<std::byte> stream;            ///< encoded Stream; empty before the points are in order, and after the
-                                            ///< sweep
-  std::vector<Vec3> bucket_places;          ///< Ordered::bucket_places (run/phases.h); empty after the sweep
-  std::vector<std::byte> results;           ///< encoded RowStore; empty before the first slab
-  std::vector<std::byte> progress;          ///< encoded SweepProgress; empty before the first slab
-  std::uint64_t mask = 0;                   ///< pass that begins with the rows of the last select; 0: all rows remain
+  std::uint64_t memory_bytes = 0;   ///< the budget, for a resumed run that states none
+  Survey survey;                    ///< survey of the input, from which a resumed run also plans its memory
+  std::uint64_t sweep = 0;          ///< pass to begin or to continue; the rows carried into it are complete
+  std::uint64_t slab_points = 0;    ///< intended number of points of a slab, the unit in which `stream` is read
+  std::vector<std::byte> stream;    ///< encoded Stream; empty before the points are in order and after the sweep
+  std::vector<Vec3> bucket_places;  ///< Ordered::bucket_places (run/phases.h); empty after the sweep
+  std::vector<std::byte> results;   ///< encoded RowStore; empty before the first slab
+  std::vector<std::byte> progress;  ///< encoded SweepProgress; empty before the first slab
+  std::uint64_t mask = 0;           ///< number of the pass after the last pass that dropped rows; 0: all rows remain
   std::vector<std::vector<double>> values;  ///< values of the whole cloud, by PlannedValue::number; empty: not known
   Statistics counts;                        ///< counts of the finished sweeps, for take_counts()
 

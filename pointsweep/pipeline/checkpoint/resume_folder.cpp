@@ -95,7 +95,7 @@ void ResumeFolder::remove() {
     folder_.flush();
   }
   std::error_code ignored;
-  if (is_saving())  // truncates files that the other thread flushes, so that it need not write them
+  if (is_saving())  // truncates the files that the saving thread flushes, which spares writing their data
     for (const std::string& name : others_than({})) fs::resize_file(path() / name, 0, ignored);
   if (saving_.valid()) saving_.wait();
   forget();
@@ -135,7 +135,7 @@ bool FinishedTiles::has(std::size_t tile, const std::filesystem::path& output) c
 }
 
 void FinishedTiles::begin(std::size_t tile, const std::filesystem::path& output) {
-  if (is_url(output)) return;  // an object becomes visible only when it is complete
+  if (is_url(output)) return;  // an object in the network becomes visible only when it is complete
   File file;
   if (list_.empty() || !find(OutputFile::unfinished_path(output), file)) return;
   add(tile, {file.device, file.inode, 0, 0});

@@ -18,7 +18,8 @@
 
 namespace pointsweep {
 
-/// A folder with a file `checkpoint`, which is always replaced as a whole, the spilled data that it names, and a list
+/// A folder with a file `checkpoint`, which is always replaced as a whole, the files of spilled data to which the
+/// checkpoint refers, and a list
 /// `tiles` of finished tiles. The folder is locked while a process works in it. remove() deletes the folder, and so
 /// does the destructor if nothing was ever saved in it.
 class ResumeFolder {
@@ -56,8 +57,8 @@ class ResumeFolder {
 
   LocalFolder folder_;
   bool holds_work_ = false;
-  std::mutex removal_;     ///< guards the moment in which a checkpoint gets its name, against remove()
-  bool removing_ = false;  ///< true once remove() has begun; no checkpoint gets its name after that
+  std::mutex removal_;     ///< held while a checkpoint is sealed, and while remove() deletes the checkpoint
+  bool removing_ = false;  ///< true once remove() has begun; no checkpoint is sealed after that
   std::vector<std::byte> saved_;
   std::future<void> saving_;
 };

@@ -17,7 +17,7 @@ namespace {
 
 bool is_length(const OptionDeclaration& option) { return option.kind == OptionKind::number && option.unit == "length"; }
 
-/// Returns the default of an option in metres; null if the default is no length, or 0 in every unit.
+/// Returns the default of an option in metres; null if the default is not a length or is 0.
 const double* default_length(const OptionDeclaration& option) {
   const auto* metres = std::get_if<double>(&option.preset);
   return is_length(option) && metres != nullptr && *metres != 0 ? metres : nullptr;

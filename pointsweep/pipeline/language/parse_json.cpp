@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Pipelines in JSON: of stages of this library, or of stages of PDAL, which are translated one by one.
+/// Pipelines in JSON: arrays of stages of this library, and pipelines of PDAL, whose stages are translated.
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
@@ -32,7 +32,7 @@ Json parsed(std::string_view text, std::string_view source) {
   } catch (const Json::parse_error& error) {
     const std::size_t at = std::min(error.byte == 0 ? 0 : error.byte - 1, text.size());
     const std::string_view before = text.substr(0, at);
-    const std::size_t line_start = before.rfind('\n') + 1;  // 0 where there is no line before
+    const std::size_t line_start = before.rfind('\n') + 1;  // 0 on the first line
     fail_usage("{}, line {}, column {}: is not JSON; an array of stages looks like [{{\"type\": \"normals\"}}].",
                source, std::count(before.begin(), before.end(), '\n') + 1, at - line_start + 1);
   } catch (const Json::exception&) {
@@ -77,7 +77,7 @@ StageText stage_of(const Json& json, const std::string& place) {
   return stage;
 }
 
-/// A stage of PDAL. It records which of its options were used.
+/// A stage of PDAL. Records for which of its options take() was called.
 class PdalStage {
  public:
   explicit PdalStage(const StageText& text) : text_(text) {}
@@ -238,8 +238,8 @@ class OurStages {
     stages_.push_back(std::move(stage));
   }
 
-  /// States the neighbourhood of a stage. Each stage of PDAL has its own; stages of this library use the last one
-  /// stated.
+  /// Sets the neighbourhood that a stage needs. In PDAL each stage has its own neighbourhood; in this library a stage
+  /// uses the last neighbourhood that the pipeline states before it.
   void near(const PdalStage& of, const std::string& option, const std::string& value) {
     const OptionText wanted{option, value, of.place()};
     if (!first_)

@@ -11,7 +11,7 @@
 namespace pointsweep {
 namespace {
 
-/// A name that other programs use and no operator here has, with advice.
+/// A name that other programs give to an operation and that no operator of this library has, with advice.
 struct OtherWord {
   std::string_view word, advice;
 };

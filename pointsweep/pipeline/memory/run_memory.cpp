@@ -215,10 +215,6 @@ RunMemory plan_on_threads(std::uint64_t budget, const ChainPlan& planned, std::u
   return memory;
 }
 
-}  // namespace
-
-namespace {
-
 /// Number of threads that work if they fit into the budget at all. More threads work only if they leave enough memory
 /// for the window and the recall.
 constexpr unsigned kThreadsInAnyCase = 2;
@@ -291,7 +287,7 @@ std::uint64_t open_input_bytes(const InputCloud& cloud) {
     std::uint64_t held = info.schema.fields.size() * sizeof(Field);
     for (const std::string& line : info.provenance) held += sizeof line + line.size();
     if (info.crs) held += 2 * info.crs->wkt.size();
-    // The reader of decoded records has its own FileInfo.
+    // An input that is decoded once gets a second reader, of its decoded records, with a FileInfo of its own.
     bytes += kInput + held + (info.decode_once ? kFacts + held : 0);
   }
   return bytes;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The memory of all phases of a run, and the memory of its inputs and outputs.
+/// The memory of all phases of a run, and the memory of its inputs and outputs. See memory_plan.h for the parts of a
+/// plan, such as window and recall.
 #pragma once
 
 #include <cstdint>

@@ -37,7 +37,7 @@ std::string neighbors_text(double neighbors_per_point);
 /// Returns a text such as "about 40 minutes".
 std::string about_time_text(double seconds);
 
-/// Estimates, for a cloud of `points` points, the most points that have neighbours on both sides of a front across the
+/// Estimates, for a cloud of `points` points, the most points that have neighbours on both sides of a plane across the
 /// axis. `k`: number of nearest neighbours of a point. Uses at most 16,384 points of the sample, and the places of the
 /// 8 nearest neighbours of at most 1,024 of them. Takes at most 0.1 s.
 std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, std::uint64_t k);
@@ -47,7 +47,7 @@ std::uint64_t estimate_open_points(const Survey& survey, std::uint64_t points, s
 /// other coordinates.
 std::vector<Vec3> places_between_buckets(const Survey& survey, std::uint64_t points);
 
-/// Estimates from a survey. Each estimate is computed once and remembered, since the planning asks for it many times.
+/// Estimates from a survey. Each estimate is computed once and stored, since plan_run_memory() needs it many times.
 class Estimates {
  public:
   Estimates(const Survey& survey, std::uint64_t points) : survey_(survey), points_(points) {}

@@ -40,7 +40,7 @@ std::vector<std::uint32_t> order_by_group(const std::vector<std::uint32_t>& grou
 
 }  // namespace
 
-/// A run that is read back in sequence.
+/// A run of records in the scratch, which is read back in sequence.
 class GroupedRecords::Run {
  public:
   Run(const Scratch& scratch, std::uint64_t begin, std::uint64_t end, std::size_t record_bytes, std::size_t room)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The files of an output that is divided among many (Divider): their records, collected file by file, and their
-/// writers.
+/// Writes an output that is divided among many files (Divider): collects the records file by file, in memory or in
+/// scratch, then writes the files.
 #pragma once
 
 #include <atomic>

@@ -42,7 +42,7 @@ std::size_t files_with_points(std::span<const DividedFile> files);
 
 /// Square tiles in x and y. Tile i of an axis holds [edge(i), edge(i + 1)), its lower edge included. edge(i) = origin +
 /// i * size in float64, with one rounding for the product and one for the sum. So each finite coordinate is in exactly
-/// one tile, which anybody can check by comparing float64 values.
+/// one tile, which users can check by comparing float64 values.
 class TileGrid {
  public:
   TileGrid(double size, const std::array<double, 2>& origin);
@@ -74,7 +74,7 @@ class Divider {
   /// are divided.
   const OutputPlan& plan() const { return plan_; }
   bool has_buffers() const { return division_.tile_buffer > 0; }
-  /// Returns the bytes of a record that is divided.
+  /// Returns the bytes of a record before the division, without the attribute `buffer`.
   std::size_t record_bytes() const { return record_bytes_; }
 
   /// Returns the file that owns the point.

@@ -75,7 +75,7 @@ void require_order_kept(const Outputs& outputs);
 /// among files that is impossible. Throws Error if the folder of a division holds point files that may not be replaced.
 void require_outputs_possible(const Outputs& outputs, const EngineOptions& options);
 
-/// Returns what the outputs require of the plan of a chain.
+/// Returns the requirements of the outputs on the plan of a chain.
 OutputNeeds needs_of(const Outputs& outputs, const EngineOptions& options);
 
 /// Returns the name of the output in a sentence: the point file, the folder of tiles or of a divided output, "standard

@@ -118,7 +118,7 @@ std::size_t OutputSet::chunk_rows() const { return std::max<std::size_t>(1, kChu
 
 void OutputSet::write_results(InputCloud& cloud, std::uint64_t first_row, std::span<const std::byte> results) {
   const std::size_t rows = result_bytes_ == 0 ? 0 : results.size() / result_bytes_;
-  // All chunks have about the same size: a buffer that grows again after a small chunk would be filled with zeros.
+  // All chunks have about the same size, because resize() to a larger chunk after a small one would write zeros.
   const std::size_t chunks = (rows + chunk_rows() - 1) / chunk_rows();
   for (std::size_t done = 0, c = 0; c < chunks; ++c) {
     const std::size_t n = (rows - done) / (chunks - c);

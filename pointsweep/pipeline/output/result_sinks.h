@@ -66,9 +66,9 @@ class SweepOrderSink final : public Sink {
   const OutputLayout& layout_;
   std::uint32_t input_stride_;
   std::mutex mutex_;
-  std::vector<std::shared_ptr<Open>> slabs_;                      ///< null before the slab is read and after it is
-                                                                  ///< complete
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Kept> kept_;  ///< deferred points, by slab and index
+  std::vector<std::shared_ptr<Open>> slabs_;  ///< null before the slab is read and once it is complete
+  /// Deferred points, which Recall (sweep/recall.h) finishes after the sweep, by slab and index in the slab.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Kept> kept_;
 };
 
 }  // namespace pointsweep

@@ -217,7 +217,8 @@ void TileSet::complete() {
   while (completing_.size() > request_.completing) wait_for_first();
 }
 
-/// Calls `work()`. Errors of it that count the rows of the tile count those of the whole cloud instead.
+/// Calls `work()`. Adds the first row of the tile to the row number of a RowError, which then counts rows of the whole
+/// cloud.
 template <class Work>
 void TileSet::with_rows_of_cloud(const Tile& tile, const Work& work) {
   try {
@@ -298,7 +299,7 @@ void TileSet::finish() {
 }
 
 std::string TileSet::progress() {
-  completing_.clear();  // waits for the tasks
+  completing_.clear();  // the destructors wait for the tasks
   return complete_outputs_text(complete_, request_.outputs.tiles.size());
 }
 

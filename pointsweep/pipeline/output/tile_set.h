@@ -46,8 +46,8 @@ struct TileRequest {
   /// Returns the provenance of the output of one input (OutputPlan::provenance).
   std::function<std::vector<std::string>(const InputCloud& input, std::size_t tile)> provenance;
   std::optional<MovedPoints> moved = std::nullopt;
-  /// Largest number of tiles that are completed in the background while the next tile receives rows; the memory limits
-  /// it.
+  /// Largest number of tiles that are completed in the background while the next tile receives rows; limited by the
+  /// memory that the plan leaves.
   std::size_t completing = 0;
   MakeScratch scratch = {};  ///< OutputPlan::scratch
 };

@@ -79,7 +79,7 @@ class GraphBuilder {
 
  private:
   void add(const StageOperator& stage) {
-    const StageOperator op = bound_to_what_is_there(bound_to_other_cloud(stage));
+    const StageOperator op = bound_to_visible(bound_to_other_cloud(stage));
     const Contract contract = contract_of(op);
     const std::string name = name_of(op);
     GraphNode node{.what = op, .stage = is_part_of_.empty() ? name : is_part_of_, .position = position_};
@@ -100,7 +100,7 @@ class GraphBuilder {
     return (*op)->bound_to_other(opened_cloud((*op)->other_cloud(), true)->schema());
   }
 
-  StageOperator bound_to_what_is_there(const StageOperator& op) const {
+  StageOperator bound_to_visible(const StageOperator& op) const {
     try {
       return bound(op, visible_, made_);
     } catch (const UsageError& error) {

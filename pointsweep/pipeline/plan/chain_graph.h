@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// A chain resolved against the attributes of a cloud: its nodes, and the version of each attribute that a node reads.
-/// Composites are expanded and conditions are bound here, once. All code that needs to know the chain reads the graph.
+/// resolve() expands composites and binds conditions, once for all code that plans or runs the chain.
 #pragma once
 
 #include <cstddef>
@@ -32,11 +32,11 @@ struct GraphNode {
   /// cloud.
   std::variant<StageOperator, Neighborhood, std::shared_ptr<const Reduction>> what;
   std::string stage = {};               ///< name of the operator, or of the composite that contains it
-  std::vector<std::size_t> reads = {};  ///< versions, in the order of the contract
+  std::vector<std::size_t> reads = {};  ///< versions, in the order of Contract::reads
   std::vector<std::size_t> reads_neighbors = {};
   std::vector<std::size_t> makes = {};
   std::vector<std::size_t> values = {};      ///< reduce nodes (with a Reduction) whose values the operator needs
-  std::optional<std::size_t> position = {};  ///< version of the position that the node sees; absent: unmoved
+  std::optional<std::size_t> position = {};  ///< version of the position that the node sees; absent: the input's
 
   /// Returns the operator; null for other nodes.
   const StageOperator* op() const { return std::get_if<StageOperator>(&what); }

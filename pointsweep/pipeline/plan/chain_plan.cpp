@@ -13,8 +13,8 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the neighbourhood with the k and the radius of its operators, if it leaves them to these (kOfOperators). Its
-/// operators are the stages from `first` up to the next Reneighbor that states a neighbourhood.
+/// Returns `open` with the k and the radius that its operators need, if it leaves k to them (kOfOperators); otherwise
+/// unchanged. Its operators are the stages from `first` up to the next Reneighbor that states a neighbourhood.
 Neighborhood closed(Neighborhood open, const std::vector<ChainStage>& stages, std::size_t first) {
   if (open.k != Neighborhood::kOfOperators) return open;
   std::size_t k = 0;

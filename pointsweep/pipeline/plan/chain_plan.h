@@ -28,7 +28,7 @@ struct PlannedValue {
 /// A column of values that a pass holds for each point in memory: one version of an attribute.
 struct ColumnPlan {
   std::string attribute;
-  std::string made_by;  ///< "the file", "a pass before", or the stage as "2 normals"
+  std::string made_by;  ///< "the file", "a pass before", or number and name of a stage: "2 normals"
   std::uint32_t bytes = 0;
   std::size_t last_step = 0;  ///< the last step that makes or reads the column; the last step of the pass if `written`
   bool written = false;
@@ -37,7 +37,8 @@ struct ColumnPlan {
 enum class PassKind : std::uint8_t {
   sweep,  ///< finds neighbourhoods
   rows,   ///< reads the rows in order; its stages read only the point itself
-  order,  ///< puts the points in order for an InOrderOperator, by position or by a place that it gives (Places)
+  order,  ///< puts the points in order for an InOrderOperator, by position, or by the place that the operator gives
+          ///< each (Places)
 };
 
 /// One pass. It sees the cloud as a file in which attributes made by earlier passes replace attributes of the input.

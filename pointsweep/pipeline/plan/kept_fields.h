@@ -26,7 +26,7 @@ struct KeptFields {
 Schema in_named_order(Schema schema, const KeptFields& kept, const std::vector<Attribute>& made);
 
 /// Returns the fields that `names` keep. A name means the first match of: a made attribute ("normal") or a field of one
-/// ("nx"); a field of the input, under its name or the name of its column in the output; then either in another
+/// ("nx"); a field of the input, under its name or the name of its column in the output; then one of these in another
 /// spelling that files use ("NormalX", in any case). The named made fields are kept, or all if none is named. The named
 /// fields of the input are kept, or all if none is named. x, y and z are always kept together; if points are moved,
 /// they are the moved coordinates. Throws UsageError for a name without a match.

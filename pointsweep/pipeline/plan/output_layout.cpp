@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kBlock = 256;  ///< number of records assembled at a time, which fit in the nearest cache
+constexpr std::size_t kBlock = 256;  ///< number of records assembled at a time; they fit in the L1 cache
 
 void convert_values(const Field& from, const std::byte* records, std::size_t from_stride, const Field& to,
                     std::byte* outputs, std::size_t to_stride, std::size_t n) {
@@ -94,7 +94,7 @@ OutputLayout::Types OutputLayout::replaced(const Schema& input, const std::vecto
   return types;
 }
 
-/// Converts the coordinates of the input that get another type, but for those that a stage makes.
+/// Adds conversions for the coordinates of the input that get another type, except for coordinates that a stage makes.
 void OutputLayout::convert_positions(const Schema& input, const Types& types, const std::vector<Attribute>& made) {
   for (const std::string& axis : position_attribute().fields) {
     const std::size_t own = input.find(axis).value();

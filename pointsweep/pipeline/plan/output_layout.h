@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Puts a record of the output together from a record of the input and the values that the operators made.
+/// The assembly of output records from records of the input and the values that the operators made.
 #pragma once
 
 #include <cstddef>

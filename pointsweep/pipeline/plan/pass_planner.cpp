@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+/// The stages and columns of one pass: plan_columns().
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,7 +35,8 @@ class PassPlanner {
     stage.position = column_moved_to(node);
     for (const std::size_t v : node.reads) stage.reads.push_back(column_of(v));
     for (const std::size_t v : node.reads_neighbors) stage.reads_neighbors.push_back(column_of(v));
-    // A stage that uses neighbours reads their moved positions if an earlier stage has moved the points.
+    // A stage that uses neighbours reads their moved positions if an earlier stage has moved the points. So it waits,
+    // in a new step, until the neighbours have been moved.
     const bool sees_moved = contract_of(op).default_k > 0 && stage.position >= 0 &&
                             made_in_this_step(static_cast<std::uint16_t>(stage.position));
     const auto is_new = [&](std::uint16_t column) { return made_in_this_step(column); };

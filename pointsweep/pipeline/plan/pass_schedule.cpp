@@ -65,7 +65,7 @@ class PassSchedule {
                             neighborhood_ = node;
                             begin_segment();
                           },
-                          [](const std::shared_ptr<const Reduction>&) {}},  // known_after_values() places it
+                          [](const std::shared_ptr<const Reduction>&) {}},  // known_after_values() assigns it to a pass
                graph_.nodes[node].what);
   }
 
@@ -127,8 +127,8 @@ class PassSchedule {
     return pass;
   }
 
-  /// Returns the pass at whose end the value is known. A value of the rows that begin the segment is known after the
-  /// pass before the segment; at the beginning of the chain, after the pass that reads the rows.
+  /// Returns the pass at whose end the value is known. A value of the rows with which the segment begins is known after
+  /// the pass before the segment; at the beginning of the chain, after the first pass, which only reads the rows.
   std::size_t find_value(const Reduction& reduction) {
     if (reduction.of_input()) return segment_ == 0 ? 0 : segment_ - 1;
     std::size_t after = segment_;
@@ -172,8 +172,8 @@ class PassSchedule {
     return pass.kind == PassKind::sweep || (is_pointwise(op) && pass.kind == PassKind::rows);
   }
 
-  /// Throws UsageError if an earlier pass of the segment moves the points: a sweep searches at the positions with which
-  /// it begins, so `pass` would not find the neighbours that the stage needs.
+  /// Throws UsageError if an earlier pass of the segment moves the points: a sweep searches at the positions that
+  /// points have when it begins, so `pass` would not find the neighbours that the stage needs.
   void require_search_positions(const StageOperator& op, std::size_t pass) const {
     const Use positions = use_of(position_attribute().name);
     if (!positions.is_made || positions.known_from >= pass) return;

@@ -25,7 +25,7 @@ constexpr std::size_t kOrderedBatch = 32768;
 /// Returns a name for the position that no field of a file can have, since library names contain no blank.
 std::string position_name(const char* axis) { return std::string("position ") + axis; }
 
-/// Converts records of a source to records that begin with a place.
+/// Converts records of a source to records that begin with the place that the operator gives the point.
 class Placement {
  public:
   Placement(const Schema& source, const std::vector<std::size_t>& payload, const InOrderOperator& op)
@@ -195,7 +195,8 @@ class FoundRecords {
   }
 
  private:
-  /// In a part, removes the findings about rows outside of the results, and numbers the other rows like the results.
+  /// If the stream is one tile with points around it, removes the findings about rows of other tiles, and numbers the
+  /// rows of the tile like the results.
   void keep_own_rows(Findings& found) const {
     if (!run_.is_part) return;
     const auto is_other = [&](std::uint64_t row) { return row - run_.first_row >= run_.rows; };

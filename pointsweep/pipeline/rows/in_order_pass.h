@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A pass that gives all points in order to an InOrderOperator.
+/// A pass that gives all points in order to an InOrderOperator (in_order_operator.h).
 #pragma once
 
 #include <cstddef>
@@ -37,8 +37,8 @@ struct InOrderPass {
   std::function<void(std::uint64_t points)> progress;
 };
 
-/// Returns the indices of the working records of the pass that other parts of a cloud need. The positions of all
-/// `records` must be finite. Throws the error of a row with a value that the stage cannot read.
+/// Returns the indices of the working records that tasks for other tiles need for this pass, as `choose` decides. The
+/// positions of all `records` must be finite. Throws the error of a row with a value that the stage cannot read.
 std::vector<std::uint32_t> for_other_parts(const InOrderOperator::ChoosePoints& choose, const PlannedPass& pass,
                                            const Schema& record, std::span<const std::byte> records);
 

@@ -147,7 +147,7 @@ class Pieces {
  private:
   const InputCloud& cloud_;
   std::size_t input_ = 0;
-  std::uint64_t row_ = 0, begin_ = 0;  ///< next row of input_; offset of its records in the temporary file
+  std::uint64_t row_ = 0, begin_ = 0;  ///< next row of input_; where its records begin in the temporary file
 };
 
 /// Decodes pieces for one thread.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The input of a run as its chain reads it: without the nodes that its first stages crop, with row numbers if a stage
-/// reads them, decoded once if decoding is slow, as a source of points for streams; and whether the boxes of the input
-/// allow to put its points in order on demand, without a distribution pass.
+/// The input of a run as its chain reads it: without the octree nodes that the first stages crop away, with row numbers
+/// if a stage reads them, decoded once if decoding is slow, and as a source of points for streams. Also decides whether
+/// slabs can be made from the input on demand, when the sweep reads them, instead of by a distribution pass.
 #pragma once
 
 #include <cstddef>
@@ -19,9 +19,9 @@
 
 namespace pointsweep {
 
-/// Returns the cloud without the nodes of levels of detail whose box lies outside of the region that the first stages
-/// of the plan keep (SelectOperator::extent()). The boxes of nodes of COPC files are trusted; boxes of other chunks are
-/// not. If a stage of the chain reads row numbers, the cloud has all nodes.
+/// Returns the cloud without the octree nodes of COPC files whose box lies outside of the region that the first stages
+/// of the plan keep (SelectOperator::extent()). The boxes of other chunks are not trusted. If a stage of the chain
+/// reads row numbers, the cloud has all nodes.
 InputCloud cropped_input(const InputCloud& cloud, const ChainPlan& plan);
 /// Returns cropped_input(), with row numbers if a stage reads them. `first`: the number of the first row.
 InputCloud input_of_chain(const InputCloud& cloud, const ChainPlan& plan, std::uint64_t first = 0);

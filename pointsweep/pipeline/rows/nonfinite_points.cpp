@@ -17,8 +17,8 @@ bool holds_nonfinite(const std::filesystem::path& output) {
   return format == nullptr || format->real_coordinates;
 }
 
-/// Returns an output that cannot hold nonfinite coordinates, among tiles only one whose input may have some; none if
-/// there is no such output.
+/// Returns an output whose format cannot hold nonfinite coordinates; absent if there is none. A tile is returned only
+/// if its input may have nonfinite coordinates.
 std::optional<std::filesystem::path> unfit_output(const InputCloud& cloud, const Outputs& outputs) {
   if (outputs.tiles.empty()) return holds_nonfinite(outputs.points) ? std::nullopt : std::optional(outputs.points);
   for (std::size_t t = 0; t < std::min(outputs.tiles.size(), cloud.readers().size()); ++t) {

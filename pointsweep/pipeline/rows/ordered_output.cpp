@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kPositionBytes = 3 * sizeof(double);
 
 /// Returns the schema of a record of `before` unnamed bytes, then x, y and z.
-Schema position_behind(std::uint32_t before) {
+Schema position_after(std::uint32_t before) {
   Schema schema;
   schema.stride = before;
   for (const char* axis : kAxisNames) schema.append(axis, Type::f64);
@@ -47,7 +47,8 @@ std::vector<std::uint32_t> order_of(const Stream& stream, const std::vector<std:
                    z.data());
   const Field& field = schema.fields.back();
   for (std::size_t i = 0; i < n; ++i) {
-    std::memcpy(&row[i], records.data() + i * schema.stride + field.offset, size_of(field.type));  // widens a u32
+    // A row of type u32 fills the low half of the zeroed u64.
+    std::memcpy(&row[i], records.data() + i * schema.stride + field.offset, size_of(field.type));
   }
   std::vector<std::uint32_t> order;
   canonical_order(stream.axis(), x, y, z, row, order);
@@ -125,7 +126,7 @@ PointSource Reordering::positions() const {
     by_moved_positions_ ? rows.read_carried(row, n) : rows.read_inputs(row, n);
     rows.put_positions(n, kPositionBytes, out);
   };
-  return source(position_behind(0), fill);
+  return source(position_after(0), fill);
 }
 
 PointSource Reordering::records() const {
@@ -138,7 +139,7 @@ PointSource Reordering::records() const {
       layout_.assemble(rows.input(i), rows.carried(i), 1, out + i * stride, {row + i});
     rows.put_positions(n, stride, out + bytes);
   };
-  return source(position_behind(bytes), fill);
+  return source(position_after(bytes), fill);
 }
 
 PointSource Reordering::source(Schema schema, const Fill& fill) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Output in canonical order, slab by slab, and the places that the points of a slab take in that order.
+/// Output in canonical order (along the axis; ties by x, y, z, then input row), slab by slab, and the places of the
+/// points of a slab in this order.
 #pragma once
 
 #include <cstddef>

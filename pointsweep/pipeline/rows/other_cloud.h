@@ -34,7 +34,7 @@ class OtherCloud {
   /// Returns warnings about the cloud, as sentences for the user.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// Puts the points in order along the axis, into a temporary file, and passes them to the caller's function. Throws
+  /// Puts the points in order along the axis, into a temporary file, and passes them to `take`. Throws
   /// Error if a file has changed since it was opened. Needs working_bytes() of memory in addition to the file.
   void give_in_order(int axis, const SpillPlace& spill, const std::function<void(std::uint64_t rows)>& progress,
                      const std::function<void(const OtherPoints&)>& take);

@@ -191,7 +191,8 @@ void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdat
 
 PointSource updated_source(const PointSource& input, const RowFile& carried, const PlannedPass& pass) {
   const std::size_t stride = pass.input.stride, own = input.schema.stride, rest = stride - own;
-  // Joins fields of the input, read by `read`, which may be empty, with carried records.
+  // Joins fields of the input with carried records. `read` reads the input, and is empty if the pass needs no field of
+  // the input.
   const auto joining = [=, &carried, count = input.count](ReadRows read) -> ReadRows {
     return [=, &carried, read = std::move(read), scratch = std::vector<std::byte>()](
                std::uint64_t row, std::span<std::byte> records) mutable -> std::size_t {

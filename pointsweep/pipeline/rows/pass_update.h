@@ -121,7 +121,7 @@ struct UpdatedRows {
   const std::byte* after;
 };
 
-/// A function that passes on the results of a pass for all rows, in order.
+/// A function that passes the results of a pass for all rows to `use`, in order.
 using MadeRows = std::function<void(
     const std::function<void(std::uint64_t first_row, std::size_t count, const std::byte* made)>& use)>;
 
@@ -134,7 +134,8 @@ void update_rows(const MadeRows& results, const RowFile* carried, const RowUpdat
 /// source. The input is read only if the pass needs a field of it.
 PointSource updated_source(const PointSource& input, const RowFile& carried, const PlannedPass& pass);
 
-/// Collects what a pass leaves: the carried records and the selection of the kept rows, and values of the whole cloud.
+/// Collects the data that a pass leaves to later passes: the carried records of the kept rows, their selection, and
+/// values of the whole cloud.
 class PassUpdate {
  public:
   /// `input`: the rows of `cloud`.

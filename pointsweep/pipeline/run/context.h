@@ -76,7 +76,7 @@ struct Context {
   bool copies_rows = false;            ///< result of copies_rows() for the request
   std::optional<PartOfRun> part = {};  ///< absent if this process runs over all points
 
-  /// Returns the context of a phase that begins with the rows `left`, which must outlive it.
+  /// Returns the context of a phase that begins with the rows `left`, which must outlive the context.
   Context over(InputCloud& left) const;
   Statistics& statistics() const { return report.statistics; }
   bool is_empty() const { return cloud.count() == 0; }  ///< returns whether no row is left

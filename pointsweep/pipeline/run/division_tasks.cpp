@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+/// The tasks of a run on many machines that divides its points among files (part_run.h).
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -130,7 +130,6 @@ std::vector<std::string> recorded_keep(const Context& context) {
   return names;
 }
 
-/// Returns the record of the run for its outputs.
 RunRecord run_record_of(const Context& context, int axis) {
   return {.stages = context.part ? context.part->stages : recorded_stages(context.plan),
           .keep = recorded_keep(context),
@@ -188,7 +187,7 @@ struct EncoderMemory {
   }
   /// Returns the number of tiles that can be completed while another tile receives rows.
   std::size_t tiles_completing() const {
-    constexpr std::uint64_t kChunksOfTile = 16 << 20;  // encoded chunks of a tile that wait to be written
+    constexpr std::uint64_t kChunksOfTile = 16 << 20;  // bytes of a tile's encoded chunks that wait to be written
     return std::min<std::uint64_t>(threads - 1, spare / (kChunksOfTile + one_output));
   }
 

@@ -59,7 +59,7 @@ class OutputFiles {
   /// Completes the outputs, renames them to their destinations, and reports their warnings, their bytes and the number
   /// of complete point files.
   void finish(const Context& context);
-  /// Returns a sentence about the number of complete tiles, which errors append. Empty if none is complete.
+  /// Returns a sentence about the number of complete tiles, to append to an error. Empty if none is complete.
   std::string progress() { return tiles_ ? tiles_->progress() : ""; }
 
  private:

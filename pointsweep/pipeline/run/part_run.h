@@ -137,15 +137,17 @@ void join_graph(const SharedRequest& request, const PartRound& round, Storage& s
 void join_values(const SharedRequest& request, const PartRound& round, Storage& scratch, const std::string& before,
                  const std::vector<std::string>& left, const std::string& key);
 
-/// The suffixes of the objects that tasks store in the scratch. A task stores objects with some of them.
+/// The suffixes of the objects that tasks store in the scratch. Each task stores objects with some of these suffixes.
 inline constexpr std::array kLeftByTasks{".points",     ".index",     ".state",   ".rows",  ".results", ".labels",
                                          ".components", ".crossings", ".numbers", ".nodes", ".edges",   ".marks",
                                          ".buckets",    ".forest",    ".pieces",  ".cut"};
 /// Removes all objects that a task has stored under the name `left`. Missing objects are no error.
 void forget(Storage& scratch, const std::string& left);
 
-// The requests of the functions below have all inputs, and only divide their points: the chain has no stages and names
-// the attributes to keep; Outputs::points is the path of the files, with a * for the name of each.
+// The functions below are tasks of a run that divides its points among files (`tile`, `split`). Each task of the first
+// round cuts a range of the rows into pieces, one for each file; each task of the second round writes some of the files
+// from the pieces of all ranges. All tasks open all inputs, so that they plan the same layout for the output. The chain
+// has no stages and names the attributes to keep; Outputs::points is the path of the files, with a * for their names.
 
 /// Returns the number of rows of each range. Throws UsageError for a chain with stages, for inputs from which nonfinite
 /// points must be dropped, and if the layout of the output depends on all points.

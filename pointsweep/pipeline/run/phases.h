@@ -131,7 +131,8 @@ std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& wor
                                      const PassSupport& support);
 
 /// Performs a pass in which one stage makes edges between points. Also computes, for each point, the values of its
-/// component of the graph. Fills `results` for all points in slabs. A resumed run starts this sweep again.
+/// component of the graph. Fills `results` for all points with finite coordinates, which are
+/// in slabs. A resumed run starts this sweep again.
 SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pass, const Ordered& points,
                                   SweepOptions options, RowStore& results);
 /// Performs a pass with a connecting stage in a part of a cloud: stores the graph of the tile, and fills `results`

@@ -58,7 +58,8 @@ SweepStatistics sweep_by_cells(const SweepOfPass& s) {
   std::vector<PointState> half_way(notes ? context.cloud.count() : 0);
   std::optional<CheckpointKeeper> keeper;
   std::optional<SweepProgress> from;
-  const bool connects = s.pass.connecting_stage() != nullptr;  // a connecting pass has no checkpoints and starts again
+  // The sweep of a connecting stage has no checkpoints, so a resumed run repeats it.
+  const bool connects = s.pass.connecting_stage() != nullptr;
   if (Checkpoints* const checkpoints = context.places.checkpoints(); checkpoints != nullptr && !connects)
     keeper.emplace(*checkpoints, s.results), from = checkpoints->progress();
   SweepOptions options = sweep_options(s);
@@ -107,7 +108,7 @@ void put_nonfinite(const SweepOfPass& s) {
   });
 }
 
-/// Throws the error of the lowest row with an error, if there is one. Its row number is counted from `first_row`.
+/// Throws the error of the lowest row with an error, if there is one. The thrown error counts rows from `first_row`.
 void throw_refused(const FirstRowError& refused, std::uint64_t first_row) {
   try {
     refused.throw_if_any();

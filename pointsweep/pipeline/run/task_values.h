@@ -18,14 +18,14 @@
 
 namespace pointsweep {
 
-/// The state in which a task leaves its tile for the next task. The points that an order round stores and the carried
-/// records (NAME.rows) are objects of their own.
+/// The state in which a task leaves its tile for the next task. Points, carried records and graphs are separate
+/// objects, whose names begin with the name of the task that has stored them (PartTask::after).
 struct TileState {
-  Survey survey;                                     ///< survey of the tile's input
-  std::vector<std::vector<std::byte>> mask;          ///< blocks of the selection of rows; empty if all rows are left
-  std::string carried;                               ///< NAME of the carried records; empty if none
+  Survey survey;                             ///< survey of the tile's input
+  std::vector<std::vector<std::byte>> mask;  ///< blocks of the selection of rows; empty if all rows are left
+  std::string carried;                       ///< name of the task that has stored the carried records; empty if none
   std::vector<std::vector<std::byte>> saved_values;  ///< PassValues::save() of the last pass that has ended
-  std::string swept;                                 ///< NAME of the graph that a sweep has stored; empty if none
+  std::string swept;                                 ///< name of the task whose sweep has stored a graph; empty if none
 
   void encode(Encoder& out) const;
   static TileState decode(Decoder& in);
@@ -35,11 +35,13 @@ struct TileState {
   static TileState left(const Storage& scratch, const std::string& name);
 };
 
+/// Seals the values of the whole cloud under `key`.
 void seal_values(Storage& scratch, const std::string& key, const CloudValues& values);
+/// Returns the values that seal_values() has stored under `key`.
 CloudValues sealed_values(const Storage& scratch, const std::string& key);
 
-/// The pieces of one range of rows: for each file, the number of its points in the range, in the order of the stored
-/// records.
+/// The pieces into which one range of rows is divided: for each file of the output, the number of its points in the
+/// range. The records are stored in the order of the pieces.
 struct PiecesOfRange {
   std::vector<DividedFile> pieces;
 
