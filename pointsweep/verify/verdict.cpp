@@ -100,7 +100,7 @@ std::string to_text(const Verdict& v, Checksums checksums) {
                         counted(v.arrivals.points_in + v.left_out.value_or(0), "point"), grouped_text(v.wrong_points),
                         names_text(v.made));
   if (v.left_out)
-    text += fmt::format("  rows left out      {}; whether a row stays is told for {} of {}\n",
+    text += fmt::format("  rows left out      {}; whether a row stays was checked for {} of {}\n",
                         grouped_text(*v.left_out), grouped_text(v.sampled - v.open_rows), counted(v.sampled, "row"));
   if (!v.by_own_operator.empty()) text += fmt::format("  not independent    {}\n", names_text(v.by_own_operator));
   return text + unchecked_text(v) + conclusion(v) + "\n";

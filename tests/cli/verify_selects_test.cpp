@@ -68,7 +68,7 @@ class VerifySelects : public Tool {
     made("run all.txt out.txt --force --quiet --pipeline '" + pipeline + "'");
     const Result right = verified("out.txt");
     EXPECT_EQ(right.status, 0) << pipeline << right.out << right.err;
-    const std::string told = fmt::format("is told for {0} of {0} rows", all.size());
+    const std::string told = fmt::format("whether a row stays was checked for {0} of {0} rows", all.size());
     EXPECT_NE(right.out.find(told), std::string::npos) << pipeline << right.out;
     EXPECT_EQ(right.out.find("not checked"), std::string::npos) << pipeline << right.out;
     const std::vector<Cells> kept = rows_of("out.txt");

@@ -354,7 +354,7 @@ TEST_F(Resume, IsRefusedToChainsMadeByHandThatDifferInAnOption) {
 TEST_F(Refused, IfOtherFieldsAreKept) {
   Work other = work_;
   other.keep = {"nx"};
-  EXPECT_NE(sentence(other).find("leaving out ny nz"), std::string::npos) << sentence(other);
+  EXPECT_NE(sentence(other).find("made fields left out: ny nz"), std::string::npos) << sentence(other);
 }
 
 TEST_F(Refused, IfOrderOrAxisAreOthers) {

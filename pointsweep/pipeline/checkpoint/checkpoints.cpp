@@ -16,7 +16,8 @@
 namespace pointsweep {
 namespace {
 
-/// Version of checkpoints. Must be increased with every change of their content or of the cutting into slabs and cells.
+/// Number of the checkpoint format. Every change of the content of checkpoints, or of how points are cut into slabs and
+/// cells, must increase it.
 constexpr int kCheckpointFormat = 9;
 
 std::string inputs_text(const InputCloud& cloud) {
@@ -41,13 +42,14 @@ std::string outputs_text(const Outputs& outputs) {
 }
 
 std::string kept_text(const KeptFields& kept, const Schema& input) {
-  std::string text;
-  if (kept.input) text += "of the input keeping";
-  for (const std::size_t f : kept.input.value_or(std::vector<std::size_t>())) text += " " + input.fields[f].name;
-  if (!kept.left_out.empty()) text += ", of what is made leaving out";
-  for (const std::string& field : kept.left_out) text += " " + field;
-  if (!kept.order.empty()) text += fmt::format(", named {}", fmt::join(kept.order, " "));
-  return text.empty() ? "" : text + "\n";
+  std::vector<std::string> parts;
+  if (kept.input) {
+    std::string& part = parts.emplace_back("kept fields of the input:");
+    for (const std::size_t f : *kept.input) part += " " + input.fields[f].name;
+  }
+  if (!kept.left_out.empty()) parts.push_back(fmt::format("made fields left out: {}", fmt::join(kept.left_out, " ")));
+  if (!kept.order.empty()) parts.push_back(fmt::format("order of the fields: {}", fmt::join(kept.order, " ")));
+  return parts.empty() ? "" : fmt::format("{}\n", fmt::join(parts, "; "));
 }
 
 std::string pass_text(const PlannedPass& pass) {
@@ -65,7 +67,7 @@ constexpr Encoding kCheckpointEncoding{"checkpoint", 1};
 constexpr std::array kCounts = {&Statistics::sweeps,     &Statistics::certified, &Statistics::recalled,
                                 &Statistics::degenerate, &Statistics::nonfinite, &Statistics::peak_points};
 
-/// Largest share of the time between two checkpoints that saving a checkpoint takes.
+/// Largest share of the time between two checkpoints that saving one may take. A slow save lengthens the interval.
 constexpr double kShare = 0.01;
 
 }  // namespace
@@ -147,7 +149,8 @@ Checkpoints::Checkpoints(const EngineOptions& options, const std::string& identi
   found_ = !folder_.saved().empty();
   if (found_) {
     Decoder in(folder_.saved());
-    require_same_run(in.get_text(), identity, folder_.path());  // the identity states the format of the rest
+    // Runs with equal identities have the same checkpoint format, so the rest can be decoded.
+    require_same_run(in.get_text(), identity, folder_.path());
     last_ = Checkpoint::decode(in);
     in.finish();
   }
