@@ -17,7 +17,7 @@ namespace pointsweep {
 /// made on demand, when the sweep reads it (docs/adr/0011).
 enum class Ordering : std::uint8_t {
   planned,       ///< as the memory plan decides
-  distribution,  ///< never on demand
+  distribution,  ///< always by a distribution pass
   on_demand,     ///< on demand wherever possible, even if many points wait in memory for their slabs
 };
 

@@ -34,7 +34,7 @@ constexpr std::uint64_t kSlabBytes = 640;
 constexpr std::uint64_t kSeriesBytes = 2 * 16;
 /// Bytes that remain of a dropped cell (DroppedCell), with an eighth more for growth.
 constexpr std::uint64_t kDroppedCellBytes = 63;
-/// Bytes of a Block of a SlabStore.
+/// Bytes of the index entry of a spilled block: Block in order/slab_store.cpp.
 constexpr std::uint64_t kBlockBytes = 2 * 24;
 /// Bytes of each neighbour of the point being searched: a key of 8 bytes and a NeighborRef of 4, and an eighth more for
 /// candidates.

@@ -88,7 +88,7 @@ void add_stages(Statistics& to, const SweepPlan& plan, const std::vector<double>
   }
 }
 
-// The least count of certified points over the sweeps is the count of points certified in every sweep: each sweep has
+// `certified` becomes the least count over all sweeps, which counts the points certified in every sweep: each sweep has
 // only points of the sweep before, unless `set` gives a finite position to a point that had none.
 void add_sweep(Statistics& to, const SweepPlan& plan, const SweepStatistics& sweep) {
   to.certified = to.sweeps == 0 ? sweep.certified : std::min(to.certified, sweep.certified);
@@ -185,7 +185,7 @@ std::uint64_t peak_resident_bytes() {
     std::uint64_t kilobytes;
     if (word == "VmHWM:" && status >> kilobytes) return kilobytes * 1024;
   }
-  rusage usage{};  // includes the peak of the process before exec()
+  rusage usage{};  // a fallback, which includes the peak of the process before exec()
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }

@@ -14,7 +14,7 @@ namespace pointsweep {
 namespace {
 
 constexpr std::string_view kSpace = " \t\r\n";
-constexpr std::size_t kMostBytes = 1 << 20;  // largest file that is accepted as a pipeline
+constexpr std::size_t kMostBytes = 1 << 20;  // bytes of the largest file that is accepted as a pipeline
 
 bool is_name_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.' || c == '-';

@@ -305,7 +305,7 @@ void require_room_for_inputs(std::uint64_t budget, std::uint64_t open_bytes, con
 
 std::uint64_t codec_bytes(const InputCloud& cloud, const Outputs& outputs, const RunOptions& options,
                           std::uint64_t record_bytes, unsigned threads) {
-  std::uint64_t decoders = 0;  // a thread reads one input at a time
+  std::uint64_t decoders = 0;  // the most of any input, since a thread reads one input at a time
   for (const auto& reader : cloud.readers())
     if (!reader->info().decode_once)  // inputs that are decoded once are closed before the passes
       decoders = std::max(decoders, reader->info().decoder_bytes * (reader->has_decoders() ? threads : 1));

@@ -93,7 +93,7 @@ std::vector<Vec3> some_of(const std::vector<Vec3>& sample, std::size_t most) {
 
 using Offsets = std::array<Vec3, kOffsets>;
 
-/// Returns the offsets from `place`, which is one of `others`, to the nearest of the other places.
+/// Returns the offsets from `place`, which is one of `others`, to its kOffsets nearest other places.
 Offsets nearest_offsets(Vec3 place, const std::vector<Vec3>& others) {
   std::array<std::pair<double, std::size_t>, kOffsets + 1> nearest;
   nearest.fill({Box::kInf, 0});
@@ -116,8 +116,8 @@ Vec3 scaled(Vec3 offset, double scale) {
   return offset;
 }
 
-/// Returns the largest number of places that are open at once: a place is open while a front along the axis lies
-/// between its first and its last neighbour. Neighbours are assumed at the scaled offsets and opposite to them.
+/// Returns the largest number of places that are open at once: a place is open while a plane that moves along the axis
+/// lies between its first and its last neighbour. Neighbours are assumed at the scaled offsets and opposite to them.
 std::size_t most_open(const std::vector<Vec3>& places, const std::vector<Offsets>& offsets, double scale, int axis) {
   const AlongAxis along{axis};
   std::vector<PointKey> begins, ends;

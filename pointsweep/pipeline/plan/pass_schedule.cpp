@@ -50,7 +50,7 @@ class PassSchedule {
   }
 
  private:
-  /// The passes that can read an attribute, by number.
+  /// Numbers of the passes that can read an attribute.
   struct Use {
     /// The first of these passes: the pass of the stage that makes the attribute, or the pass after it if the stage
     /// connects neighbours.

@@ -41,7 +41,7 @@ bool meet(const Box& a, const Box& b, Vec3 step) {
          b.lo.y <= a.hi.y + step.y;
 }
 
-/// Returns the reason why the request rules out an order on demand (OnDemandOrder::why_not); empty if it does not.
+/// Returns the reason why the request rules out slabs on demand (OnDemandOrder::why_not); empty if it does not.
 std::string ruled_out_by_request(const ChainPlan& planned, const EngineOptions& options) {
   const bool forced = options.ordering == Ordering::on_demand;
   if (options.ordering == Ordering::distribution) return "it was asked for";
@@ -58,7 +58,7 @@ std::string ruled_out_by_request(const ChainPlan& planned, const EngineOptions& 
   return "";
 }
 
-/// Returns the reason why the inputs rule out an order on demand (OnDemandOrder::why_not); empty if they do not.
+/// Returns the reason why the inputs rule out slabs on demand (OnDemandOrder::why_not); empty if they do not.
 std::string ruled_out_by_inputs(const InputCloud& cloud) {
   if (cloud.selection() != nullptr) return "rows are left out";
   for (const auto& reader : cloud.readers())

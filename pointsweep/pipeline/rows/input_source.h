@@ -31,17 +31,17 @@ InputCloud input_of_chain(const InputCloud& cloud, const ChainPlan& plan, std::u
 PointSource source_of(
     InputCloud& cloud, const std::function<void(std::size_t rows)>& note = [](std::size_t) {});
 
-/// The decision about an order on demand, made before the first pass reads a point. The boxes only serve this decision:
-/// the run counts the points before it relies on their places (Stream::on_demand).
+/// The decision whether slabs can be made on demand, taken before the first pass reads a point. The boxes may be wrong:
+/// Stream::on_demand() counts the points of each slab before the run relies on the decision.
 struct OnDemandOrder {
-  std::string why_not;        ///< reason against an order on demand, as the end of a sentence; empty if it is possible
+  std::string why_not;        ///< reason against slabs on demand, as the end of a sentence; empty if they are possible
   std::vector<RowBox> boxes;  ///< boxes that the inputs state for all rows, by ascending row
 };
 
 /// Returns the number of the first pass of `planned` that puts points in order; the number of passes if none does.
 std::size_t first_ordered_pass(const ChainPlan& planned);
 
-/// Decides whether the first pass that puts points in order can do so on demand.
+/// Decides whether the first pass that puts points in order can make its slabs on demand.
 OnDemandOrder on_demand_order(const InputCloud& cloud, const ChainPlan& planned, const EngineOptions& options);
 
 /// Returns the cloud in which all inputs with FileInfo::decode_once are read from one temporary file at `place`, with

@@ -246,7 +246,7 @@ void PassUpdate::add(const UpdatedRows& rows) {
   if (masking) masking->wait();
 }
 
-/// Cuts the rows into tasks, and finds the place of each in rows_: the number of rows that earlier tasks keep.
+/// Cuts the rows into tasks, and finds the place of each in rows_, after the kept rows of earlier tasks.
 std::vector<PassUpdate::Task> PassUpdate::tasks_of(const UpdatedRows& rows) {
   std::vector<Task> tasks;
   for (std::size_t first = 0; first < rows.count; first += kTaskRows) {

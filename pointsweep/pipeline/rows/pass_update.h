@@ -112,8 +112,7 @@ class RowUpdate {
   std::size_t carried_bytes_, made_bytes_, after_bytes_;
 };
 
-/// Successive rows: the results of a pass (`made`) and the updated rows (`after`). The records of either may have no
-/// bytes.
+/// Successive rows: the results of a pass (`made`) and the updated rows (`after`). Records of either kind may be empty.
 struct UpdatedRows {
   std::uint64_t first;
   std::size_t count;

@@ -70,7 +70,7 @@ class NoSink final : public Sink {
   void finished(const Finished&) override {}
 };
 
-/// Adds a record of `bytes` for each point to `store`, with the values of the point's component at the offsets of
+/// Adds a record of `bytes` bytes for each point to `store`, with the values of the point's component at the offsets of
 /// `part`.
 void put_values(const Components& components, const ConnectOperator& op, const ResultPart& part, RowStore& store,
                 std::size_t bytes) {

@@ -157,7 +157,7 @@ Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, 
   if (p == context.plan.passes.size()) return order_output(context, work, rows, std::move(points), files);
   const PlannedPass& pass = context.plan.passes[p];
   const PointSource source = source_of_pass(context, p, rows);
-  // In a part of a cloud, this function puts points in the order of a sweep. For an in-order pass, order_numbered()
+  // In a task over one tile, this function puts points in the order of a sweep. For an in-order pass, order_numbered()
   // later puts them in the order that the operator needs.
   const bool is_in_order = pass.kind == PassKind::order && !context.part;
   if (pass.has_places() && is_in_order)

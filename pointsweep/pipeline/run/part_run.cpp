@@ -92,7 +92,7 @@ class TaskOfTile {
   }
 
  private:
-  /// Returns the context over the rows that are left.
+  /// Returns the context over the rows of the tile that no pass so far has dropped.
   Context context() const { return whole_.over(*rows_.cloud); }
   bool is_empty() const { return rows_.cloud->count() == 0; }
 

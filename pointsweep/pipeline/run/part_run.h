@@ -18,7 +18,7 @@ namespace pointsweep {
 
 /// A request for a run that many processes share.
 struct SharedRequest {
-  InputCloud& cloud;  ///< one tile or all inputs, as the function says that gets the request
+  InputCloud& cloud;  ///< one tile or all inputs; each function states which it needs
   const Chain& chain;
   const Outputs& outputs;
   const EngineOptions& options;
@@ -27,7 +27,7 @@ struct SharedRequest {
 /// Resolves the chain against the fields of the cloud.
 ChainPlan plan_of(const SharedRequest& request);
 
-/// The kind of a step, which a task performs. The kind of a round is that of its first step.
+/// The kind of a step, which a task performs. The kind of a round is the kind of its first step.
 enum class PartRoundKind : std::uint8_t {
   look,    ///< counts the points with non-finite coordinates, if these are dropped
   other,   ///< stores the points of a file of the other cloud that a pass reads
@@ -37,7 +37,7 @@ enum class PartRoundKind : std::uint8_t {
   label,   ///< ends a pass whose sweep has stored a graph, after the components of all tiles have been joined
   rows,    ///< takes the rows of a tile through the stages of a pass that looks at no neighbour, and ends the pass
   write,   ///< writes the rows that the last pass has left
-  cut,     ///< divides a range of rows into pieces of output files, if the output is divided (division_tasks.h)
+  cut,     ///< divides a range of rows into pieces of output files, if the output is divided (cut_range())
   gather,  ///< writes some of the files of a divided output from their pieces
 };
 
@@ -102,7 +102,7 @@ struct PartTask {
 };
 
 struct PartDone {
-  std::uint64_t rows = 0;  ///< number of rows of the tile that are left, or of the stored file of another cloud
+  std::uint64_t rows = 0;  ///< number of rows of the tile after the task, or of the stored file of another cloud
   /// Number of finite points of the tile that were ordered or swept, and number of points that were swept: those of the
   /// tile and of its halo. 0 if the task has no such step.
   std::uint64_t own_points = 0, swept_points = 0;

@@ -97,9 +97,9 @@ Survey survey_points(const Context& context, const PointSource& source, bool exa
 Ordered order_pass(const Context& context, const WorkPlan& work, std::size_t p, const Rows& rows, Surveyed points,
                    OutputFiles& files);
 
-/// Puts the points of an in-order pass in order, in a part of a cloud. `numbered`: working records with the positions
-/// of the points, not yet their places, and with their rows (StreamOptions::numbered). `survey`: survey of the part.
-/// `first_row`: first row of the part.
+/// Puts the points of an in-order pass in order, in a task over one tile (part_run.h). `numbered`: working records with
+/// the positions of the points, not yet their places, and with their rows (StreamOptions::numbered). `survey`: survey
+/// of the tile. `first_row`: first row of the tile.
 Ordered order_numbered(const Context& context, const WorkPlan& work, std::size_t p, const PointSource& numbered,
                        Survey survey, std::uint64_t first_row);
 
@@ -135,7 +135,7 @@ std::unique_ptr<RowStore> sweep_pass(const Context& context, const WorkPlan& wor
 /// in slabs. A resumed run starts this sweep again.
 SweepStatistics sweep_and_connect(const Context& context, const PlannedPass& pass, const Ordered& points,
                                   SweepOptions options, RowStore& results);
-/// Performs a pass with a connecting stage in a part of a cloud: stores the graph of the tile, and fills `results`
+/// Performs a pass with a connecting stage in a task over one tile: stores the graph of the tile, and fills `results`
 /// except for the values of components.
 SweepStatistics sweep_and_leave_graph(const Context& context, const PlannedPass& pass, const Ordered& points,
                                       SweepOptions options, const PlaceOfTile& graph, RowStore& results);

@@ -94,7 +94,7 @@ class Phases {
     rows_.cloud = std::make_shared<InputCloud>(cloud);
   }
 
-  /// Returns the rows that are left.
+  /// Returns the rows that no phase so far has dropped.
   const std::shared_ptr<InputCloud>& cloud() const { return rows_.cloud; }
 
   /// `context`: the context over cloud().

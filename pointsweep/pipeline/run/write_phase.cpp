@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The phase that writes the output: the results of the last pass, the rows after it, or the records in order.
+/// The phase that writes the output: the results of the last pass, the rows that it leaves, or the records that an
+/// order phase has sorted.
 #include <algorithm>
 
 #include "pointsweep/cancellation.h"
@@ -37,7 +38,7 @@ void write_made(const Context& context, std::size_t p, const Rows& rows, RowStor
   });
 }
 
-/// Writes the rows after the last pass.
+/// Writes the rows that the last pass leaves, with the carried attributes if there are any.
 void write_rows(const Context& context, const Rows& rows, OutputFiles& files) {
   const std::size_t bytes = bytes_of(context.plan.made);
   const std::size_t stride = bytes != 0 ? bytes : context.cloud.schema().stride;
