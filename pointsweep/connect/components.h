@@ -6,9 +6,8 @@
 #include <cstdint>
 #include <functional>
 
-#include "pointsweep/connect/edge_buckets.h"
+#include "pointsweep/connect/bucketed_graph.h"
 #include "pointsweep/connect/forest_log.h"
-#include "pointsweep/connect/vote_rule.h"
 #include "pointsweep/points/scratch.h"
 
 namespace pointsweep {

@@ -21,7 +21,6 @@
 #include "pointsweep/connect/forest_edge.h"
 #include "pointsweep/connect/forest_log.h"
 #include "pointsweep/connect/row_table.h"
-#include "pointsweep/connect/vote_rule.h"
 
 namespace pointsweep {
 

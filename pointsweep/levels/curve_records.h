@@ -10,7 +10,6 @@
 #include <span>
 #include <vector>
 
-#include "pointsweep/levels/curve_key.h"
 #include "pointsweep/levels/level_grid.h"
 #include "pointsweep/points/scratch.h"
 

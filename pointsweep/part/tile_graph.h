@@ -16,10 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "pointsweep/connect/bucketed_graph.h"
 #include "pointsweep/connect/edge_batch.h"
-#include "pointsweep/connect/edge_buckets.h"
 #include "pointsweep/connect/forest_log.h"
-#include "pointsweep/connect/vote_rule.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/part/tile_catalogue.h"
 #include "pointsweep/points/scratch.h"

@@ -12,8 +12,7 @@
 #include <vector>
 
 #include "pointsweep/points/scratch.h"
-#include "pointsweep/raster/cell_axis.h"
-#include "pointsweep/raster/cell_rows.h"
+#include "pointsweep/raster/cells.h"
 #include "pointsweep/raster/lowest_cells.h"
 
 namespace pointsweep {

@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "pointsweep/points/scratch.h"
-#include "pointsweep/raster/cell_axis.h"
-#include "pointsweep/raster/cell_rows.h"
+#include "pointsweep/raster/cells.h"
 
 namespace pointsweep {
 

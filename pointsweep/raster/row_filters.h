@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "pointsweep/raster/cell_rows.h"
+#include "pointsweep/raster/cells.h"
 
 namespace pointsweep {
 

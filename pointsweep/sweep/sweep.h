@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "pointsweep/connect/edge_buckets.h"
+#include "pointsweep/connect/bucketed_graph.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/storage/encoding.h"

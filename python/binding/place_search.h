@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "pointsweep/in_order_operator.h"
-#include "pointsweep/operators/nearest/cell_point.h"
+#include "pointsweep/operators/nearest/searched_points.h"
 #include "python/binding/array_columns.h"
 
 namespace pointsweep {

@@ -166,7 +166,7 @@ MUTANTS = [
     Mutant("words of other programs are not known", "cli", "pointsweep/points/spellings.cpp",
            "return named ? named : schema.find(meaning_of(word));", "return named;", ("pipeline:Spellings.*",)),
     Mutant("a condition reads the input's field of a name that was made in another spelling", "cli",
-           "pointsweep/operators/expressions/meant_value.cpp", "return means_only(word, field);", "return word == field;",
+           "pointsweep/operators/expressions/named_values.cpp", "return means_only(word, field);", "return word == field;",
            ("pipeline:Spellings.*",)),
     Mutant("K, M, G of --memory are powers of 1000", "cli", "pointsweep/pipeline/language/quantities.cpp",
            "scaled(without_byte(text), 1024)", "scaled(without_byte(text), 1000)", ("pipeline:Quantities.*",)),

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/operators/nearest/nearest_bound.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "pointsweep/geometry.h"
+#include "pointsweep/operators/nearest/place_group.h"
 
 namespace pointsweep {
 namespace {

@@ -16,7 +16,6 @@
 
 #include "pointsweep/math/exp.h"
 #include "pointsweep/operators/expressions/expression.h"
-#include "pointsweep/operators/expressions/expression_node.h"
 #include "pointsweep/verify/formulas/assignment.h"
 
 namespace pointsweep {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "pointsweep/error.h"
-#include "pointsweep/raster/cell_rows.h"
+#include "pointsweep/raster/cells.h"
 #include "pointsweep/raster/ground_surface.h"
 #include "pointsweep/raster/row_filters.h"
 #include "pointsweep/threads.h"

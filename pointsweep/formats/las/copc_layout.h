@@ -15,7 +15,7 @@
 #include "pointsweep/formats/las/las_reader.h"
 #include "pointsweep/formats/las/laz_codec.h"
 #include "pointsweep/geometry.h"
-#include "pointsweep/levels/curve_key.h"
+#include "pointsweep/levels/level_grid.h"
 #include "pointsweep/math/box.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/points/scratch.h"

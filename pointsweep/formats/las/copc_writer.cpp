@@ -11,7 +11,7 @@
 #include "pointsweep/formats/las/las_format.h"
 #include "pointsweep/formats/las/las_frame.h"
 #include "pointsweep/formats/las/laz_codec.h"
-#include "pointsweep/levels/levelled_records.h"
+#include "pointsweep/levels/level_choice.h"
 #include "pointsweep/threads.h"
 
 namespace pointsweep {

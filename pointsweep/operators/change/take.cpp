@@ -18,7 +18,6 @@
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/kinds/results.h"
-#include "pointsweep/operators/rows/transform.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/program/nearest_names.h"
 

@@ -11,7 +11,7 @@
 
 #include "pointsweep/in_order_operator.h"
 #include "pointsweep/operators.h"
-#include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/expressions/named_values.h"
 
 namespace pointsweep {
 

@@ -29,4 +29,7 @@ POINTSWEEP_OPERATORS(POINTSWEEP_DECLARE)
 /// and neighbourhoods whose k is the default of the operators. For operators that count neighbours within a distance.
 void require_complete_lists(const Facts& facts, std::size_t k, double radius, const std::string& where);
 
+/// Returns the unit of the attribute `name` that an operator makes as a single value; "1" if no operator makes it.
+std::string unit_of_made(const std::string& name);
+
 }  // namespace pointsweep

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/expressions/expression_node.h"
+#include "pointsweep/operators/expressions/expression.h"
 #include "pointsweep/points/lower_case.h"
 
 namespace pointsweep {

@@ -5,7 +5,6 @@
 
 #include "pointsweep/math/exp.h"
 #include "pointsweep/operators/expressions/expression.h"
-#include "pointsweep/operators/expressions/expression_node.h"
 
 namespace pointsweep {
 namespace {

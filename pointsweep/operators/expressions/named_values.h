@@ -1,21 +1,99 @@
 // SPDX-License-Identifier: MIT
-/// The attributes that the names of an expression mean, and their values for a batch of points.
+/// The values that names mean: a name that a user writes for a single value, in conditions, assignments and options
+/// that name an attribute, and the exact name of an attribute that an operator reads. Assignments also need the values
+/// that an attribute can hold, and expressions the values of a batch of points.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "pointsweep/attribute.h"
 #include "pointsweep/operator.h"
 #include "pointsweep/operators/expressions/expression.h"
 
 namespace pointsweep {
 
+/// A component of a made attribute, or a field of the input, that a name means. Both pointers are null if the name
+/// means nothing.
+struct MeantValue {
+  const Attribute* made = nullptr;
+  std::size_t component = 0;     ///< component of `made`
+  const Field* field = nullptr;  ///< field of the input; null if `made` is not null
+};
+
+/// Returns the value that `word` names, in any spelling that files use. A made attribute precedes a field of the input
+/// unless `word` is a spelling of several attributes, as "curvature" is, and the exact name of a field of the input.
+/// Moved positions are never returned: x, y and z mean the fields of the input.
+MeantValue meant_value(const std::string& word, const Schema& input, std::span<const Attribute> made);
+
+/// Returns the value that `word` names in an expression: meant_value(). If that finds nothing for "row", returns the
+/// number of the row in the inputs (input_row.h).
+MeantValue value_in_expression(const std::string& word, const Schema& input, std::span<const Attribute> made);
+
+/// Returns the number of the axis whose coordinate `name` means in any spelling: 0, 1 or 2; nullopt if it means none.
+std::optional<std::size_t> axis_of(std::string_view name);
+
+/// Returns whether one of the attributes `made` has this name.
+bool makes(std::span<const Attribute> made, std::string_view name);
+
+/// Returns the type of a field of the input; for packed bits the smallest type that holds them, for scaled numbers
+/// float64.
+Type type_of_values(const Field& field);
+
+/// Returns the attribute `name` if an earlier stage makes it and it has one value, else the field `name` of the input
+/// as float64; nullopt if there is none.
+std::optional<Attribute> single_value(const char* name, const Schema& input, std::span<const Attribute> made);
+
+/// The values that an attribute can hold.
+struct TargetRange {
+  Type type = Type::f64;
+  double least = 0, most = 0;  ///< range of whole numbers
+  bool is_whole = false;
+
+  /// Returns the range as text: "uint8, 0 to 255" or "float32".
+  std::string text() const;
+};
+
+TargetRange range_of(Type type);
+/// Returns the range of a field of the input; for packed bits, the range of the bits.
+TargetRange range_of(const Field& field);
+
+/// Returns a whole number as a T, the integer type of the range; nullopt for a number outside of the range.
+template <class T>
+std::optional<T> whole_in(const TargetRange& range, double whole) {
+  // The largest 64-bit integer is not a double, and the nearest double is too large.
+  const bool below = range.most < 0x1p53 ? whole <= range.most : whole < range.most;
+  if (!(whole >= range.least && below)) return std::nullopt;
+  return static_cast<T>(whole);
+}
+template <class T>
+std::optional<T> whole_in(const TargetRange& range, WholeNumber whole) {
+  const auto number = static_cast<T>(whole);
+  const bool fits = WholeNumber{number} == whole && (range.most >= 0x1p53 || static_cast<double>(number) <= range.most);
+  return fits ? std::optional(number) : std::nullopt;
+}
+
+/// An existing attribute as the target of an assignment.
+struct AssignedTarget {
+  Attribute made;             ///< new version of an attribute that was made before, or of a field of the input
+  std::size_t component = 0;  ///< component that the name means
+  TargetRange range;
+  Attribute old;  ///< the previous version in a type that can be read exactly
+};
+
+/// Returns the target that `name` means: an attribute that was made before, or a field of the input; nullopt if there
+/// is none. `name` must not be a coordinate. Throws UsageError, beginning with `place`, if `name` means several values.
+std::optional<AssignedTarget> target_of(const std::string& name, const Schema& input, std::span<const Attribute> made,
+                                        const std::string& place);
+
 /// The meanings of the names of an expression. A name means, in this order: a component of an attribute that was made
 /// before ("nz", "outlier"); x, y or z, the current position; a field of the input, in any spelling that files use
-/// (meant_value.h), but no array; `row`, the number of the row in the inputs.
+/// (meant_value()), but no array; `row`, the number of the row in the inputs.
 class NamedValues {
  public:
   NamedValues() = default;

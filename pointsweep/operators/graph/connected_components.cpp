@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Connected components of the graph of neighbours.
-#include "pointsweep/operators/graph/connected_components.h"
-
-#include <cstring>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "pointsweep/operators.h"
@@ -92,28 +88,6 @@ OperatorDeclaration components_declaration() {
 
 ChainStage operators::components(const ComponentsOptions& options) {
   return std::make_shared<ConnectedComponents>(options);
-}
-
-bool has_short_numbers(std::uint64_t points) { return points > 0 && points < std::uint64_t{1} << 31; }
-
-Attribute component_number(std::string name, std::string meaning, std::uint64_t points) {
-  const Type type = has_short_numbers(points) ? Type::i32 : Type::i64;
-  return {name, type, Kind::index, {name}, "1", std::move(meaning), std::byte{0xff}};
-}
-
-Attribute component_size(std::string name, std::string meaning, std::uint64_t points) {
-  return scalar(std::move(name), has_short_numbers(points) ? Type::u32 : Type::u64, "1", std::move(meaning));
-}
-
-void put_component(const ComponentLabel& label, bool is_short, std::byte* values) {
-  const auto put = [&](auto number, auto size) {
-    std::memcpy(values, &number, sizeof number);
-    std::memcpy(values + sizeof number, &size, sizeof size);
-  };
-  if (is_short)
-    put(static_cast<std::uint32_t>(label.number), static_cast<std::uint32_t>(label.points));
-  else
-    put(label.number, label.points);
 }
 
 }  // namespace pointsweep

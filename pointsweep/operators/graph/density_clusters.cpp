@@ -14,7 +14,6 @@
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/graph/connected_components.h"
 #include "pointsweep/operators/kinds/connect_operator.h"
 
 namespace pointsweep {

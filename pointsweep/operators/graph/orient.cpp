@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "pointsweep/chain.h"
-#include "pointsweep/connect/vote_rule.h"
+#include "pointsweep/connect/forest_log.h"
 #include "pointsweep/fail.h"
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"

@@ -15,14 +15,13 @@
 #include <string>
 #include <vector>
 
-#include "pointsweep/connect/vote_rule.h"
+#include "pointsweep/connect/forest_log.h"
 #include "pointsweep/math/exact_sum.h"
 #include "pointsweep/math/symmetric3.h"
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/expressions/meant_value.h"
-#include "pointsweep/operators/graph/connected_components.h"
+#include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/operators/kinds/connect_operator.h"
 #include "pointsweep/operators/kinds/results.h"
 

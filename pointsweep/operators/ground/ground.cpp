@@ -21,9 +21,9 @@
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/operators/ground/ground_work.h"
-#include "pointsweep/raster/cell_axis.h"
+#include "pointsweep/raster/cells.h"
 #include "pointsweep/raster/ground_surface.h"
 
 namespace pointsweep {

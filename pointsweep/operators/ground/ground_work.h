@@ -9,7 +9,7 @@
 
 #include "pointsweep/in_order_operator.h"
 #include "pointsweep/operators.h"
-#include "pointsweep/raster/cell_axis.h"
+#include "pointsweep/raster/cells.h"
 #include "pointsweep/raster/ground_surface.h"
 #include "pointsweep/raster/lowest_cells.h"
 

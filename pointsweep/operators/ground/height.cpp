@@ -12,7 +12,7 @@
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/operators/ground/ground_work.h"
 #include "pointsweep/operators/kinds/results.h"
 #include "pointsweep/operators/nearest/point_cells.h"

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// Operators whose values come from the components of a graph of neighbours.
+/// Operators whose values come from the components of a graph of neighbours, and the attributes of operators that
+/// number components.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "pointsweep/connect/forest_log.h"
-#include "pointsweep/connect/vote_rule.h"
 #include "pointsweep/operator.h"
 
 namespace pointsweep {
@@ -46,5 +49,35 @@ class ConnectOperator : public Operator {
     return nullptr;
   }
 };
+
+/// Returns whether component numbers and sizes have 32 bits in a cloud of `points` points; false for 0, which means
+/// that the number of points is unknown.
+inline bool has_short_numbers(std::uint64_t points) { return points > 0 && points < std::uint64_t{1} << 31; }
+
+/// Returns the attribute `name`, N i32 or i64: the number of the component of a point; -1 if it has none.
+inline Attribute component_number(const std::string& name, std::string meaning, std::uint64_t points) {
+  const Type type = has_short_numbers(points) ? Type::i32 : Type::i64;
+  return {name, type, Kind::index, {name}, "1", std::move(meaning), std::byte{0xff}};
+}
+
+/// Returns the attribute `name`, N u32 or u64: the number of points in the component of a point.
+inline Attribute component_size(std::string name, std::string meaning, std::uint64_t points) {
+  return scalar(std::move(name), has_short_numbers(points) ? Type::u32 : Type::u64, "1", std::move(meaning));
+}
+
+/// The types of these attributes, for docs/attributes.md.
+inline constexpr const char *kNumberTypes = "i32, i64 from 2³¹ rows on", *kSizeTypes = "u32, u64 from 2³¹ rows on";
+
+/// Writes the number and the size of a component to `values`: 32 bits each if `is_short`, else 64 bits each.
+inline void put_component(const ComponentLabel& label, bool is_short, std::byte* values) {
+  const auto put = [&](auto number, auto size) {
+    std::memcpy(values, &number, sizeof number);
+    std::memcpy(values + sizeof number, &size, sizeof size);
+  };
+  if (is_short)
+    put(static_cast<std::uint32_t>(label.number), static_cast<std::uint32_t>(label.points));
+  else
+    put(label.number, label.points);
+}
 
 }  // namespace pointsweep

@@ -8,7 +8,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/free_memory.h"
-#include "pointsweep/operators/nearest/nearest_bound.h"
+#include "pointsweep/operators/nearest/place_group.h"
 
 namespace pointsweep {
 namespace {

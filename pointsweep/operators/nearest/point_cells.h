@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "pointsweep/geometry.h"
-#include "pointsweep/operators/nearest/cell_point.h"
-#include "pointsweep/operators/nearest/halved_boxes.h"
-#include "pointsweep/operators/nearest/nearest_bound.h"
+#include "pointsweep/operators/nearest/searched_points.h"
 #include "pointsweep/points/scratch.h"
 
 namespace pointsweep {
+
+class NearestBound;
 
 class PointCells {
  public:

@@ -15,7 +15,6 @@
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/points/with_type.h"

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// Moving all points by a matrix, and converting their directions and lengths.
-#include "pointsweep/operators/rows/transform.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,7 +16,7 @@
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/operators/kinds/stage_operator.h"
 #include "pointsweep/operators/rows/affine_map.h"
 #include "pointsweep/points/schema.h"

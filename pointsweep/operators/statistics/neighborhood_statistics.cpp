@@ -19,7 +19,6 @@
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
 #include "pointsweep/operators/expressions/expression.h"
-#include "pointsweep/operators/expressions/meant_value.h"
 #include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/operators/statistics/statistics_of_values.h"
 #include "pointsweep/points/with_type.h"

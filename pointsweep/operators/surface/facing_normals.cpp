@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/operators/surface/normals.h"
 #include "pointsweep/points/text_file.h"
 

@@ -5,7 +5,7 @@
 
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/operators/declare/option_table.h"
-#include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/operators/surface/curvature.h"
 
 namespace pointsweep {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "pointsweep/in_order_operator.h"
-#include "pointsweep/levels/levelled_records.h"
+#include "pointsweep/levels/level_choice.h"
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
 #include "pointsweep/points/sorted_records.h"

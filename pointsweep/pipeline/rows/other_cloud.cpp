@@ -10,7 +10,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/cloud/common_schema.h"
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/order/working_record.h"
 #include "pointsweep/pipeline/rows/input_source.h"

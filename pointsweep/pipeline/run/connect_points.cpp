@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "pointsweep/connect/bucketed_graph.h"
 #include "pointsweep/connect/components.h"
-#include "pointsweep/connect/edge_buckets.h"
 #include "pointsweep/free_memory.h"
 #include "pointsweep/order/row_file.h"
 #include "pointsweep/order/row_store.h"

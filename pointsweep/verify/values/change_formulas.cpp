@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-#include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/program/quantities.h"
 #include "pointsweep/verify/formulas/cylinder.h"

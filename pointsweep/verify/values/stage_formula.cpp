@@ -5,7 +5,7 @@
 #include <charconv>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/operators/expressions/meant_value.h"
+#include "pointsweep/operators/expressions/named_values.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/verify/formulas/colors.h"
 #include "pointsweep/verify/formulas/thinning.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/raster/cell_axis.h"
+#include "pointsweep/raster/cells.h"
 
 #include <algorithm>
 

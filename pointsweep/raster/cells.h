@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Numbers of rows and columns of a raster that leaves out wide empty strips.
+/// The cells of a raster: numbers of rows and columns, where wide empty strips are left out, and rows of cells, which
+/// flow through the filters of this folder a few at a time.
 ///
 /// Cells of an absolute grid have numbers floor(coordinate / cell). A strip of empty cells that is wider than the reach
 /// of all filters is shortened. A strip of columns is reduced until the columns on its two sides are AxisRule::most
@@ -9,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace pointsweep {
@@ -65,5 +67,33 @@ class CellAxis {
   std::vector<Run> runs_;      ///< runs of the other added numbers, ascending
   std::size_t size_ = 0;
 };
+
+/// The value of a cell that a raster does not have.
+inline constexpr double kNoCell = std::numeric_limits<double>::infinity();
+
+/// Successive rows of a raster.
+struct CellRows {
+  std::size_t rows = 0;
+  std::vector<double> values;       ///< rows × columns; finite or kNoCell
+  std::vector<std::uint8_t> marks;  ///< rows × columns; 1 if the value does not belong to the ground, else 0
+};
+
+/// A source of rows from the first to the last.
+class RowStream {
+ public:
+  explicit RowStream(std::size_t columns) : columns_(columns) {}
+  virtual ~RowStream() = default;
+  std::size_t columns() const { return columns_; }
+  /// Reads the next rows, at least one; the stream chooses how many. Returns false, and no rows, after the last row.
+  virtual bool next(CellRows& out) = 0;
+
+ private:
+  std::size_t columns_;
+};
+
+/// Number of rows that LowestRows and FilledRows make at once, except for fewer last rows.
+inline constexpr std::size_t kRowsAtOnce = 16;
+/// Number of columns that a thread takes at once.
+inline constexpr std::size_t kColumnsAtOnce = 512;
 
 }  // namespace pointsweep
