@@ -45,8 +45,8 @@ class BucketedGraph {
 };
 
 struct GrowthOptions {
-  /// Returns whether a point has edges outside of the graph, so that it must stay open. If empty, no point has such
-  /// edges.
+  /// Returns whether a point has edges outside of the graph, so that it must stay open (spanning_forest.h). If the
+  /// function is empty, no point has edges outside of the graph.
   std::function<bool(std::uint64_t row)> stays_open = {};
   /// Receives the number of points that the forest has taken so far; may throw to end the work.
   std::function<void(std::uint64_t points)> progress = {};
@@ -55,6 +55,8 @@ struct GrowthOptions {
 /// Adds all points and edges of the graph to the forest. Returns the number of points.
 std::uint64_t grow(SpanningForest& forest, const BucketedGraph& graph, const GrowthOptions& options);
 
+/// A graph that is stored in the temporary folder until a forest is grown from it. The bucket of an edge does not
+/// depend on the time at which the edge was found, so that a sweep may find edges in any order.
 class EdgeBuckets final : public EdgeSink, public BucketedGraph {
  public:
   /// `begins`: the first key of each bucket after the first bucket, in any order. If not `weighted`, only the rows of
@@ -76,7 +78,7 @@ class EdgeBuckets final : public EdgeSink, public BucketedGraph {
   struct Chunk : Points {
     std::vector<ForestEdge> edges;
   };
-  /// The place of a chunk in the scratch, where its points, ballots, marks and edges lie one after another.
+  /// The place of a chunk in the scratch. The points, ballots, marks and edges of the chunk lie one after another.
   struct Place {
     std::uint64_t offset;
     std::uint32_t points, marks, edges;

@@ -21,7 +21,8 @@ struct FirstOfComponent {
 };
 using ByFirstPoint = SortedRecords<FirstOfComponent, std::less<>>;
 
-/// The index of a component in the log, and the number that the component gets. The last component comes first.
+/// The index of a component in the log, and the number that the component gets. Sorts from the last index to the first,
+/// the order in which ForestLog::for_each_point() visits components.
 struct ComponentNumber {
   std::uint64_t component, number;
   friend bool operator<(const ComponentNumber& a, const ComponentNumber& b) { return a.component > b.component; }

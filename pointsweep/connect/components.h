@@ -23,13 +23,12 @@ struct ComponentsSetup {
 
 class Components {
  public:
-  /// Finds the components. Borrows `setup`.
+  /// Finds the components. `setup` must outlive this object.
   Components(const EdgeBuckets& buckets, const ComponentsSetup& setup);
 
   /// Calls use(row, label) once for each point. Components are numbered from 0 by their first point.
   void for_each_point(const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
-  /// Calls use(component, result of its votes) once for each component that gets a number, in the order of first
-  /// points.
+  /// Calls `use` with each component that gets a number and the result of its votes, in the order of first points.
   void for_each_component(
       const std::function<void(const FinishedComponent& component, const std::byte* result)>& use) const;
   /// Returns the number of all components, with or without a number.

@@ -30,12 +30,12 @@ struct AlongAxis {
   }
 };
 
-/// An edge of a forest. Each point of a forest has a sign, + or -, which tells, for example, whether its normal is
-/// turned. `weight` and `flips` depend on the two points alone, so that an edge that is added twice counts once.
+/// An edge of a forest. Each point of a forest has a sign, + or -, which states, for example, whether `orient` turns
+/// its normal. `weight` and `flips` depend on the two points alone, so that an edge that is added twice counts once.
 struct ForestEdge {
   double weight = 0;   ///< weight of the edge, which is not NaN
   PointKey a, b;       ///< ends of the edge, with a < b
-  bool flips = false;  ///< true if the edge asks for different signs of a and b
+  bool flips = false;  ///< true if a and b should have different signs
 };
 
 /// Compares edges by weight, then by their points: a total order.
@@ -45,7 +45,8 @@ inline bool operator<(const ForestEdge& a, const ForestEdge& b) {
   return a.b < b.b;
 }
 
-/// Returns the representative of the set of i in a forest of parents. Shortens the paths that it follows.
+/// Returns the representative of the set of i (union-find). `parents` has the parent of each element; a representative
+/// is its own parent. Shortens the paths that it follows.
 inline std::uint32_t set_of(std::vector<std::uint32_t>& parents, std::uint32_t i) {
   while (parents[i] != i) i = parents[i] = parents[parents[i]];
   return i;

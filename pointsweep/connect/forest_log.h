@@ -16,8 +16,10 @@
 
 namespace pointsweep {
 
-/// Makes, merges and concludes votes. Votes are bytes that can be copied; they depend on the set of points and on their
-/// signs, not on the order of merges. A ballot holds the values of a point from which start() makes its votes.
+/// A rule that decides about each component of a graph by votes: sums over the points of the component, some of which
+/// depend on the signs of the points (ForestEdge). Votes are bytes that can be copied; they depend on the set of points
+/// and on their signs, not on the order of merges. A ballot holds the values of a point from which start() makes its
+/// votes.
 class VoteRule {
  public:
   virtual ~VoteRule() = default;
@@ -94,10 +96,10 @@ struct ComponentLabel {
 class ForestLog {
  public:
   ForestLog(const MakeScratch& make_scratch, std::size_t result_bytes);
-  /// Appends that the supernode in `slot`, made for the point `row`, became part of the supernode in slot `to`.
+  /// Appends a record: the supernode in `slot`, made for the point `row`, became part of the supernode in slot `to`.
   /// `flips`: true if the signs of the two supernodes differ.
   void merged(std::uint64_t row, std::uint32_t slot, std::uint32_t to, bool flips);
-  /// Appends that the supernode in `slot`, made for the point `row`, is a whole component.
+  /// Appends a record: the supernode in `slot`, made for the point `row`, is a whole component.
   void finished(std::uint64_t row, std::uint32_t slot, const FinishedComponent& component, const std::byte* result);
   /// Ends the log. Must be called after the last merged() and finished().
   void finish();
@@ -106,8 +108,8 @@ class ForestLog {
   /// Returns the log of components, whose records hold a FinishedComponent and the result of its votes.
   const ScratchRecords& components() const { return components_; }
   /// Calls use(row, label) for each point; the label is valid during the call. Components come from the last to the
-  /// first. Before the points of a component, label_of(), called with the index in components() and the record of the
-  /// component, returns its label.
+  /// first. label_of() is called before the points of a component, with the index of the component in components() and
+  /// its record, and returns the label of the component.
   void for_each_point(const std::function<ComponentLabel(std::uint64_t component, const std::byte* record)>& label_of,
                       const std::function<void(std::uint64_t row, const ComponentLabel& label)>& use) const;
 

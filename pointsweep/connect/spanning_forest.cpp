@@ -152,8 +152,9 @@ void SpanningForest::adopt(const OpenForest& left, std::uint64_t first) {
 }
 
 /// Goes through the candidates from the least to the largest, and merges the two ends of a candidate unless both have
-/// open points. The merged candidate is the least one of its end without open points (cut property): a lesser candidate
-/// of that end would only have been kept if both of its ends had open points, and merges close no points.
+/// open points. The merged candidate is the least candidate of its end without open points (cut property): the loop
+/// would have kept a lesser candidate of that end only if both ends of the lesser candidate had open points, and merges
+/// close no points.
 void SpanningForest::contract() {
   std::erase_if(candidates_, [this](const Candidate& c) {
     const Root a = root_of(c.a), b = root_of(c.b);

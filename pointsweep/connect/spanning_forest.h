@@ -35,7 +35,7 @@ struct OpenForest {
   struct Candidate {
     ForestEdge edge;
     std::uint32_t a, b;  ///< indices of the two supernodes
-    bool flips;          ///< true if the edge asks for opposite signs of the supernodes
+    bool flips;          ///< true if the supernodes should have opposite signs
   };
   std::vector<FinishedComponent> supernodes;  ///< first point and number of points of each supernode, so far
   std::vector<std::byte> votes;               ///< votes of the supernodes, one after another
@@ -78,7 +78,7 @@ class SpanningForest {
   struct Supernode {
     std::uint64_t row = 0;     ///< row of the point for which the supernode was made
     FinishedComponent sums;    ///< first point and number of points of the supernode
-    std::uint64_t open = 0;    ///< number of its open points
+    std::uint64_t open = 0;    ///< number of open points of the supernode
     std::uint32_t parent = 0;  ///< own slot; after a merge, the slot of the supernode that took this one
     bool flips = false;        ///< true if the sign of the supernode differs from the sign of its parent
   };

@@ -47,7 +47,7 @@ class CurvePoints {
   std::uint64_t count() const { return count_; }
   /// Fills `points` with the points from number `first` on. Thread-safe, like all functions below.
   void read(std::uint64_t first, std::span<GridPoint> points) const;
-  /// Returns a box around the points of a block, which begins at number block * kBlockRows.
+  /// Returns a box around the points of a block. Block b begins at point b * kBlockRows.
   Box block_box(std::uint64_t block) const;
 
  private:

@@ -32,7 +32,7 @@ class CurveRecords {
 
   void add(std::span<const std::byte> records);
   std::uint64_t count() const { return count_; }
-  /// Returns the bounds of the records added so far. Without records, `lo` is the greatest number and `hi` the least.
+  /// Returns the bounds of the records added so far. Without records, `lo` is the greatest int32 and `hi` the least.
   const GridBounds& bounds() const { return bounds_; }
 
   /// Sorts the records. Must be called once, after the last add().

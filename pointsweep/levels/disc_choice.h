@@ -54,8 +54,9 @@ class KeptGrid {
   std::vector<std::uint32_t> first_;  ///< the first point of each bucket; the number of buckets is a power of two
 };
 
-/// Takes the points by rank_of(), then by coordinates, then by number. Adds each point that no point of `kept` covers
-/// (KeptGrid::covers()) to `kept`. Returns the added points in that order; nothing if they would be more than `most`.
+/// Takes the points in ascending order of rank_of(), then of the coordinates, then of the number. Adds each point that
+/// no point of `kept` covers (KeptGrid::covers()) to `kept`. Returns the added points in that order; nullopt if there
+/// would be more than `most`.
 ///
 /// The choice among the points of the lowest ranks is the beginning of the choice among all points. So the points are
 /// read several times, each time with a higher limit for the rank. From the second time on most points are covered, and

@@ -14,8 +14,8 @@ namespace {
 
 constexpr int kDepthBits = 5;
 static_assert(kMostDepth < 1 << kDepthBits);
-/// Stands for no limit: of the points that a node other than the root keeps, and of the memory if there are no
-/// temporary files.
+/// A value that means no limit: for the points that a node other than the root keeps, and for the memory if there are
+/// no temporary files.
 constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
 
 bool is_in(const Box& box, Vec3 p) {

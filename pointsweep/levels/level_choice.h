@@ -129,10 +129,11 @@ std::uint64_t least_level_bytes(unsigned threads);
 /// Returns whether LevelledRecords with `memory_bytes` of memory writes `bytes` bytes of records to a scratch.
 bool puts_records_aside(std::uint64_t bytes, std::uint64_t memory_bytes);
 
+/// Records that begin with a GridPoint, sorted along the Morton curve, with the depth at which each is first drawn.
 class LevelledRecords {
  public:
-  /// Takes records that begin with a GridPoint. `memory_bytes`: limit for the memory of this object. Without `files`,
-  /// all records stay in memory, even beyond the limit.
+  /// `memory_bytes`: limit for the memory of this object. Without `files`, all records stay in memory, even beyond the
+  /// limit.
   LevelledRecords(std::size_t record_bytes, std::uint64_t memory_bytes, const MakeScratch& files);
 
   void add(std::span<const std::byte> records) { records_.add(records); }

@@ -21,7 +21,7 @@ int orientation(Point2 a, Point2 b, Point2 c);
 /// A closed ring of at least three finite points, without a repetition of the first point at its end.
 using Ring = std::vector<Point2>;
 
-/// The area inside of rings by the even-odd rule: a ring inside of another one is a hole, in either orientation.
+/// The area inside of rings by the even-odd rule: a ring inside of another ring is a hole, in either orientation.
 struct Polygon {
   std::vector<Ring> rings;
   friend bool operator==(const Polygon&, const Polygon&) = default;
@@ -48,7 +48,7 @@ class PolygonIndex {
   double scale_ = 0;     ///< number of strips per unit of y
   std::size_t strips_ = 1;
   std::vector<Edge> edges_;              ///< edges of one polygon follow one another
-  std::vector<std::size_t> first_;       ///< for each strip, its first entry in in_strip_; then the number of entries
+  std::vector<std::size_t> first_;       ///< index of each strip's first entry in in_strip_, then the number of entries
   std::vector<std::uint32_t> in_strip_;  ///< indices of edges, ascending in each strip
 };
 

@@ -16,7 +16,7 @@ bool is_polygon_text(std::string_view text);
 /// are used; each geometry may have a leading "SRID=...;". Or parses GeoJSON: a Polygon, MultiPolygon,
 /// GeometryCollection of such geometries, Feature or FeatureCollection. Coordinates are used unchanged in any reference
 /// system. Throws Error that begins with `name` for an invalid text, in WKT with the byte at which it is invalid, and
-/// for a text without a polygon that is not empty.
+/// for a text whose polygons are all empty.
 std::vector<Polygon> polygons_of_text(std::string_view text, std::string_view name);
 
 }  // namespace pointsweep

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// The cells of a raster: numbers of rows and columns, where wide empty strips are left out, and rows of cells, which
-/// flow through the filters of this folder a few at a time.
+/// The cells of a raster that leaves out wide empty strips: places of rows and columns, and rows of values, of which
+/// the filters of this folder read a few at a time.
 ///
 /// Cells of an absolute grid have numbers floor(coordinate / cell). A strip of empty cells that is wider than the reach
-/// of all filters is shortened. A strip of columns is reduced until the columns on its two sides are AxisRule::most
-/// places apart. A strip of rows is left out, and the rows on its two sides become separate rasters. So an outlier far
-/// away does not make the raster large.
+/// of all filters is shortened or left out. A strip of columns is reduced until the columns on its two sides are
+/// AxisRule::most places apart. A strip of rows is left out, and the rows on its two sides become separate rasters. So
+/// an outlier far away does not make the raster large.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +20,8 @@ struct AxisRule {
   std::size_t most;    ///< largest distance between the places of successive numbers, in cells
 };
 
-/// Places of numbers that come in ascending order, in bands. Numbers of different bands are at least `most` cells
-/// apart.
+/// Places of row numbers that come in ascending order. A wide empty strip ends a band: numbers of different bands are
+/// at least AxisRule::most cells apart.
 class BandedRows {
  public:
   explicit BandedRows(AxisRule rule) : rule_(rule) {}
@@ -42,7 +42,7 @@ class BandedRows {
   std::size_t band_ = 0;
 };
 
-/// Places of numbers that come in any order: first all numbers are added, then places are queried.
+/// Places of column numbers that come in any order: first all numbers are added, then places are queried.
 class CellAxis {
  public:
   explicit CellAxis(AxisRule rule) : rule_(rule) {}
@@ -68,7 +68,7 @@ class CellAxis {
   std::size_t size_ = 0;
 };
 
-/// The value of a cell that a raster does not have.
+/// The value of an empty cell, and of a cell outside of the raster.
 inline constexpr double kNoCell = std::numeric_limits<double>::infinity();
 
 /// Successive rows of a raster.

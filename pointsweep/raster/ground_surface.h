@@ -27,8 +27,8 @@ struct GroundRule {
   /// range of the minima, apart from rounding. If the range of the minima is smaller than this height, as for a distant
   /// outlier, the filters change nothing.
   double least_height() const { return std::min(slope, kPitSlope) * cell / 2; }
-  /// Returns the distance, in cells, of the farthest cells from which a hole is filled. This distance spans what the
-  /// largest disk erases, in any direction.
+  /// Returns the distance, in cells, of the farthest cells from which a hole is filled. This distance spans the cells
+  /// that the largest disk erases, in any direction.
   std::size_t reach() const { return 3 * radius + 3; }
   /// Returns the rule for strips without points. The ground on the two sides of a strip is independent if they are
   /// AxisRule::most cells apart.

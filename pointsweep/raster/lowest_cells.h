@@ -60,7 +60,7 @@ class LowestCells {
   std::size_t most_columns_ = 0;
 };
 
-/// A view of one band of the cells, which must outlive the view.
+/// A view of one band of a LowestCells, which must outlive the view.
 class CellBand {
  public:
   CellBand(const LowestCells& cells, std::size_t number);

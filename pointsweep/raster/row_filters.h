@@ -20,8 +20,8 @@ namespace pointsweep {
 /// sides this is linear interpolation. Exchanging rows and columns does not change any bit of the result. Marks are
 /// dropped.
 ///
-/// Pingel et al. solve a system of springs over the whole raster (D'Errico, inpaint_nans), in which every cell depends
-/// on every other.
+/// Pingel et al. (ground_surface.h) solve a system of springs over the whole raster (D'Errico, inpaint_nans), in which
+/// every cell depends on every other cell.
 class FilledRows final : public RowStream {
  public:
   FilledRows(std::unique_ptr<RowStream> from, std::size_t reach);
@@ -56,7 +56,8 @@ class Disk {
   std::vector<std::size_t> half_widths_;  ///< half widths by |dy|, none greater than the one before
 };
 
-/// Minima over disks, for rows that come one after another. They come from minima over pieces of rows.
+/// Minima over disks, for rows that come one after another. The minimum over a disk is the least of the minima over the
+/// pieces of rows that form the disk.
 class DiskMinima {
  public:
   DiskMinima(std::size_t radius, std::size_t columns) : disk_(radius), columns_(columns) {
@@ -112,7 +113,7 @@ class OpenedRows final : public RowStream {
   double threshold_;
   bool upside_down_, ended_ = false;
   CellRows block_;
-  std::vector<double> turned_;   ///< values on their way into eroded_ or dilated_
+  std::vector<double> turned_;   ///< values that the next add() of eroded_ or dilated_ takes
   CellRows held_;                ///< rows that were taken and not returned yet
   std::size_t given_ = 0;        ///< number of rows returned
   DiskMinima eroded_, dilated_;  ///< erosion and dilation; dilation takes negated values

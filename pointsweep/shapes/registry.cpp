@@ -56,7 +56,7 @@ class Torus final : public Shape {
   SurfacePoint sample(Rng& rng) const override {
     const Vec2 around_ring = on_circle(rng);
     Vec2 around_tube = on_circle(rng);
-    // The outer side has more area than the inner one, in proportion to the distance from the axis.
+    // The area of the outer side exceeds the area of the inner side, in proportion to the distance from the axis.
     while (rng.uniform() * (kRing + kTube) > kRing + kTube * around_tube.x) around_tube = on_circle(rng);
     const double distance = kRing + kTube * around_tube.x;
     return {{distance * around_ring.x, distance * around_ring.y, kTube * around_tube.y},

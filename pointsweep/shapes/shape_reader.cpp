@@ -40,7 +40,7 @@ void store_triple(Vec3 v, std::byte* to) {
   std::memcpy(to, values.data(), sizeof values);
 }
 
-/// The reader that generated_points() documents.
+/// The reader of generated_points(): makes each point from the seed and the row alone.
 class ShapeReader final : public Reader {
  public:
   /// Throws UsageError for a value out of range.
@@ -65,7 +65,7 @@ class ShapeReader final : public Reader {
     info_.bounds = {(holds.lo - margin) + sampling.origin, (holds.hi + margin) + sampling.origin};
   }
 
-  /// Makes the records on all threads, 5 to 50 million points a second and core.
+  /// Makes the records on all threads, 5 to 50 million points per second and core.
   std::size_t read(std::uint64_t row, std::span<std::byte> records) override {
     if (row >= info_.count) return 0;
     const std::size_t stride = info_.schema.stride, count = rows_for(row, records);

@@ -17,7 +17,7 @@ constexpr Vec3 kStretch{0.5, 0.4, 0.9};
 constexpr std::uint64_t kStatueSeed = 2005;
 constexpr int kProbes = 1 << 14;
 
-/// Radius and its gradient at a direction d: r(d) = 1 + Σ amplitude · wave(f · d + phase) over all waves.
+/// The radius and its gradient at a direction d: r(d) = 1 + Σ amplitude · wave(f · d + phase) over all waves (rng.h).
 struct Relief {
   double radius;
   Vec3 gradient;

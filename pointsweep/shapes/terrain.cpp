@@ -103,7 +103,7 @@ class Terrain final : public Shape {
     return {{x, y, h.roof(p.y)}, {-across * h.axis.y, across * h.axis.x, scale}};
   }
 
-  /// Returns a random point on a wall of a random house, at a height between the ground and the roof there.
+  /// Returns a random point on a wall of a random house, at a height between the ground and the roof at that place.
   SurfacePoint on_wall(Rng& rng) const {
     const House& h = houses_[rng.next() % houses_.size()];
     const double along = rng.uniform(-h.half_u - h.half_v, h.half_u + h.half_v);
