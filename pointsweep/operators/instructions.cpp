@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The declarations of the instructions of a chain (chain.h), which compute nothing for a point: Drop, and the update
-/// operators Reneighbor and Resort, for which the paper asks after points have moved (Section 8). These two tell the
-/// planner where a new sweep begins and how the output is ordered.
+/// operators Reneighbor and Resort, which the paper requires after points have moved (Section 8). Reneighbor tells the
+/// planner where a new sweep begins, Resort how the output is ordered.
 #include <algorithm>
 #include <string>
 #include <vector>

@@ -214,7 +214,7 @@ void Take::find_target(TakenAttribute& taken, const Schema& input, std::span<con
                                        : nan_scalar(taken.name, "1", kTakenMeaning, taken.range.type);
     if (is_channel(taken.name)) target.made.kind = Kind::color;
   }
-  // The unit marks lengths, which a later stage that scales the points scales as well.
+  // A later stage that scales the points also scales attributes whose unit is a length.
   if (target.made.unit == "1" && !range_of(target.made.type).is_whole) target.made.unit = unit_of_made(taken.name);
   const auto same =
       std::ranges::find(rules_.targets, target.made.name, [](const TakeTarget& t) { return t.made.name; });

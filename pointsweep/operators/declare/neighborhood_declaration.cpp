@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The declaration of `knn`, its neighbourhoods, and a check of these for operators that count neighbours.
+/// The declaration of `knn`, the neighbourhoods that its options define, and a check of neighbourhoods for operators
+/// that count neighbours.
 #include "pointsweep/fail.h"
 #include "pointsweep/operators.h"
 #include "pointsweep/operators/declare/declarations.h"
@@ -59,8 +60,8 @@ NeighborhoodDeclaration declare_neighborhood() {
       .example = "knn(k=100, adaptive=eigenentropy, k_min=10) | normals"};
 }
 
-/// Throws UsageError unless a rule has an upper limit to choose from. The default k of an operator is no such limit,
-/// since it is chosen for points that all have k neighbours.
+/// Throws UsageError unless k, or the radius if `radius_does`, limits the neighbours from which a rule chooses. The
+/// default k of an operator is no such limit, since it is chosen for points that all have k neighbours.
 void require_most(const OptionValues& options, const char* option, bool radius_does) {
   if (options.given("k") || (radius_does && options.given("radius"))) return;
   fail_usage("{}: {} needs {}, the most that any point may have, as in knn(k=64, {}={}).", options.where(), option,

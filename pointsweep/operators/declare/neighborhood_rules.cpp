@@ -33,7 +33,7 @@ std::size_t at_most(double value, std::size_t count) {
 std::size_t within(double radius, const Neighborhoods& in, std::size_t i, std::size_t count) {
   if (!(radius >= 0)) return 0;
   const double radius2 = radius * radius;
-  std::size_t low = 0, high = count;  // neighbours before `low` are within the radius, those from `high` on are not
+  std::size_t low = 0, high = count;  // before `low` within the radius, from `high` on outside of it
   while (low < high) {
     const std::size_t middle = low + (high - low) / 2;
     in.distance2(i, middle) <= radius2 ? low = middle + 1 : high = middle;

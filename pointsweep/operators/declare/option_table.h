@@ -117,7 +117,7 @@ OptionRow<T> option(const char* name, Member T::*member, const char* meaning, Op
           [member, words](T& options, const OptionValue& value) { set_member(options.*member, value, words); }};
 }
 
-/// Returns the row of an option with a single choice, for which the struct has no member.
+/// Returns the row of an option that has a single choice, and so no member in the struct.
 template <class T>
 OptionRow<T> only_choice(const char* name, const char* word, const char* meaning) {
   return {{.name = name, .kind = OptionKind::choice, .preset = word, .meaning = meaning, .choices = {word}},

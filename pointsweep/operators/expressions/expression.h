@@ -40,9 +40,9 @@ std::string_view without_outer_blanks(std::string_view text);
 ///   name = letter or _ {letter, digit, _ or .}
 /// A word in the place of an operand is a name. The word `not` is a name only before a sign that cannot follow the
 /// operator `not`, as in not == 1. Numbers are float64 and follow IEEE 754: a comparison with NaN is false, except that
-/// != is true, and x / 0 is infinite or NaN. A comparison of a 64-bit integer attribute with another one or with a
-/// whole number is exact; all other operations are in float64, and round 64-bit integers to float64. `in` compares like
-/// ==, and `between` like >= and <=.
+/// != is true, and x / 0 is infinite or NaN. A comparison of a 64-bit integer attribute with a second attribute of this
+/// kind or with a whole number is exact; all other operations are in float64, and round 64-bit integers to float64.
+/// `in` compares like ==, and `between` like >= and <=.
 class Expression {
  public:
   enum class Form : std::uint8_t { condition, number /**< a sum of the grammar */ };

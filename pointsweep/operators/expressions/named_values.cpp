@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the component of a made attribute whose name `fits`.
+/// Returns the first component of a made attribute, other than the position, for whose name `fits` returns true.
 template <class Fits>
 MeantValue made_value(std::span<const Attribute> made, Fits fits) {
   for (const Attribute& a : made) {
@@ -87,7 +87,7 @@ std::optional<Attribute> single_value(const char* name, const Schema& input, std
 std::string TargetRange::text() const {
   if (!is_whole) return std::string(name_of(type));
   if (most < 0x1p53) return fmt::format("{}, {:.0f} to {:.0f}", name_of(type), least, most);
-  return with_type(type, [&]<class T>() {  // the greatest integers of 64 bits are no doubles
+  return with_type(type, [&]<class T>() {  // float64 does not hold the greatest integer of 64 bits
     return fmt::format("{}, {} to {}", name_of(type), std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
   });
 }

@@ -26,9 +26,9 @@ struct MeantValue {
   const Field* field = nullptr;  ///< field of the input; null if `made` is not null
 };
 
-/// Returns the value that `word` names, in any spelling that files use. A made attribute precedes a field of the input
-/// unless `word` is a spelling of several attributes, as "curvature" is, and the exact name of a field of the input.
-/// Moved positions are never returned: x, y and z mean the fields of the input.
+/// Returns the value that `word` names, in any spelling that files use. A made attribute precedes a field of the input,
+/// with one exception: `word` is the exact name of a field of the input, and for made attributes a spelling of several
+/// names, as "curvature" is. Moved positions are never returned: x, y and z mean the fields of the input.
 MeantValue meant_value(const std::string& word, const Schema& input, std::span<const Attribute> made);
 
 /// Returns the value that `word` names in an expression: meant_value(). If that finds nothing for "row", returns the
@@ -66,7 +66,7 @@ TargetRange range_of(const Field& field);
 /// Returns a whole number as a T, the integer type of the range; nullopt for a number outside of the range.
 template <class T>
 std::optional<T> whole_in(const TargetRange& range, double whole) {
-  // The largest 64-bit integer is not a double, and the nearest double is too large.
+  // float64 does not hold the largest 64-bit integer; the nearest float64 is too large.
   const bool below = range.most < 0x1p53 ? whole <= range.most : whole < range.most;
   if (!(whole >= range.least && below)) return std::nullopt;
   return static_cast<T>(whole);

@@ -21,13 +21,13 @@ const OptionTable<ComponentsOptions>& components_options() {
 }
 
 /// Makes component and component_size. Points i and j are joined if one is a neighbour of the other, and their distance
-/// does not exceed ComponentsOptions::distance, if it is set. Components are numbered from 0 by their first point: the
-/// least x, then y, then z, then row.
+/// does not exceed ComponentsOptions::distance, if that option is set. Components are numbered from 0 by their first
+/// point: the least x, then y, then z, then row.
 class ConnectedComponents final : public ConnectOperator {
  public:
-  /// With a distance, N_i must contain all points within it. Pipelines without such neighbourhoods are refused; C++
-  /// code must ensure it. `points`: number of points of the cloud for has_short_numbers(). Throws UsageError for
-  /// options outside of their ranges.
+  /// With a distance, the neighbours N_i of a point must include all points within the distance. Pipelines without such
+  /// neighbourhoods are refused; C++ callers must provide them. `points`: number of points of the cloud for
+  /// has_short_numbers(). Throws UsageError for options outside of their ranges.
   explicit ConnectedComponents(const ComponentsOptions& options, std::uint64_t points = 0)
       : distance_(options.distance), points_(points) {
     components_options().declare(*this, options);
@@ -39,7 +39,7 @@ class ConnectedComponents final : public ConnectOperator {
             .all_within = distance_};
   }
   /// With a distance, the two ends of an edge are neighbours of each other, so only the end with the lower row emits
-  /// it.
+  /// the edge.
   void connect(const Neighborhoods& in, std::vector<NeighborEdge>& edges, std::byte*) const override {
     for (std::uint32_t i = 0; i < in.size(); ++i) {
       const NeighborRef* neighbors = in.neighbors(i);

@@ -60,7 +60,7 @@ std::optional<NeighborRef> nearest_core(const Neighborhoods& in, std::size_t i, 
 /// Returns core, N u8: 1 for core points.
 Attribute core_attribute() { return scalar("core", Type::u8, "1", "1: at least min_points points within eps"); }
 
-/// Makes core: 1 where at least `min_points` points, the point itself included, lie within `eps` of it.
+/// Makes core: 1 for a point if at least `min_points` points, the point itself included, lie within `eps` of the point.
 class CorePoints final : public LocalOperator {
  public:
   explicit CorePoints(const DbscanOptions& options) : options_(options) { dbscan_options().declare(*this, options); }
@@ -124,8 +124,8 @@ class ClustersOfCores final : public ConnectOperator {
   AnyCore any_core_;
 };
 
-/// `dbscan`: CorePoints, then ClustersOfCores. N_i must contain all points within eps. Pipelines without such
-/// neighbourhoods are refused; C++ code must ensure it.
+/// `dbscan`: CorePoints, then ClustersOfCores. The neighbours N_i of a point must include all points within eps.
+/// Pipelines without such neighbourhoods are refused; C++ callers must provide them.
 class DensityClusters final : public CompositeOperator {
  public:
   /// Throws UsageError for options out of their ranges. `points`: points of the cloud for has_short_numbers().

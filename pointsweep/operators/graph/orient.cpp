@@ -50,7 +50,7 @@ using Whole = __int128;
 constexpr double kNormalUnits = 1 << 20, kPlaceUnits = 4294967296.0, kFarthest = 1099511627776.0;
 
 /// Sums over points with signs s, normals n and positions p. The members from `normal` to `first_sign` change their
-/// sign if all s do.
+/// sign if all s change their sign.
 struct Votes {
   std::array<Whole, 3> normal;  ///< Σ s n
   Whole out;                    ///< Σ s n · p
@@ -164,7 +164,8 @@ Attribute normal_turned_attribute() {
 }
 
 /// Makes normal_turned: the signs along the minimum spanning forest of the graph of neighbours. An edge has the weight
-/// 1 - |n_i . n_j| and asks for equal signs if n_i . n_j >= 0. OrientationVotes decides which components to turn.
+/// 1 - |n_i . n_j|. Its two points should have equal signs if n_i . n_j >= 0, else different signs. OrientationVotes
+/// decides which components to turn.
 class NormalSigns final : public ConnectOperator {
  public:
   explicit NormalSigns(const OrientOptions& options) : votes_(options.viewpoint) {

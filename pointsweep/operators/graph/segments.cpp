@@ -83,8 +83,8 @@ float residual(const Moments& sums) {
 /// The root mean square distance of points to their best plane: the square root of the least eigenvalue of their
 /// covariance. Positions are rounded to 2^-40, at most 2^40 in absolute value, so that sums are exact integers. Later
 /// steps are in float64, which determines an eigenvalue to about 2^-50 of the largest, and the result is float32. So
-/// the error is below 10^-7 of the extent of the component, or 2^-40 if that is more. The residual of fewer than four
-/// points is 0.
+/// the error is below 10^-7 of the extent of the component, or below 2^-40 if 2^-40 is larger. The residual of fewer
+/// than four points is 0.
 class PlaneResidual final : public VoteRule {
  public:
   /// `moved`: true if a ballot is the moved position of a point, three float64. Otherwise ballots are empty, and the

@@ -105,7 +105,7 @@ void GroundWork::classify(const OrderedPoints& points, Findings& findings) {
   }
 }
 
-/// Returns the cell of a point and opens its band. Points come row by row, as in the first round.
+/// Returns the cell of a point, and opens the band of the cell. Points come row by row, as in the first round.
 GroundWork::Cell GroundWork::cell_of(Vec3 place) {
   const std::uint64_t row = rows_.place_of(row_number(place));
   if (opened_ != rows_.band()) open_band(rows_.band());

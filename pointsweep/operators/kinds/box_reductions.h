@@ -22,7 +22,7 @@ class InputDiagonal final : public Reduction {
   std::unique_ptr<Accumulator> start() const override;
 };
 
-/// Computes the box of the positions after all stages that move points. An output that stores integers needs it.
+/// Computes the box of the positions after all stages that move points. An output that stores integers needs this box.
 class MovedBounds final : public Reduction {
  public:
   std::string text() const override { return "bounds of moved points"; }

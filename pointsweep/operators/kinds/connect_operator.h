@@ -23,7 +23,7 @@ struct NeighborEdge {
   std::uint32_t point;
   NeighborRef neighbor;
   double weight = 0;
-  bool flips = false;  ///< true if the edge asks for different signs of the two points
+  bool flips = false;  ///< true if the two points should have different signs
 };
 
 /// An operator that emits edges. The values of a point follow from the component of the point and from its sign in the
@@ -65,7 +65,7 @@ inline Attribute component_size(std::string name, std::string meaning, std::uint
   return scalar(std::move(name), has_short_numbers(points) ? Type::u32 : Type::u64, "1", std::move(meaning));
 }
 
-/// The types of these attributes, for docs/attributes.md.
+/// The types of component_number() and component_size(), for docs/attributes.md.
 inline constexpr const char *kNumberTypes = "i32, i64 from 2³¹ rows on", *kSizeTypes = "u32, u64 from 2³¹ rows on";
 
 /// Writes the number and the size of a component to `values`: 32 bits each if `is_short`, else 64 bits each.

@@ -165,7 +165,7 @@ class NeighborVectors {
   HWY_ALIGN double z_[Tile::kRoom];
 };
 
-/// Returns p_j - p_i for a neighbour j of point i.
+/// A function for NeighborVectors: returns p_j - p_i for a neighbour j of point i.
 struct OffsetOf {
   const Neighborhoods& in;
   HWY_INLINE auto operator()(std::size_t i) const {

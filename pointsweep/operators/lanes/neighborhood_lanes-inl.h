@@ -32,8 +32,8 @@ struct Extents {
   TileArray coincident;  // 1 if a neighbour lies on p_i, else 0
   TileArray place;       // largest magnitude among the coordinates of p_i
 
-  /// Measures a tile. Removes the neighbours of a point if all coincide with it, or if an offset is too large or not
-  /// finite.
+  /// Measures a tile. Removes the neighbours of a point if all of them coincide with the point, or if an offset is too
+  /// large or not finite.
   HWY_INLINE Extents(Tile& tile, Offsets& offsets) {
     const bool sorted = tile.in.sorted_by_distance();
     for (std::size_t v = 0; v < tile.vectors; ++v) {
@@ -214,7 +214,7 @@ class Weights {
       : tile_(tile), extents_(extents), offsets_(offsets) {
     if (tile.size < tile.stride) std::fill(theta_.of, theta_.of + Tile::kRoom, 0.0f);
   }
-  /// Loads the offsets from neighbour `from` on and computes their weights, unless it has already done so.
+  /// Loads the offsets from neighbour `from` on and computes their weights, unless they are already loaded.
   HWY_INLINE void Hold(std::size_t from) {
     offsets_.Hold(from);
     if (from != from_) Compute(from);

@@ -20,7 +20,7 @@ constexpr std::size_t kFewPlaces = 8, kFewPoints = 12;
 /// little, because most of its points belong to cells that are read anyway.
 constexpr std::size_t kMostCollected = 32768;
 /// one_by_one() gives up if its searches visit too many points on average. The average includes this many searches of 0
-/// points, so that a few long searches at the beginning do not end it.
+/// points, so that a few long searches at the beginning are no reason to give up.
 constexpr std::size_t kFirstSearches = 16;
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 
@@ -76,7 +76,7 @@ PlaceGroup::Outcome PlaceGroup::one_by_one(std::size_t begin, std::size_t end, s
   return outcome;
 }
 
-/// Collects the points that may be among the nearest of a place. The bound comes from the k nearest points of the
+/// Collects the points that may be among the nearest of a place. The bound comes from the k points nearest to the
 /// middle of the places. If fewer than k points are within reach of any place, all of them are collected.
 PointCells::View::Collected PlaceGroup::collect(const Box& places, PointCells::View& view) {
   NearestWanted of_middle = wanted_;

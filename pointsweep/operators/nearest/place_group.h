@@ -23,8 +23,8 @@ namespace pointsweep {
 /// bound also excludes most points if the box is far away from them, where all points are almost equally far.
 class NearestBound {
  public:
-  /// `near`: a box that contains k points. `most2`: points whose squared distance from all places exceeds this are
-  /// excluded, too.
+  /// `near`: a box that contains k points. Points whose squared distance from all places exceeds `most2` are excluded,
+  /// too.
   NearestBound(const Box& places, const Box& near, double most2) : places_(places), most2_(most2 * (1 + kMargin)) {
     double sum = 0;
     for (int a = 0; a < 3; ++a) {
@@ -60,9 +60,9 @@ class NearestBound {
   }
 
  private:
-  /// kMargin is relative to the squared distances. Rounding changes a squared distance by less than 2^-50 of it; two
-  /// are subtracted here, and two are compared later. A wider margin would exclude fewer points if the places are far
-  /// away from them.
+  /// kMargin is relative to the squared distances. Rounding changes a squared distance by less than 2^-50 of its value.
+  /// out() subtracts two squared distances, and a search later compares two. A wider margin would exclude fewer points
+  /// if the places are far away from them.
   static constexpr double kMargin = 0x1p-46, kUnderflow = 1e-300;
 
   static double gap(const Box& box, double at, int a) {
@@ -80,9 +80,9 @@ class NearestBound {
 
 /// A group of places whose nearest points are searched together. Places are searched one by one as long as each search
 /// visits few points. Far away from the points, or in the middle of a sphere of points, nearly all points are as far as
-/// the nearest. In these cases the points that may be among the nearest of any place are collected from the cells once,
-/// the group is halved repeatedly, and each half keeps the points that may be among the nearest of a place in that
-/// half. A group with too many such points is halved before the collection.
+/// the nearest point. In these cases the points that may be among the nearest of any place are collected from the cells
+/// once, the group is halved repeatedly, and each half keeps the points that may be among the nearest of a place in
+/// that half. A group with too many such points is halved before the collection.
 class PlaceGroup {
  public:
   using Use = std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>;
@@ -92,8 +92,8 @@ class PlaceGroup {
       : places_(places), wanted_(wanted), in_plane_(in_plane), done_(places.size()) {}
 
   Vec3 first() const { return places_.front().position; }
-  /// Answers the searches whose cells are in memory. Returns false if cells are missing; the caller loads them and
-  /// calls again.
+  /// Answers the searches whose cells are in memory. Returns false if cells are missing; the caller loads these cells
+  /// and calls the function again.
   bool answer(PointCells::View& view, const Use& use);
 
  private:

@@ -65,7 +65,8 @@ class PointCells::Tree {
         });
   }
 
-  /// Calls use(point, place) for the points of all wanted boxes. Ends and returns false when `use` returns false.
+  /// Calls use(point, position) for each point of the boxes for which `wanted` is true; `position` has z = 0 in
+  /// Space::plane. Ends and returns false when `use` returns false.
   template <class Wanted, class Use>
   bool all_of(Wanted wanted, Use use) const {
     return leaves_.all_of(wanted, [&](std::size_t leaf) {
@@ -125,7 +126,7 @@ void PointCells::end_slab() {
   slab_.clear();
 }
 
-/// Returns the first slab that ends at or after a place along the axis, or the last slab.
+/// Returns the index of the first slab that ends at or after a coordinate on the axis; the last slab if there is none.
 std::size_t PointCells::slab_at(double along) const {
   const auto at = std::ranges::lower_bound(slabs_, along, {}, [this](const Slab& s) { return s.box.hi[axis_]; });
   return std::min(static_cast<std::size_t>(at - slabs_.begin()), slabs_.size() - 1);
@@ -244,8 +245,8 @@ std::span<const PointCells::Slab> PointCells::View::slabs_between(double lo, dou
 }
 
 /// Searches from the slab of the place to both sides along the axis, as long as a slab may contain a point as near as
-/// the k found; within a slab, nearest cells first. Ends at a cell that is not in memory if fewer than k points are
-/// found; else goes on and records all missing cells at once.
+/// the k points found so far; within a slab, nearest cells first. Ends at a cell that is not in memory if fewer than k
+/// points are found. Otherwise goes on, so that all missing cells are recorded at once.
 const std::vector<CellNeighbor>* PointCells::View::nearest(Vec3 place, const NearestWanted& wanted) {
   nearest_.begin(wanted);
   const std::vector<Slab>& slabs = of_.slabs_;

@@ -21,7 +21,7 @@ class NearestBound;
 
 class PointCells {
  public:
-  /// The coordinates used in distances; `plane` ignores the third one.
+  /// The coordinates used in distances; `plane` ignores z.
   enum class Space : std::uint8_t { plane, all };
 
   /// `axis`: axis along which points come. `memory_bytes`: limit for the cells in memory; a few cells may exceed it.
@@ -38,13 +38,15 @@ class PointCells {
 
   /// The object that answers searches with the cells in memory.
   class View;
-  /// Answers question i, or returns false if cells are missing; it is called again when more cells are in memory.
+  /// A function that answers question i, or returns false if cells are missing. PointCells calls the function again
+  /// when these cells are in memory.
   using Answer = std::function<bool(std::size_t i, View& view)>;
-  /// Answers n questions on all threads; each thread takes `at_once` of them at a time. `place(i)`: place of question
+  /// Answers n questions on all threads; each thread takes `at_once` questions at a time. `place(i)`: place of question
   /// i. Successive places should be near each other.
   void answer_all(std::size_t n, std::size_t at_once, const std::function<Vec3(std::size_t i)>& place,
                   const Answer& answer);
-  /// Calls `use`, on all threads, with the nearest points of each place, nearest first; for some places more than once.
+  /// Calls `use`, on all threads, with the nearest points of each place, nearest first. The function may be called more
+  /// than once for a place; each call replaces the answer of the call before.
   void nearest_of_all(std::span<const Vec3> places, const NearestWanted& wanted,
                       const std::function<void(std::size_t i, const std::vector<CellNeighbor>& found)>& use);
 
@@ -115,8 +117,8 @@ class PointCells::View {
 
   const PointCells& of_;
   std::vector<std::size_t> missing_;  ///< needed cells that were not in memory
-  PointCells* loading_ = nullptr;     ///< loads needed cells at once; null: they are recorded in missing_
-  std::size_t near_ = 0;              ///< cell near the place: with loading_, cells far from it are dropped first
+  PointCells* loading_ = nullptr;  ///< set that loads needed cells at once; null: needed cells are recorded in missing_
+  std::size_t near_ = 0;           ///< cell near the place; loading_ drops the cells farthest from this cell first
   NearestSoFar nearest_;
 };
 

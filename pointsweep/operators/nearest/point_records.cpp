@@ -69,7 +69,7 @@ void PointRecords::load(std::span<const std::size_t> blocks) {
   }
 }
 
-/// If the needed blocks do not all fit in memory, they are loaded part by part.
+/// Goes through the needed blocks part by part if they do not all fit in memory.
 void PointRecords::gather(std::span<const std::uint64_t> numbers, std::span<std::byte> to) {
   std::vector<bool> is_needed(blocks_.size());
   for (const std::uint64_t number : numbers)

@@ -21,9 +21,10 @@ class PointRecords {
   /// A number that means no record.
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
 
-  /// `record_bytes`: bytes of a record, > 0. `memory_bytes`: limit for the blocks in memory, at least a few.
+  /// `record_bytes`: bytes of a record, > 0. `memory_bytes`: limit for the blocks in memory; 64 blocks may exceed it
+  /// (least_bytes()).
   PointRecords(std::size_t record_bytes, std::uint64_t memory_bytes, std::unique_ptr<Scratch> scratch);
-  /// Adds records. All must be added before the first gather().
+  /// Adds whole records. Must not be called after finish().
   void add(std::span<const std::byte> records);
   /// Ends the records. Must be called after the last record and before the first gather().
   void finish();

@@ -41,11 +41,12 @@ struct NearestWanted {
   std::size_t k = 1;
   double most2 = std::numeric_limits<double>::infinity();  ///< largest squared distance of a point that is wanted
   bool any_of_equal = false;  ///< true if any of several points at equal distances may be returned
-  /// Number of points after which a search may end if it has found k; it then returns the nearest of the points seen.
+  /// Number of seen points after which a search may end if it has found k points. The search then returns the nearest
+  /// of the points that it has seen.
   std::size_t most_seen = std::numeric_limits<std::size_t>::max();
 };
 
-/// The at most k nearest points seen so far, in order.
+/// The nearest points that a search has seen so far: at most k, in the order of CellNeighbor.
 class NearestSoFar {
  public:
   void begin(const NearestWanted& wanted) {
@@ -91,7 +92,8 @@ class HalvedBoxes {
     while (((points - 1) >> levels) >= most) ++levels;
     return levels;
   }
-  /// Halves each part across its widest extent, and puts `points` in the order of the parts.
+  /// Halves each part across its widest extent, and puts `points` in the order of the parts. `in_plane`: true if boxes
+  /// and halvings ignore z.
   HalvedBoxes(std::span<CellPoint> points, unsigned levels, bool in_plane)
       : points_(points.size()), levels_(levels), boxes_((std::size_t{2} << levels) - 1) {
     for (unsigned level = 0; level <= levels_; ++level) {
@@ -116,14 +118,15 @@ class HalvedBoxes {
   /// Returns the index of the first point of part j of a level; the number of points if j is the number of parts.
   std::size_t begin(unsigned level, std::size_t j) const { return points_ * j >> level; }
   std::size_t begin(std::size_t j) const { return begin(levels_, j); }
-  /// Calls `use(j)` for the parts j of the last level whose squared distance from `place` is at most worst() at that
-  /// moment, the nearer half first. Ends and returns false when `use` returns false.
+  /// Calls `use(j)` for each part j of the last level whose box has a squared distance of at most worst() from `place`.
+  /// Visits the nearer half of each part first, and calls worst() again before each visit. Ends and returns false when
+  /// `use` returns false.
   template <class Worst, class Use>
   bool nearest_first(Vec3 place, Worst worst, Use use) const {
     return descend(0, 0, distance2(box(0, 0), place), place, worst, use);
   }
-  /// Calls `use(j)` for the parts j of the last level for which `wanted(box)` is true of their own box and of all boxes
-  /// that contain it. Ends and returns false when `use` returns false.
+  /// Calls `use(j)` for each part j of the last level if `wanted(box)` is true for the box of the part and for all
+  /// boxes that contain it. Ends and returns false when `use` returns false.
   template <class Wanted, class Use>
   bool all_of(Wanted wanted, Use use, unsigned level = 0, std::size_t j = 0) const {
     if (!wanted(box(level, j))) return true;

@@ -26,7 +26,7 @@ namespace {
 constexpr Type kAllTypes[] = {Type::i8,  Type::u8,  Type::i16, Type::u16, Type::i32,
                               Type::u32, Type::i64, Type::u64, Type::f32, Type::f64};
 
-/// The types of new attributes that have the name of a LAS field: the types of these fields.
+/// The types of the fields of LAS, which new attributes with the names of these fields get.
 using LasType = std::pair<std::string_view, Type>;
 constexpr LasType kTypesOfLas[] = {{"classification", Type::u8},
                                    {"intensity", Type::u16},
@@ -146,12 +146,12 @@ class SetAttribute final : public LocalOperator {
   Attribute target_;
   std::size_t component_ = 0;
   TargetRange range_;
-  bool is_retyped_ = false;  ///< true if the attribute of the input has another type than target_
+  bool is_retyped_ = false;  ///< true if target_ has another type than the attribute of the input
   std::optional<Attribute> old_;
   std::optional<std::size_t> old_value_;
 };
 
-/// Several assignments in order: each uses the results of the previous ones.
+/// Several assignments in order: each reads the results of the assignments before it.
 class Set final : public CompositeOperator {
  public:
   Set(std::string_view assignments, std::optional<Type> type, const std::string& place = "set") {

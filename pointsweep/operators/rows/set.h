@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The text of assignments of values to attributes, for all points or those for which a condition holds.
+/// The text of assignments of values to attributes, for all points or for the points for which a condition holds.
 #pragma once
 
 #include <optional>

@@ -25,7 +25,7 @@
 namespace pointsweep {
 namespace {
 
-/// Largest relative differences that may come from rounding: matrices are written with six digits or more.
+/// Largest relative differences that count as rounding: files may state matrices with only six digits.
 constexpr double kSameScale = 1e-6, kSameShape = 1e-5;
 
 const OptionTable<TransformOptions>& transform_options() {

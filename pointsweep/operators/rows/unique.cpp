@@ -25,9 +25,8 @@ class FirstOfEqual final : public InOrderWork {
   std::optional<Vec3> last_;
 };
 
-/// Keeps one of the points with equal current coordinates: the one with the lowest row. Coordinates are equal if all
-/// three are equal numbers (-0 and 0 are); points without a finite place are all kept. Needs no neighbourhoods: the
-/// points are put in order once.
+/// Keeps one of the points with equal current coordinates: the one with the lowest row. -0 and 0 are equal; points
+/// without a finite place are all kept. Needs no neighbourhoods: the points are put in order once.
 class Unique final : public InOrderOperator {
  public:
   std::string name() const override { return "unique"; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The sizes of the neighbourhoods, and the number of points around a point, per area of a plane through it and per
-/// volume.
+/// `neighborhood_size` and `density`: the number of neighbours and the distance to the farthest neighbour, and the
+/// number of points around a point for each unit of area and of volume.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

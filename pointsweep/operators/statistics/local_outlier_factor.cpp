@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The local outlier factor: how much sparser the surroundings of a point are than those of its neighbours (M. M.
-/// Breunig, H.-P. Kriegel, R. T. Ng, J. Sander, "LOF: identifying density-based local outliers", 2000).
+/// The local outlier factor: how much sparser the surroundings of a point are than the surroundings of its neighbours
+/// (M. M. Breunig, H.-P. Kriegel, R. T. Ng, J. Sander, "LOF: identifying density-based local outliers", 2000).
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -37,8 +37,8 @@ double larger(double a, double b) { return std::isnan(a) || std::isnan(b) ? kNon
 
 double quotient(double r, double by) { return std::isinf(r) && std::isinf(by) ? 1 : r / by; }
 
-/// The attributes of the operators below, N f64 each. They are NaN for points without neighbours, and if a neighbour
-/// has no finite place.
+/// The attributes that the operators below make, N f64 each: NaN for points without neighbours, and for points with a
+/// neighbour that has no finite place.
 Attribute k_distance_attribute() { return nan_scalar("k_distance", "length", "distance to the farthest neighbour"); }
 
 Attribute reachability_density_attribute() {

@@ -28,10 +28,10 @@ namespace {
 
 enum class Statistic : std::uint8_t { mean, median, min, max, range, deviation, majority, count };
 
-/// `statistics`: makes one attribute for each name of StatisticsOptions::of. The neighbours that count satisfy the
+/// `statistics`: makes one attribute for each name of StatisticsOptions::of. Neighbours count if they satisfy the
 /// condition and have a finite value. Values are combined in float64 in the order of the search; min, max and majority
-/// keep the type of the attribute. A point without a neighbour that counts gets a count of 0; for other statistics, it
-/// is degenerate and gets NaN, or 0 for whole-number types.
+/// keep the type of the attribute. A point without a neighbour that counts has a count of 0. Any other statistic of the
+/// point is NaN, or 0 for whole-number types, and makes the point degenerate.
 class NeighborhoodStatistics final : public LocalOperator {
  public:
   /// Throws UsageError that begins with `place` for a name that ends in no statistic, or is given twice.
@@ -150,7 +150,7 @@ struct NeighborhoodStatistics::Lists {
   std::size_t first_point = 0;
   std::span<const NeighborRef> neighbors = {};
   std::vector<std::size_t> begin = {0};  ///< begin of the list of each point in `neighbors`, then neighbors.size()
-  std::vector<NeighborRef> kept = {};    ///< owns the neighbours if there is a condition
+  std::vector<NeighborRef> kept = {};    ///< memory of `neighbors` if there is a condition; else empty
 
   std::size_t points() const { return begin.size() - 1; }
   std::size_t count(std::size_t point) const { return begin[point + 1] - begin[point]; }

@@ -21,7 +21,7 @@
 namespace pointsweep {
 namespace {
 
-/// Sums d and d² over the finite values d, and counts the finite values and those that are not 0.
+/// Sums d and d² over the finite values d. Counts the finite values, and the finite values other than 0.
 class DistanceMoments final : public Accumulator {
  public:
   explicit DistanceMoments(OutlierRule rule) : rule_(rule) {}

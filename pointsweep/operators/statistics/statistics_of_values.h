@@ -22,7 +22,7 @@ double difference(Value a, Value b) {
     return a - b;
 }
 
-/// Returns 1/n Σ (v_j - v_1): large values that are close to each other lose no digits.
+/// Returns 1/n Σ (v_j - v_1), so that large values close to each other lose no digits.
 template <class Value>
 double mean_of_differences(std::span<const Value> values) {
   double sum = 0;
@@ -75,7 +75,7 @@ void sort_by_rank(std::span<const Value> values, std::vector<Value>& sorted) {
   }
 }
 
-/// Returns the middle value, or half the sum of the two middle ones, rounded once. `sorted` is overwritten.
+/// Returns the middle value, or half the sum of the two middle values, rounded once. `sorted` is overwritten.
 template <class Value>
 double median_of(std::span<const Value> values, std::vector<Value>& sorted) {
   const std::size_t half = values.size() / 2;
@@ -96,7 +96,7 @@ double median_of(std::span<const Value> values, std::vector<Value>& sorted) {
     return below / 2 + sorted[half] / 2;
 }
 
-/// Returns the most frequent value; of equally frequent ones, the first in the list. `sorted` is overwritten.
+/// Returns the most frequent value; of equally frequent values, the first in the list. `sorted` is overwritten.
 template <class Value>
 Value majority_of(std::span<const Value> values, std::vector<Value>& sorted) {
   if (values.size() <= kSortedByRank) {  // no sort: each value counts the equal values after it

@@ -11,17 +11,17 @@
 
 namespace pointsweep {
 
-/// Computes curvatures from the covariance of the normals,
+/// Computes curvatures from the covariance of the normals of the neighbours N_i of a point,
 ///   C_i = 1/|N_i| Σ_j n_j n_j^T θ(|p_j - p_i|),  θ as in Equation 1.
 /// n n^T does not depend on the sign of n: normals need no orientation, and curvatures have no sign.
 ///
-/// The largest eigenvalue of C_i belongs to the mean normal; the two smaller ones are second moments of the normal
-/// across it. Over a distance s a normal turns by κ s, so
+/// The largest eigenvalue of C_i belongs to the mean normal; the two smaller eigenvalues are second moments of the
+/// components of the normals perpendicular to the mean normal. Over a distance s a normal turns by κ s, so
 ///   κ² = (second moment of the normals across their mean) / (variance of the positions along the same direction).
-/// The paper does not describe this step. It is done here with θ = 1, that is, equal weights: θ of Equation 1
-/// effectively weights about six neighbours for any k. Normals estimated with it have errors over the same distance, a
-/// fixed fraction of κ at any density, which a window of that size cannot average out. With θ = 1 the errors decrease
-/// as k grows.
+/// The paper does not describe this step. This library takes θ = 1, that is, equal weights, since θ of Equation 1
+/// effectively weights about six neighbours for any k. Normals estimated with that θ have errors that vary over the
+/// same distance and are a fixed fraction of κ at any density; a window of that size cannot average them out. With
+/// equal weights the errors decrease as k grows.
 ///
 /// In full, over the m neighbours that have a normal, u_j = n_j / |n_j|:
 ///   S = 1/m Σ_j u_j u_j^T, with eigenvalues μ0 <= μ1 <= μ2 and eigenvectors e0, e1, e2;

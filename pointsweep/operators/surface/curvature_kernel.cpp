@@ -138,7 +138,7 @@ HWY_INLINE V SmallestEigenvalue(const Matrix& m, V trace, const Vector& n) {
   const V quotient = Dot(n, mn);
   const Vector rest = Minus(mn, Times(quotient, n));
   // The error of the quotient is at most |rest|² over the gap to the next eigenvalue, which is at least the product of
-  // the two others over their sum, less the quotient.
+  // the two other eigenvalues over their sum, less the quotient.
   const V minors = hn::Add(
       hn::Add(hn::Sub(hn::Mul(m.xx, m.yy), hn::Mul(m.xy, m.xy)), hn::Sub(hn::Mul(m.xx, m.zz), hn::Mul(m.xz, m.xz))),
       hn::Sub(hn::Mul(m.yy, m.zz), hn::Mul(m.yz, m.yz)));
@@ -198,7 +198,8 @@ class CurvatureTile {
     if constexpr (kWeighted) weights_.emplace(tile, extents_, offsets_);
   }
 
-  /// Solves two eigenproblems at a time: both of one vector of points if θ is wanted, else one of each of two vectors.
+  /// Solves two eigenproblems at a time: both problems of one vector of points if θ is wanted, else one problem for
+  /// each of two vectors.
   HWY_INLINE void Store() {
     const Lanes d;
     for (std::size_t v = 0; v < tile_.vectors; v += kWeighted ? 1 : 2) {

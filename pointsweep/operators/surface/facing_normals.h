@@ -35,7 +35,8 @@ class Trajectory {
 /// of the point.
 class FacingNormals final : public LocalOperator {
  public:
-  /// A time farther than this outside of the trajectory belongs to another clock or survey.
+  /// Largest distance of a time from the trajectory, in seconds. A time farther outside belongs to another clock or
+  /// survey.
   static constexpr double kMostSeconds = 1;
 
   /// Reads the file. Throws Error if it is no trajectory, or if `checksum` is not empty and differs from its checksum.

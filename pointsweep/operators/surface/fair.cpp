@@ -61,8 +61,8 @@ const OptionTable<FairPercent>& fair_options() {
   return table;
 }
 
-/// Fair with both widths in % of the diagonal of the box around the finite points of the INPUT that earlier stages have
-/// kept. Moved positions do not count, even for a second `fair` or after `reneighbor`.
+/// Fair with both widths in % of the diagonal of the box around the finite points of the input that earlier stages have
+/// kept, at their positions in the input. Moved positions do not count, even for a second `fair` or after `reneighbor`.
 class FairInPercent final : public LocalOperator {
  public:
   /// Messages begin with `place`, e.g. "pipeline, column 20: fair".
@@ -120,7 +120,7 @@ OperatorDeclaration fair_declaration() {
 ChainStage operators::fair(const FairOptions& options) { return std::make_shared<Fair>(options); }
 ChainStage operators::fair_in_percent(const FairPercent& percent) { return std::make_shared<FairInPercent>(percent); }
 
-/// Declares the widths in length units, under names that pipelines do not have: stages of pipelines have widths in %.
+/// Declares the widths in length units. Their names differ from the options of a stage in a pipeline, which are in %.
 Fair::Fair(const FairOptions& options)
     : inverse_f_(inverse_width("f", options.f)), inverse_g_(inverse_width("g", options.g)) {
   declare_options({{"f_length", options.f}, {"g_length", options.g}});

@@ -126,7 +126,8 @@ OperatorDeclaration features_declaration() {
 
 ChainStage operators::features(const FeaturesOptions& options) { return std::make_shared<Features>(options); }
 
-/// Equal operators must have equal options: names are put in the order of the columns, and removed if all are named.
+/// Puts the names in the order of the columns, and removes them if all features are named, so that equal operators have
+/// equal options.
 Features::Features(FeaturesOptions options) : options_(std::move(options)), made_(features_named(options_.names)) {
   const std::vector<std::string> known = names_of_features();
   const auto place = [&](const std::string& name) { return std::ranges::find(known, name) - known.begin(); };

@@ -25,8 +25,8 @@ HWY_INLINE Vector OrZero(M mask, const Vector& a) {
 }
 
 /// Sums over the scaled offsets of the points of a neighbourhood from an origin: p_i if it counts, else its first
-/// neighbour. Sums of squares about a point of the set exceed those about the mean at most by a factor of the number of
-/// points, so that Centered() keeps its digits even if p_i is far from its neighbours.
+/// neighbour. Sums of squares about a point of the set exceed sums of squares about the mean at most by a factor of the
+/// number of points, so that Centered() keeps its digits even if p_i is far from its neighbours.
 struct PointSums {
   Scaling scaling;
   V points;       // n

@@ -21,8 +21,8 @@ namespace pointsweep {
 /// Makes "normal". It is (0, 0, 0), and the point counts as degenerate, where the data define no plane: fewer than two
 /// neighbours; all of them on p_i; p_i and its neighbours on a line to rounding, that is λ1 <= 1e-12 λ2 (the width is
 /// at most a millionth of the length) or, more exactly, λ1 <= 1e-12 λ2 + ρ² mean_j θ, with ρ = 2^-51 of the largest
-/// coordinate of p_i, the rounding error of coordinates in double; or offsets that overflow or are not finite (next to
-/// a point that was moved to such a place).
+/// coordinate of p_i, the rounding error of coordinates in double; or offsets that overflow or are not finite, as to a
+/// neighbour that an earlier stage has moved to infinity.
 class Normals : public LocalOperator {
  public:
   /// Messages begin with `place`. Throws UsageError for options out of range or in conflict.

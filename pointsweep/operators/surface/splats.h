@@ -13,8 +13,8 @@
 namespace pointsweep {
 
 /// The ellipse around p_i in the tangent plane of n_i.
-///   positions: major axis = eigenvector of the largest eigenvalue of M_i, brought into the plane as Curvature does
-///   with e1, with the eigenvector of λ1 in the place of e0; ratio √(λ1/λ2).
+///   positions: major axis = eigenvector of the largest eigenvalue λ2 of M_i (normals.h), brought into the plane as
+///   Curvature (curvature.h) does with e1, with the eigenvector of λ1 in the place of e0; ratio √(λ1/λ2).
 ///   curvature: major axis = direction of k2; ratio √(k2/k1), with which the surface is equally far from the plane at
 ///   the ends of both axes. If k1_direction or k1 is 0, the ellipse is that of positions.
 /// Ratios are at least 1/8.
@@ -36,7 +36,8 @@ class Splats : public LocalOperator {
   std::string name() const override { return "splats"; }
   Contract contract() const override;
   void apply(const Neighborhoods& in, Columns& out) const override;
-  /// Chooses positions or curvature by the earlier stages if `axes` is automatic; else returns null.
+  /// If `axes` is automatic, returns an operator that uses curvature if an earlier stage makes k1_direction, else
+  /// positions. Otherwise returns null.
   std::shared_ptr<const LocalOperator> bound(const Schema& input, std::span<const Attribute> made) const override;
 
  private:

@@ -40,7 +40,8 @@ HWY_INLINE Ellipse EllipseOfPositions(const Moments& moments, const Vector& norm
   return MakeEllipse(Tangent(normal, e.vector2, e.vector1), hn::IfThenElse(hn::Gt(e.value2, zero), flatness, one));
 }
 
-/// Returns an ellipse along the direction of least curvature if there is one, else along the eigenvectors of M_i.
+/// Returns an ellipse along the direction of least curvature if the point has curvatures, else along the eigenvectors
+/// of M_i.
 HWY_INLINE Ellipse EllipseOfCurvature(const Tile& tile, const Extents& extents, const Offsets& offsets,
                                       Weights& weights, std::size_t v, const Vector& normal) {
   const V zero = hn::Zero(Lanes()), k1 = OwnNumbers(tile, 2, v), k2 = OwnNumbers(tile, 3, v);

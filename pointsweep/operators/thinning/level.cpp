@@ -24,8 +24,8 @@ namespace {
 constexpr double kSteps = 1 << 30;
 constexpr std::uint64_t kDepthBits = 5;
 
-/// A point with its row. Records at one place are ordered by their bytes: `row` has its most significant byte first, so
-/// that the order is that of the rows.
+/// A point with its row. CurveRecords orders records at one place by their bytes; `row` has its most significant byte
+/// first, so that records at one place have the order of their rows.
 struct Record {
   GridPoint point;
   std::array<std::byte, 8> row;
@@ -77,7 +77,7 @@ class LevelWork final : public InOrderWork {
   }
 
  private:
-  /// Returns the length of a step. A run refuses clouds for which it would be 0 or not finite.
+  /// Returns the length of a step. A run refuses clouds for which this length would be 0 or not finite.
   double step_of() const {
     const Vec3 extent = bounds_.extent();
     const double widest = std::max({extent.x, extent.y, extent.z});
@@ -109,7 +109,7 @@ class LevelWork final : public InOrderWork {
 };
 
 /// Makes "level", the depth at which a point is first drawn (levels/level_choice.h). Positions are rounded to steps of
-/// 2^-30 of the widest extent, so that the levels equal those of a cloud stored on such a grid.
+/// 2^-30 of the widest extent, so that the levels equal the levels of a cloud that is stored in these steps.
 class Level final : public InOrderOperator {
  public:
   std::string name() const override { return "level"; }

@@ -32,8 +32,8 @@ constexpr std::uint64_t kHeldAtMost = 4096;
 
 class PoissonFront final : public InOrderWork {
  public:
-  /// `values`: number of values that are read of each point, of which value `component` is its radius. If `values` is
-  /// 0, all points have the radius `radius`.
+  /// `values`: number of values that are read of each point; value number `component` is the radius. If `values` is 0,
+  /// all points have the radius `radius`.
   PoissonFront(const InOrderSetup& setup, double radius, std::size_t values, std::size_t component)
       : points_(setup.axis, radius, setup.memory_bytes / UndecidedPoints::kPointBytes),
         may_lack_(setup.may_lack),

@@ -43,8 +43,9 @@ Attribute simplify_radius_attribute() {
   return scalar("simplify_radius", Type::f64, "length", "distance within which a kept point represents this one");
 }
 
-/// Makes simplify_radius = √(2 error / k1), limited to `least` and `most`: within it, a surface of curvature k1
-/// deviates from its tangent plane by at most the error, to second order. A point without curvature gets `most`.
+/// Makes simplify_radius = √(2 error / k1), limited to `least` and `most`: within this distance of a point, a surface
+/// of curvature k1 deviates from the tangent plane by at most the error, to second order. A point without curvature
+/// gets `most`.
 class SimplifyRadius final : public LocalOperator {
  public:
   explicit SimplifyRadius(const SimplifyOptions& options) : options_(options) {}
@@ -69,8 +70,8 @@ class SimplifyRadius final : public LocalOperator {
 /// `simplify`: SimplifyRadius, then Poisson with simplify_radius as the radius of each point.
 class Simplify final : public CompositeOperator {
  public:
-  /// Throws UsageError for options out of their ranges, and if least is more than most; the message about the latter
-  /// begins with `place`.
+  /// Throws UsageError for options out of their ranges, and if least is more than most; the message about least begins
+  /// with `place`.
   explicit Simplify(const SimplifyOptions& options, const std::string& place = "simplify") : options_(options) {
     simplify_options().declare(*this, options);
     if (options.least > most_of(options))

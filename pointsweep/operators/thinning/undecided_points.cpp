@@ -38,9 +38,9 @@ std::int64_t UndecidedPoints::cell_along(double c) const {
   return static_cast<std::int64_t>(std::clamp(std::floor(c / cell_), -0x1p62, 0x1p62));
 }
 
-/// Visits all cells that may contain a point within the largest radius of p, by distance2() as rounded. c - cell_ and c
-/// + cell_ are beyond the coordinates of such points with any rounding, and cell_along() is monotonic. The cell of p
-/// comes first. Ends when `visit` returns true.
+/// Visits all cells that may contain a point whose rounded distance2() from p is within the largest radius. Such a
+/// point has coordinates between c - cell_ and c + cell_ of each coordinate c of p, whatever is rounded, and
+/// cell_along() is monotonic. The cell of p comes first. Ends when `visit` returns true.
 template <class Visit>
 void UndecidedPoints::visit_cells_around(Vec3 p, Visit visit) {
   const CellKey own = {cell_along(p.x), cell_along(p.y), cell_along(p.z)};
@@ -164,8 +164,8 @@ UndecidedPoints::Slot UndecidedPoints::lesser_within(const DiskPoint& point) {
   return found;
 }
 
-/// Marks a point as decided, and calls `use` for each undecided greater point that has it within its own radius. `use`
-/// returns whether it has decided that point.
+/// Marks a point as decided, and calls `use` for each undecided greater point that has this point within its own
+/// radius. `use` returns whether it has decided that point.
 template <class Use>
 void UndecidedPoints::decide_for_greater(Slot slot, Use use) {
   const DiskPoint& decided = slots_[slot].point;

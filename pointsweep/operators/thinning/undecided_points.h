@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The points near the sweep plane for which a greedy choice by priority is not decided yet.
+/// A greedy choice of points by priority, made while the points come in the order of a coordinate.
 #pragma once
 
 #include <array>
@@ -33,13 +33,13 @@ struct DiskPoint {
 /// Fineman and Shun, Greedy sequential maximal independent set and matching are parallel on average, SPAA 2012):
 /// - A point is complete when the front, the coordinate of the newest point along the axis, is farther ahead of it than
 ///   the largest radius: all points that may affect it have come.
-/// - A complete point waits for any lesser undecided point within its radius. If there is no such point, it is kept,
-///   and all points that have it within their own radius are dropped, complete or not; then it affects no later point
-///   and is forgotten.
-/// - If points are missing, a complete point that no kept point excludes, and for which lesser points may be missing,
-///   stays undecided, and so do the points that only it would exclude.
-/// So memory holds the points that are not complete, and complete points that wait for one of them. Chains of waiting
-/// points are short, about the logarithm of the number of points.
+/// - A complete point waits for any lesser undecided point within its radius. If there is no such point, the complete
+///   point is kept, and all points that have it within their own radius are dropped, complete or not. The kept point
+///   then affects no later point, and is removed.
+/// - A part of a cloud may lack points of other parts. A complete point that no kept point excludes, and for which
+///   lesser points may be missing, then stays undecided, and so do the points that only this point would exclude.
+/// So memory holds the points that are not complete, and the complete points that wait for incomplete points. Chains of
+/// waiting points are short, about the logarithm of the number of points.
 class UndecidedPoints {
  public:
   /// `axis`: axis along which points ascend. `most`: number of points that may be held at once.
@@ -68,7 +68,7 @@ class UndecidedPoints {
   ///   or left undecided;
   /// - waiting (the waiters of that lesser point), until the lesser point is decided: if it is kept, it has dropped the
   ///   waiting point; otherwise the waiting point is to be decided again.
-  /// A kept point drops others in each of these states; they stay in their lists until their turn.
+  /// A kept point may drop points in each of these states; a dropped point stays in its lists until they are processed.
   struct Held {
     DiskPoint point;
     Slot first_waiter = kNone;  ///< first of the points that wait for this point

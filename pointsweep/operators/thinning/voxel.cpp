@@ -103,8 +103,8 @@ constexpr std::string_view kMeasured[] = {"intensity", "red", "green", "blue", "
 
 bool is_floating(Type type) { return type == Type::f32 || type == Type::f64; }
 
-/// Returns the value of type T nearest to a mean, halves to even. The largest integers of 64 bits round to a float64
-/// that is above their range.
+/// Returns the value of type T nearest to a mean, halves to even. A mean of the largest 64-bit integers may be rounded
+/// to a float64 above their range.
 template <class T>
 T nearest_of_type(double mean) {
   if constexpr (std::is_floating_point_v<T>) {
@@ -116,7 +116,7 @@ T nearest_of_type(double mean) {
   }
 }
 
-/// Normalises `v`; sets it to 0 if it is 0 or not finite.
+/// Normalises the vector `v`; sets `v` to 0 if its length is 0 or not finite.
 void make_directions(double* v) {
   const double most = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
   const bool none = !(most > 0) || !std::isfinite(v[0] + v[1] + v[2]);
@@ -211,7 +211,7 @@ class MeansOfVoxels final : public InOrderWork {
 /// `input` and the made ones; but no vectors of arbitrary sign, arrays, packed or scaled fields.
 std::vector<AveragedAttribute> averaged_attributes(const Schema& input, std::span<const Attribute> made) {
   std::vector<AveragedAttribute> averaged;
-  std::set<std::size_t> taken;  // fields of the input that need no mean of their own
+  std::set<std::size_t> taken;  // fields of the input that are already averaged, or made anew by an earlier stage
   const auto number = [](const Field& field) { return scalar(field.name, Type::f64, "", ""); };
   for (const Attribute& a : made) {
     for (const std::string& field : a.fields)
