@@ -127,7 +127,7 @@ class M3c2Work final : public InOrderWork {
     return all;
   }
 
-  /// Returns the values in the order of the contract.
+  /// Returns the values of a point in the order of InOrderContract::makes.
   Values values_of(const Section& own, const Section& other) const {
     const auto n1 = static_cast<double>(own.count), n2 = static_cast<double>(other.count);
     const double uncertainty = std::sqrt(own.spread * own.spread / n1 + other.spread * other.spread / n2);

@@ -3,7 +3,7 @@
 /// instruction set.
 ///
 /// The data of a tile are first copied point by point into arrays, and later read as vectors: reading a vector right
-/// after its numbers were written one by one would stall.
+/// after its numbers were written one by one would stall the processor.
 #if defined(POINTSWEEP_OPERATORS_NEIGHBOR_TILES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef POINTSWEEP_OPERATORS_NEIGHBOR_TILES_INL_H_
 #undef POINTSWEEP_OPERATORS_NEIGHBOR_TILES_INL_H_
