@@ -10,8 +10,7 @@
 
 #include "pointsweep/order/stream.h"
 #include "reference/kd_heap.h"
-#include "reference/nearest_operator.h"
-#include "reference/read_write_operators.h"
+#include "reference/stream_operators.h"
 
 namespace pointsweep::reference {
 

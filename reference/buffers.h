@@ -13,7 +13,7 @@
 #include "pointsweep/points/degenerate_points.h"
 #include "pointsweep/row_error.h"
 #include "reference/fields.h"
-#include "reference/stream_operator.h"
+#include "reference/stream_operators.h"
 
 namespace pointsweep::reference {
 

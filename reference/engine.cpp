@@ -16,8 +16,7 @@
 #include "pointsweep/row_error.h"
 #include "reference/audit.h"
 #include "reference/buffers.h"
-#include "reference/nearest_operator.h"
-#include "reference/read_write_operators.h"
+#include "reference/stream_operators.h"
 
 namespace pointsweep {
 namespace reference {

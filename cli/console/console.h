@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// Output of the tool: texts on standard output, sentences on standard error. No function here throws. A sentence that
-/// cannot be written has no effect on the exit status of a verb; a text that cannot be written makes the verb fail
-/// (printing_error()), unless standard output is closed or its reader has ended.
+/// Output of the tool: texts on standard output, sentences on standard error; and errors of the command line. No
+/// function of this file except refuse() throws. A sentence that cannot be written has no effect on the exit status of
+/// a verb; a text that cannot be written makes the verb fail (printing_error()), unless standard output is closed or
+/// its reader has ended.
 #pragma once
+
+#include <fmt/format.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
+
+#include "pointsweep/error.h"
 
 namespace pointsweep {
 
@@ -38,5 +44,11 @@ std::string message_line(Severity severity, std::string_view sentence);
 
 /// Writes a sentence to standard error. A failure is ignored.
 void report(Severity severity, std::string_view sentence);
+
+/// Throws UsageError with the formatted sentence.
+template <class... Args>
+[[noreturn]] void refuse(fmt::format_string<Args...> sentence, Args&&... args) {
+  throw UsageError(fmt::format(sentence, std::forward<Args>(args)...));
+}
 
 }  // namespace pointsweep

@@ -11,7 +11,6 @@
 #include "cli/console/console.h"
 #include "cli/console/interrupt.h"
 #include "cli/console/program.h"
-#include "cli/console/refuse.h"
 #include "cli/verbs/progress.h"
 #include "pointsweep/program/formats.h"
 #include "pointsweep/program/report.h"

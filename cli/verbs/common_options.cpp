@@ -4,7 +4,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
-#include "cli/console/refuse.h"
+#include "cli/console/console.h"
 #include "cli/text/help.h"
 #include "pointsweep/program/formats.h"
 

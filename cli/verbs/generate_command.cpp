@@ -2,7 +2,7 @@
 /// `pointsweep generate SHAPE OUT`: a cloud of known geometry and any size.
 #include <chrono>
 
-#include "cli/console/refuse.h"
+#include "cli/console/console.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/common_options.h"

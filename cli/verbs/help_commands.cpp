@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "cli/console/console.h"
-#include "cli/console/refuse.h"
 #include "cli/text/declared_options.h"
 #include "cli/text/help.h"
 #include "cli/text/operator_listing.h"

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "cli/console/console.h"
-#include "cli/console/refuse.h"
 #include "cli/text/file_text.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "cli/console/refuse.h"
+#include "cli/console/console.h"
 #include "cli/text/help.h"
 #include "cli/verbs/common_options.h"
 #include "pointsweep/files.h"

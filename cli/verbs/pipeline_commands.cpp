@@ -15,7 +15,6 @@
 #include <string>
 
 #include "cli/console/console.h"
-#include "cli/console/refuse.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "pointsweep/chain.h"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "cli/console/refuse.h"
+#include "cli/console/console.h"
 #include "cli/text/help.h"
 #include "cli/verbs/cloud_run.h"
 

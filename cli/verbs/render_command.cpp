@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "cli/console/refuse.h"
+#include "cli/console/console.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/progress.h"

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "cli/console/console.h"
-#include "cli/console/refuse.h"
 #include "cli/verbs/cloud_run.h"
 #include "cli/verbs/commands.h"
 #include "cli/verbs/progress.h"

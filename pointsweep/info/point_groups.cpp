@@ -7,7 +7,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/field_names.h"
-#include "pointsweep/info/rank_search.h"
+#include "pointsweep/info/value_statistics.h"
 
 namespace pointsweep {
 

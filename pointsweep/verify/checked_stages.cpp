@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/checked_stages.h"
-
 #include <algorithm>
 #include <cstdint>
 #include <set>
@@ -13,6 +11,7 @@
 #include "pointsweep/storage/remote/url.h"
 #include "pointsweep/verify/values/cloud_formula.h"
 #include "pointsweep/verify/values/kept_rows.h"
+#include "pointsweep/verify/verify.h"
 
 namespace pointsweep {
 namespace {

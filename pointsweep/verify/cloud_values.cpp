@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/verify/cloud_values.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// Tiles and their buffers, found from the definition in run.h without the code of the run.
-#include "pointsweep/verify/divided_output.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -22,6 +20,7 @@
 #include "pointsweep/program/run_options.h"
 #include "pointsweep/verify/rows/field_pair.h"
 #include "pointsweep/verify/values/kept_rows.h"
+#include "pointsweep/verify/verify.h"
 
 namespace pointsweep {
 namespace {

@@ -23,12 +23,11 @@
 #include "pointsweep/pipeline/rows/nonfinite_points.h"
 #include "pointsweep/points/input_row.h"
 #include "pointsweep/program/pipeline.h"
+#include "pointsweep/program/run_options.h"
 #include "pointsweep/reader.h"
 #include "pointsweep/storage/local/place.h"
 #include "pointsweep/storage/remote/url.h"
-#include "pointsweep/verify/checked_stages.h"
-#include "pointsweep/verify/cloud_values.h"
-#include "pointsweep/verify/divided_output.h"
+#include "pointsweep/verify/chain_values.h"
 #include "pointsweep/verify/verify.h"
 
 namespace pointsweep {

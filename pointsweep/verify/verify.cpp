@@ -6,7 +6,6 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/verify/chain_values.h"
-#include "pointsweep/verify/cloud_values.h"
 #include "pointsweep/verify/rows/row_alignment.h"
 
 namespace pointsweep {

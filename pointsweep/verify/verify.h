@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: MIT
-/// The check of one output of a known run.
+/// The check of one output: the stages of its run that can be checked, the rows of the input on which they are checked,
+/// the output of a divided run as one cloud, and the check of an output of a known run.
 #pragma once
 
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "pointsweep/formats/cloud/input_cloud.h"
+#include "pointsweep/formats/provenance.h"
 #include "pointsweep/neighborhood.h"
 #include "pointsweep/operators/kinds/stage_operator.h"
+#include "pointsweep/pipeline/plan/chain_plan.h"
+#include "pointsweep/run.h"
 #include "pointsweep/verify.h"
 #include "pointsweep/verify/rows/made_values.h"
 #include "pointsweep/verify/rows/row_source.h"
@@ -39,12 +47,12 @@ struct MadeBy {
   std::vector<StageOperator> operators = {};
   std::vector<std::string> keep = {};  ///< names of the made attributes that were written; empty: all
   /// Attributes that are not checked, because they do not follow from a sample of the input, e.g. because points have
-  /// moved (made_by() in checked_stages.h).
+  /// moved (see made_by()).
   std::vector<Attribute> unchecked = {};
   /// All points of the cloud before voxel(keep=centroid); the input of the check then has one point of each voxel. Null
   /// without such a stage.
   std::shared_ptr<InputCloud> before_means = {};
-  /// The threshold of outliers, found in the output (outlier_threshold.h). If the output lacks mean distances, verify()
+  /// The threshold of outliers, found in the output (outlier_threshold()). If the output lacks mean distances, verify()
   /// computes the threshold from the input.
   CloudThreshold outlier_threshold = {};
   /// True if a select follows other stages, so that the output lacks some rows of the input.
@@ -78,5 +86,50 @@ struct MadeBy {
 /// point. Each point of the input is then compared only with the chosen points within their bounds. A pass takes about
 /// 0.3 µs per point.
 Verdict verify(InputCloud& in, RowSource& out, bool is_array, const MadeBy& made_by, const VerifyOptions& options = {});
+
+/// Returns the newest record of a point file; none if the file is an array, has no record or a record without stages.
+std::optional<ProvenanceRecord> recorded_run(const std::filesystem::path& file);
+
+/// Returns the paths of the inputs of a recorded run, in their order. Looks for an input under its absolute path or URL
+/// if the record states it, then in the folder of `file`, then in the current folder. Throws Error if an input is
+/// missing or has another size, UsageError if the record does not name all inputs.
+std::vector<std::filesystem::path> recorded_inputs(const ProvenanceRecord& record, const std::filesystem::path& file);
+
+/// Returns the stages of a plan that can be checked: up to the first new neighbourhood or voxel(keep=centroid), without
+/// stages that depend on all points after points have moved, and, after a select that follows other stages, without
+/// stages that read neighbours. MadeBy::unchecked lists the attributes of the other stages. Selects at the beginning
+/// are not included.
+MadeBy made_by(const ChainPlan& plan);
+
+/// Limits a check to the selects after other stages, so that it compares no made attribute.
+void leave_selects(MadeBy& made);
+
+/// Adds to `made` the fields that --keep has excluded from the output.
+void leave_out(const KeptFields& named, const std::string& prefix, const Schema& input, MadeBy& made);
+
+/// The rows of the input that stages have kept.
+struct KeptRows {
+  InputCloud cloud;                          ///< rows that the selects and thinnings at the beginning of the chain keep
+  std::shared_ptr<InputCloud> before_means;  ///< rows before voxel(keep=centroid); null without such a stage
+};
+
+/// Returns the rows of `cloud` that the selects and thinnings at the beginning of the chain keep. Throws UsageError for
+/// a thinning after other stages, and for any stage that drops rows after voxel(keep=centroid).
+KeptRows rows_kept_first(const VerifyOptions& options, const InputCloud& cloud, const ChainGraph& graph);
+
+/// Returns the division that the record of an output states; none if the output is not divided.
+OutputDivision recorded_division(const ProvenanceRecord& record);
+
+struct DividedOutput {
+  InputCloud own;         ///< points of all files, without points of buffers
+  Differences misplaced;  ///< points in the wrong file, and files with a wrong name or buffer
+};
+
+/// The name of the attribute that is 0 for points of a tile and another number for points of its buffer.
+inline constexpr const char* kBuffer = "buffer";
+
+/// Returns the points of a divided output, and the faults of the division. Reads all files once.
+DividedOutput read_divided(const std::vector<std::filesystem::path>& files, const OutputDivision& division,
+                           const PhaseProgress& progress);
 
 }  // namespace pointsweep

@@ -11,8 +11,7 @@
 #include <random>
 
 #include "pointsweep/formats/crs.h"
-#include "pointsweep/info/nearest_distances.h"
-#include "pointsweep/info/plan_area.h"
+#include "pointsweep/info/point_spacing.h"
 #include "tests/cli/tool.h"
 #include "tests/formats/las_test_file.h"
 

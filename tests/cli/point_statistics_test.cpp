@@ -14,8 +14,7 @@
 
 #include "pointsweep/error.h"
 #include "pointsweep/info.h"
-#include "pointsweep/info/histogram_bins.h"
-#include "pointsweep/info/rank_search.h"
+#include "pointsweep/info/value_statistics.h"
 #include "pointsweep/threads.h"
 #include "tests/cli/tool.h"
 

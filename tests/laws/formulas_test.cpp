@@ -6,10 +6,10 @@
 #include <fstream>
 
 #include "pointsweep/pipeline/plan/chain_plan.h"
-#include "pointsweep/verify/checked_stages.h"
 #include "pointsweep/verify/values/cloud_formula.h"
 #include "pointsweep/verify/values/kept_rows.h"
 #include "pointsweep/verify/values/stage_formula.h"
+#include "pointsweep/verify/verify.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/pipeline/attribute_cloud.h"
 #include "tests/support/every_operator.h"

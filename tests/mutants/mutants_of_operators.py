@@ -183,7 +183,7 @@ MUTANTS = [
            "p < node.parts.size(); ++p) {\n          const", "p < 2; ++p) {\n          const", ("operators:Expression.*",)),
     Mutant("the least number is never NaN", "formulas", OPS + "expressions/expression_evaluation.cpp",
            "if (std::isnan(v) || precedes(v, first))", "if (precedes(v, first))", ("operators:Expression.*",)),
-    Mutant("verify knows the sign of every 0", "verify", "pointsweep/verify/formulas/possible_number.cpp",
+    Mutant("verify knows the sign of every 0", "verify", "pointsweep/verify/formulas/plain_expression.cpp",
            "if (!is_exact && out.low == 0", "if (is_exact && out.low == 0", ("oracles:Expressions.*",)),
     Mutant("points on an edge are outside", "selects", "pointsweep/polygons/polygon_index.cpp",
            "if (side == 0) return true;", "if (side == 0) return false;", ("polygons", "pipeline:Crop.*")),

@@ -16,7 +16,7 @@
 
 #include "pointsweep/math/exp.h"
 #include "pointsweep/operators/expressions/expression.h"
-#include "pointsweep/verify/formulas/assignment.h"
+#include "pointsweep/verify/formulas/plain_expression.h"
 
 namespace pointsweep {
 namespace {

@@ -13,7 +13,6 @@
 #include "pointsweep/chain.h"
 #include "pointsweep/pipeline/language/build_chain.h"
 #include "pointsweep/verify/chain_values.h"
-#include "pointsweep/verify/cloud_values.h"
 #include "pointsweep/verify/rows/cloud_rows.h"
 #include "pointsweep/verify/rows/made_values.h"
 #include "tests/oracles/grid_neighbors.h"

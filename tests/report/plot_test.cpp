@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/report/plot.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

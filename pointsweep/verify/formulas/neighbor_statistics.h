@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "pointsweep/verify/formulas/assignment.h"
 #include "pointsweep/verify/formulas/estimate.h"
+#include "pointsweep/verify/formulas/plain_expression.h"
 
 namespace pointsweep::formulas {
 

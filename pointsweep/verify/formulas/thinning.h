@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// The points that decimate, parts and voxel choose, from the definitions of these operators, and the means of a voxel.
+/// The points that decimate, parts and voxel choose, the means of a voxel, and the levels of detail of points, from the
+/// definitions of these operators.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "pointsweep/verify/formulas/estimate.h"
 
@@ -51,5 +53,12 @@ class Mean {
 Estimate mean_vector(const std::array<Mean, 3>& components);
 /// Returns the mean vector divided by its length, float32; 0 if the length is 0 or not a number.
 Estimate mean_direction(const std::array<Mean, 3>& components);
+
+/// Bytes of memory for each point while levels are found.
+inline constexpr std::uint64_t kLevelBytes = 160;
+
+/// Returns the level of each point. All coordinates must be finite. Points with equal rounded coordinates are taken in
+/// the order of `points`.
+std::vector<std::uint8_t> levels_of(const std::vector<Coordinates>& points);
 
 }  // namespace pointsweep::formulas

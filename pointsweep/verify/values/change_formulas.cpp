@@ -11,7 +11,6 @@
 #include "pointsweep/program/quantities.h"
 #include "pointsweep/verify/formulas/cylinder.h"
 #include "pointsweep/verify/formulas/neighbor_statistics.h"
-#include "pointsweep/verify/search/ball_index.h"
 #include "pointsweep/verify/search/nearest_in_stream.h"
 #include "pointsweep/verify/values/cloud_formula.h"
 #include "pointsweep/verify/values/stored_values.h"

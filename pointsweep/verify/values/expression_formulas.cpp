@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pointsweep/operators/rows/set.h"
-#include "pointsweep/verify/formulas/assignment.h"
 #include "pointsweep/verify/formulas/neighbor_statistics.h"
+#include "pointsweep/verify/formulas/plain_expression.h"
 #include "pointsweep/verify/values/stage_formula.h"
 #include "pointsweep/verify/values/stored_values.h"
 

@@ -5,8 +5,8 @@
 #include <cstddef>
 
 #include "pointsweep/points/schema.h"
-#include "pointsweep/verify/formulas/assignment.h"
 #include "pointsweep/verify/formulas/estimate.h"
+#include "pointsweep/verify/formulas/plain_expression.h"
 
 namespace pointsweep {
 

@@ -5,7 +5,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "pointsweep/verify/formulas/levels.h"
 #include "pointsweep/verify/formulas/thinning.h"
 #include "pointsweep/verify/values/cloud_formula.h"
 
