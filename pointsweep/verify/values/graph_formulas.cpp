@@ -88,7 +88,7 @@ class ClusterFormula final : public LabelFormula {
     JoinedSets sets(places);
     std::vector<bool> belongs = core;
     for (std::uint32_t p = 0; p < places; ++p) {
-      std::optional<formulas::PlaceTree::Near> nearest;
+      std::optional<PlaceTree::Near> nearest;
       cloud.tree().within(p, eps2_, [&](const auto& near) {
         if (!core[near.place]) return;
         if (core[p])
