@@ -28,8 +28,8 @@ void remember(int signal) {
   if (has_timer) timer_settime(hard_end_timer, 0, &once, nullptr);
 }
 
-/// Ends the process when the timer of the first signal expires: the run has not stopped, because it waits for a disk or
-/// because an operator takes long. An alarm that no interruption has set is ignored.
+/// Ends the process when the timer that the first signal has started expires: the run has not stopped by then, because
+/// it waits for a disk or because an operator takes long. A SIGALRM without an earlier interruption is ignored.
 void end_at_once(int) {
   if (interrupting_signal() == 0) return;
   remove_leftovers();

@@ -72,7 +72,8 @@ constexpr const char* kBashTail =
     "}\n"
     "complete -F _pointsweep pointsweep\n";
 
-/// Returns the text in single quotes of zsh and fish.
+/// Returns the text in single quotes. `escaped_quote`: the way in which the shell (zsh or fish) writes a quote inside
+/// such a text.
 std::string quoted(const std::string& text, const char* escaped_quote) {
   std::string out = "'";
   for (const char c : text) c == '\'' ? void(out += escaped_quote) : out.push_back(c);

@@ -98,7 +98,7 @@ std::string provenance_text(const FileInfo& info) {
   return text;
 }
 
-/// Returns one line for each attribute but the coordinates.
+/// Returns a line with the range of each attribute except the coordinates.
 std::string ranges_text(const Schema& schema, const FileSummary& s) {
   std::size_t widest = 0;
   for (std::size_t f = 0; f < schema.fields.size(); ++f)
@@ -133,7 +133,7 @@ std::string cell_of_axis(const Box& bounds, int axis) {
   return fmt::format("{:.{}f} .. {:.{}f}", lo, decimals, hi, decimals);
 }
 
-/// Returns the number of `list` in `lists`, counted from 1. Appends `list` if `lists` lacks it.
+/// Returns the position of `list` in `lists`, counted from 1. Appends `list` to `lists` if it is new.
 std::size_t number_of(std::vector<std::string>& lists, const std::string& list) {
   const auto at = std::ranges::find(lists, list);
   const auto number = static_cast<std::size_t>(at - lists.begin()) + 1;

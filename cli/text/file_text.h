@@ -17,7 +17,7 @@ namespace pointsweep {
 std::string to_text(const FileSummary& summary);
 /// Returns a text like "x y z float32, intensity uint16".
 std::string attribute_text(const Schema& schema);
-/// Returns only the lines about points and bounds.
+/// Returns only the lines of the summary about points and bounds.
 std::string to_text(std::uint64_t points, const Box& bounds);
 
 /// Returns tables with the number of points of each group and a line for each attribute of each group, and histograms
@@ -54,7 +54,7 @@ class FileTable {
   std::vector<std::string> lists_;
 };
 
-/// The sums over all files of a report.
+/// The sums over all files that `pointsweep info` reports on.
 class FileTotals {
  public:
   void add(const FileSummary& file);

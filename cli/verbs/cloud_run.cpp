@@ -36,7 +36,7 @@ ResolvedFiles files_of(InputsAndOutput named, const CommonOptions& options) {
   return files;
 }
 
-/// Returns the name of the report; refuses a name that does not end with .html.
+/// Returns the name of the report. Throws UsageError unless the name ends with .html.
 const std::filesystem::path& page_name(const std::filesystem::path& file) {
   if (extension_of(file) != ".html")
     refuse("--report: {}: the report is a page; give a name that ends with .html.", file.string());

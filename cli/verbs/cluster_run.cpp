@@ -44,7 +44,8 @@ with open(int(sys.argv[1])) as request:
     sys.exit(main(json.load(request)))
 )";
 
-/// Returns the descriptor of a file in memory that holds the text. A program that replaces this one can read it.
+/// Returns the descriptor of a file in memory that holds the text. The descriptor stays open in a program that replaces
+/// this one by exec().
 int descriptor_of(const std::string& text) {
   const int descriptor = ::memfd_create("request", 0);
   if (const int error = write_all(descriptor, text); error != 0)

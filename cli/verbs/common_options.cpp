@@ -102,7 +102,8 @@ void add_stated_crs_options(CLI::App& verb, CommonOptions& options) {
 
 namespace {
 
-/// Adds an option whose value becomes a word for the format of inputs. At most one of these options may be used.
+/// Adds an option that sets `format`, the format of the inputs, to `begin` followed by its value, e.g. "depth:4". At
+/// most one of these options may be used.
 void add_format_word(CLI::App& verb, std::string& format, const char* flag, const char* begin, const char* meaning,
                      const char* value) {
   verb.add_option_function<std::string>(

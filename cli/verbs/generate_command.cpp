@@ -16,7 +16,7 @@ namespace {
 struct GenerateOptions {
   CommonOptions common;
   std::string shape;
-  std::filesystem::path positional, output;  ///< the output, named by an argument or by --output
+  std::filesystem::path positional, output;  ///< the output as an argument and as the value of --output; one is empty
   Sampling sampling;
 };
 

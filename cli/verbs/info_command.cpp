@@ -69,7 +69,7 @@ nlohmann::ordered_json box_as_json(const Box& box) {
   return {{"min", corner(box.lo)}, {"max", corner(box.hi)}};
 }
 
-/// Prints the report about the files: about each file, then about all together.
+/// Prints the report: first a part for each file, then the part about all files together.
 class InfoReport {
  public:
   explicit InfoReport(InfoStyle style) : style_(style) {}

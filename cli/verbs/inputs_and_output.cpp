@@ -28,7 +28,7 @@ bool is_folder_name(const fs::path& path) {
   return !is_standard_stream(path) && (!path.has_filename() || fs::is_directory(path, error));
 }
 
-/// Returns whether the last of several names may be an input, since a file of this name exists.
+/// Returns whether the last of several names may be meant as an input: a file or a folder of point files has this name.
 bool may_be_input(const InputsAndOutput& named) {
   std::error_code error;
   if (is_url(named.output())) return false;  // an existing object is refused when the output is opened
@@ -134,7 +134,7 @@ std::string parse_output_format(const std::string& text) {
   const std::string word = text.substr(text.starts_with('.') ? 1 : 0);
   std::string extension = extension_of("tile." + word);
   const std::vector<std::string_view> known = writable_extensions();
-  // Refuses "copc.laz", which has two parts.
+  // False for "copc.laz", of which extension_of() returns only the last part.
   const bool is_whole = extension.size() == word.size() + 1;
   if (!is_whole || std::ranges::find(known, extension) == known.end())
     refuse("--output-format: '{}' is not one of {}.", text, fmt::join(known, ", "));

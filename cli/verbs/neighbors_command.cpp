@@ -14,7 +14,7 @@
 namespace pointsweep {
 namespace {
 
-/// Returns the number of neighbours that the verb finds if the user gives none.
+/// Returns the number of neighbours that the verb finds without -k.
 std::string default_k() { return text_of_value(neighbors_declaration().options.front().preset); }
 
 struct NeighborsCommand {
@@ -30,7 +30,7 @@ void require_npy(const std::filesystem::path& path) {
   if (!is_array_name(path)) refuse("{}: the graph is a NumPy array; name a {} file.", path.string(), array_extension());
 }
 
-/// Returns the arrays to write. OUT gets `neighbors`, or `distances` if only these are kept; --distances gets
+/// Returns the arrays to write. OUT gets `neighbors`, or `distances` if --keep names only these; --distances gets
 /// distances.
 Arrays arrays_of(const NeighborsCommand& command) {
   const std::vector<std::string>& keep = command.common.keep;

@@ -94,7 +94,7 @@ void ProgressDisplay::report(std::string_view phase, std::uint64_t done, std::ui
     start_ = now;
     complete_ = false;
   }
-  if (complete_) return;  // a late report of another thread
+  if (complete_) return;  // ignores a late report of another thread
   complete_ = last;
   const double seconds = std::chrono::duration<double>(now - start_).count();
   if (targets_.programs >= 0 && due(now, next_for_programs_, kProgramInterval, first, last))
