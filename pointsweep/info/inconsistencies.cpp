@@ -123,14 +123,14 @@ std::string storage_of(const Field& field) {
   return text;
 }
 
-/// An attribute of some files, and for each way to store it the files that use this way.
+/// An attribute, and for each way to store its values the files that use this way.
 struct SharedAttribute {
   std::string name;  ///< name in the first file
   FilesOfValues storages;
 };
 
-/// Groups attributes by their meaning, under any names in the files (`nx`, `NormalX`); in the order of their first
-/// occurrence.
+/// Returns the attributes of the files in the order of their first occurrence. Names with one meaning (`nx`, `NormalX`)
+/// are one attribute.
 std::vector<SharedAttribute> attributes_of(const SomeKinds& files) {
   std::vector<SharedAttribute> all;
   std::map<std::string, std::size_t> places;

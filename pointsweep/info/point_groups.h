@@ -19,12 +19,12 @@ namespace pointsweep {
 class PointGroups {
  public:
   PointGroups() : keys_({0}) {}
-  /// Throws UsageError for an attribute that is not there or has several components.
+  /// Throws UsageError if the schema lacks the attribute `by`, or if the attribute has several components.
   PointGroups(const Schema& schema, const std::string& by);
 
   /// Writes the group of each record; records are `stride` bytes apart. Throws UsageError for a value that is not a
-  /// whole number, and for more than `most` groups, or PointStatistics::kMostGroups. If `most` is 0, a new value throws
-  /// Error.
+  /// whole number, and for more than `most` groups, or PointStatistics::kMostGroups. With `most` 0, for a later reading
+  /// of the same points, a new value throws Error.
   void find(std::span<const std::byte> records, std::size_t stride, std::size_t most,
             std::vector<std::uint32_t>& groups);
 

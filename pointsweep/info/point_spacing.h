@@ -48,9 +48,9 @@ class PlanArea {
   Cell last_;
 };
 
-/// A kd-tree over the points whose distances are sought, the sample. Every node stores the largest nearest distance of
-/// the sampled points below it. A point of the cloud visits only the nodes with a sampled point that may be closer than
-/// this distance. Memory is proportional to the size of the sample.
+/// A kd-tree over the points whose distances are sought, the sample. Every node stores the largest nearest distance
+/// found so far of the sampled points in its subtree. A point of the cloud visits a node only if the box of the node is
+/// closer than this distance. Memory is proportional to the size of the sample.
 class NearestDistances {
  public:
   struct Sampled {
@@ -68,8 +68,8 @@ class NearestDistances {
  private:
   struct Node {
     Box box;
-    double farthest2;                 ///< largest squared nearest distance of the sampled points below
-    std::uint32_t begin, end, above;  ///< points of the sample; `above`: second child, 0 in a leaf
+    double farthest2;                 ///< largest squared nearest distance in the subtree
+    std::uint32_t begin, end, above;  ///< range in the sample; `above`: second child, 0 in a leaf
   };
   void build(std::uint32_t begin, std::uint32_t end);
   void visit(std::uint32_t node, Vec3 position, std::uint64_t row);

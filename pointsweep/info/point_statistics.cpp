@@ -18,9 +18,9 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kBytesOfGroups = 160 << 20;  ///< limit for moments, searches and counts of all groups
-constexpr std::uint64_t kNumbersOfSearch = 8 << 20;  ///< limit for the numbers of all searches, 8 bytes each
-constexpr std::uint64_t kMostOfInterval = 1 << 20;   ///< numbers of one interval of a search
+constexpr std::uint64_t kBytesOfGroups = 160 << 20;  ///< limit in bytes for moments, searches and counts of all groups
+constexpr std::uint64_t kNumbersOfSearch = 8 << 20;  ///< limit for the counters of all searches, 8 bytes each
+constexpr std::uint64_t kMostOfInterval = 1 << 20;   ///< limit for the counters of one interval of a search
 constexpr std::uint64_t kLeastBins = 2, kMostBins = 1000;
 
 /// An attribute with requested statistics, and the results for each group.
@@ -35,7 +35,8 @@ class Column {
            (histogram_ ? 8 * bins : 0);
   }
 
-  /// Takes records of a reading with the group of each. `groups`: number of groups so far.
+  /// Takes records of a reading. `group_of`: group of each record; `groups`: number of groups so far; `is_first`: true
+  /// in the first reading.
   void take(std::span<const std::byte> records, std::size_t stride, std::span<const std::uint32_t> group_of,
             std::size_t groups, bool is_first) {
     keys_.find(records, stride, found_);
@@ -117,7 +118,7 @@ class Column {
   std::vector<std::uint64_t> found_;   ///< keys of the records of the last take()
   std::vector<ValueMoments> moments_;  ///< moments of each group
   std::vector<RankSearch> searches_;   ///< search of each group
-  std::vector<std::uint64_t> room_;    ///< numbers in which the searches count or collect keys
+  std::vector<std::uint64_t> room_;    ///< counters of the searches (RankSearch::add())
   std::optional<HistogramBins> bins_;
   std::vector<std::uint64_t> counts_;  ///< counts of the bins, group after group
 };
@@ -134,7 +135,8 @@ std::vector<Column> columns_of(const Schema& schema, const PointStatisticsOption
   return columns;
 }
 
-/// Reads all points as often as the statistics need. Threads share the attributes of a block among them.
+/// Reads all points as often as the statistics need. The attributes of a block of points are distributed among the
+/// threads.
 class Readings {
  public:
   Readings(Cloud& cloud, const PointStatisticsOptions& options)

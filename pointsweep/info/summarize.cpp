@@ -149,7 +149,7 @@ void add_ranges(FileSummary& summary, const Schema& schema, const Piece& piece) 
   }
 }
 
-/// Counts the points of each value of a small whole number; larger values are ignored.
+/// Counts the points of each value of `field` from 0 to N - 1; other values are ignored.
 template <std::size_t N>
 void add_counts(std::array<std::uint64_t, N>& counts, const Field& field, const Schema& schema, const Piece& piece) {
   for (std::size_t i = 0; i < piece.count; ++i) {

@@ -36,7 +36,7 @@ class ValueKeys {
   AttributeValue value(std::uint64_t key) const;
 
  private:
-  enum class Kind : std::uint8_t { real, whole, natural };  ///< natural: unsigned of 64 bits
+  enum class Kind : std::uint8_t { real, whole, natural };  ///< natural: unsigned integers of 64 bits
   static constexpr std::uint64_t kSign = std::uint64_t{1} << 63;
   static constexpr std::uint64_t key_of(double value) {
     const auto bits = std::bit_cast<std::uint64_t>(value + 0.0);

@@ -12,7 +12,7 @@
 namespace pointsweep {
 namespace {
 
-/// Adds `value` without rounding, 32 bits at a time.
+/// Adds an integer to the sum without rounding, 32 bits at a time.
 void add_whole(ExactSum& sum, Int128 value) {
   const double sign = value < 0 ? -1 : 1;
   auto rest = value < 0 ? -static_cast<UInt128>(value) : static_cast<UInt128>(value);
@@ -85,7 +85,8 @@ std::uint64_t ValueMoments::bytes(const ValueKeys& keys, bool sums) {
 
 namespace {
 
-/// Multiples up to this number are exact, and no two edges are equal.
+/// The greatest magnitude of an edge in widths. Up to this number, multiples of the width are exact, and no two edges
+/// are equal.
 constexpr double kMostMultiple = 0x1p50;
 
 /// Returns a / b rounded down; b > 0.
@@ -118,7 +119,8 @@ void HistogramBins::set_width(int digit, int exponent) {
   for (int i = 0; i < std::min(exponent, 19); ++i) whole_width_ *= 10;
 }
 
-/// Returns the float64 nearest to the decimal number for exponents of -22 to 22; infinite beyond the range of float64.
+/// Returns multiple * digit_ * 10^exponent_, correctly rounded for exponents of -22 to 22; infinite beyond the range of
+/// float64.
 double HistogramBins::edge(std::int64_t multiple) const {
   const double units = static_cast<double>(multiple) * digit_;
   return exponent_ < 0 ? units / power_ : units * power_;

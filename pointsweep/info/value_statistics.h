@@ -22,7 +22,7 @@ namespace pointsweep {
 /// 1.1 kB each.
 class ValueMoments {
  public:
-  /// `sums`: false for number and range only.
+  /// `sums`: false if only number and range are needed.
   ValueMoments(const ValueKeys& keys, bool sums);
   void add(const ValueKeys& keys, std::uint64_t key);
 
@@ -38,14 +38,14 @@ class ValueMoments {
   /// fewer than two values, or if the sum of their squares is beyond float64.
   std::optional<double> deviation() const;
 
-  /// Returns the memory in bytes that an object takes.
+  /// Returns the memory in bytes that a ValueMoments takes.
   static std::uint64_t bytes(const ValueKeys& keys, bool sums);
 
  private:
   struct Sums {
     ExactSum values, squares;
   };
-  /// Returns `exact_`, or else the sums of whole numbers in this form.
+  /// Returns `exact_`; without it, `sum_` and `squares_` as exact sums.
   Sums sums() const;
 
   std::uint64_t count_ = 0, nonfinite_ = 0;
@@ -59,13 +59,15 @@ class ValueMoments {
 /// bins, and at least 1 for whole numbers.
 class HistogramBins {
  public:
-  /// `least` and `most`: keys. `wanted`: 2 or more, since 0 is an edge.
+  /// `least` and `most`: keys of the range. `wanted`: at least 2, because 0 is always an edge and may lie inside of the
+  /// range.
   HistogramBins(const ValueKeys& keys, std::uint64_t least, std::uint64_t most, std::uint64_t wanted);
 
   std::size_t size() const { return static_cast<std::size_t>(last_ - first_) + 1; }
-  /// Returns size() + 1 edges, ascending. A multiple beyond float64 becomes its greatest number.
+  /// Returns size() + 1 edges, ascending. An edge beyond the range of float64 becomes the greatest float64 number of
+  /// its sign.
   std::vector<double> edges() const;
-  /// Returns the bin, below size(), of a value.
+  /// Returns the index, below size(), of the bin that holds the value.
   std::size_t bin_of(const ValueKeys& keys, std::uint64_t key) const;
 
  private:
@@ -80,25 +82,28 @@ class HistogramBins {
   std::int64_t first_ = 0, last_ = 0;  ///< lower edges of the first and the last bin, as multiples of the width
 };
 
-/// Throws Error for points that differ from one reading to the next.
+/// Throws Error with the sentence that the points have changed between two readings.
 [[noreturn]] void fail_of_changed_points();
 
-/// Finds the keys at the quantile_rank() of each percentage of PointStatistics::kPercent. It keeps intervals of keys,
-/// each of which holds some of the ranks. A reading counts the keys in equal parts of each interval, which then shrinks
-/// to the parts that contain its ranks. For an interval with few keys, the keys themselves are collected instead.
+/// Finds the keys at the quantile_rank() of each percentage of PointStatistics::kPercent. The search keeps intervals of
+/// keys, each of which holds some of the ranks. A reading counts the keys in equal parts of each interval; then the
+/// parts that contain ranks replace the interval. If an interval has few keys, the reading collects the keys
+/// themselves. Without open intervals, the search is complete.
 class RankSearch {
  public:
   static constexpr std::size_t kRanks = PointStatistics::kPercent.size();
 
-  /// Begins a search among `count` keys from `least` to `most`. A search among no keys finds none.
+  /// Begins a search among `count` keys from `least` to `most`. If `count` is 0, the search is complete and keys() are
+  /// 0.
   RankSearch(std::uint64_t count, std::uint64_t least, std::uint64_t most);
 
   /// Returns the number of intervals that the next reading divides.
   std::size_t open() const { return intervals_.size(); }
-  /// Begins a reading. Assigns each interval at most `share` numbers in the array `room` of add() and end(), from index
-  /// `next` on, and advances `next` past them. `share`: 2 to 2^63.
+  /// Begins a reading. Assigns each interval at most `share` (2 to 2^63) counters in the array `room` of add() and
+  /// end(), from index `next` on, and advances `next` past them.
   void begin(std::uint64_t share, std::uint64_t& next);
-  /// Takes one of the keys. `room`: the numbers in which all intervals count or store keys; 0 when the reading begins.
+  /// Takes the key of one value. `room`: counters in which all intervals count or store keys; all 0 when the reading
+  /// begins.
   void add(std::uint64_t key, std::span<std::uint64_t> room);
   /// Ends a reading. Throws Error if its keys differ from the keys of earlier readings.
   void end(std::span<std::uint64_t> room);
@@ -112,8 +117,8 @@ class RankSearch {
     std::uint64_t least, most, count;
     std::uint8_t first, last;
     std::uint8_t shift = 0;   ///< a part has 2^shift keys
-    bool takes_keys = false;  ///< true if the room stores the keys themselves
-    std::uint64_t at = 0;     ///< index in the room of the first number of the interval
+    bool takes_keys = false;  ///< true if `room` stores the keys themselves
+    std::uint64_t at = 0;     ///< index in `room` of the first counter of the interval
     std::uint64_t taken = 0;
   };
   void divide(const Interval& interval, std::span<std::uint64_t> room, std::vector<Interval>& parts);
