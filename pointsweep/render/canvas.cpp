@@ -43,7 +43,7 @@ void Canvas::draw(const ProjectedEllipse& ellipse, Rgb color) {
     put(static_cast<std::int64_t>(c.x), static_cast<std::int64_t>(c.y), c.z, color);
   }
   const double det = u.x * v.y - u.y * v.x;
-  if (std::abs(det) < 0.05) return;  // less than a sixth of a sample: the ellipse is far away or seen edge-on
+  if (std::abs(det) < 0.05) return;  // the area is below a sixth of a sample: the ellipse is far away or seen edge-on
   const Vec3 across_s = (1 / det) * Vec3{v.y, v.x, 0}, across_t = (1 / det) * Vec3{u.x, u.y, 0};
   const auto first = [](double low) { return static_cast<std::int64_t>(std::max(0.0, std::ceil(low - 0.5))); };
   const auto last = [](double high, std::int64_t count) {

@@ -25,9 +25,9 @@ class Canvas {
   /// Makes an empty picture with fineness × fineness samples for each pixel.
   Canvas(unsigned width, unsigned height, unsigned fineness, Rgb background);
 
-  /// Fills the samples whose middle is inside of the ellipse, each with its own depth; at least the sample under the
-  /// center, unless that is outside of the picture. Semi-axes are limited to an eighth of the picture's longer side,
-  /// because a huge splat of an outlier would hide other points and take as much time as all other points together.
+  /// Fills the samples whose middle is inside of the ellipse, each with its own depth. Also fills the sample under the
+  /// center, if it is in the picture. Semi-axes are limited to an eighth of the picture's longer side, because a huge
+  /// splat of an outlier would hide other points and take as much time as all other points together.
   void draw(const ProjectedEllipse& ellipse, Rgb color);
 
   /// Darkens samples that are farther from the viewer than the samples around them: light and shade for points without

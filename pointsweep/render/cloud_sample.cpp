@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 RowStretches every_nth(const InputCloud& cloud, std::uint64_t n) {
-  const bool seeks = cloud.decoder() != nullptr;  // a reader without decoders may read all rows that are skipped
+  const bool seeks = cloud.decoder() != nullptr;  // a reader without a decoder may have to read the rows that it skips
   RowStretches rows;
   std::uint64_t i = 0;
   for (std::uint64_t row = 0; row < cloud.count(); ++i) {
@@ -54,8 +54,8 @@ double seconds_per_row(InputCloud& cloud, const RowStretches& rows, double secon
 constexpr std::uint64_t kSample = 65536;
 constexpr std::size_t kBlock = 8192;
 
-/// Returns the row of stretch `i` that is sampled: a pseudorandom one, so that a period of rows in the file does not
-/// coincide with the period of the sample.
+/// Returns the row of stretch `i` that is sampled. The row is pseudorandom, so that a period of rows in the file does
+/// not coincide with the period of the sample.
 std::uint64_t sampled_row(std::uint64_t i, std::uint64_t stretches, std::uint64_t rows) {
   const auto start = [&](std::uint64_t s) { return rows / stretches * s + rows % stretches * s / stretches; };
   return start(i) + mix(i) % (start(i + 1) - start(i));

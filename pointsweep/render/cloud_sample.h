@@ -37,8 +37,8 @@ struct Extents {
   double lo_x = Box::kInf, hi_x = -Box::kInf, lo_y = Box::kInf, hi_y = -Box::kInf;
 };
 
-/// Takes the points before the view is chosen. For each possible view, it finds the extents of all points, not of a
-/// sample. Cost: two dot products per point and view; there are at most 12 views.
+/// The extents of all points in each view that may be chosen after the first pass over the points. Cost: two dot
+/// products per point and view; there are at most 12 views.
 class PossibleViews {
  public:
   /// `angles` and `up`: the choices of the user. If one is absent, all its automatic choices are possible.
@@ -79,7 +79,8 @@ struct CloudSample {
   std::vector<std::byte> records;  ///< records of the points of `positions`, one after another
 };
 
-/// Samples the cloud, and shows every record to `color` and every finite point to `views`.
+/// Samples the cloud in one pass, which calls color.look_at() for every record and views.include() for every finite
+/// point.
 CloudSample sample_cloud(InputCloud& cloud, const RowStretches& rows, PointColor& color, PossibleViews& views,
                          const std::function<void(std::uint64_t done)>& progress);
 

@@ -12,9 +12,9 @@
 namespace pointsweep {
 namespace {
 
-/// The strokes of the characters from ' ' to '~'. A character consists of polylines, separated by blanks, and a vertex
-/// of two digits, x and y. The baseline is y = 2. Capitals and ascenders reach y = 8, other small letters y = 6, and
-/// descenders y = 0.
+/// The strokes of the characters from ' ' to '~'. A character consists of polylines, separated by blanks. Each vertex
+/// of a polyline is two digits, x and y. The baseline is y = 2. Capitals and ascenders reach y = 8, other small letters
+/// y = 6, and descenders y = 0.
 constexpr std::array<const char*, 95> kStrokes = {
     "", "0804 0202", "0806 2826", "1318 3338 0444 0747", "473818070615354443321203 2921", "0248 0708181707 3233434232",
     "4216172837360403122244", "0806", "19070311", "09171301", "1713 0624 0426", "2327 0545", "1201", "0535", "0202",

@@ -23,12 +23,12 @@ class PointColor {
  public:
   /// `what`: rgb (the file's colours), normal (its components as colours), height (the coordinate that points up),
   /// curvature (RMS curvature, or another curvature that the file has), classification (the standard colours of LAS),
-  /// plain (grey), or the name of an attribute. If `what` is empty, the first of these is chosen: rgb if colours differ
-  /// between points; plain if the file has normals and the cloud is not flat; height. `option`: name of the caller's
-  /// option, for messages. Throws UsageError that lists the fields of the schema if `what` is none of these.
+  /// plain (grey), or the name of an attribute. If `what` is empty, the choice is rgb if colours differ between points,
+  /// else plain if the file has normals and the cloud is not flat, else height. `option`: name of the caller's option,
+  /// for messages. Throws UsageError that lists the fields of the schema if `what` is none of these.
   PointColor(const Schema& schema, std::string_view what, std::string_view option = "--color");
 
-  /// Notes the range of the record's colours and its class.
+  /// Extends the ranges of the colours, and the set of classes, by those of the record.
   void look_at(const std::byte* record);
 
   /// A sample of the cloud: record i of `stride` bytes belongs to position i.
@@ -37,7 +37,8 @@ class PointColor {
     const std::vector<std::byte>& records;
     std::size_t stride;
   };
-  /// Makes the choice, and sets the range of numbers from the sample by robust_range().
+  /// Chooses the colouring, and sets the range of its numbers by robust_range() of the sample. `flat`: is_flat() of the
+  /// cloud.
   void settle(const Sample& sample, Up up, bool flat);
 
   /// Returns the name of the colouring that is used: "rms_curvature", "rgb", ...
@@ -53,7 +54,7 @@ class PointColor {
   double hi() const { return hi_; }
   /// Returns the classes that occur, ascending.
   std::vector<std::uint8_t> classes() const;
-  /// Returns a note if the colours of the file were to be drawn but are all equal; else an empty text.
+  /// Returns a sentence for the user if rgb was possible but all points have one colour; else an empty text.
   const std::string& remark() const { return remark_; }
   /// Returns whether light and shade are added to the colours.
   bool is_shaded() const { return kind_ != Kind::normal; }

@@ -17,7 +17,8 @@ constexpr std::size_t kLeaf = 16;  ///< most points of a leaf of a SpacingTree
 /// bubbles.
 constexpr double kSurfaceRadius = 1.5, kPointRadius = 1;
 
-/// Returns the area of the two longer sides; points on a line get a strip as wide as their spacing.
+/// Returns the product of the two longer sides of the box. For `points` points on a line, returns the area of a strip
+/// as wide as their spacing.
 double area_of(const Box& box, std::size_t points) {
   const Vec3 e = box.extent();
   const double longest = std::max({e.x, e.y, e.z}), shortest = std::min({e.x, e.y, e.z});
@@ -25,9 +26,9 @@ double area_of(const Box& box, std::size_t points) {
   return longest * std::max(middle, longest / static_cast<double>(points));
 }
 
-/// Returns twice the nearest-neighbour distance at the 75 % quantile, of neighbours at other places. For random points
-/// on a surface this is 1.3 times the side of the square per point; for widely spaced rows of a scanner it is twice the
-/// step along a row.
+/// Returns twice the 75 % quantile of the distances to the nearest point at another place. For random points on a
+/// surface this is 1.3 times the side of the square per point; for widely spaced rows of a scanner it is twice the step
+/// along a row.
 double twice_nearest(std::span<const Vec3> points) {
   std::vector<double> nearest2(points.size(), Box::kInf);
   for (std::size_t i = 0; i < points.size(); ++i)

@@ -14,12 +14,12 @@ namespace pointsweep {
 
 /// Estimates the local spacing of points. Halves the sample along its longest side until a part has at most 16 points.
 /// The two longer sides of the box of a part give the area per point, and the distances between its points show whether
-/// they lie in rows or clumps with gaps. So dense and sparse parts of a scan have their own spacing. Memory and time to
-/// build are proportional to the sample; a look-up takes one comparison per halving.
+/// they lie in rows or clumps with gaps. Memory and time to build are proportional to the sample; a look-up takes one
+/// comparison per halving.
 class SpacingTree {
  public:
-  /// Builds the tree of a sample that represents `points` points of a surface. Without finite points, every spacing is
-  /// 0.
+  /// Builds the tree of a sample of finite points. `points`: number of points of the cloud, of which the sample is a
+  /// part. Every spacing is 0 for an empty sample.
   SpacingTree(std::vector<Vec3> sample, std::uint64_t points);
 
   /// Returns the side of the square that one point of the cloud occupies around `p`, at most twice the typical distance
@@ -49,7 +49,7 @@ struct SurfaceElement {
 struct DiscRadii {
   /// Limit of estimated radii, so that the few points of a sparse place do not look like a surface.
   double largest_guess;
-  double fixed = 0;  ///< radius of all points, as discs that face the viewer; 0 if each point has its own
+  double fixed = 0;  ///< if above 0, all points are discs of this radius that face the viewer
 };
 
 /// Chooses the disc or ellipse that is drawn for a point.

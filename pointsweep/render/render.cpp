@@ -20,11 +20,11 @@ namespace pointsweep {
 namespace {
 
 constexpr double kAmbient = 0.25;
-constexpr double kBulge = 0.3;                                         // bulge of discs without a normal, in radii
-constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;  // limits of guessed radii over the longer side
-constexpr double kSmallestLimit = 3;                                   // least limit of guessed radii, in pixels
+constexpr double kBulge = 0.3;                                         // ProjectedEllipse::bulge without a normal, in radii
+constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;  // largest estimated radii / longer side of the picture
+constexpr double kSmallestLimit = 3;                                   // the largest estimated radius is at least this, in pixels
 constexpr double kSampleSeconds = 100e-9;  // seconds to fill a sample of the canvas under overlapping discs
-constexpr double kFarOutliers = 4;         // ratio of the span of all points to the span of nearly all points
+constexpr double kFarOutliers = 4;         // see span_without_outliers()
 constexpr std::uint64_t kMostPixels = 1u << 26;
 
 void check(const RenderOptions& options) {
@@ -35,8 +35,8 @@ void check(const RenderOptions& options) {
              options.width, options.height, kMostPixels);
 }
 
-/// Returns the cloud with only as many levels of detail as are needed until the spacing of points is at most a pixel of
-/// a picture of this size; all points unless all inputs have levels.
+/// Returns the cloud with the coarsest levels of detail whose points are at most a pixel apart in a picture that is
+/// `pixels` wide. Returns all points unless all inputs have levels of detail.
 InputCloud drawn_levels(const InputCloud& cloud, unsigned pixels) {
   Box bounds;
   double coarsest = 0;
@@ -92,7 +92,7 @@ unsigned fineness_of(const RenderOptions& options) {
   return fineness;
 }
 
-/// Returns the rows to draw: all if the time suffices.
+/// Returns the rows to draw: all rows without a time limit, else as many as the limit allows.
 RowStretches rows_of(InputCloud& cloud, const RenderOptions& options) {
   if (options.seconds <= 0) return all_rows(cloud);
   return rows_within(cloud, options.seconds - fill_seconds(options, fineness_of(options)));

@@ -28,7 +28,8 @@ double sine(double degrees) {
 }
 double cosine(double degrees) { return sine(degrees + 90); }
 
-/// Turns a vector from the frame with z up to a frame with another direction up; both are right-handed.
+/// Converts a vector from the coordinate frame with z up to the frame with `up` as its direction up. Both frames are
+/// right-handed.
 Vec3 with_up(Vec3 v, Up up) {
   if (up.sign < 0) v = {v.x, -v.y, -v.z};
   if (up.axis == 1) return {v.x, v.z, -v.y};
@@ -41,7 +42,7 @@ bool parse_number(std::string_view text, double& value) {
   return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
 }
 
-constexpr double kOutliers = 0.001;  // share of the points that extents leave out at either end
+constexpr double kOutliers = 0.001;  // share of the points beyond either end of the extents
 constexpr double kFlatness = 0.25;
 constexpr double kFootHeight = 0.02;  // height of the lowest layer of points, as a share of the extent
 constexpr double kPreferenceForZ = 1.25, kLeastFooting = 0.25;

@@ -18,7 +18,8 @@ struct Tick {
   std::string text;
 };
 
-/// The scale of a plot, from values to places: a linear or logarithmic axis over [lo, hi], drawn from `begin` to `end`.
+/// The scale of an axis: maps the values [lo, hi], linearly or logarithmically, to the coordinates from `begin` to
+/// `end` of an SVG.
 class Scale {
  public:
   /// Makes a scale. On a logarithmic scale, `lo` and `hi` must be positive. An empty range is widened.

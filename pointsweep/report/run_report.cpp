@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::array<const char*, 6> kCurvatures = {
     "rms_curvature", "mean_curvature", "absolute_curvature", "k1", "surface_variation", "gaussian_curvature"};
-/// Operators whose results are positions and lists, so that they give no quantity of a point to show.
+/// Operators whose results are positions or lists, which no colour can show.
 constexpr std::array<std::string_view, 4> kNotPictured = {"neighbors", "fair", "reneighbor", "resort"};
 /// Beginnings of the names of fields that are parts of vectors or of lists.
 constexpr std::array<std::string_view, 6> kParts = {"splat_",     "k1_",       "normal_eigenvalue",
@@ -74,8 +74,8 @@ namespace {
 constexpr std::size_t kBins = 48;
 constexpr std::uint32_t kPercents[] = {0, 5, 25, 50, 75, 95, 100};
 constexpr double kLargestWhole = 1e15;  ///< limit below which every whole number is exact as a double
-/// The reciprocal of the share of values on either side that lie outside of the evenly divided range of a histogram.
-/// The first and the last bin count these values.
+/// One value in this many lies below the range that the bins of a histogram divide, and one in this many above it. The
+/// first and the last bin count these values.
 constexpr std::uint32_t kOneBeyond = 200;
 
 double quantile(const std::vector<double>& sorted, std::uint32_t part, std::uint32_t whole = 100) {
@@ -120,7 +120,7 @@ ValueSummary summary_of(const Field& field, std::size_t stride, std::span<const 
 std::string seconds_text(double seconds) { return fmt::format("{:.3g} s", seconds); }
 std::string bytes_text(std::uint64_t bytes) { return short_number(static_cast<double>(bytes)) + "B"; }
 
-/// Returns at most `rows` points, each the largest of its stretch, so that no peak is lost.
+/// Returns at most `rows` points of the series: the largest of each of as many stretches, so that no peak is lost.
 std::vector<std::pair<double, double>> thinned(const std::vector<std::pair<std::uint64_t, std::uint64_t>>& series,
                                                std::size_t rows) {
   std::vector<std::pair<double, double>> thin;
