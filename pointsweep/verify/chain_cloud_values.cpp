@@ -217,8 +217,8 @@ void ChainValues::evaluate_cloud(const Stage& stage, const Surroundings& around,
   }
 }
 
-/// Keeps the position, and attributes that the stage both reads and makes. All other attributes that the stage makes
-/// get their value for "none".
+/// Copies the position, and the attributes that the stage both reads and makes. Fills all other attributes that the
+/// stage makes with their value for "none".
 void ChainValues::leave_unchanged(const Stage& stage, const Surroundings& points, Values& values) const {
   const Contract contract = contract_of(stage.op);
   for (std::size_t m = 0; m < stage.makes.size(); ++m) {

@@ -23,7 +23,7 @@ namespace pointsweep {
 /// Returns the fields of the output that hold a made attribute; nothing if the attribute was not written.
 using OutputColumns = std::function<std::optional<std::vector<FieldPair>>(const Attribute& made)>;
 
-/// The kept attributes of some points, point after point.
+/// The values of the kept attributes of some points, point after point.
 struct ChainResults {
   std::vector<std::byte> values;  ///< result_bytes() for each point, in the types of the attributes
   Estimates estimates;            ///< estimates_per_point() for each point: values with error bounds
@@ -41,7 +41,8 @@ class ChainValues {
   static std::string selection_name(std::size_t number);
   static bool is_selection(const Attribute& made);
 
-  /// Returns the last version of each kept attribute, in the order in which attributes were first made.
+  /// Returns the kept attributes, each as the last stage that makes it has declared it, in the order in which
+  /// attributes were first made.
   const std::vector<Attribute>& made() const { return made_; }
   /// Prepares the stages that depend on all points. Must be called before evaluate(). Returns a sentence for each stage
   /// that cannot be checked fully, with the names of its attributes and the reason.
@@ -68,17 +69,18 @@ class ChainValues {
   ChainResults evaluate_unplaced(std::span<const KnownPoint> points, RowSource& in) const;
   /// Returns the bytes of memory for each point of the surroundings, in addition to its list.
   std::size_t bytes_per_point() const;
-  /// Returns an attribute of all rows, computed by the operators themselves, equal to a run bit by bit. Works only for
-  /// attributes of local stages that follow local stages. The values are ordered by row of the input, then by
-  /// component; a point without a finite place has NaN. All values are in memory. Throws NotTold if the values cannot
-  /// be computed.
+  /// Returns an attribute of all rows, computed by the operators themselves and so equal bit by bit to the attribute
+  /// that a run makes. Works only for attributes of local stages that follow local stages. The values are ordered by
+  /// row of the input, then by component; a point without a finite place has NaN. All values are in memory. Throws
+  /// NotTold if the values cannot be computed.
   std::vector<double> made_by_operators(const std::string& attribute, CloudRows& rows,
                                         const NeighborRule& neighborhood);
 
  private:
   struct Stage {
     StageOperator op;
-    /// Formula of the stage; empty if it has a cloud formula. Without either formula, the operator itself is applied.
+    /// Formula of the stage; empty if the stage has a cloud formula. Without either formula, the operator itself is
+    /// applied.
     StageFormula formula = {};
     std::shared_ptr<CloudFormula> cloud = {};               ///< formula over the whole cloud; null for a local stage
     std::vector<std::optional<ColumnSource>> sources = {};  ///< sources of the values that the cloud formula reads
@@ -151,7 +153,7 @@ class ChainValues {
   std::vector<int> maker_;  ///< number of the stage that makes each column; -1 for a column of the input
   std::vector<Attribute> made_;
   std::vector<std::uint16_t> made_columns_;
-  std::map<std::string, std::uint16_t> latest_;  ///< column of the last version of each attribute, by name
+  std::map<std::string, std::uint16_t> latest_;  ///< by name of an attribute, the column of its last values
 };
 
 /// Returns the operators with the values of the whole input that they need (Reduction::of_input). Reads the cloud once

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 fs::path found_input(const ProvenanceInput& input, const fs::path& file) {
   const fs::path name = file_name(input.name);
   const bool is_whole = fs::path(input.name).is_absolute() || is_url(input.name);
-  std::optional<fs::path> other;  // a file with the right name but another size
+  std::optional<fs::path> other;  // a file with the name of the input but another size
   std::uint64_t other_bytes = 0;
   for (const fs::path& place : {is_whole ? fs::path(input.name) : fs::path(), file.parent_path() / name, name}) {
     const std::optional<std::uint64_t> bytes = place.empty() ? std::nullopt : bytes_of_file(place);

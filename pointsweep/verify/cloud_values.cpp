@@ -28,8 +28,8 @@ constexpr const char* kMeanDistance = "mean_distance";
 
 bool is_outlier(const StageOperator& op) { return name_of(op) == "outlier"; }
 
-/// Returns the threshold of the finite mean distances, which for_each(use) passes to `use`. `type`: the type in which
-/// the distances are stored.
+/// Returns the threshold of outliers from the finite mean distances. for_each(use) passes each of these distances to
+/// `use`. `type`: the type in which the distances are stored.
 template <class ForEach>
 CloudThreshold threshold_of(ForEach for_each, Type type, const NamedOptions& options) {
   const std::string& definition = options.word("definition");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Tiles and their buffers, found from the definition in run.h without the code of the run.
+/// A check of tiles and buffers against their definition in run.h, without the code of the run.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -38,15 +38,15 @@ bool is_number(std::string_view word, double value) {
          std::abs(number - value) <= 1e-9 * std::max(1.0, std::abs(value));
 }
 
-/// Calls `use(end)` for every end of a text that begins at `begin` of `name` and is the number `value`.
+/// Calls use(end) for each `end` for which the characters [begin, end) of `name` are a number equal to `value`.
 template <class Use>
 void for_each_end(std::string_view name, std::size_t begin, double value, Use use) {
   for (std::size_t end = begin + 1; end <= name.size(); ++end)
     if (is_number(name.substr(begin, end - begin), value)) use(end);
 }
 
-/// Returns what may stand around the name of a part in the file name `name`, for each place where the name of the part
-/// stands: `numbers` with '_' between them, or "unplaced" if there are none.
+/// Returns the texts before and after each occurrence of a part's name in the file name `name`. The name of a part is
+/// `numbers`, joined by '_', or "unplaced" without numbers.
 std::set<Surrounding> surroundings_in(std::string_view name, std::span<const double> numbers) {
   constexpr std::string_view kUnplaced = "unplaced";
   std::set<Surrounding> all;
@@ -64,13 +64,14 @@ std::set<Surrounding> surroundings_in(std::string_view name, std::span<const dou
   return all;
 }
 
-/// The hashes of a point in a buffer. Sums of hashes do not depend on the order of points.
+/// The hashes of the position and of all values of a point in a buffer.
 struct BufferPoint {
   std::uint64_t place;
   std::uint64_t values;  ///< hash of all values of the point
 };
 
-/// Sums of the hashes of all points of a buffer. Equal buffers have equal sums, in whatever order their points come.
+/// Sums of the hashes of all points of a buffer, which do not depend on the order of the points. Equal buffers have
+/// equal sums.
 struct BufferSum {
   MultisetSum places, values;
 
@@ -79,8 +80,8 @@ struct BufferSum {
 
 std::uint64_t with_value(std::uint64_t word, double value) { return mix(word ^ std::bit_cast<std::uint64_t>(value)); }
 
-/// Returns the fields of the cloud that a file stores as float32 and its records hold as float64. Different files may
-/// hold a different float64 for the same value, but the same float32.
+/// Returns for each field of the cloud whether its records hold as float64 what a file stores as float32. One value may
+/// become different float64 numbers from different files; the nearest float32 is the same.
 std::vector<bool> fields_of_singles(const RowSource& rows) {
   std::vector<bool> singles;
   for (const Field& field : rows.schema().fields)
@@ -137,7 +138,7 @@ class PlacesOfPoints {
 
   double edge(std::size_t axis, double tile) const { return division_.tile_origin[axis] + tile * *division_.tile; }
 
-  /// Returns the part that a point belongs to; nothing for a point without a finite place.
+  /// Returns the part to which a point belongs; nothing for a point whose x or y is not finite.
   std::optional<Part> part_of(const std::byte* record, Vec3 p) const {
     if (!division_.tile) return Part{value_of(*attribute_, record), 0};
     if (!std::isfinite(p.x) || !std::isfinite(p.y)) return std::nullopt;
@@ -251,9 +252,11 @@ class PlacesOfPoints {
   bool name_is_known_ = false;
   std::vector<BufferPoint> waiting_;  ///< buffer points of the current file before its first own point
   std::map<Part, std::string> file_of_;
-  std::map<Part, BufferSum> wanted_, found_;  ///< sums over the points that each buffer must hold, and does hold
-  std::vector<bool> singles_;                 ///< fields_of_singles()
-  /// The texts around the name of the part that all files so far may have; absent before the first file.
+  /// Sums over the points that the buffer of each part must hold, and over the points that the buffer holds.
+  std::map<Part, BufferSum> wanted_, found_;
+  std::vector<bool> singles_;  ///< fields_of_singles()
+  /// The texts before and after the name of the part that are possible for all files so far; absent before the first
+  /// file.
   std::optional<std::set<Surrounding>> surroundings_;
   std::vector<bool> own_;
   Differences misplaced_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A check of files: the processing record of an output gives the run, and so the stages that can be checked.
+/// The check of an output file, or of the files of a folder, against the run that the processing record of the output
+/// describes.
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -68,8 +69,8 @@ bool is_known(const std::string& pipeline) {
   }
 }
 
-/// Takes the pipeline and the kept attributes from the record. If it has unknown operators, the user must name the
-/// inputs, and the attributes found in the output decide what is checked.
+/// Takes the pipeline and the kept attributes from the record. If the pipeline has unknown operators, the user must
+/// name the inputs, and the attributes found in the output decide what is checked.
 void take_recorded_pipeline(OutputCheck& check, const ProvenanceRecord& record) {
   const std::string pipeline = fmt::format("{}", fmt::join(record.stages, " | "));
   check.without_stages = pipeline == "sort" || pipeline == "convert";
@@ -83,8 +84,9 @@ void take_recorded_pipeline(OutputCheck& check, const ProvenanceRecord& record) 
   }
 }
 
-/// Returns whether the record does not tell the order of the output's rows among those of the named inputs: it names
-/// others, or it is that of tiles or parts from which the single file of the output was made.
+/// Returns whether the record is silent about the order of the output's rows among the rows of the named inputs: the
+/// record names other inputs, or describes a divided output while the output is a single file, made from the parts
+/// later.
 bool is_of_other_rows(const OutputCheck& check, const ProvenanceRecord& record) {
   if (check.inputs.empty()) return false;
   if (check.tiles.empty() && recorded_division(record).divides()) return true;
@@ -130,8 +132,8 @@ fs::path tile_of(const ListedFile& input, const fs::path& folder) {
        input.path.string());
 }
 
-/// Lists the files in the folder, or those of the pattern, if a run has divided its output among them, according to the
-/// options or to the record of the first file.
+/// If a run has divided its output among the files of the folder or pattern, according to the options or to the record
+/// of the first file, stores these files as tiles of the check.
 void list_parts(OutputCheck& check) {
   const auto is_file = [](const fs::directory_entry& entry) {
     return !is_hidden(entry.path()) && entry.is_regular_file() && is_point_file(entry.path());
@@ -146,7 +148,8 @@ void list_parts(OutputCheck& check) {
   for (const ListedFile& file : files.files) check.tiles.push_back(file.path);
 }
 
-/// Replaces folders, patterns and .vpc files among the inputs by the files they contain; the output may be a folder.
+/// Replaces folders, patterns and .vpc files among the inputs by the files for which they stand. If the output is a
+/// folder, also lists its files.
 void list_files(OutputCheck& check) {
   const fs::path& output = check.output;
   const bool is_folder = pointsweep::is_folder(output);
@@ -181,8 +184,8 @@ OutputCheck completed(OutputCheck check) {
   return check;
 }
 
-/// Returns the cloud without the points that the run has dropped because their coordinates are not finite, and the
-/// dropped points.
+/// Returns the cloud without the points that the run has dropped because of coordinates that are not finite, and the
+/// rows of these points.
 std::pair<InputCloud, NonfiniteRows> left_by_run(const OutputCheck& check, const InputCloud& all) {
   Outputs outputs{.tiles = check.tiles};
   if (check.tiles.empty()) outputs.points = check.output;
@@ -199,7 +202,8 @@ void refuse_resorted(const OutputCheck& check, const ChainGraph& graph) {
 
 StageText knn_of(const OutputCheck& check) { return {neighborhood_declaration().name, check.neighborhood, "verify"}; }
 
-/// Returns the run that made an array of neighbours or of distances. The array tells k, but not a radius.
+/// Returns the run that made an array of neighbours or of distances. k is the number of columns of the array; the array
+/// does not state a radius.
 MadeBy made_by_neighbors(const OutputCheck& check, const InputCloud& cloud, const RowSource& out) {
   const std::vector<Field>& columns = out.schema().fields;
   const bool distances = columns.front().type == Type::f64;
@@ -227,7 +231,7 @@ class MadeAttributes {
   bool has(const Attribute& attribute) const {
     return std::ranges::all_of(attribute.fields, [&](const std::string& field) { return has(field); });
   }
-  /// Returns the stages that usually make the output's attributes; empty if it has none that are known.
+  /// Returns the stages that usually make the attributes of the output; empty if no stage is known for them.
   std::string likely_pipeline() const {
     std::string text;
     const bool curvature = has("k1") || has("k2") || has("mean_curvature") || has("surface_variation");
@@ -286,7 +290,8 @@ Compared made_by_pipeline(const OutputCheck& check, const InputCloud& all, const
     fail_usage(
         "verify: which rows a stage after others has left out is not told by an output in the order of the sweep, nor "
         "by one that is divided among files or a COPC file; verify one file in the order of the input.");
-  // Outliers are checked against the mean distances in the output, which are checked against the input.
+  // The threshold of outliers comes from the mean distances in the output, which are themselves checked against the
+  // input.
   if (!made.leaves_out)
     made.outlier_threshold = outlier_threshold(out, made.operators, options.prefix, options.progress);
   if (!options.pipeline.empty() || !options.keep.empty()) return compared;
@@ -324,8 +329,7 @@ Verdict checked_points(const OutputCheck& check, const InputCloud& all, InputClo
   Compared compared = made_with({});
   const Verdict verdict = verify(compared.from, out, false, compared.made, options);
   if (verdict.same() || !options.pipeline.empty()) return verdict;
-  // Without a record, attributes that seemed copied may have been computed again, for example normals that the input
-  // had.
+  // Without a record, attributes that are in the input, for example normals, may have been computed again by the run.
   Compared likely = made_with(changed_attributes(verdict.arrivals));
   return likely.made.keep == compared.made.keep ? verdict : verify(likely.from, out, false, likely.made, options);
 }

@@ -117,7 +117,7 @@ class Verification {
       made_values_.add(estimate, MadeValue(std::move(pairs)));
   }
 
-  /// Pairs the fields by which rows of the output are recognized.
+  /// Pairs the fields of the input with their copies in the output, by which rows of the output are recognized.
   void pair_known_fields() {
     std::vector<FieldPair> known;
     for (std::size_t f = 0; f < replaced_.size(); ++f)
@@ -231,7 +231,7 @@ class Verification {
     if (moved() || a.ascending[static_cast<std::size_t>(axis_)]) return;
     verdict_.order.clear();
     if (!options_.order && verdict_.made.empty() && selections_.empty())
-      return;  // no run is known that orders its rows
+      return;  // the rows were made by no run that would order them
     differences_.add("the rows ascend neither as those of the input nor along {}", "xyz"[axis_]);
     order_is_lost_ = true;
   }
@@ -327,7 +327,7 @@ class Verification {
   }
 
   /// Compares results with the output. `points`: a part of the sample in ascending order of rows; `results` has one
-  /// record for each point; `places`: rows of the whole sample in the output.
+  /// record for each point; `places`: for each row of the whole sample, the possible rows of the output.
   void hold_against_output(std::span<const KnownPoint> points, const ChainResults& results,
                            const std::vector<PossibleRows>& places) {
     struct Wanted {

@@ -59,7 +59,7 @@ struct MadeBy {
   bool leaves_out = false;
   /// True if the order of the rows is unknown: neither the order of the input nor an order that the points determine.
   bool in_any_order = false;
-  Differences known = {};  ///< differences found before the check
+  Differences known = {};  ///< differences that were found before the check of values
   /// True if stages that are not checked also drop rows, so that a row may be missing because of such a stage.
   bool leaves_out_more = false;
   std::vector<std::string> untold = {};  ///< sentences about values that are not checked, with reasons
@@ -97,8 +97,8 @@ std::vector<std::filesystem::path> recorded_inputs(const ProvenanceRecord& recor
 
 /// Returns the stages of a plan that can be checked: up to the first new neighbourhood or voxel(keep=centroid), without
 /// stages that depend on all points after points have moved, and, after a select that follows other stages, without
-/// stages that read neighbours. MadeBy::unchecked lists the attributes of the other stages. Selects at the beginning
-/// are not included.
+/// stages that read neighbours. MadeBy::unchecked lists the attributes that the other stages make. Selects at the
+/// beginning of the chain are in neither list (see rows_kept_first()).
 MadeBy made_by(const ChainPlan& plan);
 
 /// Limits a check to the selects after other stages, so that it compares no made attribute.

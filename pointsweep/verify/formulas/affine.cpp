@@ -5,7 +5,7 @@ namespace pointsweep::formulas {
 namespace {
 
 constexpr Real kSameScale = 1e-6L;
-constexpr Real kSteps = 32;  ///< bound of the relative error of a few float64 operations, in roundings
+constexpr Real kSteps = 32;  ///< bound of the relative error of a few float64 operations, in units of kDouble
 
 }  // namespace
 

@@ -9,7 +9,8 @@
 
 namespace pointsweep::formulas {
 
-/// An affine map. Each of its numbers has a bound for the error of the operator's float64 number.
+/// An affine map. Each number of the map has a bound of its distance from the float64 number with which the operator
+/// computes.
 class Affine {
  public:
   /// Makes the map of the first three rows of a 4×4 matrix (12 numbers), times `scale`, then moved by `translation`.
@@ -23,7 +24,7 @@ class Affine {
   Estimate tangent(const Estimate& v) const;
   /// Returns A⁻ᵀ n, scaled to the length of n.
   Estimate normal(const Estimate& n) const;
-  /// Returns √(trace(AᵀA) / 3), but 1 if that is within 1e-6 of 1.
+  /// Returns the factor by which the map scales lengths: √(trace(AᵀA) / 3), or 1 if the root is within 1e-6 of 1.
   Real scale() const;
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// M3C2: points of two clouds in a cylinder along a normal.
+/// The formula of M3C2 (Lague et al. 2013), the change between two clouds from their points in a cylinder along a
+/// normal.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +9,8 @@
 
 namespace pointsweep::formulas {
 
-/// The points of one cloud in the cylinder around p along n: |a_j| <= depth and a distance from the axis of at most
-/// half the diameter, with a_j = (p_j - p) . n / |n|.
+/// The points p_j of one cloud in the cylinder around the point p along its normal n: |a_j| <= depth with a_j = (p_j -
+/// p) · n / |n|, and the distance of p_j from the axis is at most half the diameter.
 class Cylinder {
  public:
   Cylinder(Vector center, const Estimate& normal, Real diameter, Real depth);
@@ -17,7 +18,7 @@ class Cylinder {
   /// Returns whether the cylinder has an axis. Without an axis, change() returns counts of 0 and NaN for all other
   /// values.
   bool has_axis() const { return norm(axis_) > 0; }
-  /// Returns whether the data leave open which points are inside.
+  /// Returns whether rounding decides for some point whether the cylinder holds it.
   bool is_open() const { return open_; }
   /// Returns an upper bound for the squared distance between the centre and points of the cylinder.
   Real reach2() const;
@@ -25,7 +26,7 @@ class Cylinder {
 
   std::size_t count() const { return count_; }
   Estimate mean() const;    ///< returns the mean of the a_j; NaN without points
-  Estimate spread() const;  ///< returns the standard deviation of the a_j, by n - 1; NaN with fewer than two points
+  Estimate spread() const;  ///< returns the standard deviation of the a_j, with divisor n - 1; NaN below two points
 
  private:
   Vector center_, axis_;

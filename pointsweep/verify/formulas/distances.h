@@ -23,7 +23,7 @@ Estimate distance(const Place& p, const Place& q);
 /// non-finite coordinates.
 Estimate farthest(const Place& p, std::span<const Place> neighbors);
 
-/// The programs whose statistical outliers differ.
+/// The programs whose definitions of a statistical outlier the operator can follow.
 enum class OutlierProgram { pointsweep, pdal, pcl, open3d, cloudcompare };
 
 /// Returns the mean distance to `neighbors`, float64; NaN without neighbours, or if a moved neighbour has no finite

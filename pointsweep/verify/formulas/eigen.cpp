@@ -7,7 +7,7 @@
 namespace pointsweep::formulas {
 namespace {
 
-constexpr int kMostSweeps = 50;  ///< most sweeps over the entries; usually five or six suffice
+constexpr int kMostSweeps = 50;  ///< most passes over all off-diagonal entries; usually five or six suffice
 
 using Entries = std::array<std::array<Real, 3>, 3>;
 

@@ -51,10 +51,10 @@ inline Real rho2(const Place& p) {
 
 /// The finding that a neighbourhood defines no plane, with the doubt that rounding leaves.
 struct PlaneDoubt {
-  bool sure;      ///< true if it surely defines none
-  bool possible;  ///< true if rounding leaves open that it defines none
+  bool sure;      ///< true if the neighbourhood surely defines no plane
+  bool possible;  ///< true if the neighbourhood may define no plane
 };
-/// Decides whether λ1 <= 1e-12 λ2 + ρ² `weight`, the mean weight of the neighbours in the matrix.
+/// Decides whether λ1 <= 1e-12 λ2 + ρ² `weight`. `weight`: mean weight of the neighbours in the matrix.
 inline PlaneDoubt no_plane_in(const Spectrum& s, const Place& p, Real weight) {
   const Real limit = 1e-12L * s.value[2] + rho2(p) * weight;
   const Real doubt = s.value_error[1] + 1e-12L * s.value_error[2] + 1e-5L * limit;

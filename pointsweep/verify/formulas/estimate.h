@@ -16,7 +16,7 @@
 
 namespace pointsweep::formulas {
 
-/// The longest floating-point type, so that the rounding of the evaluation itself does not count (2^-64 on x86-64).
+/// The longest floating-point type, so that the rounding of the check's own arithmetic (2^-64 on x86-64) is negligible.
 using Real = long double;
 
 /// The vectors in which formulas are evaluated.
@@ -87,10 +87,11 @@ struct Place {
   Real error = 0;
 };
 
-/// An estimate of the value of an attribute with up to three components.
+/// An estimate of the value of an attribute with up to three components. An estimate is open if the data do not decide
+/// the value.
 struct Estimate {
   Vector value;              ///< a scalar is in x
-  Real error = 0;            ///< bound of the distance from any correct value; infinite if the value is open
+  Real error = 0;            ///< bound of the distance from any correct value; infinite for an open estimate
   bool either_sign = false;  ///< true if the negative value is also correct
   /// True if the data are so near to a limit that 0, the value for undefined data, is also correct.
   bool may_be_undefined = false;
@@ -98,7 +99,7 @@ struct Estimate {
   bool is_open() const { return !(error < kInfinity); }
 };
 
-/// Returns whether the value of an estimate is uncertain: it is open or may be undefined.
+/// Returns whether the value of an estimate is uncertain: the estimate is open, or the value may be undefined.
 inline bool in_doubt(const Estimate& e) { return e.is_open() || e.may_be_undefined; }
 /// Returns an estimate without error.
 inline Estimate exactly(Real value) { return {.value = {value, 0, 0}}; }
@@ -106,7 +107,7 @@ inline Estimate exactly(Real value) { return {.value = {value, 0, 0}}; }
 inline Estimate scalar(Real value, Real error) { return {.value = {value, 0, 0}, .error = error}; }
 /// Returns the documented value, 0, for data that define no value.
 inline Estimate undefined() { return {}; }
-/// Returns an estimate for data that leave the correct value open.
+/// Returns an open estimate, for data that do not decide the correct value.
 inline Estimate open() { return {.value = {}, .error = kInfinity, .either_sign = true, .may_be_undefined = true}; }
 
 /// The least and the greatest value that a number may have.

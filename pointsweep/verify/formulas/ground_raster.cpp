@@ -44,7 +44,8 @@ CellNumbers::CellNumbers(std::vector<double> numbers, std::size_t reach, std::si
     : numbers_(std::move(numbers)) {
   std::ranges::sort(numbers_);
   numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
-  // The largest distance that matters between two cells: for filled cells, for cells that a disk needs, and for slopes.
+  // Number of cells to which a wider gap between occupied cells shrinks: no filling of holes, disk or slope reaches
+  // across so many cells.
   const auto apart = static_cast<double>(2 * reach + 2 * radius + 4);
   std::size_t place = reach + 3;
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
@@ -73,7 +74,8 @@ void GroundRaster::add(double x, double y, double z) {
 GroundRaster::Cells GroundRaster::filled(const Cells& cells) const {
   const std::size_t nx = columns_.count(), ny = rows_.count(), reach = parameters_.reach();
   Cells sums(cells.size(), 0), weights(cells.size(), 0), other_sums(cells.size(), 0), other_weights(cells.size(), 0);
-  // Adds the part of the nearest value before each cell of a line, then of the nearest value after it.
+  // For each cell of a line, adds the nearest value before the cell, then the nearest value after it, weighted by 1 /
+  // distance.
   const auto along = [&](std::size_t first, std::size_t step, std::size_t length, Cells& sum, Cells& weight) {
     for (const bool forth : {true, false}) {
       double value = kAbsent;

@@ -43,12 +43,12 @@ class GroundRaster {
   /// Bytes of memory for a cell while the surface is computed.
   static constexpr std::size_t kCellBytes = 56;
 
-  /// Makes the raster. `columns`, `rows`: numbers, along x and y, of the cells of all points that take part.
+  /// Makes the raster. `columns`, `rows`: numbers, along x and y, of the cells of all points that the filter uses.
   GroundRaster(const GroundParameters& parameters, CellNumbers columns, CellNumbers rows);
   void add(double x, double y, double z);
   /// Computes the surface. Must be called after the last point.
   void finish();
-  /// Returns whether a point that takes part is ground; nothing if rounding decides.
+  /// Returns whether a point that was added is ground; nothing if rounding decides.
   std::optional<bool> is_ground(double x, double y, double z) const;
 
  private:

@@ -35,7 +35,8 @@ class JoinedSets {
     }
     return {top, flips};
   }
-  /// Joins the sets of i and j. Returns false, without a change, if they were in one set.
+  /// Joins the sets of i and j. Returns false, without a change, if i and j were in one set. `signs_differ`: true if i
+  /// and j have opposite signs.
   bool join(std::uint32_t i, std::uint32_t j, bool signs_differ = false) {
     auto [a, of_i] = root(i);
     auto [b, of_j] = root(j);
@@ -52,13 +53,14 @@ class JoinedSets {
   std::vector<std::uint32_t> size_;
 };
 
-/// Numbers and sizes of sets. Points that do not count have the number -1.
+/// Numbers and sizes of sets. Points without a number have -1.
 struct SetLabels {
   std::vector<std::int64_t> number;  ///< number of the set of each point; sets are numbered by their first points
   std::vector<std::uint64_t> size;   ///< number of points in each set
 };
 
-/// Returns the labels of `count` items. points_at(i): number of points of item i; counts(i): true if i gets a number.
+/// Returns the labels of `count` items, which are points or places. points_at(i): number of points of item i;
+/// counts(i): true if item i gets a number.
 template <class PointsAt, class Counts>
 SetLabels labels_of(JoinedSets& sets, std::size_t count, PointsAt points_at, Counts counts) {
   SetLabels labels{std::vector<std::int64_t>(count, -1), {}};
@@ -81,7 +83,7 @@ class Flatness {
   void add(Vector p);
 
   /// Returns the root mean square distance of the points to their best-fitting plane, as float32; 0 for fewer than four
-  /// points. The operator rounds positions to multiples of 2^-40, and its eigenvalues have errors of a few roundings of
+  /// points. The error bound covers the operator's rounding of positions to multiples of 2^-40, and a few roundings of
   /// the largest eigenvalue.
   Estimate residual() const;
 
@@ -91,8 +93,8 @@ class Flatness {
   Matrix covariance_;   ///< covariance times the number of points
 };
 
-/// Decides whether the signs of a component are flipped. Takes its points twice: first for centroid and extent, then
-/// with their signs for the votes.
+/// Decides whether the signs of the normals of a connected component are flipped. Takes the points of the component
+/// twice: measure() for centroid and extent, then vote().
 class TurningVotes {
  public:
   void measure(Vector p);
@@ -100,8 +102,8 @@ class TurningVotes {
 
   /// Returns whether all signs must be flipped; nothing if the data do not decide. Without a viewpoint, the larger in
   /// magnitude of Σ s n_z and Σ s n · (p - c) / e decides, with the centroid c and the mean extent e; with a viewpoint
-  /// v, Σ sign(s n · (v - p)) decides. Signs are flipped if the deciding sum is negative. The operator rounds normals
-  /// in sums to multiples of 2^-20.
+  /// v, Σ sign(s n · (v - p)) decides. Signs are flipped if the deciding sum is negative. The bound for a decision
+  /// covers the operator's rounding of normals to multiples of 2^-20.
   std::optional<bool> turns(bool has_viewpoint) const;
 
  private:

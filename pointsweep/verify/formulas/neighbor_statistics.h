@@ -16,9 +16,10 @@ namespace pointsweep::formulas {
 /// float64 from differences to the first value. NaN without a finite value.
 Estimate statistic_of(std::string_view name, const std::vector<Estimate>& values);
 
-/// Returns the majority (the first value if several are equally frequent), the mean, or the first of the values of the
-/// nearest points, which come nearest first. With several values, and for means, only finite values count. Returns
-/// nothing if no value counts. `are_whole`: true to compute the mean from the exact sum.
+/// Returns the value that a point takes from `values`, the values of the nearest points, nearest first. `vote`:
+/// "nearest" takes the first value, "majority" the most frequent value (the first of equally frequent ones), "mean" the
+/// mean. Only finite values count, except for "nearest" and for the majority of a single value. Returns nothing if no
+/// value counts. `are_whole`: true to compute the mean from the exact sum.
 std::optional<Estimate> voted(std::string_view vote, const std::vector<Real>& values, bool are_whole);
 
 /// Returns the value as an attribute stores it: the nearest whole number, halves to even; float32; or float64.

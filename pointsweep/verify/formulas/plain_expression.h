@@ -26,7 +26,7 @@ struct PossibleNumber {
 
 inline PossibleNumber single_number(Real value) { return {value, value, false}; }
 
-/// Rounds the range to float64, the type in which numbers are combined.
+/// Returns the range with both ends rounded to float64, the type in which the operator combines numbers.
 PossibleNumber as_double(const PossibleNumber& n);
 
 /// Returns the range of `a` combined with `b`. `sign`: + - * or /.
@@ -39,7 +39,7 @@ std::optional<bool> compared(const std::string& sign, const PossibleNumber& a, c
 /// arguments.
 PossibleNumber function_of(const std::string& name, std::span<const PossibleNumber> arguments);
 
-/// An expression that the tool has accepted.
+/// An expression whose syntax the operator has already checked.
 class PlainExpression {
  public:
   explicit PlainExpression(std::string_view text);

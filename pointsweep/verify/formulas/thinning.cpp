@@ -151,13 +151,14 @@ class Levels {
         steps_[i][axis] = static_cast<std::int64_t>(std::nearbyint((points[i][axis] - lo[axis]) / step));
         most = std::max(most, steps_[i][axis]);
       }
-    // The width is 8 to 16 times a power of two; for a small extent, a multiple of 8 up to 128.
+    // Rounds the width of the root up: to 8 to 16 times a power of two, or to a multiple of 8 if the extent is below
+    // 128 steps.
     std::int64_t unit = 8;
     while (unit * 16 <= most + 1) unit *= 2;
     width_ = static_cast<double>((most + unit) / unit * unit);
   }
 
-  /// Returns the numbers of the octant of this depth that holds point `i`.
+  /// Returns the indices along x, y and z of the octant of this depth that holds point `i`.
   Steps octant(std::size_t i, int depth) const {
     Steps at;
     for (std::size_t axis = 0; axis < 3; ++axis)

@@ -25,7 +25,7 @@ bool is_in_share(std::uint64_t hash, double share);
 /// Returns ⌊hash * parts / 2^64⌋; `parts` below 2^32.
 std::uint64_t part_of(std::uint64_t hash, std::uint64_t parts);
 
-/// Returns the numbers of the voxel with edge length `size` that holds p.
+/// Returns the indices along x, y and z of the voxel with edge length `size` that holds p.
 Coordinates voxel_of(const Coordinates& p, double size);
 
 /// Returns the squared distance of p to the centre of its voxel.
@@ -54,11 +54,12 @@ Estimate mean_vector(const std::array<Mean, 3>& components);
 /// Returns the mean vector divided by its length, float32; 0 if the length is 0 or not a number.
 Estimate mean_direction(const std::array<Mean, 3>& components);
 
-/// Bytes of memory for each point while levels are found.
+/// Bytes of memory that levels_of() takes for each point.
 inline constexpr std::uint64_t kLevelBytes = 160;
 
-/// Returns the level of each point. All coordinates must be finite. Points with equal rounded coordinates are taken in
-/// the order of `points`.
+/// Returns the level of detail that the operator level() gives each point: octants by division, leaves by counting, one
+/// loop over all points for each depth. All coordinates must be finite. Points with equal rounded coordinates are taken
+/// in the order of `points`.
 std::vector<std::uint8_t> levels_of(const std::vector<Coordinates>& points);
 
 }  // namespace pointsweep::formulas

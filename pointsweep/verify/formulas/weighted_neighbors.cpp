@@ -6,7 +6,8 @@
 namespace pointsweep::formulas {
 namespace {
 
-/// Flips `n` if `product`, its scalar product with another vector, is negative. Returns false if the product may be 0.
+/// Flips `n` if `product`, its scalar product with another vector, is negative. Returns false, without a change, if the
+/// product may be 0.
 bool turn(Estimate& n, Real product, Real error) {
   if (std::fabs(product) <= error) return false;
   if (product < 0) n.value = Real{-1} * n.value;

@@ -23,8 +23,8 @@ struct WeightedNeighbors {
   std::vector<WeightedOffset> offsets;
   Real farthest = 0;        ///< max_j |p_j - p_i|
   Real farthest_error = 0;  ///< error of `farthest`
-  /// θ of the nearest neighbour that does not coincide with p_i. All weights are divided by this θ, so that they never
-  /// all vanish.
+  /// θ of the nearest neighbour that does not coincide with p_i. All weights are divided by this θ, so that not all of
+  /// them underflow to 0.
   Real theta_of_nearest = 1;
   bool finite = true;  ///< true if no offset overflows double precision
 

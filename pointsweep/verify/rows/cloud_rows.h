@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// All rows of a cloud with values of the input or the output, as formulas over the whole cloud read them.
+/// All rows of a cloud with values of the input or of the output, for formulas that read the whole cloud.
 #pragma once
 
 #include <cstddef>
@@ -36,7 +36,7 @@ struct ColumnSource {
   Attribute attribute;
   std::vector<Field> in_input = {};         ///< field of the input for each component
   std::vector<FieldPair> in_output = {};    ///< field of the output for each component
-  std::optional<FieldPair> turned_by = {};  ///< field of the output that is not 0 if the output has the negated value
+  std::optional<FieldPair> turned_by = {};  ///< field of the output that is not 0 where orient() has negated the value
   /// Values that were computed again: for each row of the input, one value for each component.
   std::shared_ptr<const std::vector<double>> made_again = {};
 };

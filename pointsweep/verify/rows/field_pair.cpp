@@ -18,7 +18,8 @@ namespace pointsweep {
 namespace {
 
 constexpr std::size_t kLasNameBytes = 32;
-constexpr std::string_view kOfInput = "_input";  ///< end of the name of an attribute that gave its name away
+/// The end that a writer adds to the name of an attribute of the input if a made attribute has the same name.
+constexpr std::string_view kOfInput = "_input";
 
 Field component_of(Field field, std::uint32_t component) {
   field.offset += component * static_cast<std::uint32_t>(size_of(field.type));
@@ -28,8 +29,8 @@ Field component_of(Field field, std::uint32_t component) {
 
 bool is_plain(const Field& field, Type type) { return field.type == type && field.is_plain(); }
 
-/// Returns a component of the field as a file of its cloud stores it. Only a float64 of the cloud can be stored in
-/// another way.
+/// Returns a component of the field as one file of the cloud stores it. The file can differ only from a float64 field,
+/// the type in which the cloud joins fields that its files store in different ways.
 Field field_in_file(const Field& component, std::uint32_t number, const Schema* file) {
   const auto at = file != nullptr ? file->find(component.name) : std::nullopt;
   if (!at || !is_plain(component, Type::f64) || number >= file->fields[*at].count) return component;
@@ -121,7 +122,7 @@ class PlaceFinder {
   }
 
  private:
-  /// Returns the name cut to the longest one that LAS allows.
+  /// Returns the name, cut to the 32 bytes that LAS allows.
   static std::string cut(const std::string& name) { return name.substr(0, kLasNameBytes); }
 
   std::optional<Place> named_by_format(std::uint32_t component) const {
@@ -130,7 +131,7 @@ class PlaceFinder {
     return std::nullopt;
   }
 
-  /// Finds NAME, NAME_0 or NAME[0], cut to the longest name that LAS allows.
+  /// Finds the component as NAME, NAME_0 or NAME[0], with NAME also cut to the 32 bytes that LAS allows.
   std::optional<Place> numbered(const std::string& name, std::uint32_t component) const {
     if (const auto place = exactly(to_, name, component)) return place;
     if (field_.count == 1) return exactly(to_, cut(name), component);

@@ -49,8 +49,7 @@ class FieldPair {
   double resolution(double value) const;
   double expected_value(const std::byte* from_record) const { return value_of(from_, from_record); }
   double found_value(const std::byte* to_record) const { return value_of(to_, to_record); }
-  /// Returns found_value() as the nearest float32 if text stands for it: the fewest digits that identify a float are
-  /// not its exact value.
+  /// Returns found_value(), rounded to float32 if the output is text with the fewest digits that identify a float32.
   double found_number(const std::byte* to_record) const;
 
  private:

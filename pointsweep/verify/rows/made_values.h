@@ -67,9 +67,9 @@ class MadeValues {
   std::size_t size() const { return values_.size(); }
   /// Adds a value that is compared with estimate number `estimate` of each point.
   void add(std::size_t estimate, MadeValue value) { values_.emplace_back(estimate, std::move(value)); }
-  /// Removes the values whose estimate e has told[e] == false.
+  /// Keeps only the values with told[e] true, where e is the number of the estimate.
   void keep(const std::vector<bool>& told);
-  /// Returns how many of the values of a point its estimates leave open.
+  /// Returns the number of values of a point whose estimates are open (formulas::Estimate).
   std::uint64_t open_values(const formulas::Estimate* estimates) const;
 
   /// Returns a sentence about the first value in which a point differs from row `place` of the output, whose record is
@@ -84,7 +84,7 @@ class MadeValues {
   std::span<const FileOfRows> files_;
   std::vector<NumberedValue> values_;
   std::optional<std::size_t> file_;     ///< file to which `in_file_` belongs
-  std::vector<NumberedValue> in_file_;  ///< the values as that file stores them
+  std::vector<NumberedValue> in_file_;  ///< the values, to be compared as that file stores them
 };
 
 }  // namespace pointsweep

@@ -28,8 +28,8 @@ struct RowAlignment {
 /// first remaining row of the input that has its values. `pairs`: the fields that are compared.
 RowAlignment align_rows(RowSource& in, RowSource& out, FilePairs& pairs, const PhaseProgress& progress);
 
-/// Returns a random sample of the rows of the input, half of them rows that the output has, if there are enough of both
-/// kinds. The order is arbitrary.
+/// Returns a random sample of the rows of the input, in arbitrary order. Half of the sampled rows are in the output, if
+/// enough rows are in the output and enough are not.
 std::vector<std::uint64_t> sample_of_both(const RowAlignment& alignment, std::uint64_t count, std::uint64_t size,
                                           std::uint64_t seed);
 
@@ -54,7 +54,8 @@ std::optional<std::vector<PossibleRows>> rows_with_values(RowSource& in, RowSour
 
 /// The ways in which the output may store the input's values.
 struct OutputWays {
-  OwnField own_field = nullptr;      ///< tells the fields of the format; the output may lack one whose values are all 0
+  /// Format::own_field of the output's format. The output may lack a field of the format if all its values are 0.
+  OwnField own_field = nullptr;
   StoredName stored_name = nullptr;  ///< names of the output's format
   StoredPlaces places = {};
   bool in_any_order = false;  ///< true if the order of the output's rows is unknown

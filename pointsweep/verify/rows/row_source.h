@@ -19,7 +19,8 @@
 
 namespace pointsweep {
 
-/// A function called between pieces of work with the work done and the work in total; may throw to end the work.
+/// A function called between pieces of work with the work done and the total work. An exception from this function ends
+/// the work.
 using PhaseProgress = std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)>;
 
 /// A file of a source. Its schema tells how the file stores values; records of the source may store them in another
@@ -53,7 +54,7 @@ class RowSource {
   /// Returns the records [first, first + count), all of which exist; valid until the next call. Throws Error if the
   /// file has changed.
   std::span<const std::byte> read(std::uint64_t first, std::size_t count);
-  /// Returns block_rows() records from row `first` on, or all that are left. The end, count(), has none left.
+  /// Returns block_rows() records from row `first` on, or fewer at the end of the rows; none if `first` is count().
   std::span<const std::byte> read_block(std::uint64_t first);
 
  private:

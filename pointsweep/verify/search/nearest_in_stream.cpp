@@ -139,7 +139,7 @@ std::vector<double> bounds_of_reach2(const std::vector<Vec3>& places, std::vecto
 std::vector<std::vector<NearPoint>> nearest_of_cloud(std::span<const Vec3> places, const PointsOfCloud& points,
                                                      std::uint64_t count, const NearestQuery& query) {
   const bool flat = query.space == NearestInStream::Space::plane;
-  std::map<Key, std::size_t> known;  // equal places have equal answers
+  std::map<Key, std::size_t> known;  // number of each different place, since equal places have equal neighbours
   std::vector<Vec3> different;
   std::vector<std::size_t> number;
   for (const Vec3 p : places) {

@@ -39,7 +39,7 @@ class BallIndex {
 
   struct Grid {
     double per_length = 0;             ///< number of cells per unit of length
-    double last = 0;                   ///< greatest number of a cell; points beyond are in that cell
+    double last = 0;                   ///< greatest number of a cell; the cell also holds the points beyond it
     std::uint32_t mask = 0;            ///< number of buckets - 1
     std::vector<std::uint32_t> begin;  ///< first entry of each bucket in `balls`
     std::vector<std::uint32_t> balls;
@@ -108,8 +108,8 @@ class NearestInStream {
   BallIndex index_;
 };
 
-/// Returns for each place an upper bound, at most `reach2`, of the squared distances of its `most` nearest points. A
-/// bound that some points give holds for all points.
+/// Returns for each place an upper bound, at most `reach2`, of the squared distances of its `most` nearest points. The
+/// bounds come from `some` points of the cloud; further points can only make them smaller.
 std::vector<double> bounds_of_reach2(const std::vector<Vec3>& places, std::vector<double> reach2, std::size_t most,
                                      std::span<const KnownPoint> some,
                                      NearestInStream::Space space = NearestInStream::Space::all);

@@ -21,8 +21,8 @@ namespace {
 using formulas::Estimate;
 using formulas::Real;
 
-/// Opens another cloud without comparing the coordinate reference systems of its files. The run has compared them,
-/// unless --ignore-crs forbade it.
+/// Opens another cloud without comparing the coordinate reference systems of its files, because the run has compared
+/// them unless --ignore-crs was given.
 std::unique_ptr<InputCloud> opened(const std::string& name) { return opened_cloud(name, true); }
 
 PointsOfCloud points_of(RowSource& source, const PhaseProgress& progress) {

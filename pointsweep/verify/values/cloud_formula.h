@@ -52,7 +52,8 @@ class CloudFormula {
   virtual std::string limits() const { return {}; }
   /// Returns for each point the estimates of the values that the stage makes, in the form of StageFormula.
   virtual std::vector<Estimates> evaluate(std::span<const CloudPoint> points, const CloudInput& in) = 0;
-  /// Returns the values of a point without a finite place; none if the stage leaves such points unchanged.
+  /// Returns the values of a point whose coordinates are not all finite; none if the stage leaves such points
+  /// unchanged.
   virtual std::optional<Estimates> unplaced(const CloudPoint&) const { return std::nullopt; }
 };
 

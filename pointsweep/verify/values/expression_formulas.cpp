@@ -16,7 +16,7 @@ namespace {
 using formulas::Estimate;
 using formulas::Real;
 
-/// The value that a name in an expression means.
+/// The value for which a name in an expression stands.
 struct NamedRead {
   ReadValue value;
   bool is_whole = false;  ///< true if the value is a 64-bit integer

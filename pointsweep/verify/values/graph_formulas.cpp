@@ -103,7 +103,7 @@ class ClusterFormula final : public LabelFormula {
     return {items_of_rows(cloud, in.rows.count(), [&](std::uint32_t point) { return cloud.place_of(point); }),
             formulas::labels_of(sets, places, points_at, counts)};
   }
-  /// Returns the column that tells whether a point is a core point.
+  /// Returns the column of the attribute that is 1 for core points and 0 for others.
   std::vector<ColumnSource> columns(const CloudInput& in) const override { return {in.source(0)}; }
   Join joined(std::span<const double> point, std::span<const double> neighbor, double d2) const override {
     if (!(d2 <= eps2_) || neighbor[0] == 0) return Join::no;
@@ -121,8 +121,8 @@ class ClusterFormula final : public LabelFormula {
 
 double product(const double* n, const double* m) { return n[0] * m[0] + n[1] * m[1] + n[2] * m[2]; }
 
-/// Returns the residuals of the given segments, in two passes over all rows. number_of(row, values of the columns)
-/// returns the segment of a row.
+/// Returns `segments`, by number, with the flatness of the points of each segment, measured in two passes over all
+/// rows. number_of(row, values of the columns) returns the segment of a row.
 template <class NumberOf>
 std::map<std::int64_t, formulas::Flatness> flatness_of(std::map<std::int64_t, formulas::Flatness> segments,
                                                        const CloudInput& in, std::span<const ColumnSource> columns,

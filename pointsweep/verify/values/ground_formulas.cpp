@@ -81,8 +81,8 @@ class GroundFormula final : public CloudFormula {
     std::ranges::sort(numbers);
     numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
   }
-  /// Returns whether a point takes part: it is a last return and not noise, as far as options and attributes require
-  /// it.
+  /// Returns whether the filter uses the point: a last return that is not noise, unless the options admit others or the
+  /// attributes are absent.
   bool takes_part(std::span<const double> values) const {
     if (class_ && !noise_ && (values[*class_] == 7 || values[*class_] == 18)) return false;
     return all_returns_ || !number_ || !returns_ || !(values[*number_] < values[*returns_]);

@@ -49,8 +49,9 @@ Mask mask_of(const KeptInput& in, IsKept is_kept) {
   return kept;
 }
 
-/// Calls `use(items)` with the items of all finite points, sorted by Item::key(), in so many turns that the items of a
-/// turn fit in memory. `item_of(row, position)` makes an item; `turn_of(item, turns)` returns its turn, below `turns`.
+/// Calls `use(items)` with the items of all finite points, in turns, so that the items of a turn fit in memory. The
+/// items of a turn are sorted by Item::key(). `item_of(row, position)` makes an item; `turn_of(item, turns)` returns
+/// its turn, below `turns`.
 template <class Item, class ItemOf, class TurnOf, class Use>
 void in_turns(const KeptInput& in, ItemOf item_of, TurnOf turn_of, Use use) {
   const std::uint64_t turns = 1 + in.cloud.count() * 2 * sizeof(Item) / std::max<std::uint64_t>(in.memory_bytes, 1);
@@ -237,7 +238,8 @@ struct HashedPoint {
   auto key() const { return std::tuple(hash, at.x, at.y, at.z, row); }
 };
 
-/// Visits the points one by one in the order of their hashes, as poisson is defined. Each turn has a range of hashes.
+/// Offers the points one by one in the order of their hashes, the definition of poisson. Each turn of in_turns() takes
+/// a range of hashes.
 Mask by_disks(const KeptInput& in) {
   if (in.options.has("radius_from"))
     fail_usage(

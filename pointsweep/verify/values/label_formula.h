@@ -12,7 +12,7 @@
 
 namespace pointsweep {
 
-/// The labels of points or of places, looked up by the row of a point.
+/// The labels of items, which are points or places, looked up by the row of a point.
 struct LabelsOfRows {
   std::vector<std::uint32_t> item_of_row;
   formulas::SetLabels labels;
@@ -24,8 +24,8 @@ struct LabelsOfRows {
 /// Throws NotTold if a rule shortens neighbourhoods.
 void require_plain_neighbors(const CloudInput& in);
 
-/// The formula of numbers and sizes of components. It uses the whole graph. If the graph does not fit in memory, chosen
-/// points must have the labels of their neighbours in the output.
+/// The formula of numbers and sizes of components. It uses the whole graph. If the graph does not fit in memory, the
+/// formula expects that each chosen point has the label that its joined neighbours have in the output.
 class LabelFormula : public CloudFormula {
  public:
   void prepare(const CloudInput& in) final;

@@ -98,7 +98,8 @@ void PlaceTree::within(std::uint32_t place, double reach2, const std::function<v
 
 namespace {
 
-/// Bytes of memory for each point: the point while points are sorted, its place, numbers, and its part of the tree.
+/// Bytes of memory for each point: a Point while points are sorted, the place, six numbers of 32 bits, and a share of
+/// the tree.
 constexpr std::uint64_t kPointBytes = 32 + 24 + 6 * 4 + 20;
 
 }  // namespace

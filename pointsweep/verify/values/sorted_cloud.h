@@ -15,7 +15,7 @@
 
 namespace pointsweep {
 
-/// A tree over the different places of points, which ascend by x, y, z. A place may have several points.
+/// A tree over the different positions ("places") of points, which ascend by x, y, z. A place may have several points.
 class PlaceTree {
  public:
   using Place = std::array<double, 3>;

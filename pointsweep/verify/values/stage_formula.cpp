@@ -160,7 +160,7 @@ class GraphFormula {
 
  private:
   std::size_t wide() const { return std::max<std::size_t>(k_, 3); }
-  /// Joins up to three numbers into one estimate.
+  /// Returns up to three numbers joined into one estimate; more numbers are returned unchanged.
   Estimates as_attribute(const Estimates& numbers) const {
     if (k_ > 3) return numbers;
     Estimate one{.value = {numbers[0].value.x, numbers[1].value.x, numbers[2].value.x}};

@@ -90,13 +90,14 @@ struct NamedFormula {
   StageFormula (*make)(const FormulaSetup& stage);
 };
 
-/// Makes a formula that has more state than a lambda can show.
+/// Makes a formula from a class `Formula`, a function object that is constructed from the setup.
 template <class Formula>
 StageFormula formula_made(const FormulaSetup& stage) {
   return Formula(stage);
 }
 
-/// Returns whether a formula has the name of the operator. It may still lack options that a run computes.
+/// Returns whether a formula has the name of the operator. The operator may still lack options whose values a run
+/// computes.
 bool has_stage_formula(const Operator& op);
 /// Returns the formula of an operator; empty if has_stage_formula() is false.
 StageFormula formula_of(const Operator& op, const CloudThreshold& threshold = {});
@@ -114,13 +115,14 @@ std::vector<NamedFormula> shape_formulas();
 /// Returns the formulas of set(), of `where`, which makes selection_attribute(), and of statistics().
 std::vector<NamedFormula> expression_formulas();
 
-/// The value that a name in an expression means: a component of an attribute that a stage reads, or of the position.
+/// The value for which a name in an expression stands: a component of an attribute that a stage reads, or of the
+/// position.
 struct ReadValue {
   int attribute = -1;  ///< index of the attribute among those that the stage reads; negative for the position
   std::size_t component = 0;
 };
 
-/// Returns the value that `name`, in any spelling, means. `reads`: attributes that the stage reads.
+/// Returns the value for which `name`, in any spelling, stands. `reads`: attributes that the stage reads.
 ReadValue read_of(const std::string& name, const std::vector<Attribute>& reads);
 
 /// Returns the estimate that has the value as its component ReadValue::component. An estimate has at most three
