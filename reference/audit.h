@@ -47,7 +47,7 @@ class Suspects {
   /// Returns whether the suspects take so much memory that they should be settled.
   bool full() const { return bytes_ > kMostBytes; }
   std::uint64_t bytes() const { return bytes_; }
-  /// Completes the exact results of all suspects; returns and forgets them.
+  /// Completes the exact results of all suspects, and returns and removes the suspects.
   std::vector<Suspect> settled();
 
  private:
@@ -62,10 +62,11 @@ class Suspects {
 
 /// Observes a search and counts inexact results. S is the kD-heap in which NearestOperator searches. A neighbourhood
 /// can lack only points that left S before its own point came. Points that left S but are still active are in a
-/// separate kD-heap, which is searched when a point comes. Points already written lie before the last written point
-/// along the axis; if a neighbourhood reaches that far, they are read again. So the counts are exact: `incomplete`
-/// counts the neighbourhoods that differ from the exact ones. A rule of neighbourhoods shortens both lists before they
-/// are compared. The audit only observes, and its time is measured separately from the algorithm.
+/// separate kD-heap, which is searched when a point comes. Points already written lie at or before the last written
+/// point along the axis; if a neighbourhood reaches that far, these points are read again. So the counts are exact:
+/// `incomplete` counts the neighbourhoods that differ from the exact ones. A rule of neighbourhoods (Shortening)
+/// shortens the found list and the exact list before both are compared. The audit only observes, and its time is
+/// measured separately from the algorithm.
 class Audit {
  public:
   /// `stream` in canonical order, as the read operator reads it.

@@ -41,8 +41,8 @@ void OperatorCall::copy_fields(StreamPoint& point) const {
   for (const Copy& copy : stage_.copies) std::memcpy(copy.to.in(point), copy.from.in(point), copy.from.bytes);
 }
 
-/// applyOperator of the paper's Figures 12 and 14: hands points to an operator's formula, and its results to the
-/// points.
+/// applyOperator of the paper's Figures 12 and 14: passes points to an operator's formula, and stores the results in
+/// the points.
 void OperatorCall::apply(std::span<StreamPoint* const> points) {
   while (!points.empty()) {
     std::size_t size = 0, neighbors = 0;

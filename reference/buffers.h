@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Buffers of operators (paper Section 5.2): the through-buffer, operators that must wait for their neighbours, and
-/// operators whose neighbours must wait for them.
+/// Buffers of operators (paper Section 5.2): the through-buffer, which never waits; the pre-buffer, in which a point
+/// waits for its neighbours; and the pre- and post-buffer, in which also the neighbours wait for the point.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ class OperatorCall {
   /// `between`: called after each batch of points.
   OperatorCall(const Stage& stage, std::function<void()> between) : stage_(stage), between_(std::move(between)) {}
 
-  /// Makes the copies of a point's fields that the stage needs (Stage::copies). Called when the point enters the
-  /// buffer.
+  /// Makes the copies of a point's fields that the stage needs (Stage::copies). Must be called when the point enters
+  /// the buffer.
   void copy_fields(StreamPoint& point) const;
   void apply(std::span<StreamPoint* const> points);
   const DegenerateRows& degenerate() const { return degenerate_; }

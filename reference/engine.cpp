@@ -22,7 +22,7 @@ namespace pointsweep {
 namespace reference {
 namespace {
 
-/// Brings finished points to the store, many at a time.
+/// Collects finished points and writes them to the row store of the pass, kMost at a time.
 class Rows {
  public:
   explicit Rows(const EnginePass& run)
@@ -68,7 +68,7 @@ std::vector<StageOperator> operators_of(const PlannedPass& pass) {
 }
 
 using Clock = std::chrono::steady_clock;
-constexpr std::uint64_t kRows = 1000;              ///< most entries of a series
+constexpr std::uint64_t kRows = 1000;              ///< most entries of a series of buffer sizes
 constexpr std::uint64_t kMeasurePoints = 1 << 12;  ///< least number of points read between two measurements of memory
 constexpr std::uint64_t kNodeBytes = 128;          ///< approximate bytes of a point in a kD-heap and in queues
 constexpr double kReportSeconds = 0.1;
@@ -150,8 +150,8 @@ class Pipeline {
     return std::chrono::duration<double>(now_ - before).count();
   }
 
-  /// A step reads one point, which searches S before any point leaves S in this step. So no point that leaves is hidden
-  /// from it.
+  /// Audits the neighbourhoods of this step. A step reads one point, which searches S (NearestOperator) before any
+  /// point leaves S, so the arrived points are audited before the completed ones.
   void audit() {
     for (StreamPoint* point : nearest_.arrived()) {
       point->read_at = now_;
@@ -180,7 +180,8 @@ class Pipeline {
       for (std::size_t i = 0; i < operators_.size(); ++i)
         statistics_.buffers[i].second.emplace_back(read, operators_[i]->size());
     }
-    // With this interval, all measurements together cost no more than a few steps for each point.
+    // A measurement takes time proportional to the active set. With this interval, the cost for each point read is
+    // constant.
     if (read - measured_at_ < std::max<std::uint64_t>(kMeasurePoints, active_.size() / 4)) return;
     measured_at_ = read;
     require_memory();
@@ -225,8 +226,8 @@ class Pipeline {
   std::vector<StreamOperator*> operators_;
 
   SweepStatistics statistics_;   ///< `buffers` has a series for each operator
-  std::vector<double> seconds_;  ///< for each operator
-  double audit_seconds_ = 0;     ///< not included in any other time
+  std::vector<double> seconds_;  ///< processing time of each operator
+  double audit_seconds_ = 0;     ///< time of the audit, which no other time includes
   Clock::time_point now_, reported_;
   std::uint64_t measured_at_ = 0;  ///< number of points read at the last measurement of memory
   std::vector<std::byte> results_;

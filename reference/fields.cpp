@@ -68,9 +68,10 @@ Field Fields::add_from_file(const Attribute& attribute) {
   return file.to;
 }
 
-/// A waiting operator reads its neighbours when they may be several operators ahead. So fields that it or a later
-/// operator overwrites are copied when a point enters its buffer. Only movers overwrite positions, and a mover waits
-/// for all points that refer to a point (smallest_reference), except those in its own buffer.
+/// A waiting operator reads neighbours that later operators may already have processed. So each field that this
+/// operator reads of neighbours and that this or a later operator overwrites is copied when a point enters the buffer.
+/// Positions are copied only for an operator that moves points: it waits for all points in earlier buffers that refer
+/// to a point (smallest_reference()), but not for the points in its own buffer.
 void Fields::plan_copies() {
   std::set<std::size_t> overwritten;  // offsets of the fields that this stage or a later one makes
   for (auto stage = stages_.rbegin(); stage != stages_.rend(); ++stage) {

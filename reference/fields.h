@@ -2,7 +2,8 @@
 /// The fields that a point has while it is active, and their places (paper Section 5.1 and Figure 10).
 ///
 /// A field is one place in the point: an operator that makes an attribute again overwrites it, as in the paper. The
-/// buffers and their copies prevent that a value is overwritten too early (FairOpFields).
+/// buffers and their copies prevent an operator from reading a value that was overwritten too early (the paper's
+/// FairOpFields).
 #pragma once
 
 #include <cstddef>
@@ -41,8 +42,8 @@ struct Stage {
   std::vector<Field> reads, reads_neighbors, makes;
   Field neighbor_position;
   std::vector<Copy> copies;
-  bool waits = false;  ///< true if the operator reads attributes of neighbours or moves points: pre-buffer
-  bool moves = false;  ///< true if the operator moves points: pre- and post-buffer
+  bool waits = false;  ///< true if the operator reads attributes of neighbours or moves points; needs a PreBuffer
+  bool moves = false;  ///< true if the operator moves points; needs a PrePostBuffer
   bool moved = false;  ///< true if an earlier operator moves points; the search used the old positions
 };
 
@@ -61,8 +62,8 @@ class Fields {
   const std::vector<Field>& rule_reads() const { return rule_reads_; }
   std::size_t bytes() const { return bytes_; }
 
-  /// Gives the point its fields and fills in the fields of the file. Notes in `refused` a value that an operator cannot
-  /// read.
+  /// Gives the point its fields and fills in the fields of the file. Stores in `refused` the error of a value that an
+  /// operator cannot read.
   void fill(StreamPoint& point, const std::byte* record, FirstRowError& refused) const;
   const std::byte* record(const StreamPoint& point) const { return point.fields.get(); }
   /// Writes the kept attributes of the point into `out`, one after another.

@@ -12,8 +12,8 @@ double KdHeap::end_of(const StreamPoint& point) const {
   return point.input[sweep_axis_] + std::sqrt(point.neighbors.reach2());
 }
 
-/// Returns whether no point at or after the plane can enter the neighbourhood of `point`: rounding keeps the square of
-/// a coordinate's difference from exceeding a distance2().
+/// Returns whether no point at or after the plane can enter the neighbourhood of `point`. This holds despite rounding:
+/// the rounded square of a difference of coordinates is never above the rounded distance2() of the points.
 bool KdHeap::passed(const StreamPoint& point, double plane) const {
   const double ahead = plane - point.input[sweep_axis_];
   return ahead > 0 && ahead * ahead > point.neighbors.reach2();
@@ -97,7 +97,8 @@ void KdHeap::take_passed(Link& link, double plane, std::vector<StreamPoint*>& ou
   if (link) summarize(*link);
 }
 
-/// Descends on the side of p first. `beyond` is the vector from p to the region of a subtree.
+/// A search for the points nearest to p, which visits the subtree on the side of p first. `beyond` is the vector from p
+/// to the region of a subtree.
 struct KdHeap::Search {
   Vec3 p;
   NearestSet& set;

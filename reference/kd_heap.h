@@ -16,8 +16,8 @@ namespace pointsweep::reference {
 /// may lie on either side. So the smallest index can be at the top of every subtree (heap), and a point is removed by
 /// moving up the smaller of the two points below it, down to a leaf, while all lines stay (kD-tree).
 ///
-/// Three more numbers per subtree save visits: the largest reach of its points, the place where the sweep plane passes
-/// the first of their neighbourhoods, and the last coordinate along the axis.
+/// Three more numbers per subtree save visits: the largest reach of its points, the smallest coordinate on the sweep
+/// axis at which one of their neighbourhoods ends, and the largest coordinate of the points on this axis.
 ///
 /// Semi-balanced: if one side holds more than three quarters, the subtree is rebuilt (a scapegoat tree). Equal
 /// coordinates may stand on both sides of a line, so duplicates cannot unbalance it. Depth is O(log m), insertion and

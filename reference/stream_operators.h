@@ -50,8 +50,8 @@ class ReferenceHeap {
  public:
   void push(const StreamPoint& p) { heap_.push({p.min_index, p.index}); }
 
-  /// Returns the smallest index to which points from `smallest_element` on refer, since earlier points have left;
-  /// kNoIndex without a reference.
+  /// Returns the smallest index to which points with an index of at least `smallest_element` refer; kNoIndex without a
+  /// reference. Points with a smaller index have left the operator.
   std::uint64_t smallest(std::uint64_t smallest_element) {
     while (!heap_.empty() && heap_.top().index < smallest_element) heap_.pop();
     return heap_.empty() ? kNoIndex : heap_.top().referenced;
@@ -65,7 +65,7 @@ class ReferenceHeap {
   std::priority_queue<Pair, std::vector<Pair>, std::greater<>> heap_;
 };
 
-/// The points of one slab in canonical order. Place 0 is the first point of the slab.
+/// The points of one slab of the stream (order/stream.h) in canonical order. Place 0 is the first point of the slab.
 class SortedSlab {
  public:
   void load(const Stream& stream, std::size_t slab);
@@ -83,12 +83,12 @@ class SortedSlab {
   std::vector<std::uint32_t> order_;
 };
 
-/// Reads and buffers one point at a time, in canonical order. Ordering itself is shared with the engine (order/): the
-/// slabs of its stream are read one by one and sorted.
+/// Reads and buffers one point at a time, in canonical order. The slabs of the ordered stream, which the exact engine
+/// uses as well, are read one by one and sorted.
 class ReadOperator final : public StreamOperator {
  public:
-  /// The slabs of `stream` must be in canonical order (StreamOptions::canonical): the search takes every unread point
-  /// to lie at or after the plane.
+  /// The slabs of `stream` must be in canonical order (StreamOptions::canonical): the search assumes that every unread
+  /// point lies at or after the sweep plane.
   ReadOperator(const Stream& stream, const Fields& fields, Reach reach, ActiveSet& active);
 
   void pull_push() override;
@@ -100,7 +100,7 @@ class ReadOperator final : public StreamOperator {
 
   std::uint64_t position() const { return position_; }  ///< number of points read
   std::uint64_t total() const { return total_; }
-  /// Returns the error of the lowest row read that has a value which an operator cannot read.
+  /// Returns the error of the lowest row, among the rows read, with a value that an operator cannot read.
   const FirstRowError& refused() const { return refused_; }
 
  private:
@@ -146,7 +146,8 @@ struct RuledPoint {
   std::vector<std::byte> attributes;  ///< attributes that the rule reads, one after another
 };
 
-/// Decides how many of the neighbours found the rule of the task keeps. Without a rule, all are kept.
+/// Applies the rule of the neighbourhood (NeighborhoodRule), which keeps only the nearest of the neighbours found.
+/// Without a rule, all neighbours are kept.
 class Shortening {
  public:
   Shortening(SharedRule rule, const Fields& fields) : rule_(std::move(rule)), reads_(fields.rule_reads()) {}
@@ -180,7 +181,7 @@ std::vector<Rank> ranks_of(std::span<const Neighbor> neighbors);
 /// The operator is a pre- and post-buffer with S as FIFO1 and B as FIFO2 (Section 5.2.2).
 ///
 /// The result is approximate, as in the paper: a point that left S is not found by later points, however far they
-/// reach. Audit counts what this costs.
+/// reach. Audit counts the neighbourhoods that are wrong for this reason.
 class NearestOperator final : public StreamOperator {
  public:
   NearestOperator(int sweep_axis, Shortening& shortening)
@@ -194,7 +195,7 @@ class NearestOperator final : public StreamOperator {
   std::size_t size() const override { return searched_.size() + sorting_.size(); }
 
   std::size_t searched() const { return searched_.size(); }  ///< number of points in S
-  /// Returns the points that came in the last pull_push(); completed() returns the points that left S in it.
+  /// arrived() returns the points that came in the last pull_push(), completed() the points that left S in this call.
   std::span<StreamPoint* const> arrived() const { return arrived_; }
   std::span<StreamPoint* const> completed() const { return completed_; }
 

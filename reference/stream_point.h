@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// A point of the active set with all its fields (the paper's AllFields, Section 5.1 and Figure 10), and its
-/// neighbourhood N_i while it is being found, and after (Section 4.2.2).
+/// neighbourhood N_i during and after the search (Section 4.2.2).
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace pointsweep::reference {
 
 struct StreamPoint;
 
-/// A neighbour with its order: by distance, ties by x, y, z of the input, and row.
+/// The key by which neighbours are ordered: by distance, ties by x, y, z of the input, then by row.
 struct Rank {
   double distance2;
   Vec3 position;
@@ -39,7 +39,7 @@ struct Neighbor {
 
   inline Rank rank() const;
 
-  /// Orders like rank().
+  /// Orders by rank().
   friend bool operator<(const Neighbor& a, const Neighbor& b) {
     return a.distance2 != b.distance2 ? a.distance2 < b.distance2 : a.rank() < b.rank();
   }
@@ -119,7 +119,7 @@ struct StreamPoint {
   // Points that the search could not see when the point came (Audit)
   static constexpr double kNothing = std::numeric_limits<double>::infinity();
   std::vector<Rank> hidden;    ///< the nearest of the active points that had left S, nearest first
-  std::uint64_t written = 0;   ///< number of points of the stream that had been written
+  std::uint64_t written = 0;   ///< number of points of the stream that had been written by then
   double written2 = kNothing;  ///< squared distance along the axis to the last written point
 
   // Every other field, at the places that Fields gives them: the record of the file, attributes, an operator's copies
