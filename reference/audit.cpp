@@ -13,7 +13,8 @@ bool may_hold_neighbors(const Slab& slab, const Suspect& suspect) {
   return slab.first < suspect.written && distance2(slab.box, suspect.point.position) <= suspect.exact.reach2();
 }
 
-/// Returns the first place of the slab that is not too far before the suspect's point along the axis.
+/// Returns the first place in the slab, below `end`, whose point is near enough to the suspect's point along the axis
+/// to be a neighbour.
 std::size_t first_within(const SortedSlab& slab, int axis, const Suspect& suspect, std::size_t end) {
   std::size_t low = 0;
   while (low < end) {

@@ -32,8 +32,8 @@ class NearestRanks {
 /// A neighbourhood that may not be exact, and the part of the exact neighbourhood that is known.
 struct Suspect {
   RuledPoint point;
-  std::vector<Rank> kept;  ///< N_i as the stages see it
-  NearestRanks exact;      ///< the exact result of the search, still without the first `written` points of the stream
+  std::vector<Rank> kept;  ///< the found N_i, after the rule
+  NearestRanks exact;      ///< nearest of the found and hidden points; the first `written` points are missing
   std::uint64_t written;   ///< number of points that had been written when `point` came
 };
 
@@ -69,7 +69,7 @@ class Suspects {
 /// measured separately from the algorithm.
 class Audit {
  public:
-  /// `stream` in canonical order, as the read operator reads it.
+  /// `stream`: the stream of the ReadOperator, in canonical order.
   Audit(const Stream& stream, Reach reach, Shortening& shortening)
       : sweep_axis_(stream.axis()), reach_(reach), shortening_(shortening), hidden_(sweep_axis_), suspects_(stream) {}
 
@@ -87,7 +87,7 @@ class Audit {
   std::uint64_t bytes() const { return suspects_.bytes(); }
 
  private:
-  /// Returns a suspect with the points that were hidden from `point`.
+  /// Returns a suspect whose exact result contains the active points that were hidden from `point`.
   Suspect suspect(StreamPoint& point) const;
   void settle();
   void judge(const Suspect& suspect);

@@ -25,7 +25,7 @@ void open_console();
 /// Writes the whole text to a descriptor. Returns 0 or the errno of a failure.
 int write_all(int descriptor, std::string_view text);
 
-/// Writes a text to standard output. If that is closed, or its reader has ended, the text is dropped.
+/// Writes a text to standard output. If standard output is closed, or its reader has ended, the text is dropped.
 void print(std::string_view text);
 
 /// Returns the width of lines on standard output in characters: the width of the terminal, limited to [60, 100]; 80

@@ -123,7 +123,7 @@ std::string conclusion(const ResolvedFiles& files, const Statistics& s) {
   return text;
 }
 
-/// Shows the progress and messages of a run. Signals cancel it.
+/// Shows the progress and messages of a run, which the signals of interrupt_token() cancel.
 class RunDisplay final : public Observer {
  public:
   explicit RunDisplay(ProgressDisplay& display) : display_(display) {}

@@ -145,7 +145,7 @@ void add_stream_options(CLI::App& verb, CommonOptions& options) {
   verb.add_option("--report", options.report, "Write a page about the run to this HTML file, with plots and a picture")
       ->type_name("FILE")
       ->group(kOutputGroup);
-  // Hidden options for figures of the sweep and for tests.
+  // Options that the help does not show: for the pictures of the sweep in docs/, and for tests.
   verb.add_option("--half-way-states", options.half_way_states)->group("");
   verb.add_option("--checkpoint-seconds", options.checkpoint_seconds)->group("")->check(CLI::NonNegativeNumber);
 }

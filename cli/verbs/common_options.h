@@ -35,7 +35,7 @@ struct CommonOptions : RunOptions {
   std::string format;            ///< CloudOptions::format by --format, --columns, --depth or --resolution; may be empty
   std::optional<StatedCrs> crs;  ///< system stated by --crs; absent to use the systems of the inputs
   bool replace_crs = false;      ///< true if `crs` replaces systems that the inputs state
-  bool ignore_crs = false;       ///< true if coordinate reference systems neither forbid nor convert anything
+  bool ignore_crs = false;       ///< true to read inputs without comparing or converting coordinate systems
   int progress_descriptor = -1;  ///< descriptor that receives one JSON object per line; -1 for none
   ClusterOptions cluster;
 };

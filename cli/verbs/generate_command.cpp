@@ -40,7 +40,7 @@ void generate(const GenerateOptions& options) {
                                            plan.count, options.shape, seconds));
 }
 
-/// Returns the footer of the help. It is made only when help is printed, because setting up the shapes takes a moment.
+/// Returns the footer of the help. Called only when help is printed, because setting up the shapes takes time.
 std::string footer() {
   std::string text = "Shapes, in metres:\n";
   for (const NamedShape& shape : shapes()) text += fmt::format("  {:<10}{}\n", shape.name, shape.meaning);

@@ -34,7 +34,7 @@ struct InfoCommand {
 
 enum class InfoStyle : std::uint8_t { details, table, json };
 
-/// The JSON object of `info`. It is printed file by file, since there may be many files.
+/// The JSON object of `info`. The object is printed file by file, since there may be many files.
 class PrintedJson {
  public:
   void add(const nlohmann::ordered_json& file) {

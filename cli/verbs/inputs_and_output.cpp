@@ -31,7 +31,7 @@ bool is_folder_name(const fs::path& path) {
 /// Returns whether the last of several names may be meant as an input: a file or a folder of point files has this name.
 bool may_be_input(const InputsAndOutput& named) {
   std::error_code error;
-  if (is_url(named.output())) return false;  // an existing object is refused when the output is opened
+  if (is_url(named.output())) return false;  // opening the output refuses an object that exists
   if (!named.named_output.empty() || named.inputs_named() <= 1 || is_standard_stream(named.output())) return false;
   if (fs::is_directory(named.output(), error)) return !named.resumes && holds_point_files(named.output());
   return fs::exists(fs::symlink_status(named.output(), error));

@@ -22,7 +22,7 @@ class ValueKeys {
   explicit ValueKeys(const Field& field);
 
   bool is_whole() const { return kind_ != Kind::real; }
-  /// Returns whether the values have at most 32 bits, as whole numbers.
+  /// Returns whether the values are whole numbers of at most 32 bits.
   bool is_small() const { return is_whole() && size_of(field_.type) <= 4; }
   std::uint32_t components() const { return field_.count; }
   /// Writes the keys of all components of records `stride` bytes apart; keys of one record are adjacent.

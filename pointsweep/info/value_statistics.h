@@ -28,14 +28,14 @@ class ValueMoments {
 
   std::uint64_t count() const { return count_; }          ///< number of finite values
   std::uint64_t nonfinite() const { return nonfinite_; }  ///< NaN and infinite values
-  /// Returns the key of the least value; the greatest number if count() is 0.
+  /// Returns the key of the least value; 2^64 - 1 if count() is 0.
   std::uint64_t least() const { return least_; }
   /// Returns the key of the greatest value; 0 if count() is 0.
   std::uint64_t most() const { return most_; }
-  /// Returns the rounded sum divided by the number; none without values, or if the sum is beyond float64.
+  /// Returns the rounded exact sum divided by count(); none without values, or if the sum is beyond float64.
   std::optional<double> mean() const;
-  /// Returns the square root of the sum of squared distances from the mean, divided by the number less 1; none for
-  /// fewer than two values, or if the sum of their squares is beyond float64.
+  /// Returns the standard deviation, with the divisor count() - 1; none for fewer than two values, or if the sum of
+  /// their squares is beyond float64.
   std::optional<double> deviation() const;
 
   /// Returns the memory in bytes that a ValueMoments takes.

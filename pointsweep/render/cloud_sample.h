@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The choice of the rows that are drawn; a sample of these rows, their bounds and their number of points, found in one
-/// pass before they are drawn.
+/// The choice of the rows that are drawn, and a first pass over these rows, which finds their bounds, their number of
+/// points and a sample before they are drawn.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,7 @@ struct Extents {
 /// products per point and view; there are at most 12 views.
 class PossibleViews {
  public:
-  /// `angles` and `up`: the choices of the user. If one is absent, all its automatic choices are possible.
+  /// `angles` and `up`: the choices of the user. If one is absent, all values that the program may choose are possible.
   PossibleViews(std::optional<Angles> angles, std::optional<Up> up);
   void include(Vec3 p);
   /// Returns the extents for one of the possible views and a camera of that view.

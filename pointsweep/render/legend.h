@@ -32,15 +32,15 @@ class Lettering {
   Rgb color_;
 };
 
-/// Returns the unit of the attribute with this name: "1/m" for a curvature, "s" for gps_time, empty if it has none or
-/// the unit is unknown. `length` is the unit of the cloud's coordinates, e.g. "m"; if it is empty, "file unit" stands
-/// for it.
+/// Returns the unit of the attribute with this name: "1/m" for a curvature, "s" for gps_time, empty if the attribute
+/// has no unit or the unit is unknown. `length` is the unit of the cloud's coordinates, e.g. "m"; if it is empty, "file
+/// unit" stands for it.
 std::string unit_of_attribute(std::string_view name, std::string_view length);
 
 /// A bar of colours with numbers, or a list of colours with names.
 struct Legend {
   std::string title;  ///< e.g. "rms_curvature"
-  std::string unit;   ///< unit of the numbers, e.g. "1/m"; empty if they have none or it is unknown
+  std::string unit;   ///< unit of the numbers, e.g. "1/m"; empty without a known unit
   bool is_bar = false;
   double lo = 0, hi = 1;                             ///< ends of the bar
   std::vector<std::pair<Rgb, std::string>> entries;  ///< entries of the list

@@ -17,8 +17,8 @@
 
 namespace pointsweep {
 
-/// Chooses the colours of points. It is used in phases: it is made from the schema, then look_at() takes every record,
-/// then settle() makes the choice; after that, operator() returns colours.
+/// Chooses the colours of points. The calls come in this order: the constructor with the schema, look_at() for every
+/// record, settle(), which makes the choice, then operator() for the colour of each point.
 class PointColor {
  public:
   /// `what`: rgb (the file's colours), normal (its components as colours), height (the coordinate that points up),

@@ -62,8 +62,8 @@ class PointShape {
 
   /// If DiscRadii::fixed is above 0, returns a disc of this radius that faces the viewer. Else returns the splat of the
   /// point if it has a valid one; else a disc, perpendicular to the normal, or facing the viewer if the point has no
-  /// normal. Its radius is the field `radius`, or else the local spacing (1.5 times as large with a normal, which
-  /// closes gaps), at most DiscRadii::largest_guess.
+  /// normal. The radius of the disc is the field `radius`, or else the local spacing (1.5 times as large with a normal,
+  /// which closes gaps), at most DiscRadii::largest_guess.
   SurfaceElement operator()(const std::byte* record, Vec3 position) const;
 
  private:

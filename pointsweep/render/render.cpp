@@ -20,9 +20,10 @@ namespace pointsweep {
 namespace {
 
 constexpr double kAmbient = 0.25;
-constexpr double kBulge = 0.3;                                         // ProjectedEllipse::bulge without a normal, in radii
-constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;  // largest estimated radii / longer side of the picture
-constexpr double kSmallestLimit = 3;                                   // the largest estimated radius is at least this, in pixels
+constexpr double kBulge = 0.3;  // ProjectedEllipse::bulge of discs without a normal, in radii
+// Limits of estimated radii, divided by the longer side of the picture: with normals, and without.
+constexpr double kLargestOnSurface = 0.015, kLargestOfPoints = 0.006;
+constexpr double kSmallestLimit = 3;       // least value of the limit of estimated radii, in pixels
 constexpr double kSampleSeconds = 100e-9;  // seconds to fill a sample of the canvas under overlapping discs
 constexpr double kFarOutliers = 4;         // see span_without_outliers()
 constexpr std::uint64_t kMostPixels = 1u << 26;
@@ -35,8 +36,8 @@ void check(const RenderOptions& options) {
              options.width, options.height, kMostPixels);
 }
 
-/// Returns the cloud with the coarsest levels of detail whose points are at most a pixel apart in a picture that is
-/// `pixels` wide. Returns all points unless all inputs have levels of detail.
+/// Returns the cloud with its levels of detail up to the first one whose points are at most a pixel apart in a picture
+/// that is `pixels` wide. Returns all points unless all inputs have levels of detail.
 InputCloud drawn_levels(const InputCloud& cloud, unsigned pixels) {
   Box bounds;
   double coarsest = 0;
@@ -83,8 +84,8 @@ double fill_seconds(const RenderOptions& options, unsigned fineness) {
   return kSampleSeconds * options.width * options.height * fineness * fineness;
 }
 
-/// Returns the number of samples along each side of a pixel: fewer for large pictures, whose edges need them less, and
-/// if the time limit is short.
+/// Returns the number of samples along each side of a pixel: fewer for large pictures, in which coarse edges are less
+/// visible, and if the time limit is short.
 unsigned fineness_of(const RenderOptions& options) {
   const std::uint64_t pixels = std::uint64_t{options.width} * options.height;
   unsigned fineness = pixels <= (1u << 22) ? 3 : pixels <= (1u << 24) ? 2 : 1;

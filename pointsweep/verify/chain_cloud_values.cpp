@@ -25,8 +25,9 @@ std::vector<const Operator*> ChainValues::makers_of_reads(const Contract& contra
   return makers;
 }
 
-/// Returns the fields of the output that hold the attribute of a column; nothing if the output has none. The output
-/// holds only the last version of an attribute, and normals as orient() has turned them.
+/// Returns the fields of the input or the output that hold the attribute of a column; nothing if there are none. If
+/// several stages make an attribute, the output holds only the values of the last stage, and it holds normals as
+/// orient() has turned them.
 std::optional<ColumnSource> ChainValues::source_of(std::uint16_t column, const OutputColumns& in_output) const {
   const Attribute& attribute = columns_[column];
   if (maker_of(column) == nullptr) {

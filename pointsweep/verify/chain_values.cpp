@@ -189,8 +189,8 @@ void ChainValues::apply(const Stage& stage, const Surroundings& around, ColumnBy
   }
 }
 
-/// Finds the stages whose operator is itself applied. An applied operator reads exact bits, so the operators that make
-/// the attributes it reads are applied as well.
+/// Marks the stages whose values the operator itself computes, because they have no formula. The operator reads exact
+/// bits, so the operators that make these bits are applied as well.
 void ChainValues::find_applied() {
   const auto apply_maker = [&](std::uint16_t column) {
     if (Stage* const maker = maker_of(column)) maker->applied = true;
@@ -316,7 +316,7 @@ void ChainValues::estimate(const Stage& stage, const Surroundings& around, const
   for (std::size_t i = 0; i < around.ring_end[static_cast<std::size_t>(stage.ring)]; ++i) {
     stop_if_cancelled();
     places.clear(), rows.clear();
-    // Stages that read only the point itself have no values of the neighbours of evaluated points.
+    // For stages that read only the point itself, no values of neighbours have been computed.
     for (std::size_t n = around.list_begin[i]; !stage.alone && n < around.list_begin[i + 1]; ++n)
       places.push_back(place(around.neighbors[n])), rows.push_back(around.row[around.neighbors[n]]);
     FormulaInput in = input_of(stage, around, i, columns);

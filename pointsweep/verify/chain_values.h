@@ -63,9 +63,9 @@ class ChainValues {
   /// Returns the results of the chosen points of `around`, which has rings() rings. Reads the input once more if an
   /// operator reads attributes of the file. `rows`: the rows given to look_at_cloud().
   ChainResults evaluate(Surroundings around, RowSource& in, CloudRows& rows) const;
-  /// Evaluates the chain for points without a finite place, which have no neighbours. A stage that reads only the point
-  /// itself treats such points as any other, and a cloud formula may state their values (CloudFormula::unplaced). All
-  /// other stages leave them unchanged.
+  /// Evaluates the chain for points whose coordinates are not all finite, which have no neighbours. A stage that reads
+  /// only the point itself treats such points as any other, and a cloud formula may state their values
+  /// (CloudFormula::unplaced). All other stages leave them unchanged.
   ChainResults evaluate_unplaced(std::span<const KnownPoint> points, RowSource& in) const;
   /// Returns the bytes of memory for each point of the surroundings, in addition to its list.
   std::size_t bytes_per_point() const;
@@ -79,8 +79,8 @@ class ChainValues {
  private:
   struct Stage {
     StageOperator op;
-    /// Formula of the stage; empty if the stage has a cloud formula. Without either formula, the operator itself is
-    /// applied.
+    /// Formula of the stage; empty if the stage has a cloud formula. A stage without either formula is evaluated by the
+    /// operator itself (`applied`).
     StageFormula formula = {};
     std::shared_ptr<CloudFormula> cloud = {};               ///< formula over the whole cloud; null for a local stage
     std::vector<std::optional<ColumnSource>> sources = {};  ///< sources of the values that the cloud formula reads
@@ -156,8 +156,8 @@ class ChainValues {
   std::map<std::string, std::uint16_t> latest_;  ///< by name of an attribute, the column of its last values
 };
 
-/// Returns the operators with the values of the whole input that they need (Reduction::of_input). Reads the cloud once
-/// for each distinct value. Operators without such values are returned unchanged.
+/// Returns the operators, completed by the values of the whole input that they need (Reduction::of_input). Reads the
+/// cloud once for each distinct value. Operators without such values are returned unchanged.
 std::vector<StageOperator> with_input_values(std::vector<StageOperator> operators, InputCloud& cloud);
 
 /// Returns whether an operator after the first Outlier makes the mean distances again. The output then lacks the

@@ -84,8 +84,8 @@ void take_recorded_pipeline(OutputCheck& check, const ProvenanceRecord& record) 
   }
 }
 
-/// Returns whether the record is silent about the order of the output's rows among the rows of the named inputs: the
-/// record names other inputs, or describes a divided output while the output is a single file, made from the parts
+/// Returns whether the order in the record is not the order of the output's rows among the rows of the named inputs:
+/// the record names other inputs, or describes a divided output while the output is a single file, made from the parts
 /// later.
 bool is_of_other_rows(const OutputCheck& check, const ProvenanceRecord& record) {
   if (check.inputs.empty()) return false;

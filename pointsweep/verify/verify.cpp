@@ -337,7 +337,7 @@ class Verification {
     const std::size_t estimates_per_point = chain_.estimates_per_point();
     const auto estimates_of_point = [&](std::size_t i) { return results.estimates.data() + i * estimates_per_point; };
     std::vector<Wanted> wanted;
-    std::vector<char> is_clear(points.size(), true);  // false if PossibleRows::rows lacks some of the rows
+    std::vector<char> is_clear(points.size(), true);  // false if PossibleRows::rows does not list all possible rows
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (alignment_) {
         check_selection(points[i].row, estimates_of_point(i));
@@ -384,7 +384,7 @@ class Verification {
     return pairs_of_field(schema, field, out_.schema(), ways().places, made_by_.stored_name);
   }
 
-  /// Checks whether the output has a row exactly if all conditions hold for it.
+  /// Checks that the output has a row of the input if and only if all conditions hold for the row.
   void check_selection(std::uint64_t row, const formulas::Estimate* estimates) {
     bool told = true, stays = true;
     for (const std::size_t s : selections_) {

@@ -8,7 +8,7 @@ namespace pointsweep::formulas {
 
 enum class ColorScale : unsigned char { viridis, turbo, gray, classes };
 
-/// Returns red, green and blue of 8 bits. `lo`, `hi`: ends of the scale, for scales that have ends.
+/// Returns red, green and blue of 8 bits. `lo`, `hi`: ends of the scale; unused for `classes`.
 std::array<int, 3> color_of(double value, ColorScale scale, double lo, double hi);
 
 }  // namespace pointsweep::formulas

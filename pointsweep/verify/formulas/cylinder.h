@@ -15,8 +15,8 @@ class Cylinder {
  public:
   Cylinder(Vector center, const Estimate& normal, Real diameter, Real depth);
 
-  /// Returns whether the cylinder has an axis. Without an axis, change() returns counts of 0 and NaN for all other
-  /// values.
+  /// Returns whether the cylinder has an axis: false if the normal is 0. change() then returns counts of 0 and NaN for
+  /// all other values.
   bool has_axis() const { return norm(axis_) > 0; }
   /// Returns whether rounding decides for some point whether the cylinder holds it.
   bool is_open() const { return open_; }

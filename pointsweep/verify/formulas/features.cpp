@@ -69,7 +69,7 @@ Estimate saturated(Real value, Range range) {
   return single_scalar(single(value), {single(range.low), single(range.high)});
 }
 
-/// The values λ1 >= λ2 >= λ3 with their ranges.
+/// The values λ1 >= λ2 >= λ3, which follow from the eigenvalues by `Lambda`, with their ranges.
 struct Lambdas {
   std::array<Real, 3> value{};
   std::array<Range, 3> range{};

@@ -93,7 +93,7 @@ class Flatness {
   Matrix covariance_;   ///< covariance times the number of points
 };
 
-/// Decides whether the signs of the normals of a connected component are flipped. Takes the points of the component
+/// Decides whether the signs s of the normals n of a connected component are flipped. Takes the points of the component
 /// twice: measure() for centroid and extent, then vote().
 class TurningVotes {
  public:

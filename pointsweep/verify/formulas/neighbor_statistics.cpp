@@ -8,7 +8,7 @@
 namespace pointsweep::formulas {
 namespace {
 
-/// Returns the most frequent value, the first in the list if several are equally frequent.
+/// Returns the most frequent value; if several are equally frequent, the first of these in the list.
 Real most_frequent(const std::vector<Real>& values) {
   std::map<Real, std::size_t> counts;
   for (const Real v : values) ++counts[v];

@@ -26,7 +26,7 @@ PossibleNumber near(Real value) {
   return {value - slack, value + slack > kMost ? kInfinity : value + slack, false};
 }
 
-/// Returns the range of an increasing function on a range.
+/// Returns the range of the values of an increasing function on the range `n`.
 template <class Function>
 PossibleNumber increasing(const PossibleNumber& n, Function function) {
   return {function(static_cast<double>(n.low)), function(static_cast<double>(n.high)), false};
@@ -43,7 +43,7 @@ PossibleNumber root(const PossibleNumber& n) {
   return increasing(n, [](double v) { return std::sqrt(v); });
 }
 
-/// Returns the greatest of the numbers if `sign` is 1, the least if it is -1.
+/// Returns the range of the greatest of the numbers if `sign` is 1, of the least if `sign` is -1.
 PossibleNumber extreme(std::span<const PossibleNumber> numbers, int sign) {
   PossibleNumber out = numbers[0];
   for (const PossibleNumber& n : numbers) {
@@ -129,12 +129,12 @@ PossibleNumber function_of(const std::string& name, std::span<const PossibleNumb
   for (const PossibleNumber& argument : arguments) {
     given.push_back(as_double(argument));
     const PossibleNumber& n = given.back();
-    // A value that is not known exactly may be NaN if its range is not finite.
+    // An argument whose range has several values may be NaN if the range is not finite.
     if (!n.is_exact() && !(std::isfinite(n.low) && std::isfinite(n.high))) return kAnything;
     is_exact = is_exact && n.is_exact();
   }
   const PossibleNumber out = value_of(name, given);
-  // The sign of a 0 is not known, and 1 / 0 depends on it.
+  // A range does not state the sign of a 0, on which 1 / 0 depends.
   if (!is_exact && out.low == 0 && out.high == 0) return {-0x1p-1074L, 0x1p-1074L, false};
   return out;
 }

@@ -120,7 +120,7 @@ Splat splat(const Place& p, const Estimate& n, std::span<const Place> neighbors,
   const WeightedNeighbors weighted = weigh(p, neighbors);
   if (!weighted.finite) return whole_splat(undefined());
   if (!(weighted.farthest > 0)) return whole_splat(undefined());
-  // A neighbour that may coincide with p_i may or may not count.
+  // It is open whether a neighbour that may coincide with p_i counts.
   const bool unsure = std::ranges::any_of(weighted.offsets,
                                           [](const WeightedOffset& o) { return o.error > 0 && norm(o.d) <= o.error; });
   if (unsure) return whole_splat(open());

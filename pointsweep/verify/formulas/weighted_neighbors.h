@@ -51,7 +51,7 @@ struct Facing {
   };
   Side side = Side::none;
   Vector viewpoint;
-  Estimate like;  ///< the normal of the input
+  Estimate like;  ///< normal of the input, for Side::like
 };
 
 /// Returns the normal n_i, float32: the eigenvector of the smallest eigenvalue λ0 of

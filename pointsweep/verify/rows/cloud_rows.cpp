@@ -23,7 +23,7 @@ double as_type(Type type, double value) {
   return type == Type::f32 ? static_cast<double>(static_cast<float>(value)) : value;
 }
 
-/// Stores the values of the columns that are in the input, or were made again for its row `row`.
+/// Stores the values of the columns that come from the input or were computed again for row `row` of the input.
 void put_from_input(std::span<const ColumnSource> columns, std::uint64_t row, const std::byte* record, double* values) {
   for (const ColumnSource& c : columns) {
     const std::size_t components = c.attribute.fields.size();

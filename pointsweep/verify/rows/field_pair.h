@@ -35,9 +35,10 @@ class FieldPair {
   FieldPair(std::string name, const Field& from, std::uint32_t from_component, const Field& to,
             std::uint32_t to_component, StoredPlaces places = {});
 
-  /// Returns the pair for records of a file of each cloud. Where files of a cloud store a field in different ways, for
-  /// example LAS coordinates on different grids, its records have a float64 instead, and values are still compared as
-  /// the two files store them. A null schema stands for the fields as the records have them.
+  /// Returns the pair for records of one file of the input and one file of the output, with the schemas `from` and
+  /// `to`. Where files of a cloud store a field in different ways, for example LAS coordinates on different grids, its
+  /// records have a float64 instead, and values are still compared as the two files store them. A null schema stands
+  /// for the fields as the records have them.
   FieldPair in_files(const Schema* from, const Schema* to) const;
 
   const std::string& name() const { return name_; }

@@ -164,7 +164,7 @@ std::vector<std::uint64_t> sweep_rows(RowSource& in, std::span<const std::uint64
   std::vector<std::uint64_t> ranks(rows.size());
   std::uint64_t before = 0;
   for (std::size_t s = 0; s < sorted.size(); ++s) ranks[sorted[s].second] = before += between[s];
-  // A chosen point is counted in the gap after itself, so its rank includes the chosen points before it.
+  // upper_bound() counts a chosen point in the gap after this point, so a rank includes the chosen points before it.
   return ranks;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The rows of an input that an output has kept, the comparison of all points and attributes of two clouds, and the
-/// random sample of rows for a check.
+/// The correspondence of the rows of an input and an output: rows that the output has kept, the comparison of all
+/// points and attributes, and the random sample of rows for a check.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ struct RowAlignment {
   std::optional<std::uint64_t> place_of(std::uint64_t row) const;
 };
 
-/// Aligns an output that has some of the rows of the input, in its order. Each row of the output is matched with the
-/// first remaining row of the input that has its values. `pairs`: the fields that are compared.
+/// Aligns an output that has some of the rows of the input, in the order of the input. Each row of the output is
+/// matched with the first remaining row of the input that has its values. `pairs`: the fields that are compared.
 RowAlignment align_rows(RowSource& in, RowSource& out, FilePairs& pairs, const PhaseProgress& progress);
 
 /// Returns a random sample of the rows of the input, in arbitrary order. Half of the sampled rows are in the output, if

@@ -68,8 +68,8 @@ class RowSource {
   std::vector<std::byte> block_;
 };
 
-/// Calls `use(first, records, n)` for successive blocks of rows: `n` records from row `first` on. After each block it
-/// calls `progress`, unless that is empty, with `phase`.
+/// Calls `use(first, records, n)` for successive blocks of rows: `n` records from row `first` on. Calls `progress`,
+/// unless empty, with `phase` after each block.
 template <class Use>
 void for_each_block(RowSource& source, const char* phase, const PhaseProgress& progress, Use use) {
   for (std::uint64_t first = 0; first < source.count();) {

@@ -19,7 +19,8 @@ double square_of_sum(double a2, double b2) {
   return sum * sum;
 }
 
-/// The distinct places of points. Points at one place share the nearest points, except themselves.
+/// The distinct positions ("places") of points. Points at one place have the same nearest points, apart from the point
+/// itself.
 struct Places {
   std::vector<Vec3> position;
   std::vector<double> reach2;

@@ -175,7 +175,7 @@ class TakenValues final : public CloudFormula {
     return made;
   }
 
-  /// Returns the values of the point before the stage; for new attributes NaN or, for whole numbers, 0.
+  /// Returns the values of the point before the stage; for new attributes NaN, or 0 if the attribute is an integer.
   Estimates values_before(const CloudPoint& point) const {
     Estimates made;
     for (const Attribute& a : contract_.makes) {

@@ -38,7 +38,7 @@ class GroundFormula final : public CloudFormula {
         if (is_finite(p) && takes_part(values)) use(p);
       });
     };
-    std::vector<double> x, y;  // numbers of cells
+    std::vector<double> x, y;  // cell numbers of the points
     std::uint64_t points = 0;
     for_each_part([&](Vec3 p) {
       x.push_back(formulas::cell_number(p.x, parameters_.cell)),

@@ -206,7 +206,7 @@ class KeptPoints {
   bool offer(Vec3 p) {
     const auto from = cube_of({p.x - width_, p.y - width_, p.z - width_});
     const auto to = cube_of({p.x + width_, p.y + width_, p.z + width_});
-    // Keys ascend, so that the cubes of equal x and y form one range of z.
+    // The map orders cubes by x, y, z, so the cubes with equal x and y are one range.
     for (double x = from[0]; x <= to[0]; x = above(x))
       for (double y = from[1]; y <= to[1]; y = above(y))
         for (auto cube = cubes_.lower_bound({x, y, from[2]}); cube != cubes_.end(); ++cube) {
@@ -221,7 +221,8 @@ class KeptPoints {
  private:
   using Cube = std::array<double, 3>;
   Cube cube_of(Vec3 p) const { return {std::floor(p.x / width_), std::floor(p.y / width_), std::floor(p.z / width_)}; }
-  /// Returns the next number of a cube. From 2^52 on, it is the next double.
+  /// Returns the next index of a cube along an axis. From 2^52 on, where not every index is a double, returns the next
+  /// double.
   static double above(double number) {
     return std::abs(number) < 0x1p52 ? number + 1 : std::nextafter(number, HUGE_VAL);
   }

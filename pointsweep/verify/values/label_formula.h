@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The numbers and sizes of components of graphs over the whole cloud.
+/// The numbers and sizes of the connected components of graphs over the whole cloud.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct LabelsOfRows {
 /// Throws NotTold if a rule shortens neighbourhoods.
 void require_plain_neighbors(const CloudInput& in);
 
-/// The formula of numbers and sizes of components. It uses the whole graph. If the graph does not fit in memory, the
+/// The formula of numbers and sizes of components, from the whole graph. If the graph does not fit in memory, the
 /// formula expects that each chosen point has the label that its joined neighbours have in the output.
 class LabelFormula : public CloudFormula {
  public:

@@ -49,8 +49,8 @@ void PlaceTree::build(std::uint32_t b) {
   boxes_[b] = box;
 }
 
-/// Returns the squared distance to the box, rounded like distances of places, and so never above the distance of a
-/// place in the box.
+/// Returns the squared distance to the box, rounded like the distances of places, so that the result is never above the
+/// distance of a place in the box.
 double PlaceTree::distance2_to(const Box& box, const Place& p) const {
   Place nearest;
   for (std::size_t a = 0; a < 3; ++a) nearest[a] = std::clamp(p[a], box.low[a], box.high[a]);

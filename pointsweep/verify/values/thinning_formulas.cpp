@@ -70,7 +70,7 @@ class MeanFormula final : public CloudFormula {
     return made;
   }
 
-  /// Returns the position, then the averaged attributes, unchanged. An attribute is read as a whole or component by
+  /// Returns the position and the averaged attributes, all unchanged. An attribute is read as a whole or component by
   /// component.
   std::optional<Estimates> unplaced(const CloudPoint& point) const override {
     const Vec3 p = point.at.position;
