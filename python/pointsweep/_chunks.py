@@ -14,7 +14,7 @@ from ._crs import Crs
 from ._errors import UsageError, warn
 from ._function import MadeOfFunction
 from ._operator import Operator, Points, operator
-from ._options import names, refuse_options_of_files, run_options, whole, with_run_options
+from ._options import kept_names, refuse_options_of_files, run_options, whole, with_run_options
 from ._progress import called
 from ._results import Arrays, Report, arrays_of
 from ._sources import source_of
@@ -101,10 +101,10 @@ def chunks(
     >>> for part in ps.chunks("tiles/*.laz", 1_000_000, "knn(k=8) | normals", keep=["xyz", "normal"]):
     ...     part["xyz"], part["normal"], part["row"]
     """
-    count = whole("rows", rows)
-    if count < 1:
-        raise UsageError(f"rows: {count} is not a number of rows; choose 1 or more.")
-    kept = names("keep", keep)
+    block = whole("rows", rows)
+    if not 1 <= block < 2**63:
+        raise UsageError(f"rows: {block} is not a number of rows; choose 1 or more, below 2**63.")
+    kept = kept_names(keep)
     checked = run_options(**options)
     refuse_options_of_files(checked, "leave the option out")
     source = source_of(points, attributes, crs, checked)
@@ -118,7 +118,7 @@ def chunks(
         )
     if kept and has_rows and "row" not in kept:
         kept.append("row")
-    return Chunks(results, has_rows, statistics, kept, count, source.crs)
+    return Chunks(results, has_rows, statistics, kept, block, source.crs)
 
 
 class Reduction(MadeOfFunction):

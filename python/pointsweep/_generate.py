@@ -6,10 +6,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypedDict, overload
 
+import numpy as np
+
 from . import _core, _options
 from ._errors import UsageError, warn
 from ._files import Cloud, open
-from ._options import count, number, run_options
+from ._options import count, flag, number, run_options, text
 from ._progress import called
 from ._results import Arrays, arrays_of
 from ._types import Path, ProgressCallback
@@ -67,7 +69,7 @@ def generate(
     float64 : coordinates as float64 instead of float32.
     overwrite, threads, progress : as for `run`.
     """
-    if origin is not None and len(origin) != 3:
+    if origin is not None and np.asarray(origin).shape != (3,):
         raise UsageError("origin: give three numbers, (x, y, z).")
     points = count("n", n)
     options = {
@@ -76,11 +78,11 @@ def generate(
         "outliers": number("outliers", outliers),
         "outlier_box": number("outlier_box", outlier_box),
         "origin": None if origin is None else [number("origin", c) for c in origin],
-        "float64": bool(float64),
-        "overwrite": bool(overwrite),
+        "float64": flag("float64", float64),
+        "overwrite": flag("overwrite", overwrite),
         "threads": int(run_options(threads=threads)["threads"] or 0),
     }
     file = "" if path is None else _options.path("path", path)
     with called(progress) as shown:
-        known = _core.generate(shape, points, file, options, shown, warn)
+        known = _core.generate(text("shape", shape), points, file, options, shown, warn)
     return open(file) if known is None else arrays_of(known, None)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -152,6 +152,8 @@ class Operator(MadeOfFunction, Joinable, FunctionStage):
         self.sees_neighbors = bool(sees_neighbors)
         if self.reads_neighbors and not self.sees_neighbors:
             raise UsageError(f"operator '{self.name}': reads_neighbors needs neighbors=True.")
+        if not isinstance(makes, Mapping):
+            raise UsageError(f"makes: {makes!r} is no dict; give one from names to types, e.g. {{'roughness': 'f4'}}.")
         for attribute in (*self.reads, *self.reads_neighbors, *makes):
             if not isinstance(attribute, str):
                 raise UsageError(f"operator '{self.name}': {attribute!r} is not the name of an attribute.")
@@ -210,9 +212,11 @@ def _made_type(name: str, kind: Any) -> np.dtype[Any]:
         raise UsageError("makes: an attribute has no name; give each one.")
     if name == "xyz":
         raise UsageError("makes: 'xyz' is what results call the positions; to move points, make 'position' of the type ('f8', 3).")
+    if kind is None:  # to NumPy None is float64
+        raise UsageError(f"makes: '{name}' has no type; give a number such as 'f4', or ('f4', 3) for three of them.")
     try:
         made = np.dtype(kind)
-    except TypeError as error:
+    except (TypeError, ValueError) as error:
         raise UsageError(f"makes: {kind!r} of '{name}' is not a type: {error}.") from None
     if name in ("position", "normal") and (made.base.name, made.shape) != (_FIXED[name], (3,)):
         raise UsageError(f"makes: '{name}' is always ('{_FIXED[name]}', 3).")
@@ -310,5 +314,7 @@ def _require_lists(**options: Any) -> None:
     for option, given in options.items():
         if isinstance(given, str):
             raise UsageError(f"{option}: give a list of names, [{given!r}].")
+        if not isinstance(given, Iterable):
+            raise UsageError(f"{option}: {given!r} is no list of names, such as ['normal'].")
         if "" in given:
             raise UsageError(f"{option}: a name is empty; leave it out.")

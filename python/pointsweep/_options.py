@@ -49,11 +49,13 @@ def whole(name: str, value: Any) -> int:
         raise UsageError(f"{name}: {value!r} is not a whole number.") from None
 
 
-def count(name: str, value: Any) -> int:
-    """Returns `value` as an int. Raises UsageError if it is not a whole number of 0 or more."""
+def count(name: str, value: Any, bits: int = 64) -> int:
+    """Returns `value` as an int. Raises UsageError if it is not a whole number from 0 to below 2**bits."""
     result = whole(name, value)
     if result < 0:
         raise UsageError(f"{name}: {result} is negative.")
+    if result >= 2**bits:
+        raise UsageError(f"{name}: {result} is too large; choose a number below 2**{bits}.")
     return result
 
 
@@ -68,6 +70,20 @@ def number(name: str, value: Any) -> float:
     if not math.isfinite(result):
         raise UsageError(f"{name}: {value!r} is not finite.")
     return result
+
+
+def flag(name: str, value: Any) -> bool:
+    """Returns `value` as a bool. Raises UsageError for a text, such as 'no'."""
+    if isinstance(value, (str, bytes)):
+        raise UsageError(f"{name}: {value!r} is neither True nor False.")
+    return bool(value)
+
+
+def text(name: str, value: Any) -> str:
+    """Returns `value`. Raises UsageError if it is not a text."""
+    if not isinstance(value, str):
+        raise UsageError(f"{name}: {value!r} is not a text.")
+    return value
 
 
 def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
@@ -85,28 +101,47 @@ def word(name: str, value: Any) -> str:
 def path(option: str, value: Any) -> str:
     """Returns `value`, the path of a file or folder, as a text. Raises UsageError if it is not a path."""
     try:
-        text = os.fsdecode(value)
+        named = os.fsdecode(value)
     except TypeError:
         raise UsageError(f"{option}: {value!r} is not a path.") from None
-    if not text:
+    if not named:
         raise UsageError(f"{option}: the path is empty; name a file or folder, or leave the option out.")
-    return known_place(value, text)
+    return known_place(value, named)
+
+
+def listed(value: Any) -> list[Any]:
+    """Returns the elements of a list or another iterable; a list with `value` alone if it is a text, a path or not iterable."""
+    return list(value) if isinstance(value, Iterable) and not isinstance(value, (str, os.PathLike)) else [value]
 
 
 def names(option: str, value: Any) -> list[str]:
     """Returns `value`, one name or several or None, as a list of names. Raises UsageError for anything else."""
-    if value is None:
-        return []
-    listed = [value] if isinstance(value, str) else list(value)
-    for name in listed:
+    found = [] if value is None else listed(value)
+    for name in found:
         if not isinstance(name, str) or not name:
             raise UsageError(f"{option}: {name!r} is not the name of an attribute.")
-    return listed
+    return found
+
+
+def one_name(option: str, value: Any) -> str:
+    """Returns the only name in `value`. Raises UsageError if `value` is not one name of an attribute."""
+    found = names(option, value)
+    if len(found) != 1:
+        raise UsageError(f"{option}: name one attribute.")
+    return found[0]
+
+
+def kept_names(keep: Any) -> list[str]:
+    """Returns the names in `keep`; an empty list for None, which keeps what runs keep by default. Raises UsageError for a list without names."""
+    found = names("keep", keep)
+    if keep is not None and not found:
+        raise UsageError("keep: the list is empty; name what to keep, or leave the option out.")
+    return found
 
 
 def way_of_reading(format: str, columns: Sequence[str] | str | None, depth: int | None, resolution: float | None) -> str:
     """Returns the word that tells the library how to read files, made of the one argument that is given; empty if none is."""
-    words = {"format": format} if format else {}
+    words = {"format": text("format", format)} if format else {}
     if columns is not None:
         words["columns"] = "text:" + ",".join(names("columns", columns))
     if depth is not None:
@@ -116,12 +151,6 @@ def way_of_reading(format: str, columns: Sequence[str] | str | None, depth: int 
     if len(words) > 1:
         raise UsageError(f"{' and '.join(words)}: each says how files are read; leave all but one out.")
     return next(iter(words.values()), "")
-
-
-def _yes(name: str, value: Any) -> str:
-    if isinstance(value, (str, bytes)):
-        raise UsageError(f"{name}: {value!r} is neither True nor False.")
-    return "yes" if value else ""
 
 
 def _threads(_: str, threads: Any) -> str:
@@ -140,13 +169,13 @@ def _numbers(name: str, value: Any, one_for_all: bool = False, count: int = 3) -
 
 #: Functions that convert the value of a run option to a text, by the placeholder of the value in its declaration.
 _TEXTS: dict[str, Callable[[str, Any], str]] = {
-    "": _yes,
+    "": lambda name, value: "yes" if flag(name, value) else "",
     "S|X,Y,Z": lambda name, value: _numbers(name, value, one_for_all=True),
     "auto|X,Y,Z": lambda name, value: value if isinstance(value, str) and value == "auto" else _numbers(name, value),
     "X,Y": lambda name, value: _numbers(name, value, count=2),
     "LENGTH": lambda name, value: repr(number(name, value)),
     "WIDTH": lambda name, value: repr(number(name, value)),
-    "ATTRIBUTE": lambda name, value: names(name, value)[0],
+    "ATTRIBUTE": one_name,
     "DIGITS": lambda name, value: str(whole(name, value)),
     "A,B,...": lambda name, value: ",".join(names(name, value)),
     "DIR": path,
@@ -173,8 +202,8 @@ def run_options(**given: Any) -> dict[str, Any]:
         if name not in RunOptions.__annotations__:
             raise TypeError(f"{name!r} is not an option.")
     values = {name: given.get(name, _PRESETS.get(name)) for name in RunOptions.__annotations__}
-    axis, provenance, ignore_crs = values["axis"], values["provenance"], bool(values.pop("ignore_crs"))
-    if isinstance(axis, int) and not isinstance(axis, bool) and axis in (0, 1, 2):
+    axis, provenance, ignore_crs = values["axis"], values["provenance"], flag("ignore_crs", values.pop("ignore_crs"))
+    if isinstance(axis, (int, np.integer)) and not isinstance(axis, bool) and axis in (0, 1, 2):
         values["axis"] = "xyz"[axis]
     if isinstance(provenance, bool):
         values.update(provenance="names", no_provenance=not provenance)

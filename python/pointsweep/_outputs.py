@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -41,7 +41,7 @@ def outputs_of(to: Path | Sequence[Path], source: Source) -> str | list[str]:
     * for the names of the files."""
     if source.divides:
         return _divided(to, source)
-    if not isinstance(to, (str, os.PathLike)):
+    if isinstance(to, Iterable) and not isinstance(to, (str, os.PathLike)):
         files = [path("to", file) for file in to]
         if not files:
             raise UsageError("to: the list is empty; name a file, a folder, or a file for each input.")

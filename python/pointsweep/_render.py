@@ -9,7 +9,7 @@ from typing import Any
 
 from . import _core
 from ._errors import UsageError, warn
-from ._options import number, path, run_options, whole
+from ._options import count, flag, number, path, run_options, text
 from ._progress import called
 from ._sources import source_of
 from ._types import Path, ProgressCallback
@@ -90,14 +90,14 @@ def render(
     source = source_of(points, attributes, crs, run_options(ignore_crs=ignore_crs))
     given = {
         **source.options,
-        "color": "" if color is None else color,
-        "view": view,
-        "up": up,
-        "width": whole("size", width),
-        "height": whole("size", height),
+        "color": "" if color is None else text("color", color),
+        "view": text("view", view),
+        "up": text("up", up),
+        "width": count("size", width, bits=32),
+        "height": count("size", height, bits=32),
         "point_size": 0.0 if point_size is None else number("point_size", point_size),
-        "background": background,
-        "legend": bool(legend),
+        "background": text("background", background),
+        "legend": flag("legend", legend),
     }
     with called(progress) as shown:
         return Picture(*_core.render(source.inputs, given, shown, warn))

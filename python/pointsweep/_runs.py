@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _core
 from ._errors import UsageError, warn
-from ._options import names, path, refuse_options_of_files, run_options, with_run_options
+from ._options import kept_names, path, refuse_options_of_files, run_options, with_run_options
 from ._outputs import outputs_of, outputs_to
 from ._progress import called
 from ._results import Arrays, Report, arrays_of
@@ -168,7 +168,7 @@ def _spread(
     cluster = importlib.import_module("pointsweep._cluster")  # imported here, since it is slow to load and other runs do not need it
     with called(progress) as shown:
         statistics = cluster.run_on_cluster(
-            workers.client, scratch, workers.take_over, source.inputs, stages, names("keep", keep), source.options, files, shown
+            workers.client, scratch, workers.take_over, source.inputs, stages, kept_names(keep), source.options, files, shown
         )
     return _report_on(statistics, to, files)
 
@@ -209,7 +209,7 @@ def performed(
     if workers.scratch is not None or workers.take_over:
         raise UsageError("scratch: is for the workers of a client; name one with client=.")
     into = outputs_to(out)
-    kept = names("keep", list(out) if keep is None and out else keep)
+    kept = kept_names(list(out) if keep is None and out else keep)
     source = source_of(points, attributes, crs, run_options(**options))
     given = source.options
     if to is None:
@@ -266,4 +266,4 @@ def plan(
         raise UsageError(f"to: {file} is a folder; a plan is that of a run to one file, or one that divides its output.")
     if file and source.divides:
         file = str(outputs_of(file, source))
-    return Plan(_core.plan(source.inputs, stages, names("keep", keep), source.options, source.groups, file))
+    return Plan(_core.plan(source.inputs, stages, kept_names(keep), source.options, source.groups, file))

@@ -81,7 +81,7 @@ def normals(
     if viewpoint is not None and orient == "none":
         orient = "viewpoint"
     choice("orient", orient, ("none", "up", "viewpoint", "input"))
-    if orient == "viewpoint" and (viewpoint is None or len(viewpoint) != 3):
+    if orient == "viewpoint" and np.asarray(viewpoint).shape != (3,):
         raise UsageError("viewpoint: give the position of the scanner, (x, y, z).")
     if orient != "viewpoint" and viewpoint is not None:
         raise UsageError(f"viewpoint: is not used with orient={orient!r}; leave one of them out.")

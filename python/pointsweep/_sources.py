@@ -14,7 +14,7 @@ from ._adapters import arrays_by_name, crs_stated_by, from_dlpack
 from ._blocks import spilled
 from ._crs import Crs, crs_of, given_or_stated
 from ._errors import UsageError, warn
-from ._options import path, way_of_reading
+from ._options import flag, listed, path, way_of_reading
 from ._types import Files, Path
 
 _AXES = ("x", "y", "z")
@@ -75,6 +75,8 @@ def source_of(
         stated = stated or of_blocks
     else:
         columns = arrays_by_name(points)
+    if attributes is not None and not isinstance(attributes, Mapping):
+        raise UsageError(f"attributes: {type(attributes).__name__} is no dict; give one from names to arrays.")
     for name, values in (attributes or {}).items():
         if name in columns:
             raise UsageError(f"attributes: '{name}' is among the points, too; give it once.")
@@ -117,27 +119,27 @@ def opened(
     replace_crs: bool = False,
 ) -> _Files:
     """Opens the point files that `files` means and reads their headers. The options are those of `pointsweep.open`."""
-    named = [files] if isinstance(files, (str, os.PathLike)) else list(files)
+    named = listed(files)
     if not named:
         raise UsageError("open: name at least one point file.")
     for file in named:
         if not isinstance(file, (str, os.PathLike)):
             raise UsageError(f"open: {file!r} is not a path; arrays go to pointsweep.run at once.")
     format = way_of_reading(format, columns, depth, resolution)
-    listed, notices = _core.list_files([path("open", file) for file in named], recursive, format)
+    found, notices = _core.list_files([path("open", file) for file in named], flag("recursive", recursive), format)
     for notice in notices:
         warn(notice)
     if replace_crs and crs is None:
         raise UsageError("replace_crs: belongs to crs; name the system, or leave it out.")
     stated = None if crs is None else "none" if crs == "none" else crs_of(crs)
     options = {
-        "ignore_crs": bool(ignore_crs),
+        "ignore_crs": flag("ignore_crs", ignore_crs),
         "format": format,
         "crs": stated._known if isinstance(stated, Crs) else stated,
-        "replace_crs": bool(replace_crs),
+        "replace_crs": flag("replace_crs", replace_crs),
     }
-    paths = [file for file, _ in listed]
-    return kind(paths, [name for _, name in listed], options, _core.describe(paths, options))
+    paths = [file for file, _ in found]
+    return kind(paths, [name for _, name in found], options, _core.describe(paths, options))
 
 
 def _with_small_axes(arrays: dict[str, Any]) -> dict[str, Any]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ._adapters import are_points
 from ._errors import UsageError
-from ._options import number, path, whole
+from ._options import names, number, path, text, whole
 from ._pipeline import Joinable
 from ._types import Files, FunctionStage
 
@@ -144,20 +144,18 @@ def _text_of(where: str, kind: str, value: Any) -> str:
             raise UsageError(f"{where}: {value!r} is neither True nor False.")
         return kind.split("|")[value]
     if kind in ("point", "numbers"):
-        if isinstance(value, str) or (kind == "point" and len(value) != 3):
+        if isinstance(value, str) or not isinstance(value, Iterable) or (kind == "point" and np.asarray(value).shape != (3,)):
             raise UsageError(f"{where}: give {'three numbers, (x, y, z)' if kind == 'point' else 'a list of numbers'}.")
         return f"[{','.join(repr(number(where, c)) for c in value)}]"
     if kind in ("names", "attributes"):
-        return f"[{','.join([value] if isinstance(value, str) else value)}]"
+        return f"[{','.join(names(where, value))}]"
     if kind == "matrix" and not isinstance(value, (str, os.PathLike)):
         return _text_of_matrix(where, value)
     if kind == "matrix":
         value = path(where, value)
     if kind == "file":
         value = _path_of(where, value)
-    if not isinstance(value, str):
-        raise UsageError(f"{where}: {value!r} is not a text.")
-    if re.fullmatch(r"[A-Za-z0-9_]+", value):
+    if re.fullmatch(r"[A-Za-z0-9_]+", text(where, value)):
         return value
     return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
 

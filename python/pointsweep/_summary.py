@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 
 from . import _core
-from ._errors import UsageError, warn
-from ._options import names, run_options, whole
+from ._errors import warn
+from ._options import count, names, one_name, run_options
 from ._progress import called
 from ._sources import source_of
 from ._tables import html_table
@@ -181,22 +181,20 @@ def summary(
     def fields(option: str, named: Sequence[str] | str | None) -> list[str]:
         return [field for name in names(option, named) for field in components.get(name, [name])]
 
-    kept, grouping = fields("keep", keep), names("by", by)
-    if len(grouping) > 1:
-        raise UsageError("by: name one attribute.")
+    kept = fields("keep", keep)
     given = {
         **source.options,
-        "by": grouping[0] if grouping else "",
+        "by": "" if by is None else one_name("by", by),
         "values": keep is None or len(kept) > 0,
         "keep": kept,
         "histograms": fields("histogram", histogram),
-        "bins": whole("bins", bins),
+        "bins": count("bins", bins),
     }
     with called(progress) as shown:
         known = json.loads(_core.statistics(source.inputs, given, shown, warn))
     percent = known["percent"]
     groups = {group["value"]: _group(group, percent) for group in known["groups"]}
-    return groups[None] if not grouping else GroupedSummary(known["by"], groups)
+    return groups[None] if by is None else GroupedSummary(known["by"], groups)
 
 
 def _group(known: dict[str, Any], percent: list[int]) -> PointSummary:

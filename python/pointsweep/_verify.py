@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
 from typing import Any, Literal, NamedTuple
 
 from . import _core
 from ._errors import UsageError
-from ._options import count, names, number, path, run_options, whole, way_of_reading, word
+from ._options import count, flag, kept_names, listed, number, path, run_options, way_of_reading, whole, word
 from ._progress import called
 from ._stage_list import stages_of
 from ._types import Path, PipelineLike, ProgressCallback
@@ -113,15 +112,15 @@ def verify(
         **{name: checked[name] for name in of_run},
         "pipeline": "" if pipeline is None else _text_of(pipeline),
         "neighborhood": neighborhood,
-        "keep": names("keep", keep),
+        "keep": kept_names(keep),
         "sample": count("sample", sample),
         "seed": count("seed", seed),
         "rows": [count("rows", row) for row in rows],
         "order": word("order", order),
-        "recursive": bool(recursive),
+        "recursive": flag("recursive", recursive),
         "format": way_of_reading(format, columns, depth, resolution),
     }
-    named = [] if inputs is None else [inputs] if isinstance(inputs, (str, os.PathLike)) else list(inputs)
+    named = [] if inputs is None else listed(inputs)
     with called(progress) as shown:
         found = _core.verify([path("inputs", file) for file in named], path("output", output), options, shown)
     values: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in found.items()}

@@ -269,7 +269,62 @@ def test_flags_numbers_and_names_of_wrong_types_are_sentences(tmp_path):
         "radius: 1000": lambda: ps.normals(xyz, radius=10**400),
         "an array called 1; give it a name": lambda: ps.run({"xyz": xyz, 1: xyz[:, 0]}, "normals"),
         "1 is not the name of an attribute": lambda: ps.operator(makes={1: "f4"})(len),
+        "makes: None is no dict": lambda: ps.operator(makes=None)(len),
+        "makes: ['a'] is no dict": lambda: ps.operator(makes=["a"])(len),
+        "makes: 'a' has no type": lambda: ps.operator(makes={"a": None})(len),
+        "makes: ('f4', -1) of 'a' is not a type": lambda: ps.operator(makes={"a": ("f4", -1)})(len),
+        "reads: None is no list of names": lambda: ps.operator(makes={"a": "f4"}, reads=None),
+        "reads_neighbors: 5 is no list of names": lambda: ps.operator(makes={"a": "f4"}, reads_neighbors=5),
+        "to: 5 is not a path": lambda: ps.run(xyz, "normals", to=5),
+        "open: 5 is not a path": lambda: ps.open(5),
+        "inputs: 5 is not a path": lambda: ps.verify(file, 5),
+        "attributes: list is no dict": lambda: ps.run(xyz, "normals", attributes=[1]),
+        "keep: 5 is not the name of an attribute": lambda: ps.run(xyz, "normals", keep=5),
+        "drop: attributes: 5 is not the name": lambda: ps.drop(5),
+        "split: name one attribute": lambda: ps.write(tmp_path / "*.ply", xyz, split=[]),
+        "viewpoint: give the position": lambda: ps.normals(xyz, viewpoint=5),
+        "viewpoint: give three numbers": lambda: ps.orient(viewpoint=5),
+        "origin: give three numbers": lambda: ps.generate("sphere", 10, origin=5),
+        "shape: 5 is not a text": lambda: ps.generate(5, 10),
+        "color: 5 is not a text": lambda: ps.render(xyz, color=5),
+        "format: 5 is not a text": lambda: ps.open(file, format=5),
+        "ignore_crs: 'no' is neither": lambda: ps.run(xyz, "normals", ignore_crs="no"),
     }.items():
         with pytest.raises(ps.UsageError, match=re.escape(words)):
             call()
     assert file.read_text() == "kept"
+    assert ps.plan(xyz, "normals", axis=np.int64(1)) == ps.plan(xyz, "normals", axis=1)
+
+
+def test_numbers_of_more_than_64_bits_are_refused_in_a_sentence():
+    xyz = np.random.default_rng(1).random((20, 3))
+    assert len(ps.generate("sphere", 10, seed=2**64 - 1)["xyz"]) == 10
+    for words, call in {
+        "seed: 18446744073709551616 is too large; choose a number below 2**64": lambda: ps.generate("sphere", 10, seed=2**64),
+        "n: 18446744073709551616 is too large": lambda: ps.generate("sphere", 2**64),
+        "rows: 9223372036854775808 is not a number of rows": lambda: ps.chunks(xyz, 2**63),
+        "bins: -5 is negative": lambda: ps.summary(xyz, bins=-5),
+        "size: 4294967296 is too large; choose a number below 2**32": lambda: ps.render(xyz, size=(2**32, 100)),
+    }.items():
+        with pytest.raises(ps.UsageError, match=re.escape(words)):
+            call()
+
+
+def test_an_empty_keep_is_refused(tmp_path):
+    xyz = np.random.default_rng(1).random((20, 3))
+    ps.write(tmp_path / "a.ply", {"xyz": xyz, "intensity": xyz[:, 0]}, keep="x")
+    assert list(ps.read(tmp_path / "a.ply")) == ["xyz"]
+    for call in (
+        lambda keep: ps.run(xyz, "knn(k=4) | normals", keep=keep),
+        lambda keep: ps.run(xyz, "knn(k=4) | normals", keep=keep, to=tmp_path / "b.ply"),
+        lambda keep: ps.plan(xyz, "knn(k=4) | normals", keep=keep),
+        lambda keep: ps.write(tmp_path / "b.ply", xyz, keep=keep),
+        lambda keep: ps.read(tmp_path / "a.ply", keep=keep),
+        lambda keep: ps.open(tmp_path / "a.ply").with_columns(label=xyz[:, 0]).read(keep=keep),
+        lambda keep: ps.chunks(xyz, 10, keep=keep),
+        lambda keep: ps.verify(tmp_path / "a.ply", keep=keep),
+    ):
+        for keep in ([], ()):
+            with pytest.raises(ps.UsageError, match="keep: the list is empty; name what to keep, or"):
+                call(keep)
+    assert os.listdir(tmp_path) == ["a.ply"]
