@@ -36,8 +36,8 @@ class PointNeighbors(_Batch):
 
     With ``knn(k=16)`` m is 16 and all places are taken, unless the cloud has fewer points. With a radius, points have different numbers of
     neighbours, and m is the largest of the batch. Places that are not taken hold NaN, or 0 for integers; in `rows` the largest value, which
-    is no row, so that ``values[rows]`` raises an IndexError. Neighbours come nearest first; the point itself is not among them. `offsets`
-    and `flat` give the same without such places: the neighbours of point i are ``offsets[i]:offsets[i + 1]``. """
+    is no row, so that ``values[rows]`` raises an IndexError. Neighbours come nearest first; the point itself is not among them. `flat`
+    gives values without empty places; ``flat(name)[offsets[i]:offsets[i + 1]]`` are the values of the neighbours of point i."""
 
     def __init__(self, batch: Any, names: list[str]) -> None:
         super().__init__(batch)
@@ -65,7 +65,7 @@ class PointNeighbors(_Batch):
 
     @property
     def offsets(self) -> np.ndarray:
-        """(n + 1,) int64: where the neighbours of each point begin in what `flat` gives, and how many there are."""
+        """(n + 1,) int64: index of the first neighbour of each point in the results of `flat`, and the number of all neighbours."""
         return self._once(" offsets", lambda: np.concatenate([[0], np.cumsum(self.counts)]))
 
     def flat(self, name: str) -> np.ndarray:
@@ -83,13 +83,13 @@ class PointNeighbors(_Batch):
 class Points(_Batch):
     """A batch of a few hundred points, as passed to an operator. Arrays are copies: they may be changed and kept.
 
-    The batch itself is valid only during the call: later it has what was read during the call, and the rest raises UsageError.
+    The batch is valid only during the call: later it has the arrays that were read during the call, and others raise UsageError.
     """
 
     def __init__(self, batch: Any, reads: list[str], reads_neighbors: list[str]) -> None:
         super().__init__(batch)
         self._reads = reads
-        #: the neighbours
+        #: the neighbours of the points
         self.neighbors = PointNeighbors(batch, reads_neighbors)
 
     def __len__(self) -> int:
@@ -103,7 +103,7 @@ class Points(_Batch):
     @property
     def rows(self) -> np.ndarray:
         """(n,) int64: rows of the input; if earlier stages drop points, the remaining rows are numbered from 0."""
-        return self._batch.rows()
+        return self._once(" rows", self._batch.rows)
 
     @property
     def neighbors_xyz(self) -> np.ndarray:
@@ -128,10 +128,10 @@ class Points(_Batch):
 
 
 class Operator(MadeOfFunction, Joinable, FunctionStage):
-    """A function of Python as a stage of pipelines; made with `pointsweep.operator`. Called on points it runs; called on
-    a batch, `Points`, it calls the function."""
+    """A function of Python as a stage of pipelines; made with `pointsweep.operator`. Called on points, it
+    runs as a pipeline of one stage; called on a batch, `Points`, it calls the function."""
 
-    #: most places in the padded lists of a batch, though one point may have more
+    #: largest number of places in the padded neighbour lists of a batch; a batch of one point may have more
     _most_places = 1 << 18
 
     def __init__(
@@ -264,7 +264,7 @@ def operator(
     ----------
     makes : name -> type of the returned arrays, e.g. ``{"roughness": "f4", "axis": ("f4", 3)}``.
         ``("f8", 3)`` under the name ``position`` moves the points.
-    reads : attributes of the points, from the input or made by earlier stages. Those of the input are passed as float64
+    reads : attributes of the points, from the input or made by earlier stages. Attributes of the input are passed as float64
         (64-bit integers unchanged), normals as float32.
     reads_neighbors : attributes of the neighbours, in the same types. Positions can always be read.
     name : name in errors and plans; default: the name of the function.
@@ -293,7 +293,7 @@ def operator(
 
 
 def select(*, reads: Sequence[str] = (), name: str | None = None) -> Callable[[Callable[[Points], Any]], Select]:
-    """Makes a stage of a function that decides which points are kept. Later stages find neighbours among these.
+    """Makes a stage of a function that decides which points are kept. Later stages find neighbours among the kept points.
 
     Parameters
     ----------

@@ -217,12 +217,13 @@ def test_a_batch_is_of_no_use_after_the_call(surface):
 
     @ps.operator(makes={"one": "f4"})
     def keeps(p):
-        kept.append((p, p.xyz))
+        kept.append((p, p.xyz, p.rows))
         return np.ones(len(p), np.float32)
 
     ps.run(surface, [keeps])
-    p, xyz = kept[0]
+    p, xyz, rows = kept[0]
     assert np.isin(xyz[:, 0], surface[:, 0]).all()  # arrays may be kept
+    assert p.xyz is xyz and p.rows is rows
     with pytest.raises(ps.UsageError, match="during its call only"):
         p.neighbors_xyz
 
