@@ -33,7 +33,7 @@ TYPES = {
     "attributes": "str | Sequence[str]", "assignments": "str",
 }  # fmt: skip
 WIDTH = 116
-FUNCTIONS = {"set": "assign"}  # of operators whose names are those of builtins
+FUNCTIONS = {"set": "assign"}  # names of functions for operators that are called like Python builtins
 
 
 def variable(option):
@@ -45,7 +45,7 @@ def is_flag(option):
 
 
 def kind_of(option):
-    """As made_stage() knows it: of a flag the texts of False and True."""
+    """Returns the kind of an option for made_stage(): for a flag, the texts of False and True, joined by |."""
     return "|".join(sorted(option["choices"])) if is_flag(option) else option["kind"]
 
 
@@ -76,13 +76,14 @@ def function_name(operator):
 
 
 def neighborhood(operator):
-    """The parts of `knn` that the function takes, too: those of what looks at neighbours and has no option of this name."""
+    """Returns the parameters of `knn` that the function takes as well: k and radius, if the operator reads neighbours and has
+    no option of this name."""
     taken = {option["name"] for option in operator["options"]}
     return [name for name in ("k", "radius") if operator["default_k"] and name not in taken]
 
 
 def has_own_default(operator, option):
-    """Of a neighbourhood, what is not given follows from what is."""
+    """Returns whether the parameter has the default of the option. In a neighbourhood, the defaults depend on the other options."""
     return option["default"] is not None and operator["name"] not in ("knn", "reneighbor")
 
 
@@ -182,7 +183,7 @@ def function(operator):
 
 
 def module(operators):
-    exported = sorted({function_name(o) for o in operators} - {"normals"})  # which the package itself makes more of
+    exported = sorted({function_name(o) for o in operators} - {"normals"})  # the package has a normals() that also takes points
     names = ", ".join(f'"{name}"' for name in exported)
     names = "\n    " + "\n    ".join(textwrap.wrap(names, WIDTH - 4)) + ",\n"
     return HEAD.replace("{names}", names) + "".join(function(o) for o in operators)

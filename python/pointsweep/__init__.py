@@ -7,10 +7,11 @@
 >>> planarity = ps.features(k=16)(xyz)["planarity"]             # every stage and pipeline can be called on points
 >>> ps.open("tiles/*.laz").run("knn(k=8) | normals", to="out/", memory="2G")
 
-`run` is the heart: points in arrays or files, through a pipeline, to arrays or files; `chunks` gives its results block by
-block. `read` and `write` copy points from files to arrays and back. `normals` and `neighbors` are short for the two most wanted runs. `knn`, `where`, `sor` and the other built-in
-operators are stages of pipelines, and `operator` and `select` make such of functions. `info` says what is in a file, `summary` gives statistics of points,
-`verify` checks what a run has written. `generate` makes points to try things with.
+`run` takes points, in arrays or files, through a pipeline to arrays or files; `chunks` returns the results block by block.
+`read` and `write` copy points from files to arrays and back. `normals` and `neighbors` perform the two most frequent runs
+in one call. `knn`, `where`, `sor` and the other built-in operators are stages of pipelines; `operator` and `select` make
+stages of Python functions. `info` describes a file, `summary` computes statistics of points, `verify` checks the output of
+a run, and `generate` makes test clouds of known shape.
 """
 
 from . import _core, _stages

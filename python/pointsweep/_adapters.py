@@ -15,7 +15,7 @@ from ._types import Files
 
 _SCAN_ANGLE_STEP = 0.006  # degrees for each unit of the LAS field scan_angle, in point format 6 and later
 _CPU_DEVICES = (1, 3, 11)  # device types of DLPack: plain memory, and memory pinned by CUDA or ROCm
-#: attributes of which each cloud or table of another library has at least one
+#: Python attributes by which clouds and tables of other libraries are recognised: each has at least one of them
 _OF_CLOUDS = ("chunk_iterator", "column_names", "columns", "geometry", "has_normals", "point", "point_format")
 
 
@@ -65,7 +65,7 @@ def crs_stated_by(points: Any) -> Crs | None:
 def from_dlpack(name: str, values: Any) -> Any:
     """Converts an object with `__dlpack__` that is no NumPy array to an array. Raises UsageError if the CPU cannot read its memory."""
     device = values.__dlpack_device__()
-    if int(getattr(device[0], "value", device[0])) not in _CPU_DEVICES:  # Open3D has an enum
+    if int(getattr(device[0], "value", device[0])) not in _CPU_DEVICES:  # Open3D gives an enum in place of a number
         raise UsageError(f"{name}: is on another device, {device}; copy it to the CPU first.")
     try:
         return np.from_dlpack(values)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Points that come in blocks, whose total number is unknown until the last block."""
+"""Points that an iterator yields in blocks. Their number is known only after the last block."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._errors import Error, UsageError
 
 
 class _Column:
-    """The blocks of one attribute, one after another, in a file without a name."""
+    """The blocks of one attribute, one after another, in an unnamed temporary file."""
 
     def __init__(self, name: str, first: np.ndarray, folder: str | None) -> None:
         import tempfile
@@ -36,7 +36,7 @@ class _Column:
         self._rows += len(block)
 
     def array(self) -> np.ndarray:
-        """Returns all points as a memory-mapped array, which owns the file: both vanish together."""
+        """Returns the values of all points as a memory-mapped array. The unnamed file exists as long as the array."""
         shape = (self._rows, *self._shape)
         self._file.flush()
         if self._rows == 0:

@@ -21,7 +21,7 @@ from ._types import PipelineLike
 class Difference(NamedTuple):
     """A difference between two runs."""
 
-    run: str  #: how this run differed from the first
+    run: str  #: the settings in which this run differed from the first one
     attribute: str  #: the attribute that differs; 'row': other points were kept
     rows: np.ndarray  #: rows with different values; empty if the number of rows differs
 
@@ -56,7 +56,7 @@ def check(
     ----------
     operator : an operator made with `operator` or `select`.
     points : as for `run`, but not an iterator; default: 5,000 points of a surface with some outliers.
-    before : a pipeline that makes the attributes the operator reads.
+    before : a pipeline that makes the attributes that the operator reads.
     options : options of `run`, e.g. attributes.
 
     Equal results do not prove that a function is pure. They only show that it gives equal results in these runs.

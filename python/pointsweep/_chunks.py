@@ -38,7 +38,7 @@ def _row() -> Operator:
 class Chunks(Iterator[Arrays]):
     """The results of a run as blocks of rows; made with `chunks`.
 
-    A temporary file without a name holds them. It vanishes with this object, when it is closed, or when the process ends.
+    An unnamed temporary file holds the results. The file is removed with this object, by `close`, or when the process ends.
     """
 
     def __init__(
@@ -88,8 +88,8 @@ def chunks(
 ) -> Chunks:
     """Runs a pipeline and returns its results as blocks of `rows` rows, in the order of the input.
 
-    Each is a dict of the arrays that `run` returns, and 'row', the number of the input row. The run ends before the first
-    block: its results are in a temporary file in `temp_folder`, so that memory holds only one block, besides the
+    Each block is a dict of the arrays that `run` returns, and of 'row', the number of the input row. The run ends before the
+    first block. Its results are in a temporary file in `temp_folder`, so that only one block is in memory, in addition to the
     `memory` of the run. Without a pipeline the blocks hold the points themselves, with all attributes or those that
     `keep` names.
 

@@ -107,7 +107,7 @@ def run_on_cluster(
             _seal_request(place, request)
             run = _Run(connected, place, request, rounds, rows, {number: counts for number, (_, counts) in others.items()}, progress)
             own = [] if run.divides() else outputs
-            _core.remove_abandoned(own)  # workers would list the folders for each of their tasks
+            _core.remove_abandoned(own)  # only the client does so: a worker would list the folders again for each of its tasks
             run.perform()
             _core.remove_abandoned(own)
             finished = True
@@ -149,7 +149,7 @@ class _Run:
         self._client, self._place, self._request, self._rounds, self._rows = client, place, request, rounds, rows
         self._progress, self._other_rows = progress, other_rows
         self._tiles = len(rows)
-        self._first_row = list(itertools.accumulate(rows, initial=0))  # of each tile; and the number of all rows
+        self._first_row = list(itertools.accumulate(rows, initial=0))  # number of the first row of each tile; the last element is the number of all rows
         self._done: list[dict[int, Done]] = [{} for _ in rounds]
         self._longest, self._damages = 0.0, 0
         self._hanging: set[str] = set()  #: addresses of workers that have taken much too long for a task

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Arrays of a program as more attributes of the points of files."""
+"""Arrays in memory as additional attributes of points in files."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ class CloudWithColumns:
 
     @property
     def attributes(self) -> dict[str, np.dtype[Any]]:
-        """The types of the arrays, as for `Cloud`, with the columns."""
+        """The types of the attributes by name, as in `Cloud.attributes`, including the columns."""
         return {**self._attributes, **self._types()}
 
     def with_columns(self, **columns: Any) -> CloudWithColumns:
-        """These files with more arrays. An array replaces a column of the same name."""
+        """Returns these files with more arrays. An array replaces a column of the same name."""
         return CloudWithColumns(self.cloud, self._attributes, {**self.columns, **columns})
 
     @with_run_options
@@ -52,7 +52,7 @@ class CloudWithColumns:
         progress: ProgressCallback | bool | None = None,
         **options: Unpack[RunOptions],
     ) -> Arrays | Report:
-        """`pointsweep.run` on these files, whose stages read the columns as attributes of the input."""
+        """Calls `pointsweep.run` on these files. Stages read the columns as attributes of the input."""
         return self._performed(stages_of(pipeline), to, keep, progress, options)
 
     @with_run_options
@@ -79,7 +79,7 @@ class CloudWithColumns:
         progress: ProgressCallback | bool | None = None,
         **options: Unpack[RunOptions],
     ) -> Report:
-        """Writes the points with all that the files have and the columns, to a file, or to a folder with a file for each
+        """Writes the points with the columns and all contents of the files, to a file, or to a folder with a file for each
         input."""
         result = self._performed([], to, keep, progress, options)
         assert isinstance(result, Report)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The extension module, binding/."""
+"""Types of the extension module, whose sources are in python/binding/."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 version: str
-run_options: dict[str, tuple[str, list[str], str]]  # of runs: the placeholder of the value, the values that are words, and the flag of the tool
-default_neighbors: int  # number of neighbours that `neighbors` finds where none is given
+run_options: dict[str, tuple[str, list[str], str]]  # by name: the placeholder of the value, the words that are allowed, and the flag of the command-line tool
+default_neighbors: int  # default of the parameter k of pointsweep.neighbors()
 
 Source = list[Any]  # paths, or arrays of shape (n, m) with the names of their components: (names, array)
 Pipeline = list[Any]  # texts, and operators of Python
 Options = dict[str, Any]
 Groups = list[tuple[str, list[str]]]  # names of arrays, and the components that each consists of
-Known = dict[str, tuple[np.ndarray, list[str]]]  # arrays, with the names of their components; None: one that was given
+Known = dict[str, tuple[np.ndarray, list[str]]]  # (array, names of its components) by name; for an array that `into` gave: (number of its rows that were filled, names)
 Progress = Callable[[str, int, int], Any] | None
 Warn = Callable[[str], Any] | None
 KnownCrs = tuple[Any, ...]  # name, kind, EPSG codes, WKT and GeoTIFF keys
@@ -78,9 +78,9 @@ def summarize(path: str, format: str, spacing: bool, progress: Progress) -> tupl
 def statistics(source: Source, options: Options, progress: Progress, warn: Warn) -> str: ...
 def verify(inputs: list[str], output: str, options: Options, progress: Progress) -> dict[str, Any]: ...
 
-# source, pipeline, keep, options, outputs, and (points, metres per unit) of the whole cloud, or None if those of the source
+# source, pipeline, keep, options, outputs, and (points, metres per unit) of the whole cloud; None: those of the source
 PartRequest = tuple[list[str], Pipeline, list[str], Options, list[str], tuple[int, float] | None]
-PartRound = tuple[Sequence[tuple[str, int]], str]  # steps of a kind, each for a pass; what is to be joined
+PartRound = tuple[Sequence[tuple[str, int]], str]  # (kind, number of the pass) of each step; the kind of join
 left_by_tasks: tuple[str, ...]
 
 def plan_parts(

@@ -14,7 +14,7 @@ _PROJECTION_RECORDS = (2112, 34735, 34736, 34737)  # record numbers of LAS: WKT,
 
 
 class Crs:
-    """A coordinate reference system as a file or an array's owner states it. ``pyproj.CRS(crs)`` understands it."""
+    """A coordinate reference system that a file or the caller states. ``pyproj.CRS`` accepts it as an argument."""
 
     def __init__(self, known: tuple[Any, ...]) -> None:
         self._known = known  # the tuple that crs_value() in python/binding/crs_values.h describes
@@ -62,7 +62,7 @@ def crs_of(value: Any) -> Crs | None:
 
 
 def las_crs(header: Any) -> Crs | None:
-    """Returns the system that a header of laspy states, from the same records that LAS files have."""
+    """Returns the coordinate reference system in the records (VLRs and EVLRs) of a header of laspy; None without one."""
     found: dict[int, bytes] = {}
     for record in [*header.vlrs, *(header.evlrs or [])]:
         if record.user_id == "LASF_Projection" and record.record_id in _PROJECTION_RECORDS:

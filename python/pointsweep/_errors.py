@@ -19,7 +19,7 @@ class Error(Exception):
 
 
 class UsageError(Error, ValueError):
-    """The request itself makes no sense: an array of the wrong shape, an option out of range, an unknown operator."""
+    """An error of the request: an array of the wrong shape, an option out of range, an unknown operator."""
 
 
 class PointsweepWarning(UserWarning):
@@ -69,7 +69,7 @@ _PACKAGE = os.path.dirname(os.path.abspath(__file__)) + os.sep
 
 
 def warn(sentence: str) -> None:
-    """Emits a PointsweepWarning that names the line, outside of the package, that called it."""
+    """Emits a PointsweepWarning. Its location is the line outside of the package that called the package."""
     sentence = with_names_of_python(sentence)
     frame, level = sys._getframe(), 1
     while frame.f_back is not None and os.path.abspath(frame.f_code.co_filename).startswith(_PACKAGE):

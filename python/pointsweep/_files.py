@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class Cloud(Files):
-    """Point files as one cloud; made with `open`. Headers are read, and points only by `run`."""
+    """Point files as one cloud; made with `open`, which reads the headers. Methods such as `run` and `read` read the points."""
 
     def __len__(self) -> int:
         return int(self._known["count"])
@@ -171,10 +171,10 @@ class Cloud(Files):
         return summary(self, by=by, histogram=histogram, bins=bins, keep=keep, progress=progress)
 
     def with_columns(self, **columns: Any) -> CloudWithColumns:
-        """These files with arrays of yours as attributes: ``ps.open(f).with_columns(label=labels).write(g)``.
+        """Returns these files with arrays as additional attributes: ``ps.open(f).with_columns(label=labels).write(g)``.
 
-        Each array has a row for each point, in the order of the files, and one or more numbers in it. It replaces an
-        attribute of the files with its name. All other contents of the files stay unchanged.
+        Each array is (n,) or (n, m), with a row for each point, in the order of the files. It replaces an attribute of the
+        files with its name. All other contents of the files stay unchanged.
         """
         return CloudWithColumns(self, self.attributes, columns)
 
@@ -222,8 +222,8 @@ def open(
     format : format of files without a signature: 'kitti' or 'float32-xyz'.
     columns : names of the columns of text files, in place of a header: ``["x", "y", "z", "intensity", "-", "red"]``; "-"
         skips a column.
-    depth : of COPC files, read the levels of detail up to this depth, of which 0 is the coarsest, and only their bytes.
-    resolution : of COPC files, read as many levels of detail as it takes until points lie no farther apart.
+    depth : of COPC files, read only the levels of detail up to this depth; 0 is the coarsest level.
+    resolution : of COPC files, read only as many levels of detail as give this distance between points, or less.
     ignore_crs : ignore coordinate reference systems: merge files of different systems without a transformation, treat
         degrees as lengths, do not convert default lengths to feet.
     crs : coordinate reference system of the points, as `run` takes it, the path of a file with WKT (.prj, .wkt), or 'none'.

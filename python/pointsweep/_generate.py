@@ -62,7 +62,7 @@ def generate(
     shape : 'plane', 'sphere', 'cylinder', 'torus', 'statue', 'terrain', 'tls' or 'volume'; lengths are in metres.
     n : number of points.
     path : the file to write, which is returned as a `Cloud`. None: the arrays 'xyz' and 'normal' are returned.
-    seed : of the random sample.
+    seed : seed of the random sample, 0 or more, below 2**64.
     noise : standard deviation of Gaussian noise on each coordinate.
     outliers : share of points, 0 to 1, that lie at random in a box of `outlier_box` times the size of the shape.
     origin : x, y, z that are added to every point; implies float64.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A digest of everything that a function computes with: a run that is resumed has to be the same run."""
+"""A digest of a function and of all values that it uses, by which a resumed run is compared with the run that it continues."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class _Digests:
 
     def __init__(self) -> None:
         self.unknown: list[str] = []
-        self._known: dict[Any, bytes] = {}  # digests by id; of modules, also by the attributes that are used
+        self._known: dict[Any, bytes] = {}  # digests by id; for a module, by its id and the attributes that the function uses
         self._kept: list[Any] = []  # keeps objects alive, so that no id is used again
         self._attributes: frozenset[str] = frozenset()  # attributes that the current function uses
         self._in_foreign = False  # True while an object of a library outside of Python's standard library is described

@@ -65,14 +65,14 @@ class FileSummary(NamedTuple):
     scale: _Point  #: scale of x, y and z; 1 if coordinates are stored unscaled
     offset: _Point
     density: float | None  #: points for each square unit of x and y
-    density_cell: float | None  #: side of the cells that were counted
+    density_cell: float | None  #: side of the square cells of x and y in which `density` counts points
     spacing: float | None  #: median distance to the nearest other point; None: not measured
     spacing_sample: int  #: number of points measured
     spacing_duplicates: int  #: points of the sample that have the coordinates of another point
     ascending: tuple[str, ...]  #: axes along which the coordinates of points never decrease
     descending: tuple[str, ...]
     classes: dict[int, int] | None  #: number of points of each class; None: the file has no classification
-    returns: dict[int, int] | None  #: points of each return number
+    returns: dict[int, int] | None  #: number of points of each return number
     gps_time: GpsTimes | None
     attributes: dict[str, Attribute]  #: in the order of the file, coordinates included
     provenance: tuple[Provenance, ...]  #: the runs that made the file, oldest first

@@ -132,7 +132,7 @@ def one_name(option: str, value: Any) -> str:
 
 
 def kept_names(keep: Any) -> list[str]:
-    """Returns the names in `keep`; an empty list for None, which keeps what runs keep by default. Raises UsageError for a list without names."""
+    """Returns the names in `keep`; an empty list for None, which stands for the default. Raises UsageError if it has no names."""
     found = names("keep", keep)
     if keep is not None and not found:
         raise UsageError("keep: the list is empty; name what to keep, or leave the option out.")
@@ -140,7 +140,7 @@ def kept_names(keep: Any) -> list[str]:
 
 
 def way_of_reading(format: str, columns: Sequence[str] | str | None, depth: int | None, resolution: float | None) -> str:
-    """Returns the word that tells the library how to read files, made of the one argument that is given; empty if none is."""
+    """Returns a text that tells the library how to read files. At most one argument may be given; the text is empty without one."""
     words = {"format": text("format", format)} if format else {}
     if columns is not None:
         words["columns"] = "text:" + ",".join(names("columns", columns))

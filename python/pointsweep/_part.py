@@ -24,7 +24,7 @@ _one_at_a_time = threading.Lock()  # a task may use all memory and all threads o
 
 
 class Step(NamedTuple):
-    """A step that a task performs."""
+    """A phase of a run that a task performs in one pass, such as 'order' or 'sweep'."""
 
     kind: str
     number: int  #: number of the pass
@@ -68,7 +68,7 @@ class Done(NamedTuple):
     """The reply of a task, a few hundred bytes."""
 
     left: str  #: name under which the task has stored its results in the scratch
-    rows: int  #: rows of the tile that are left
+    rows: int  #: number of rows of the tile that no stage has dropped
     own: int  #: finite points of the tile that were ordered or swept
     swept: int  #: points that were swept: those of the tile and of its halo
     written: int  #: points written to outputs

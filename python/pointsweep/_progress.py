@@ -33,7 +33,7 @@ def _has_tqdm() -> bool:
     import warnings
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # in notebooks tqdm warns without ipywidgets, and then shows text
+        warnings.simplefilter("ignore")  # tqdm warns in notebooks without ipywidgets, where it shows text
         try:
             import tqdm.auto  # noqa: F401
         except ImportError:

@@ -25,7 +25,8 @@ class Picture:
         self.outside = outside  #: number of points too far from all others to be in the picture
 
     def save(self, file: Path, *, overwrite: bool = False) -> None:
-        """Writes the picture to a file. Raises `UsageError` unless its name ends with .png, and FileExistsError."""
+        """Writes the picture to a file. Raises `UsageError` unless its name ends with .png, and FileExistsError
+        if the file exists, unless `overwrite`."""
         name = os.fspath(path("file", file))
         if not name.lower().endswith(".png"):
             raise UsageError(f"file: {name}: pictures are PNG; give a name that ends with .png.")
@@ -54,7 +55,7 @@ def render(
     ignore_crs: bool = False,
     progress: ProgressCallback | bool | None = None,
 ) -> Picture:
-    """A picture of points, as ``pointsweep render`` draws it; the last line of a cell of a notebook shows it.
+    """Draws points like ``pointsweep render``. A notebook shows the picture if it is the value of the last line of a cell.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ def render(
     size : width and height in pixels, 16 to 16,384 each.
     point_size : diameter of every point in pixels; None: splats or radii of the points, else the spacing of the points.
     background : 'white', 'black' or RRGGBB in hexadecimal.
-    legend : whether the picture has a legend of its colours.
+    legend : draw a legend of the colours.
 
     Points are read twice; files are read in blocks. Memory: 11 to 75 bytes for each pixel, and a sample of 65,536 points.
 

@@ -35,8 +35,8 @@ class Neighbors(NamedTuple):
         return ~np.isnan(self.distances)
 
     def of(self, values: Any) -> np.ndarray:
-        """(n, k) or (n, k, m): an attribute of all points, an array of n rows, at the neighbours; missing: NaN, or 0 in
-        integers. ``neighbors.of(xyz) - xyz[:, None]`` are the vectors to them."""
+        """Returns an attribute of the neighbours, (n, k) or (n, k, m), from `values`, its array for all points. Unused places
+        hold NaN, or 0 for integers. ``neighbors.of(xyz) - xyz[:, None]`` are the vectors from points to neighbours."""
         known = np.asarray(values)
         mask = self.mask
         found = known[np.where(mask, self.indices, 0)]
@@ -45,7 +45,7 @@ class Neighbors(NamedTuple):
 
 
 class RadiusNeighbors(NamedTuple):
-    """The neighbours of every point within a radius, nearest first: those of point i are at
+    """The neighbours of every point within a radius, nearest first. The neighbours of point i are at
     ``offsets[i]:offsets[i + 1]``."""
 
     offsets: np.ndarray  #: (n + 1,) int64
@@ -66,7 +66,7 @@ class Report:
 
     @property
     def points(self) -> int:
-        """Points of the input."""
+        """The number of points in the input."""
         return int(self.statistics["points"])
 
     @property
@@ -76,7 +76,7 @@ class Report:
 
     @property
     def seconds(self) -> float:
-        """Wall time."""
+        """Wall time of the run in seconds."""
         return float(self.statistics["seconds"]["total"])
 
     @property
@@ -96,7 +96,7 @@ class Report:
 
 
 class Arrays(dict):
-    """The arrays of a run by name, each with a row for each point: a dict that shows itself as a table."""
+    """The arrays of a run by name, each with a row for each point: a dict that notebooks show as a table."""
 
     #: statistics of the run; None for generated points
     report: Report | None = None
@@ -105,7 +105,7 @@ class Arrays(dict):
     _components: Mapping[str, list[str]] = {}  # names of the components of arrays, as files have them
 
     def columns(self) -> dict[str, np.ndarray]:
-        """An (n,) array for each component, under the name that it has in files: x, y, z, nx, ny, nz, outlier, ..."""
+        """Returns an (n,) array for each component, under its name in files: x, y, z, nx, ny, nz, outlier, ..."""
         flat: dict[str, np.ndarray] = {}
         for name, values in self.items():
             if values.ndim == 1:
@@ -117,7 +117,7 @@ class Arrays(dict):
         return flat
 
     def to_structured(self) -> np.ndarray:
-        """A structured array with a field for each of `columns()`. A copy."""
+        """Returns a structured array with a field for each of `columns()`: a copy."""
         flat = self.columns()
         n = len(next(iter(flat.values()), ()))
         rows = np.empty(n, [(name, values.dtype) for name, values in flat.items()])
@@ -126,13 +126,13 @@ class Arrays(dict):
         return rows
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A pandas.DataFrame with a column for each of `columns()`."""
+        """Returns a pandas.DataFrame with a column for each of `columns()`."""
         import pandas
 
         return pandas.DataFrame(self.columns(), copy=False)
 
     def to_geopandas(self) -> geopandas.GeoDataFrame:
-        """A geopandas.GeoDataFrame of points with heights, made from 'xyz', all other columns of `columns()`, and the
+        """Returns a geopandas.GeoDataFrame: points with heights from 'xyz', the other columns of `columns()`, and the
         coordinate system of the input."""
         import geopandas
 
@@ -144,7 +144,7 @@ class Arrays(dict):
         return geopandas.GeoDataFrame(flat, geometry=points, crs=self.crs)
 
     def to_arrow(self) -> pyarrow.Table:
-        """A pyarrow.Table with a column for each of `columns()`."""
+        """Returns a pyarrow.Table with a column for each of `columns()`."""
         import pyarrow
 
         return pyarrow.table({name: np.ascontiguousarray(values) for name, values in self.columns().items()})

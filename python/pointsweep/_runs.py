@@ -79,57 +79,56 @@ def run(
         of your own, or these in a list or joined by ``|``; or the path of a text file.
     to : the file to write, a path or a URL whose name says the format; a folder, with a file for each input file; None:
         arrays.
-    keep : names of the attributes wanted. Without it arrays are returned of all that is made; where the pipeline leaves
-        rows out, or the order is another one, also of everything that the input has, and of 'row', the number of the
-        input row (of points in arrays).
-    out : arrays that the results of these names are written to, of the type and shape that they have, contiguous, e.g. a
-        `numpy.memmap` for what does not fit in memory. They are what is kept where `keep` does not say. Where the
-        pipeline leaves rows out, they have the rows of the input, and the result is a view of the first rows.
+    keep : names of the attributes wanted. Default for arrays: all made attributes; if the pipeline drops rows or changes
+        their order, also all attributes of the input and, for points in arrays, 'row', the number of the input row.
+    out : contiguous arrays by name, to which the results of these names are written, of the types and shapes of the
+        results, e.g. a `numpy.memmap` for results larger than memory. Their names are the default of `keep`. If the
+        pipeline drops rows, they have as many rows as the input, and each result is a view of the first rows.
     attributes : more attributes of points in arrays, by name.
     crs : coordinate reference system of points in arrays, or of paths, which outputs state: an EPSG code, WKT, a file with
-        WKT (.prj), a `pyproj.CRS`, or the `crs` of a cloud. Of files `open` can also replace it. Default: what a laspy.LasData, a laspy reader or a table of geopandas states.
+        WKT (.prj), a `pyproj.CRS`, or the `crs` of a cloud. `open` can also replace the system of files. Default: what a laspy.LasData, a laspy reader or a table of geopandas states.
     client : divides the work on a folder of tiles, with a folder as the output, among the workers of Dask: a
         `distributed.Client`, the address of a scheduler, or 'local' for workers on this machine (docs/cluster.md).
-    scratch : with a client, the folder, or the URL in a bucket, through which the workers, all of which see it, pass on
-        points. It is empty in the end; after a crash the same call goes on from there.
-    take_over : with a client, goes on in a scratch whose process is gone, without waiting for two minutes.
-    order : of the result's rows: 'input', or 'sweep', along the axis of the largest extent.
-    axis : of the sweep: 'x', 'y', 'z' or 'auto', the longest.
-    memory : what the run may take in addition to the interpreter, its arrays and the results, e.g. '2G'; what does not
-        fit goes to temporary files. Default: half of what is available.
-    threads : default: one for each core.
-    temp_folder : for temporary files.
-    resume : a folder for checkpoints: the same call goes on from there after a crash. For files only.
+    scratch : with a client, a folder, or a URL in a bucket, that all workers can access, for points that tasks pass to
+        later tasks. It is empty after the run; after a crash the same call continues from it.
+    take_over : with a client, continues the run in a scratch whose process has ended, without waiting for two minutes.
+    order : order of the result's rows: 'input', or 'sweep', ascending along `axis`.
+    axis : axis of the sweep: 'x', 'y', 'z' or 'auto', the axis of the largest extent.
+    memory : limit for the memory of the run, e.g. '2G', in addition to the interpreter, its arrays and the results; data
+        that do not fit go to temporary files. Default: half of the available memory.
+    threads : number of threads. Default: one for each core.
+    temp_folder : folder for temporary files.
+    resume : a folder for checkpoints, from which the same call continues after a crash. For files only.
     nonfinite : what happens to points with NaN or infinite coordinates: 'keep' them without results, 'drop' or 'refuse'.
         Default: 'keep', for LAS outputs 'drop'.
     overwrite : the output may replace an existing file.
-    replace : attributes of the input that made ones of the same name may replace.
-    prefix : before the names of made attributes in files.
-    positions : type of x, y and z in the result, 'float32' or 'float64', not for LAS. Default: that of the input, float64
-        of moved points.
-    scale : steps of the integer coordinates of LAS outputs, one number or three, to which they are rounded. Default: those
-        of the input, or the finest that reach all points.
-    offset : of these coordinates, three numbers, or 'auto', near the middle. Default: that of the input as long as it
-        reaches all points.
-    point_format : of LAS outputs, 0 to 10; attributes without a field there become extra bytes. Default: that of the
-        input, or the shortest that holds all.
-    las_version : '1.0' to '1.4'. Default: that of the input, or '1.4'.
+    replace : names of input attributes that made attributes of the same name may replace.
+    prefix : text before the names of made attributes in files.
+    positions : type of x, y and z in the result, 'float32' or 'float64', not for LAS. Default: the type of the input;
+        float64 for moved points.
+    scale : step, one number or three, to which LAS outputs round coordinates. Default: the steps of the input, or the
+        finest with which integers reach all points.
+    offset : offset of the integer coordinates of LAS outputs, three numbers, or 'auto', near the middle of the points.
+        Default: that of the input if integers then reach all points.
+    point_format : point format of LAS outputs, 0 to 10; attributes for which it has no field become extra bytes. Default:
+        that of the input, or the shortest that holds all attributes.
+    las_version : version of LAS outputs, '1.0' to '1.4'. Default: that of the input, or '1.4'.
     decimals : digits of x, y and z after the decimal point in text outputs. Default: as many as their values need.
     tile : divides the points among square tiles of this edge: files X_Y in the folder `to`, named after their lower
         corners, of the format of the first input; `to` may also name them, e.g. 'out/*.laz'.
-    tile_origin : a corner of tiles, two numbers. Default: 0, 0.
+    tile_origin : a corner of a tile, two numbers. Default: 0, 0.
     tile_buffer : tiles also hold the points of their neighbours within this width, with an attribute 'buffer' of 1.
-    split : an attribute; the folder `to` gets a file for each of its values.
+    split : name of an attribute; the folder `to` gets a file for each of its values.
     provenance : the processing record of output files names inputs by their 'names' (the default) or by their absolute
         'paths'; False: files get no record.
     ignore_crs : coordinates of different systems are merged and compared without a transformation.
-    progress : called with (phase, points done, points in all), a few times a second. An exception in it ends the run.
-        True shows it, by tqdm if that is installed.
+    progress : a function that is called with (phase, points done, points in all) a few times a second. An exception in it
+        ends the run. True shows the progress, with tqdm if that is installed.
 
     Returns
     -------
     `Arrays`, a dict of arrays, or a `Report` where files are written. Raises `UsageError` and `Error`. Ctrl-C ends a run
-    within a second, and nothing of it remains. Other threads run meanwhile.
+    within a second, and no output remains. Other Python threads run meanwhile.
     """
     workers = Workers(client, scratch, take_over)
     return performed(points, pipeline, to, keep, out, attributes, crs, progress, options, workers)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The two most wanted runs over points, in one call."""
+"""The two most frequent runs, each as one function."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def normals(
     return stage
 
 
-# The part of the operator's declaration that describes results.
+# Appends the section of the stage's docstring that describes the results.
 normals.__doc__ = f"{normals.__doc__ or ''}\n    Makes\n{(_stages.normals.__doc__ or '').partition('Makes')[2].lstrip(chr(10))}"
 
 
@@ -169,7 +169,7 @@ def neighbors(
     -------
     With k: `Neighbors`, (indices, distances), both (n, k), nearest first. With a radius alone: `RadiusNeighbors`,
     (offsets, indices, distances); the neighbours of point i are ``indices[offsets[i]:offsets[i + 1]]``, nearest first.
-    Their number is not bounded: 16 bytes for each are in memory, whatever the budget.
+    Their number is not bounded: 16 bytes for each are in memory, whatever `memory` says.
     With queries: the same with a row for each query, (m, k), or m + 1 offsets; indices are rows of the points.
 
     Distances are computed in float64; equal ones are ordered by x, y, z, then by row. Points with NaN or infinite

@@ -27,7 +27,7 @@ class Source(NamedTuple):
     """The points of a run."""
 
     inputs: list[Any]  #: paths as str, or pairs (names of components, (n, m) array)
-    groups: list[tuple[str, list[str]]]  #: components of the input that make one array
+    groups: list[tuple[str, list[str]]]  #: names of arrays, and the components of the input that each consists of
     is_files: bool
     options: dict[str, Any]  #: options of the run and of opening files, and the coordinate system of arrays
     crs: Crs | None

@@ -56,7 +56,7 @@ class PointSummary(NamedTuple):
     histograms: dict[str, Histogram]
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A pandas.DataFrame with a row for each attribute: count, nonfinite, min, 1%, ... 99%, max, mean, deviation."""
+        """Returns a pandas.DataFrame with a row for each attribute: count, nonfinite, min, 1%, ... 99%, max, mean, deviation."""
         import pandas
 
         return pandas.DataFrame.from_dict({name: _row(a) for name, a in self.attributes.items()}, orient="index")
@@ -81,7 +81,7 @@ class GroupedSummary(Mapping[int, PointSummary]):
 
     @property
     def points(self) -> dict[int, int]:
-        """The points of each value."""
+        """The number of points of each value."""
         return {value: group.points for value, group in self._groups.items()}
 
     def __getitem__(self, value: int) -> PointSummary:
@@ -94,8 +94,8 @@ class GroupedSummary(Mapping[int, PointSummary]):
         return len(self._groups)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A pandas.DataFrame with a row for each value, which is its index: points, and of each attribute columns such as
-        z_count, z_min, z_50%, z_mean."""
+        """Returns a pandas.DataFrame with a row for each value, which is its index: points, and for each attribute columns
+        such as z_count, z_min, z_50%, z_mean."""
         import pandas
 
         rows = {

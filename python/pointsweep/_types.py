@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The types that modules share, below all modules that do something with them."""
+"""Types that the modules of the package share."""
 
 from __future__ import annotations
 

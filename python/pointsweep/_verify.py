@@ -85,13 +85,13 @@ def verify(
     Parameters
     ----------
     output : a file, a folder of files, or a .npy file of neighbours or distances.
-    inputs : the inputs of the run: a path or several; folders and patterns stand for their files. None: those in the
-        output's record; the inputs are in the folder of the output, in the current folder, or under their recorded
+    inputs : the inputs of the run: a path or several; folders and patterns stand for their files. None: the inputs in the
+        output's record, if they are in the folder of the output, in the current folder, or under their recorded
         paths.
-    pipeline : the pipeline of the run, with built-in operators. None: that in the output's record, or guessed from the attributes.
+    pipeline : the pipeline of the run, with built-in operators. None: the pipeline in the output's record, or one guessed from the attributes.
     k, radius, keep, order, axis, prefix, decimals, positions, tile, tile_origin, tile_buffer, split, nonfinite : options of the run,
         if the output has no record.
-    sample, seed : number of points that are recomputed, and which.
+    sample, seed : number of points to recompute, and the seed of their random choice.
     rows : rows of further points to recompute.
     memory : memory for the neighbours of the sample; a larger sample takes several passes.
     recursive, format, columns, depth, resolution, ignore_crs : as for `open`.

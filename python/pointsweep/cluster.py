@@ -68,7 +68,7 @@ def _crs_of_tool(text: str) -> Any:
 
 
 def main(request: dict[str, Any]) -> int:
-    """Performs the request of the tool. Returns its status."""
+    """Performs the request of the tool. Returns the exit status."""
     told = _Told(request["quiet"])
     keep_names_of_tool()
     _silence_distributed()
