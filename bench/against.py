@@ -28,7 +28,7 @@ def arguments():
 
 
 def build_of(revision):
-    """The tool of that commit, built in a separate folder that is kept for the next run."""
+    """Builds the tool of a commit in a separate folder, which later runs use again. Returns the path of the tool."""
     commit = processes.said("git", "rev-parse", "--short", f"{revision}^{{commit}}")
     if commit == "unknown":
         sys.exit(f"script/bench --against: git knows no commit '{revision}'; name one of `git log`")

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The overhead of the Python package: the same calls on arrays from C++ and from Python; and reading a file into arrays by the package, the
-tool and laspy, from a file that the tool has written. Answers must have the same bytes before times count; the runs of one row
-alternate."""
+"""The overhead of the Python package: calls on arrays from C++ and from Python; and normals of a file as arrays, by the package, and by the
+tool with laspy, which reads the output of the tool. Answers must have the same bytes before times count; the runs of one row alternate."""
 import argparse
 import json
 import os
@@ -68,7 +67,7 @@ class Bench:
         tail = [options.k, options.threads]
         by_tool = [self.tool, "normals", self.cloud, made, "-k", options.k, "--threads", options.threads, "--quiet", "--force"]
         runs = {"tool, then laspy": [], "package": []}
-        for repeated in range(options.repeat + 1):  # the first writes the answers
+        for repeated in range(options.repeat + 1):  # the first turn writes the answers and does not count
             targets = answers if repeated == 0 else ("", "")
             parts = [processes.run(by_tool), processes.run([*self.python, "laspy", made, targets[0], *tail])]
             whole = {figure: sum(part[figure] for part in parts) for figure in ("wall_seconds", "user_seconds", "cpu_seconds")}

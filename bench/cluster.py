@@ -143,7 +143,7 @@ def main():
     options.work = options.work.resolve()
     result = committed.begun(memory=options.memory, limited=options.limited, rows=[], many=[])
     limit = bytes_of(options.memory) if options.limited else None
-    # The groups end after the workers in them.
+    # The contexts of the groups come first, because a group can be removed only when its worker has ended.
     with (
         control_groups.limited(limit, "-0") as first,
         control_groups.limited(limit, "-1") as second,

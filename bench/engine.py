@@ -47,7 +47,7 @@ def threads(options, cloud):
 
 
 def memory(options, cloud):
-    """The rows in the order of the sweep spare the second way to their places."""
+    """Returns the rows for orders of the output and memory budgets. An output in the order of the sweep is not put into the order of the input."""
     def case(order, budget, **fields):
         words = ["-k", 8, "--order", order] + (["--memory", budget] if budget else [])
         return Case(f"--order {order}, {'--memory ' + budget if budget else 'in memory'}", tool(options, "normals", cloud, *words),

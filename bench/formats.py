@@ -51,7 +51,7 @@ class Programs:
         return self.options.work / f"formats-{name}"
 
     def said(self, *command):
-        """What a program that times itself prints."""
+        """Returns the figures that a program which times itself prints as JSON."""
         done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
         if done.returncode != 0:
             sys.exit(f"script/bench formats: {' '.join(map(str, command))}: {done.stderr.strip()}")
@@ -84,7 +84,7 @@ class Programs:
 
 
 def turn(programs):
-    """One run of each program. Labels -> figures."""
+    """Runs each program once. Returns figures by label."""
     threads = programs.options.threads
     runs = {"normals LAS to LAS": programs.normals(".las", "las.las"), "normals LAZ to LAZ": programs.normals(".laz", "laz.laz"),
             "normals LAZ to LAS": programs.normals(".laz", "laz.las")}
@@ -103,7 +103,7 @@ def turn(programs):
 
 
 def check_reads(programs, runs):
-    """All readers must find as many points, within the same box; that of LAS and LAZ is on their grid."""
+    """Ends the program unless all readers find all points and the same bounds. LAS and LAZ have bounds of their own, which are rounded."""
     for label, figures in runs.items():
         if "bounds" not in figures:
             continue
@@ -125,7 +125,7 @@ def median(runs):
 
 
 def within_memory(options):
-    """A large LAZ file within the budget, against as much memory as it wants: the same bytes."""
+    """Compares normals of a large LAZ file within --memory with a run without a limit; both outputs must have the same bytes."""
     programs = Programs(options, options.large)
     free, limited = programs.normals(".laz", "free.laz"), programs.normals(".laz", "limited.laz", "--memory", options.memory)
     if not processes.same_bytes(programs.output("free.laz"), programs.output("limited.laz")):

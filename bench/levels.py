@@ -57,7 +57,7 @@ def laz(options, shape, size):
 
 
 def real_scans(options):
-    """The three largest below 60 MB, each of another folder."""
+    """Returns the three largest real scans below 60 MB, each from another folder."""
     found = sorted((p for p in options.data.rglob("*") if p.suffix in (".laz", ".las") and "malformed" not in p.parts), key=lambda p: -p.stat().st_size)
     chosen = {}
     for path in found:

@@ -15,8 +15,8 @@ import processes
 from committed import median
 from processes import ROOT
 
-# Name; pipeline, in which {other} is a second cloud; columns that are compared; shape; libraries. k and radii hold about 16 points of a
-# statue of a million, scaled with the root of the number of points.
+# Name; pipeline, in which {other} is a second cloud and {r} a radius; shape; libraries. Radii hold about 16 points of a statue of 1M
+# points, and are scaled with the spacing for other numbers of points.
 OPERATORS = [
     ("features", "knn(k=16) | features(names=[linearity,planarity,sphericity], eigenvalues=sqrt)", "statue", ["pgeof"]),
     ("sor", "knn(k=16) | sor(definition=open3d)", "statue", ["open3d"]),
@@ -69,7 +69,7 @@ class Bench:
 
     def clouds(self, shape, size):
         """Returns the cloud of an operator and the cloud with which it is compared."""
-        if shape == "ground":  # terrain with its classes
+        if shape == "ground":  # terrain whose points have been classified by the operator ground
             terrain = self.generated("terrain", size, 1)
             path = terrain.with_stem(f"operators-ground-{size}")
             if not path.exists():

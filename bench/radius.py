@@ -2,8 +2,8 @@
 """Searches within a radius: nanoseconds per neighbour on one thread, for 24 to 1,051 neighbours, against a grid and nanoflann.
 
 All contenders must find the same neighbours. `pointsweep` and those called sorted give each list nearest first. With
---processes: normals of `statue` from file to file instead, whole processes in turn on one thread, CPU seconds, within
-radii that hold as many and of k = 64 and 256; nanoflann on permuted points does not sort. Answers are compared first."""
+--processes: CPU seconds of whole processes instead, in turn on one thread: normals of `statue` from file to file, within
+radii that hold as many points, and of k = 64 and 256. nanoflann on permuted points does not sort. Answers are compared first."""
 import argparse
 import datetime
 import json

@@ -14,13 +14,13 @@ import processes
 @dataclasses.dataclass
 class Case:
     label: str
-    command: Callable            # takes the file to write
+    command: Callable            # function from the path of the output to a command
     over: Optional[str] = None   # label of the case it is compared with
     answer: str = ""             # cases of one answer must write the same bytes
-    tool: bool = True            # is pointsweep itself, which writes statistics
-    in_memory: bool = False      # must not spill
-    timed: bool = True           # False: runs once, for its answer
-    says: Optional[str] = None   # text that it must print
+    tool: bool = True            # True: the command is pointsweep, which writes statistics
+    in_memory: bool = False      # True: the run must not spill
+    timed: bool = True           # False: the case runs once, for its answer alone
+    says: Optional[str] = None   # text that the command must print
     check: Optional[Callable] = None  # checks an answer, from an output and its figures, instead of "same bytes"; returns a remark
 
 
@@ -50,7 +50,7 @@ class Turns:
             sys.exit(f"script/bench engine: {case.label} took {said.read_text().strip()}")
         if case.tool:
             figures.update(of_statistics(json.loads(stats.read_text())))
-            for clock in ("wall_seconds", "cpu_seconds"):  # its analysis is not part of the reference engine
+            for clock in ("wall_seconds", "cpu_seconds"):  # leaves out the time in which the reference engine counts the neighbours that it misses
                 figures[clock] -= figures["audit_seconds"]
         if case.in_memory and figures["spilled_bytes"] != 0:
             sys.exit(f"script/bench engine: {case.label} spilled {figures['spilled_bytes']} bytes; choose a smaller --sizes")
@@ -83,7 +83,7 @@ class Turns:
 
 
 def of_statistics(stats):
-    """`busy`: search and operators by the wall, as if all threads were at it all the time."""
+    """Returns figures of a run. `busy_seconds` is the time of search and operators, summed over threads, for each thread."""
     seconds = stats["seconds"]
     return {"order_seconds": seconds["order"], "write_seconds": seconds["write"], "total_seconds": seconds["total"],
             "busy_seconds": (seconds["search"] + sum(seconds["operators"].values())) / stats["threads"],

@@ -63,7 +63,7 @@ set(may_include_polygons math)
 set(may_include_colors "")
 set(may_include_operators points math storage raster polygons colors connect levels)
 inside(operators interface kinds declare lanes expressions nearest statistics surface rows thinning ground change graph .)
-# Parts common to formats come before the formats, which do not know each other.
+# The folders common to all formats come before the formats. No format may include another format.
 set(may_include_formats points math ${all_of_storage})
 inside(formats files . records cloud)
 foreach(format e57 kitti las mesh npy pcd ply ptx qsplat text vtk)

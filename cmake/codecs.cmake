@@ -1,4 +1,4 @@
-# The Rust crate in codecs/ as the static library pointsweep_codecs. POINTSWEEP_CODECS: ON needs cargo, OFF does without LAZ and E57,
+# The Rust crate in codecs/ as the static library pointsweep_codecs. POINTSWEEP_CODECS: ON needs cargo, OFF builds without LAZ and E57,
 # AUTO (the default) builds the codecs if cargo 1.87 or newer and the crates of codecs/Cargo.lock, on this machine or from their registry,
 # are available.
 set(POINTSWEEP_CODECS AUTO CACHE STRING "Build the codecs for LAZ and E57, which need cargo: ON, OFF or AUTO")
@@ -96,6 +96,6 @@ add_dependencies(pointsweep_codecs pointsweep_build_codecs)
 find_package(Threads REQUIRED)
 set_target_properties(pointsweep_codecs PROPERTIES IMPORTED_LOCATION ${codecs_library}
   INTERFACE_INCLUDE_DIRECTORIES ${codecs}/include INTERFACE_LINK_LIBRARIES "Threads::Threads;${CMAKE_DL_LIBS}")
-if(POINTSWEEP_REMOTE AND NOT APPLE) # most of what the crates for the network hold is not used
+if(POINTSWEEP_REMOTE AND NOT APPLE) # leaves out the code of the network crates that is not used, which is most of it
   set_property(TARGET pointsweep_codecs PROPERTY INTERFACE_LINK_OPTIONS LINKER:--gc-sections)
 endif()

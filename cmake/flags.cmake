@@ -11,11 +11,11 @@ set(POINTSWEEP_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or t
 if(POINTSWEEP_SANITIZE)
   add_compile_options(-fsanitize=${POINTSWEEP_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${POINTSWEEP_SANITIZE})
-  # A failed check of undefined behaviour is a trap, whose place in the source the address sanitizer shows (script/sanitize). The tables of
-  # messages would be most of each program, and reading them most of its start; the tests start the tool thousands of times.
+  # A failed check of undefined behaviour traps, and the address sanitizer prints its place in the source (script/sanitize). The tables for
+  # messages would be most of each program and of its time to start, and the tests start the tool thousands of times.
   if(POINTSWEEP_SANITIZE MATCHES address.*undefined)
     add_compile_options(-fsanitize-undefined-trap-on-error)
   endif()
-  # GCC warns wrongly of std::regex once the sanitizers have changed what it inlines.
+  # GCC warns wrongly of std::regex, because the sanitizers change its inlining.
   target_compile_options(pointsweep_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 endif()

@@ -7,10 +7,10 @@ set(POINTSWEEP_COMPILED_ALONE "" CACHE STRING "Sources of the library and of cli
 mark_as_advanced(POINTSWEEP_COMPILED_ALONE)
 
 # pointsweep_group_by_layer(TARGET [GROUPS]): makes one group for each layer, or GROUPS groups. The folders inside a layer are compiled
-# together, except for those of formats/, which do not know each other. Sources that Highway compiles
+# together, except for the folders of formats/, which include nothing of each other. Sources that Highway compiles
 # once per instruction set include themselves and stay alone, as do those in POINTSWEEP_COMPILED_ALONE: script/mutants
 # changes one at a time, and compiles it at -O1, which takes half the time and gives the same bytes in every result.
-# threads.cpp stays alone, so that a program can bring other threads (bench/span).
+# threads.cpp stays alone, so that a program can link other definitions of its functions (bench/span).
 # Vector code makes many temporaries. With the address sanitizer's check of scopes curvature_kernel.cpp takes 7 minutes of CPU time
 # to compile (GCC 12.2), without it 8 seconds, so the check is off there.
 function(pointsweep_group_by_layer target)

@@ -9,7 +9,7 @@ add_library(pointsweep STATIC IMPORTED)
 set_target_properties(pointsweep PROPERTIES IMPORTED_LOCATION ${POINTSWEEP_BUILT}/libpointsweep.a
   INTERFACE_INCLUDE_DIRECTORIES ${repository}/include)
 set(codecs "")
-foreach(library pointsweep_remote pointsweep_codecs) # the first one holds the second one
+foreach(library pointsweep_remote pointsweep_codecs) # pointsweep_remote contains pointsweep_codecs
   if(NOT codecs AND EXISTS ${POINTSWEEP_BUILT}/codecs/release/lib${library}.a)
     set(codecs ${POINTSWEEP_BUILT}/codecs/release/lib${library}.a)
   endif()

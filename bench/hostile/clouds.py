@@ -7,16 +7,16 @@ import dataclasses
 class Cloud:
     name: str
     made: tuple  # commands that write the input files; see inputs() in run.py
-    clean: str = "surface"  # the cloud of the same size that its time and window are held against
+    clean: str = "surface"  # the cloud of the same size with which its time and window are compared
     special: int | str = 0  # rows that verify checks in addition to its sample: the first ones, or those of "normal 0"
     share: float = 0  # share of the points that are outliers, which may stay in the window
     times: int = 1  # factor for the number of points
     options: tuple = ()
-    refused: str = ""  # words of the sentence with which it is refused
+    refused: str = ""  # words of the error with which the chain refuses the cloud; empty: not refused
     sample: str = ""  # rows to compare with brute force, if not as many as for other clouds
     verbs: tuple = ("normals", "neighbors")
     chain: str = "knn(k=8) | normals | splats | fair"  # three steps: each reads attributes of neighbours made by the previous one
-    small_window: bool = False  # its window is to stay below 3 % of the cloud at 20M points
+    small_window: bool = False  # True: its window must stay below 3 % of the cloud at 20M points
 
     @property
     def timed(self):
@@ -45,7 +45,7 @@ def outliers(percent, box, **settings):
 
 CLEAN = [own("surface"), Cloud("statue", (("generate", "statue"),)), Cloud("volume", (("generate", "volume"),))]
 
-# The clouds of the law of --memory.
+# The clouds of memory_law.py.
 LAW = [Cloud("statue", (("generate", "statue"),)), Cloud("terrain", (("generate", "terrain"),)), Cloud("tls", (("generate", "tls"),)),
        Cloud("volume", (("generate", "volume"),)), own("dense-ball"), own("walls")]
 

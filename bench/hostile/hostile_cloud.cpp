@@ -35,7 +35,7 @@ Point on_surface(double u, double turn) {
 }
 Point surface(Index i, Index) { return on_surface(random(i, 0), random(i, 1)); }
 
-/// Returns a point on that ellipsoid. Points with p = 0 .. n - 1 ascend along z.
+/// Returns a point on the ellipsoid of on_surface(). Points with p = 0 .. n - 1 ascend along z.
 Point in_place(Index p, Index n) {
   return on_surface((static_cast<double>(p) + random(p, 0)) / static_cast<double>(n), random(p, 1));
 }

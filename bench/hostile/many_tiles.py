@@ -8,13 +8,13 @@ import struct
 import subprocess
 import sys
 
-MOST = 1.5  # times the least, for a tile
+MOST = 1.5  # largest CPU time per tile, in multiples of the smallest
 COUNTS = (100, 1000, 10000)
 POINTS = 20
 
 
 def make_tiles(folder, count):
-    """A square of tiles of 1 x 1."""
+    """Writes tiles of 1 x 1, 100 in a row."""
     folder.mkdir(parents=True)
     head = f"ply\nformat binary_little_endian 1.0\nelement vertex {POINTS}\n" + "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"
     for tile in range(count):
@@ -30,13 +30,13 @@ def cpu_seconds(command):
 
 
 def main(bench):
-    # No file is removed or replaced before the end: a file system that looks for the places of files just removed takes longer for each.
+    # No file is removed or replaced before the end, because some file systems are slower for a while after files were removed.
     whole, rows = bench.options.work / "many-tiles", []
     shutil.rmtree(whole, ignore_errors=True)
     for count in COUNTS:
         work = whole / str(count)
         make_tiles(work / "in", count)
-        times = max(1, 1000 // count)  # so that short runs count, too
+        times = max(1, 1000 // count)  # short runs are repeated, so that their CPU time can be measured
         row = {"tiles": count}
         for kind, ending in (("inputs", ".ply"), ("outputs", "/")):
             used = 0

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The law of --memory: every operator of the registry, on every kind of cloud, in every budget that it accepts, with few and with many threads: the peak of its resident memory stays within the budget.
 
-Each runs its example (bench/examples.py) in the least memory that it accepts, which its refusal names, in the least that has room for all threads, and in each of --budgets that is not less
+Each operator runs its example (bench/examples.py) in the least memory that it accepts, which its refusal names, in the least that has room for all threads, and in each of --budgets that is not less
 than the first. The runs are numbered; --every N does each N-th of them."""
 import datetime
 import json
@@ -30,7 +30,7 @@ class Law:
                 "--temp-dir", self.options.work, "--pipeline", pipeline]
 
     def run(self, cloud, pipeline, memory, threads):
-        """The peak in MiB, or the sentence of the error."""
+        """Returns the peak in MiB, or the sentence of the error."""
         statistics = self.options.work / "statistics.json"
         command = [*self.command(cloud, pipeline, memory, threads), "--stats", statistics]
         try:

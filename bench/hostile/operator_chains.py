@@ -3,7 +3,7 @@
 
 Each chain runs with 4 GiB, and with --memory under RLIMIT_DATA = --memory + --constant. A chain that is refused with the least memory that it needs runs with that.
 Lengths follow the cloud: `spacing` is that of `info`, `cell` a 512th of the longer side seen from above. CPU seconds are user +
-system of the whole process under the limit, the least of --repeat; ratios are to those of the clean cloud, per point. What the values should be is for tests/ to prove."""
+system of the whole process under the limit, the least of --repeat; ratios are to those of the clean cloud, per point. The values are tested in tests/."""
 import datetime
 import json
 import os

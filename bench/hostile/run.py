@@ -115,7 +115,7 @@ class Bench:
         elif output.name == "deep.ply":
             command += ["--pipeline", cloud.chain]
         done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-        # 3: right as far as the data decide; neighbourhoods on a line have no direction that could be wrong.
+        # Status 3: no value is wrong, but the data leave some open, such as normals of neighbourhoods on a line.
         return "same" if done.returncode in (0, 3) else done.stderr.strip()
 
     def try_cloud(self, cloud):

@@ -168,7 +168,7 @@ def peak():
 
 def main(library, operator, pipeline, cloud, other, output, threads):
     task = Task(pipeline, table_of(cloud), table_of(other), None, int(threads))
-    if operator == "m3c2":  # its normals come from the output
+    if operator == "m3c2":  # m3c2 gets its normals from the output of pointsweep
         task.output = table_of(output)
     elif operator == "orient":
         task.output = table_of(output)

@@ -81,7 +81,7 @@ def figure_1(tool, model):
 
 
 def heat(t):
-    """From pale blue over white to orange."""
+    """Returns a colour between pale blue, white and orange."""
     t = min(max(t, 0.0), 1.0)
     low, middle, high = (120, 160, 220), (235, 235, 230), (240, 120, 40)
     a, b, s = (low, middle, 2 * t) if t < 0.5 else (middle, high, 2 * t - 1)

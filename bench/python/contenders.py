@@ -151,7 +151,7 @@ def main(name, task, source, target, threads):
     if call is None:
         return print("null")
     with open("/proc/self/clear_refs", "w") as file:
-        file.write("5")  # the peak begins here
+        file.write("5")  # resets the peak of resident memory
     held, cpu, wall = status("VmRSS"), time.process_time(), time.perf_counter()
     answer = call()
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu

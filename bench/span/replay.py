@@ -69,7 +69,7 @@ class Names:
         return self.tables[m]
 
     def of(self, address):
-        """(whether it is in the program itself, name)"""
+        """Returns (whether the function at an address is in the program itself, its name)."""
         if address not in self.known:
             self.known[address] = self.find(address)
         return self.known[address]
@@ -95,7 +95,7 @@ class Names:
             ours, name = self.of(address - 1 if i else address)
             if ours:
                 if name in LOOPS:
-                    own = []  # the functions inside of a loop are left out; its caller is the innermost function
+                    own = []  # leaves out the functions of the loop itself, so that its caller is the innermost function
                     continue
                 if name.startswith(tuple(loop + '::' for loop in LOOPS)):
                     continue
@@ -270,7 +270,7 @@ class Trace:
                 parts.append([ops[b:e] for b, e in zip(cuts, cuts[1:])])
         if not locks or max(locks) == min(locks) or len(locks) - locks.count(min(locks)) > self.real + 2:
             return False
-        if make:  # what different bodies have drawn, alternately
+        if make:  # the pieces that the bodies have drawn, in turns
             loop.items = [part[i] for i in range(max(map(len, parts))) for part in parts if i < len(part)]
             loop.tasks = {i: self.task_of(p, loop.site) for i, p in enumerate(prologues)}
         return True
@@ -365,12 +365,13 @@ class Running:
         self.loop, self.tasks, self.next, self.left = loop, tasks, 0, len(tasks)
         self.waiter, self.order = waiter, order
         self.items, self.item = loop.items, 0
-        self.free = not loop.nested  # its waiting thread may take up other work
+        self.free = not loop.nested  # the thread that waits for the loop may take other work
 
 
 class Replay:
-    """Workers take loops' bodies and background tasks, oldest first; one that waits for a loop takes its bodies, and
-    other work unless the loop is nested; one that waits for a task takes the newest that it has started itself."""
+    """Schedules recorded work on workers. An idle worker takes the oldest body of a loop or background task. A worker that waits
+    for a loop takes its bodies, and other work unless the loop is nested. A worker that waits for a task takes the newest task
+    that it has started."""
 
     def __init__(self, trace, p):
         self.t, self.p = trace, p
@@ -424,7 +425,7 @@ class Replay:
             self.ready.append(w)
 
     def take(self, w, newest_of=None):
-        """Some work for w: a frame, or None."""
+        """Returns work for the idle worker w as a frame; None if there is none."""
         if newest_of is not None:
             for id_ in reversed(self.spawned):
                 if self.spawned[id_][1] == newest_of:
@@ -455,7 +456,7 @@ class Replay:
 
     def bodies(self, loop):
         tasks = [loop.tasks[i] for i in sorted(loop.tasks)]
-        if loop.items is not None and self.p != self.t.planned and tasks:  # one for each thread there would be
+        if loop.items is not None and self.p != self.t.planned and tasks:  # one body for each of the workers
             tasks = (tasks * (self.p // len(tasks) + 1))[:self.p]
         return tasks
 

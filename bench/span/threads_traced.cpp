@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Takes the place of pointsweep/threads.cpp in the program pointsweep_traced. Loops and background tasks run by the
-/// code of threads.cpp (untraced_threads.cpp). When the program ends, a record of them is written to the file that
+/// Takes the place of pointsweep/threads.cpp in the program pointsweep_traced. The code of threads.cpp runs the loops
+/// and background tasks (untraced_threads.cpp). When the program ends, a record of them is written to the file that
 /// SPAN_TRACE names, for replay.py.
 ///
 /// SPAN_REAL=R: the program plans for its --threads N (thread_count() says N), but only R threads work. So a machine of
@@ -85,7 +85,7 @@ struct Thread {
   std::uint64_t overhead = 0;                ///< ns of the tracer
   std::uint64_t last_cpu = 0, last_tsc = 0;  ///< at the last event whose time the kernel gave
   std::vector<Event*> chunks;
-  std::size_t used = kChunk;  ///< in the last chunk
+  std::size_t used = kChunk;  ///< number of events in the last chunk
   Sample* samples = nullptr;
   std::size_t sample_count = 0;
   std::unordered_map<std::uint64_t, std::uint64_t> sites;  ///< by return address and stack pointer
@@ -108,7 +108,7 @@ struct All {
 };
 
 All& all() {
-  static All* const it = new All;  // lives until the process ends
+  static All* const it = new All;  // never deleted, since threads use it until the process ends
   return *it;
 }
 
@@ -306,7 +306,7 @@ void write_trace() {
     }
   }
   const std::uint64_t end = clock_ns(CLOCK_MONOTONIC);
-  std::fwrite(&end, sizeof end, 1, file);  // time after which only the end of the process is left
+  std::fwrite(&end, sizeof end, 1, file);  // the end of the record
   std::fclose(file);
 }
 
@@ -314,7 +314,7 @@ __attribute__((constructor)) void start() {
   all().path = std::getenv("SPAN_TRACE");
   if (all().path == nullptr) return;
   void* some[4];
-  backtrace(some, 4);  // loads the unwinder
+  backtrace(some, 4);  // loads the unwinder here, and not in a signal handler
   struct sigaction act {};
   act.sa_sigaction = on_sample;
   act.sa_flags = SA_RESTART | SA_SIGINFO;

@@ -17,7 +17,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t i, uns
 /// A BackgroundTask of pointsweep/threads.h.
 class Task {
  public:
-  virtual ~Task() = default;  ///< waits
+  virtual ~Task() = default;  ///< waits for the end of the work
   virtual void wait() = 0;
 };
 std::unique_ptr<Task> start(std::function<void()> work);

@@ -10,7 +10,7 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::uint64_t kArrayChunkRows = 65536;  // an arbitrary number of rows, which are copied in a millisecond
+constexpr std::uint64_t kArrayChunkRows = 65536;  // an arbitrary number; a chunk is copied in about a millisecond
 
 }  // namespace
 

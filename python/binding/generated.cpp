@@ -17,8 +17,8 @@ using namespace nb::literals;
 namespace pointsweep {
 namespace {
 
-/// Converts options. `options` has the keys seed, noise, outliers, outlier_box, origin (three numbers or None) and
-/// float64.
+/// Converts the options of generate(). `options` has the keys seed, noise, outliers, outlier_box, origin (three numbers
+/// or None) and float64.
 Sampling sampling_of(std::uint64_t points, const nb::dict& options) {
   Sampling sampling{.count = points,
                     .seed = nb::cast<std::uint64_t>(options["seed"]),

@@ -15,13 +15,14 @@
 
 namespace pointsweep {
 
-/// Rows and distances of the neighbours of all points of a run, each stored once, at the row of the point. Both arrays
-/// have the bytes of operators::neighbors(). Neighbours of places are stored likewise, at the number of the place.
+/// Rows and distances of the neighbours of all points of a run, each stored once, at the row of the point. The
+/// values equal those that operators::neighbors() makes. The neighbours of places (place_search.h) are stored at the
+/// number of the place.
 class NeighborArrays {
  public:
   NeighborArrays(std::size_t k, std::uint64_t points) : NeighborArrays(k, points, points) {}
-  /// Makes arrays for the neighbours of `places` places among `points` points. Places without a put() have no
-  /// neighbours.
+  /// Makes arrays for the neighbours of `places` places among `points` points. Places for which put() is not called
+  /// have no neighbours.
   static NeighborArrays of_places(std::size_t k, std::uint64_t places, std::uint64_t points);
 
   /// Returns an operator that makes "neighbor_count", u32, and writes the neighbours of each point to *this, which must

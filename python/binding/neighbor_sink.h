@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Operator that hands the neighbourhoods of every batch to a function.
+/// Operator that passes the neighbourhoods of every batch to a function.
 #pragma once
 
 #include <functional>

@@ -15,7 +15,7 @@
 namespace pointsweep {
 namespace {
 
-/// Number of places, successive along the axis, that are searched at once.
+/// Number of places, consecutive along the axis, whose neighbours are searched at once.
 constexpr std::size_t kPlacesAtOnce = 1 << 16;
 
 Vec3 place_at(const ArrayColumn& places, std::size_t i) {

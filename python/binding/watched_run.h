@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A run that Python waits for: it can be interrupted, and its callbacks come on the thread that waits.
+/// Work that Python waits for: signals can interrupt it, and its callbacks are called on the waiting thread.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -25,7 +25,8 @@ void watch(const Callbacks& callbacks, const std::function<void(Observer&)>& wor
 /// Reports the progress of work. Throws Cancelled if the work has been cancelled.
 using Report = std::function<void(const char* phase, std::uint64_t done, std::uint64_t total)>;
 
-/// Calls work(observer, report) like watch(), for work that is no run and looks for a cancellation in `report`.
+/// Calls work(observer, report) like watch(), for work that is no run. Such work notices a cancellation when it calls
+/// `report`.
 void watch_reports(const Callbacks& callbacks, const std::function<void(Observer&, const Report&)>& work);
 
 }  // namespace pointsweep

@@ -74,7 +74,7 @@ def samples(option):
 
 
 def made_by(operator):
-    """Of a declaration: the function, values of its required options, and the declarations of all its options."""
+    """Returns for a declaration the function, values of its required options, and the declarations of all its options."""
     make = getattr(_stages, {"set": "assign"}.get(operator["name"], operator["name"]))
     options = {o["name"] + "_" * keyword.iskeyword(o["name"]): o for o in operator["options"]}
     return make, {name: samples(option)[0] for name, option in options.items() if option["required"]}, options

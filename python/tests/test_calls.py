@@ -14,14 +14,14 @@ from pointsweep._adapters import are_points
 from pointsweep._options import OPTIONS_OF_FILES, run_options
 from pointsweep._types import RunOptions
 
-#: required options that the samples of the declarations do not fit to these clouds
+#: values of required options for which the samples of the declarations do not fit these clouds
 OPTIONS = {
     "where": {"condition": "x > 0.5"}, "assign": {"assign": "a = 1"}, "drop": {"attributes": ["a"]}, "voxel": {"size": 0.2},
     "poisson": {"radius": 0.1}, "color": {"by": "a"}, "decimate": {"share": 0.5}, "head": {"number": 100}, "crop": {"bounds": [0, 0, 1, 1]}, "dbscan": {"eps": 0.2, "radius": 0.2},
     "statistics": {"of": ["a_median", "z_range"], "where": "a > 1"}, "transform": {"scale": 2},
     "take": {"attributes": ["a", "classification"]},
 }  # fmt: skip
-#: they compute nothing, or read what only other stages make
+#: stages that compute nothing, or read attributes that only other stages make
 REFUSED = {"fair", "knn", "reneighbor", "resort", "simplify"}
 
 
@@ -138,7 +138,7 @@ def test_signatures_name_every_option(function):
 
 
 def test_every_option_of_runs_is_declared_typed_and_documented():
-    of_the_tool = {"engine", "no_provenance"}  # provenance=False
+    of_the_tool = {"engine", "no_provenance"}  # the package has provenance=False instead of no_provenance
     assert set(_core.run_options) - of_the_tool == set(RunOptions.__annotations__) - {"ignore_crs"}
     for name in RunOptions.__annotations__:
         assert f"    {name} : " in ps.run.__doc__, name
@@ -174,7 +174,7 @@ def test_positions_and_provenance(cloud, tmp_path):
 def test_the_words_of_options_are_those_of_the_declarations():
     hints = typing.get_type_hints(RunOptions)
     for name, (_, words, _) in _core.run_options.items():
-        if not words or name in ("engine", "point_format"):  # of the tool alone; a number
+        if not words or name in ("engine", "point_format"):  # an option of the tool alone, and one whose words are numbers
             continue
         literals = [value for part in (hints[name], *typing.get_args(hints[name])) for value in typing.get_args(part)]
         assert [value for value in literals if isinstance(value, str)] == words, name

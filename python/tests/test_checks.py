@@ -154,7 +154,7 @@ def test_verify_compares_whole_numbers_of_64_bits_exactly(tmp_path):
 def test_verify_takes_the_options_of_a_run_without_a_record(scan, tmp_path):
     rounded = {"decimals": 2, "positions": "float32"}
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ps.PointsweepWarning)  # of the lost system and of the rounding
+        warnings.simplefilter("ignore", ps.PointsweepWarning)  # warnings of the lost coordinate system and of rounding
         ps.run(scan, "knn(8) | normals", to=tmp_path / "out.csv", **rounded)
     assert not ps.verify(tmp_path / "out.csv", scan, k=8)
     assert ps.verify(tmp_path / "out.csv", scan, k=8, **rounded)

@@ -197,7 +197,7 @@ def test_check_finds_what_is_no_pure_function(surface):
 
     @ps.operator(makes={"above": "f4"})
     def above(p):
-        return p.xyz[:, 2] - p.xyz[:, 2].mean()  # of the batch
+        return p.xyz[:, 2] - p.xyz[:, 2].mean()  # wrong on purpose: the mean of the batch
 
     found = ps.check(above)
     assert not found and "batches of one point: above differs" in repr(found)

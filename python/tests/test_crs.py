@@ -11,7 +11,7 @@ ALL = "decimate(1)"
 
 
 def written(points, folder, **options):
-    """The system that files state which a run over `points`, or over what it returns, has written."""
+    """Writes `points`, or the points that they return if they are a function, as LAS and PLY. Returns the system of the files."""
     found = []
     for extension in ("las", "ply"):
         path = folder / f"out.{extension}"

@@ -79,7 +79,7 @@ def test_the_notebook_runs_and_has_its_pictures():
     path = ROOT / "examples/tour.ipynb"
     kept = json.loads(path.read_text())
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # a reader of the notebook would wonder about any
+        warnings.simplefilter("error")  # a warning would appear in the notebook
         made = run_notebook(path)
     kinds = [[output["output_type"] for output in cell.get("outputs", [])] for cell in made["cells"]]
     assert kinds == [[output["output_type"] for output in cell.get("outputs", [])] for cell in kept["cells"]]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What makes a function another one, so that a run with it is not resumed."""
+"""Changes that make a function another one, so that a run with it is not resumed."""
 
 import functools
 import os

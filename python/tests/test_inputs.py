@@ -22,7 +22,7 @@ def weights(surface):
 
 
 def weight_of(t):
-    """The attribute comes through: rows that are kept have theirs."""
+    """Checks that the kept rows have their own values of the attribute."""
     assert np.array_equal(t["weight"], t["row"]) and 0 < len(t["row"]) < 3000
 
 

@@ -61,7 +61,7 @@ def test_many_runs_leave_nothing_behind(call):
     for _ in range(100):  # caches of Python grow for some time
         call()
     rounds = []
-    for _ in range(3):  # a leak grows in each round, a cache of the interpreter that has been enlarged in one
+    for _ in range(3):  # a leak grows in each round, a cache of the interpreter in one round only
         before = held()
         for _ in range(100):
             call()

@@ -135,7 +135,7 @@ def test_neighbors_are_in_memory_once():
     xyz = np.random.default_rng(5).random((400_000, 3))
     ps.neighbors(xyz[:1000])
     with open("/proc/self/clear_refs", "w") as file:
-        file.write("5")  # the peak begins here
+        file.write("5")  # resets the peak of resident memory
 
     def status(name):
         with open("/proc/self/status") as file:

@@ -38,7 +38,7 @@ def count(n, block):
 
 
 def back(value):
-    """After a way through a pickle of each protocol that is in use."""
+    """Returns the value after pickling with the highest protocol; the older protocols in use have to work, too."""
     pickles = [pickle.loads(pickle.dumps(value, protocol)) for protocol in (2, 4, pickle.HIGHEST_PROTOCOL)]
     return pickles[-1]
 
@@ -75,7 +75,7 @@ def test_every_pipeline_pickles_and_compares(stages):
 def test_what_is_written_otherwise_is_equal():
     assert ps.sor() == ps.sor(2) != ps.sor(3)
     assert ps.knn(8) == ps.Pipeline("knn( k = 8 )") != ps.knn(9)
-    assert ps.knn() == ps.Pipeline("knn") != ps.knn(8)  # its number is that of the operators after it
+    assert ps.knn() == ps.Pipeline("knn") != ps.knn(8)  # a knn without k takes the default of the operators after it
     assert ps.knn(radius=0.5) != ps.knn(8, radius=0.5)
     assert ps.sor() == ps.Pipeline("sor") == ps.Pipeline("knn(k=8)|sor") == ps.knn(8) | ps.sor()
     assert ps.where("outlier == 0") == ps.Pipeline("where(outlier==0)") == ps.Pipeline('where(condition="outlier == 0")')

@@ -28,7 +28,7 @@ struct VotedForest {
   OpenForest forest;
 };
 
-/// Decodes a value, and encodes what was decoded. The encoding has to be that of the value which is decoded from it.
+/// Decodes a value and encodes it. Aborts unless the value decoded from this encoding has the same encoding.
 template <class T>
 void decode_and_encode(std::span<const std::byte> bytes) {
   const std::vector<std::byte> again = encoded<const T>(decoded<T>(bytes));
@@ -42,7 +42,7 @@ inline constexpr void (*kDecode[])(std::span<const std::byte>) = {
     decode_and_encode<PiecesOfRange>, decode_and_encode<FilesOfRanges>};
 
 /// The first byte chooses the type of the value that the other bytes hold. An Error is a valid answer. Findings are
-/// other exceptions, crashes, and lists for which memory is taken though the input has no bytes.
+/// other exceptions, crashes, and memory allocated for more list elements than the input has bytes for.
 inline void decode_everything(const std::uint8_t* bytes, std::size_t size) {
   if (size == 0) return;
   try {

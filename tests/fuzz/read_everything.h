@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Opens an input of a fuzzer as a file in memory, and reads all of it, in order and from several rows on.
+/// Opens an input of a fuzzer as a file in memory, and reads all its rows in order, and again from several rows on.
 #pragma once
 
 #include <sys/mman.h>

@@ -23,10 +23,11 @@ namespace pointsweep {
 
 struct OracleReport {
   std::size_t values = 0;  ///< number of compared values
-  std::size_t wrong = 0, open = 0;
+  std::size_t wrong = 0;
+  std::size_t open = 0;                               ///< number of values that the data do not determine
   std::vector<std::string> differences;               ///< sentences about the first differences
   std::map<std::string, std::vector<double>> errors;  ///< by attribute: errors of the values that the data determine
-  std::map<std::string, double> largest_use;          ///< by attribute: greatest distance over allowed error
+  std::map<std::string, double> largest_use;          ///< by attribute: greatest ratio of an error to the allowed error
 
   double share_open() const { return values == 0 ? 0 : static_cast<double>(open) / static_cast<double>(values); }
   double median_error(const std::string& attribute) const {
@@ -63,7 +64,7 @@ inline Surroundings surroundings_of_all(const std::vector<Vec3>& points, const N
   return all;
 }
 
-/// The values of a chain by the formulas, to be compared with a whole output.
+/// The values that the formulas give for a chain, and their comparison with the output of a run.
 class Oracle {
  public:
   Oracle(InputCloud& cloud, const Chain& chain)
@@ -151,8 +152,8 @@ inline void expect_right(const OracleReport& report, const std::string& name, do
   EXPECT_LE(report.share_open(), open) << name << ": " << report.open << " of " << report.values;
 }
 
-/// Runs `chain` streamed and expects every value to be what the formulas say; at most the share `open` of them may be
-/// left undetermined by the data.
+/// Runs `chain` with the options of streamed(), and expects the values that the formulas give. The data may leave at
+/// most the share `open` of the values undetermined.
 inline OracleReport expect_formulas(InputCloud& cloud, const Chain& chain, const std::string& name, double open = 0.001,
                                     bool spill = false) {
   const RunResult result = run_in_memory(cloud, chain, streamed(cloud.count(), spill));
@@ -166,7 +167,7 @@ inline OracleReport expect_formulas(InputCloud& cloud, const std::string& pipeli
   return expect_formulas(cloud, build_chain(parse_pipeline(pipeline), cloud), name + ", " + pipeline, open, spill);
 }
 
-/// A cloud of points in memory, with attributes if wanted.
+/// A cloud of points in memory, to which attributes can be added.
 class PointCloud {
  public:
   explicit PointCloud(const std::vector<Vec3>& points) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Records in memory as an input, so that a test can hand over attributes of every type, or the output of a run.
+/// Records in memory as an input: attributes of every type, or the output of another run.
 #pragma once
 
 #include <algorithm>

@@ -96,7 +96,7 @@ struct NeighborRun {
   Statistics statistics;
   Lists lists;                         ///< by row; the first `width` neighbours
   std::vector<double> counts;          ///< |N_i|, by row
-  std::vector<std::uint32_t> entered;  ///< rows in the order in which points passed the reference
+  std::vector<std::uint32_t> entered;  ///< rows in the order in which the engine processed the points
   std::vector<std::string> records;    ///< records of the output, by row
 };
 
@@ -157,8 +157,7 @@ inline CloudShape generated(const std::string& name) {
   };
 }
 
-/// Returns the hostile shapes, and shapes with places so sparse that the exact engine would give them slabs of their
-/// own.
+/// Returns the hostile shapes, and shapes with regions so sparse that the exact engine would give them separate slabs.
 inline std::vector<std::pair<std::string, CloudShape>> trying_shapes() {
   std::vector<std::pair<std::string, CloudShape>> shapes = hostile_shapes();
   shapes.emplace_back("terrestrial scan", generated("tls"));

@@ -20,8 +20,8 @@
 
 namespace pointsweep {
 
-/// Returns the bytes of words in hexadecimal digits and of 'words' in quotation marks, which stand for their
-/// characters.
+/// Returns the bytes that `text` describes: words of hexadecimal digits, and 'words' in quotation marks for the bytes
+/// of their characters.
 inline std::vector<std::byte> written(const std::string& text) {
   std::vector<std::byte> bytes;
   for (std::size_t i = 0; i < text.size();) {
@@ -81,9 +81,9 @@ inline void expect_survives_damage(const std::vector<std::byte>& bytes,
   }
 }
 
-/// Expects that `bytes`, which encode a value, are those of written(by_hand), and that `again`, which decodes a value
-/// and returns its bytes, gives the same value back; and refuses all bytes that are cut short, all that go on after
-/// their end, another kind and another version, and survives damaged ones.
+/// Expects that `bytes`, which encode a value, equal written(by_hand). `again` decodes a value and returns its
+/// encoding: expects that it returns `bytes` for `bytes`, throws Error if bytes are missing at the end, follow the end,
+/// or state another kind or version, and that it survives damaged bytes.
 inline void expect_encoding(const std::vector<std::byte>& bytes, const std::string& by_hand,
                             const std::function<std::vector<std::byte>(std::span<const std::byte>)>& again) {
   ASSERT_EQ(hex(bytes), hex(written(by_hand)));

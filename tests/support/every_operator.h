@@ -29,8 +29,8 @@ class EveryOperator {
   EveryOperator(std::set<std::string> of_input, std::string neighborhood, std::string other_cloud)
       : of_input_(std::move(of_input)), neighborhood_(std::move(neighborhood)), other_cloud_(std::move(other_cloud)) {}
 
-  /// Returns one case for each operator, and one for every further choice and every further option that can stand
-  /// alone.
+  /// Returns one case for each operator, one for each further word of a choice, and one for each further option that
+  /// needs no other option.
   std::vector<OperatorCase> cases() const {
     std::vector<OperatorCase> all;
     for (const OperatorDeclaration& declaration : all_operators()) {

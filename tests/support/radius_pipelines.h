@@ -31,8 +31,8 @@ struct PairAtRadius {
   static double below(double r) { return std::nextafter(r, 0); }
 };
 
-/// Returns pairs of equal height, so that the distance to a vertical axis equals the distance of the pair. Some are
-/// short relative to their coordinates, for some the rounded root is too small.
+/// Returns pairs of equal height, so that the distance to a vertical axis equals the distance of the pair. Some
+/// distances are small relative to the coordinates; for some, the rounded square root is smaller than the radius.
 inline std::vector<PairAtRadius> pairs_at_radius() {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> uniform(0, 1);

@@ -46,7 +46,8 @@ struct Swept {
   SweepStatistics statistics;
 };
 
-/// Returns a chain of four steps: each operator reads attributes of neighbours that the operator before it makes.
+/// Returns a chain of four steps: a step begins with a stage that reads attributes of neighbours made by earlier
+/// stages.
 inline Chain deep_chain(std::size_t k) {
   return {.neighborhood = {.k = k},
           .stages = {std::make_shared<Normals>(), std::make_shared<Curvature>(), std::make_shared<Splats>(),
@@ -73,7 +74,7 @@ inline Swept swept(const std::vector<Vec3>& points, const Chain& chain, std::uin
 
 inline double uniform(std::mt19937_64& rng) { return std::uniform_real_distribution<double>(0, 1)(rng); }
 
-/// Returns a bent surface. odd(i) may move point i.
+/// Returns points of a bent surface. odd(generator, p, i) returns point i, which is p or another place.
 template <class Odd>
 std::vector<Vec3> surface(std::size_t points, Odd odd) {
   std::mt19937_64 rng(17);

@@ -1,3 +1,3 @@
 // SPDX-License-Identifier: MIT
-/// Wrong on purpose: no layer has this name. The layer check must refuse it.
+/// Wrong on purpose: no layer is called utils. The layer check must refuse this file.
 #pragma once

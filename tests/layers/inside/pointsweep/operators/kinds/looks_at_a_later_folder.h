@@ -1,3 +1,3 @@
 // SPDX-License-Identifier: MIT
-/// Wrong on purpose: the kinds of stages know no operator. The layer check must refuse it.
+/// Wrong on purpose: operators/kinds may not include operators/surface. The layer check must refuse this file.
 #include "pointsweep/operators/surface/normals.h"

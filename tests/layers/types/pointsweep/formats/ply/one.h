@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Wrong on purpose: two types of one name. The check of type names must refuse them.
+/// Wrong on purpose: another file defines a type Twice, too. The check of type names must refuse both.
 #pragma once
 
 namespace pointsweep {
