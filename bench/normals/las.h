@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The parts of LAS that the contenders need: 1.2 to 1.4, uncompressed, without bytes after the points. This reader
-/// deliberately shares nothing with the library's.
+/// deliberately shares no code with the library.
 #pragma once
 
 #include <array>

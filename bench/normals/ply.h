@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The parts of PLY that the contenders need: binary little-endian, vertices first, no lists. This reader deliberately
-/// shares nothing with the library's.
+/// shares no code with the library.
 #pragma once
 
 #include <map>
