@@ -39,8 +39,6 @@ Cloud open_cloud(const nb::list& source, bool with_rows, const nb::dict& options
       const bool is_none = nb::isinstance<nb::str>(crs);
       how.crs = StatedCrs{is_none ? std::nullopt : crs_from(crs), option<bool>(options, "replace_crs")};
     }
-  }
-  if (is_path(source[0])) {
     const auto files = nb::cast<std::vector<std::filesystem::path>>(source);
     const nb::gil_scoped_release others_go_on;  // a server may answer slowly
     return Cloud(files, how);

@@ -13,7 +13,7 @@ from ._operator import Operator, Points, operator
 from ._options import with_run_options
 from ._results import Arrays, Report
 from ._runs import performed
-from ._sources import numbers
+from ._sources import every_array, numbers
 from ._stage_list import stages_of
 from ._types import Files, FunctionStage, Path, PipelineLike, ProgressCallback, RunOptions
 
@@ -64,9 +64,8 @@ class CloudWithColumns:
         **options: Unpack[RunOptions],
     ) -> Arrays:
         """Returns all points with their attributes and the columns, in a dict of arrays, like `Cloud.read`."""
-        if keep is None:
-            keep = ["xyz", *(name for name in self.attributes if name.lower() not in ("x", "y", "z"))]
-        result = self._performed([], None, keep, progress, options)
+        kept = every_array(self.attributes) if keep is None else keep
+        result = self._performed([], None, kept, progress, options)
         assert isinstance(result, Arrays)
         return result
 

@@ -13,10 +13,11 @@ from ._columns import CloudWithColumns
 from ._crs import Crs
 from ._options import with_run_options
 from ._results import Arrays, Report
-from ._runs import COPY, Workers, performed
-from ._sources import opened
+from ._runs import Workers, performed
+from ._sources import every_array, opened
+from ._stage_list import stages_of
 from ._summary import GroupedSummary, PointSummary, summary
-from ._tables import html_table
+from ._tables import html_table, span_rows
 from ._types import Files, Path, PipelineLike, ProgressCallback, RunOptions, SummaryOptions
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ class Cloud(Files):
     ) -> Arrays | Report:
         """Calls `pointsweep.run` on these files: with ``to=`` it writes files, otherwise it returns arrays."""
         workers = Workers(client, scratch, take_over)
-        return performed(self, pipeline, to, keep, out, None, None, progress, options, workers)
+        return performed(self, stages_of(pipeline), to, keep, out, None, None, progress, options, workers)
 
     @with_run_options
     def read(
@@ -114,9 +115,8 @@ class Cloud(Files):
         **options: Unpack[RunOptions],
     ) -> Arrays:
         """Returns all points in a dict of arrays: 'xyz', (n, 3), and every attribute, or those that `keep` names."""
-        if keep is None:
-            keep = ["xyz", *(name for name in self.attributes if name.lower() not in ("x", "y", "z"))]
-        result = performed(self, COPY, None, keep, None, None, None, progress, options)
+        kept = every_array(self.attributes) if keep is None else keep
+        result = performed(self, [], None, kept, None, None, None, progress, options)
         assert isinstance(result, Arrays)
         return result
 
@@ -135,7 +135,7 @@ class Cloud(Files):
         """Writes the points, unchanged, to a file, or to a folder with a file for each input: `pointsweep convert`. With
         ``tile=`` or ``split=`` it divides them among files of a folder: `pointsweep tile`, `pointsweep split`."""
         workers = Workers(client, scratch, take_over)
-        result = performed(self, COPY, to, keep, None, None, None, progress, options, workers)
+        result = performed(self, [], to, keep, None, None, None, progress, options, workers)
         assert isinstance(result, Report)
         return result
 
@@ -183,21 +183,19 @@ class Cloud(Files):
         crs = self.crs
         lines = [f"<pointsweep.Cloud: {files}, {len(self):,} points" + (f", {crs}" if crs else "")]
         if self.bounds is not None:
-            spans = (f"{a} {lo:.10g} to {hi:.10g}" for a, lo, hi in zip("xyz", *self.bounds))
-            lines.append("  " + ", ".join(spans))
-        lines.append("  " + ", ".join(f"{name} {kind}" for name, kind in self.attributes.items()))
-        return "\n".join(lines) + ">"
+            lines.append(", ".join(f"{axis} {span}" for axis, span in span_rows(self.bounds)))
+        return "\n  ".join([*lines, self._attribute_texts()]) + ">"
 
     def _repr_html_(self) -> str:
         rows = [("files", self.files[0] if len(self.files) == 1 else f"{len(self.files):,}")]
-        rows.append(("points", f"{len(self):,}"))
-        if self.bounds is not None:
-            rows += [(axis, f"{low:.10g} to {high:.10g}") for axis, low, high in zip("xyz", *self.bounds)]
+        rows += [("points", f"{len(self):,}"), *span_rows(self.bounds)]
         crs = self.crs
         if crs is not None:
             rows.append(("coordinate system", str(crs)))
-        rows.append(("attributes", ", ".join(f"{name} {kind}" for name, kind in self.attributes.items())))
-        return html_table("Cloud", None, rows)
+        return html_table("Cloud", None, [*rows, ("attributes", self._attribute_texts())])
+
+    def _attribute_texts(self) -> str:
+        return ", ".join(f"{name} {kind}" for name, kind in self.attributes.items())
 
 
 def open(
@@ -274,6 +272,6 @@ def write(
 
     ``ps.write("a.laz", {"xyz": xyz, "intensity": i}, crs=2154, scale=0.001)``. Takes the options of `run`.
     """
-    result = performed(points, COPY, to, keep, None, attributes, crs, progress, options)
+    result = performed(points, [], to, keep, None, attributes, crs, progress, options)
     assert isinstance(result, Report)
     return result

@@ -14,7 +14,7 @@ from ._crs import Crs
 from ._errors import UsageError, warn
 from ._options import path, way_of_reading
 from ._progress import called
-from ._tables import html_table
+from ._tables import html_table, span_rows
 from ._types import Path, ProgressCallback
 
 _Point = tuple[float, float, float]
@@ -86,9 +86,7 @@ class FileSummary(NamedTuple):
         return html_table(self.path, None, self._rows())
 
     def _rows(self) -> list[tuple[str, str]]:
-        rows = [("format", f"{self.format}, {self.bytes:,} bytes"), ("points", f"{self.points:,}")]
-        if self.bounds is not None:
-            rows += [(axis, f"{low:.10g} to {high:.10g}") for axis, low, high in zip("xyz", *self.bounds)]
+        rows = [("format", f"{self.format}, {self.bytes:,} bytes"), ("points", f"{self.points:,}"), *span_rows(self.bounds)]
         if self.nonfinite:
             rows.append(("not finite", f"{self.nonfinite:,} points"))
         if self.crs is not None:

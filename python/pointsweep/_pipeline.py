@@ -56,7 +56,7 @@ class Joinable(Stages):
         **options: Unpack[RunOptions],
     ) -> Arrays | Report:
         """`pointsweep.run` of these stages over points, in arrays or files, with its options."""
-        return performed(points, self, to, keep, out, attributes, crs, progress, options)
+        return performed(points, self._stages(), to, keep, out, attributes, crs, progress, options)
 
     def __or__(self, other: PipelineLike) -> Pipeline:
         return Pipeline(self, other)

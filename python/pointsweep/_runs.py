@@ -131,7 +131,7 @@ def run(
     within a second, and no output remains. Other Python threads run meanwhile.
     """
     workers = Workers(client, scratch, take_over)
-    return performed(points, pipeline, to, keep, out, attributes, crs, progress, options, workers)
+    return performed(points, stages_of(pipeline), to, keep, out, attributes, crs, progress, options, workers)
 
 
 class Workers(NamedTuple):
@@ -176,20 +176,13 @@ def _report_on(statistics: str, to: Path | Sequence[Path], files: str | list[str
     return Report(statistics, os.fspath(to) if isinstance(to, (str, os.PathLike)) else f"{len(files)} files")
 
 
-class _Copy:
-    """The type of `COPY`."""
-
-
-COPY = _Copy()
-
-
 def _first_rows(array: np.ndarray, rows: int) -> np.ndarray:
     return array if rows == len(array) else array[:rows]
 
 
 def performed(
     points: Any,
-    pipeline: PipelineLike | _Copy,
+    stages: list[str | FunctionStage],
     to: Path | Sequence[Path] | None,
     keep: Sequence[str] | str | None,
     out: Mapping[str, np.ndarray] | None,
@@ -199,8 +192,7 @@ def performed(
     options: RunOptions,
     workers: Workers = Workers(),
 ) -> Arrays | Report:
-    """Performs `run` for any `to`; `COPY` stands for a pipeline without stages."""
-    stages = [] if isinstance(pipeline, _Copy) else stages_of(pipeline)
+    """Performs `run` for any `to`. Without stages the points are copied."""
     if workers.client is not None:
         if to is None or out is not None or attributes is not None:
             raise UsageError("client: many processes write a file for each input; name a folder with to=.")

@@ -142,6 +142,11 @@ def opened(
     return kind(paths, [name for _, name in found], options, _core.describe(paths, options))
 
 
+def every_array(attributes: Iterable[str]) -> list[str]:
+    """Returns the names of the arrays of all attributes of files: 'xyz' instead of x, y and z."""
+    return ["xyz", *(name for name in attributes if name.lower() not in _AXES)]
+
+
 def _with_small_axes(arrays: dict[str, Any]) -> dict[str, Any]:
     """Returns the arrays with the names 'x', 'y' and 'z' for coordinates that are called 'X', 'Y' and 'Z'."""
     if "xyz" in arrays or set(_AXES) & arrays.keys():
