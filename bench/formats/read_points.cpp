@@ -11,7 +11,7 @@
 
 #include "bench/formats/measured.h"
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/order/source.h"
 #include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/points/schema.h"
 #include "pointsweep/threads.h"

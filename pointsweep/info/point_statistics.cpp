@@ -11,7 +11,7 @@
 #include "pointsweep/info/point_groups.h"
 #include "pointsweep/info/value_keys.h"
 #include "pointsweep/info/value_statistics.h"
-#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/order/source.h"
 #include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/threads.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// A store that takes results in the order of a sweep and returns them by row: a second distribution, by row, so that
-/// the output is written sequentially. The paper's deferred write uses a memory-mapped array instead.
+/// Stores of one record for each row. RowStore takes results in the order of a sweep and returns them by row: a second
+/// distribution, by row, so that the output is written sequentially. The paper's deferred write uses a memory-mapped
+/// array instead. RowFile takes records in the order of rows, which one pass carries to the next.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "pointsweep/order/page_memory.h"
 #include "pointsweep/storage/encoding.h"
 #include "pointsweep/storage/local/spill_file.h"
 
@@ -67,6 +69,38 @@ class BatchedRows {
   std::size_t bytes_;
   std::vector<std::uint64_t> rows_;
   std::vector<std::byte> records_;
+};
+
+class RowFile {
+ public:
+  /// Makes room for `rows` records of `record_bytes`, in memory or in a spill file.
+  RowFile(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& spill);
+  /// Fills `records` from `row` on; thread-safe. Reads records that are stored elsewhere.
+  using ReadRecords = std::function<void(std::uint64_t row, std::span<std::byte> records)>;
+  /// Refers to `rows` records that are stored elsewhere.
+  RowFile(std::uint64_t rows, std::size_t record_bytes, ReadRecords read);
+  /// Opens the file `kept`, which holds `rows` records.
+  static RowFile kept(std::uint64_t rows, std::size_t record_bytes, const SpillPlace& kept);
+
+  /// Appends whole records, up to `rows` of them in all. Throws Error if the disk is full.
+  void append(std::span<const std::byte> records);
+  /// Appends `rows` records that write() will fill, and returns the row of the first.
+  std::uint64_t extend(std::uint64_t rows);
+  /// Stores whole records from `row` on. Thread-safe for different rows. Throws Error if the disk is full.
+  void write(std::uint64_t row, std::span<const std::byte> records);
+  /// Fills `records` (whole records, all appended before) from `row` on. Thread-safe.
+  void read(std::uint64_t row, std::span<std::byte> records) const;
+  std::size_t record_bytes() const { return record_bytes_; }
+  std::uint64_t spilled_bytes() const { return file_ ? file_->written_bytes() : 0; }
+
+ private:
+  explicit RowFile(std::size_t record_bytes) : record_bytes_(record_bytes) {}
+
+  std::size_t record_bytes_;
+  std::uint64_t rows_ = 0;  ///< number of records appended so far
+  PageMemory memory_;
+  std::unique_ptr<SpillFile> file_;
+  ReadRecords elsewhere_;
 };
 
 }  // namespace pointsweep

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Slabs that are made from the input when they are read, without a distribution pass.
+/// Slabs that are made from the input when they are read, without a distribution pass, and the number of points that
+/// wait in memory meanwhile.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +9,12 @@
 #include <span>
 #include <vector>
 
+#include "pointsweep/math/box.h"
 #include "pointsweep/order/local_spacing.h"
-#include "pointsweep/order/piece_counts.h"
+#include "pointsweep/order/pieces.h"
 #include "pointsweep/order/source.h"
-#include "pointsweep/order/splitters.h"
 #include "pointsweep/order/working_record.h"
+#include "pointsweep/points/row_box.h"
 
 namespace pointsweep {
 
@@ -59,5 +61,12 @@ class SlabsOnDemand {
   class State;
   std::unique_ptr<State> state_;
 };
+
+/// Returns the largest number of points that are decoded and not yet handed over at any time. Assumes that all rows of
+/// a box are decoded when the sweep reaches the place where the box begins, and that slabs of `slab_points` are handed
+/// over, of which `ahead` are made at once. `sample` is a sample of the points, from which the places of the slabs are
+/// estimated. The result is at most `points`.
+std::uint64_t estimate_waiting(std::span<const RowBox> boxes, int axis, std::span<const Vec3> sample,
+                               std::uint64_t points, std::uint64_t slab_points, std::size_t ahead);
 
 }  // namespace pointsweep

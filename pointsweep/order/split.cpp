@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/order/split.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +10,7 @@
 #include "pointsweep/cancellation.h"
 #include "pointsweep/math/mix.h"
 #include "pointsweep/order/distribution.h"
-#include "pointsweep/order/splitters.h"
+#include "pointsweep/order/pieces.h"
 #include "pointsweep/order/working_record.h"
 
 namespace pointsweep {

@@ -10,11 +10,9 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/distribution.h"
-#include "pointsweep/order/piece_counts.h"
+#include "pointsweep/order/pieces.h"
 #include "pointsweep/order/slab_store.h"
 #include "pointsweep/order/slabs_on_demand.h"
-#include "pointsweep/order/split.h"
-#include "pointsweep/order/splitters.h"
 #include "pointsweep/order/working_record.h"
 
 namespace pointsweep {

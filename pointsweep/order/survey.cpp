@@ -10,7 +10,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/math/mix.h"
 #include "pointsweep/math/sort.h"
-#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/order/source.h"
 
 namespace pointsweep {
 namespace {

@@ -3,8 +3,6 @@
 
 #include <utility>
 
-#include "pointsweep/points/fixed_copy.h"
-
 namespace pointsweep {
 
 void RecordMap::add(std::size_t from, std::size_t to, std::size_t bytes) {

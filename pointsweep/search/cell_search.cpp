@@ -18,7 +18,6 @@
 #include "pointsweep/math/exp.h"
 #include "pointsweep/search/leaf_query-inl.h"
 #include "pointsweep/search/near_leaves-inl.h"
-#include "pointsweep/search/plain_search.h"
 
 #if HWY_TARGET != HWY_SCALAR
 HWY_BEFORE_NAMESPACE();

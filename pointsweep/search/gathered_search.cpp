@@ -21,7 +21,6 @@
 #include "pointsweep/math/front_lanes-inl.h"
 #include "pointsweep/search/bin_search-inl.h"
 #include "pointsweep/search/near_leaves-inl.h"
-#include "pointsweep/search/plain_search.h"
 
 #if HWY_TARGET != HWY_SCALAR
 HWY_BEFORE_NAMESPACE();

@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "pointsweep/search/cell.h"
-#include "pointsweep/search/directory.h"
 
 #if HWY_TARGET != HWY_SCALAR
 HWY_BEFORE_NAMESPACE();

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/search/plain_search.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "pointsweep/cancellation.h"
+#include "pointsweep/search/cell_search.h"
 
 namespace pointsweep {
 namespace {

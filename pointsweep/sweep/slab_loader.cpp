@@ -5,7 +5,7 @@
 #include <array>
 #include <cstring>
 
-#include "pointsweep/points/fixed_copy.h"
+#include "pointsweep/points/record_map.h"
 #include "pointsweep/points/promised_type.h"
 
 namespace pointsweep {

@@ -8,7 +8,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/order/stream.h"
-#include "pointsweep/points/fixed_copy.h"
+#include "pointsweep/points/record_map.h"
 
 namespace pointsweep {
 namespace {

@@ -13,7 +13,6 @@
 #include "pointsweep/search/best_list.h"
 #include "pointsweep/search/cell.h"
 #include "pointsweep/search/cell_search.h"
-#include "pointsweep/search/directory.h"
 #include "pointsweep/sweep/frontier.h"
 #include "pointsweep/sweep/plan.h"
 

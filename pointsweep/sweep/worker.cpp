@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/points/fixed_copy.h"
+#include "pointsweep/points/record_map.h"
 
 namespace pointsweep {
 namespace {

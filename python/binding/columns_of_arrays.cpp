@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/points/fixed_copy.h"
+#include "pointsweep/points/record_map.h"
 
 namespace pointsweep {
 namespace {

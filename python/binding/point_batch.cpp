@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/points/fixed_copy.h"
+#include "pointsweep/points/record_map.h"
 #include "python/binding/bindings.h"
 #include "python/binding/result_arrays.h"
 

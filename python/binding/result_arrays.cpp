@@ -8,7 +8,7 @@
 #include <algorithm>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/points/fixed_copy.h"
+#include "pointsweep/points/record_map.h"
 #include "pointsweep/storage/local/temp_folder.h"
 
 namespace nb = nanobind;

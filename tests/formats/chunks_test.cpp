@@ -9,7 +9,7 @@
 
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/registry.h"
-#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/order/source.h"
 #include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/reader.h"
 #include "tests/formats/point_files.h"

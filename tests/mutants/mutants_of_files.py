@@ -35,7 +35,7 @@ MUTANTS = [
            "if (!parse_cell(cells[i], ignored)) return false; else if (columns[i] != kSkippedColumn) return true;", ("formats", "cli")),
     Mutant("negative infinity of Windows is positive", "formats", FORMATS + "files/number_text.cpp",
            "if (negative) value = -value;", "", ("formats",)),
-    Mutant("fields an input lacks keep what was there", "formats", "pointsweep/points/record_conversion.cpp",
+    Mutant("fields an input lacks keep what was there", "formats", "pointsweep/points/records.cpp",
            "std::memset(to, 0, to_stride_);", "", ("points", "formats")),
     Mutant("an output replaces a file that appeared meanwhile", "formats", "pointsweep/storage/local/output_file.cpp",
            "::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/order/row_file.h"
+#include "pointsweep/order/row_store.h"
 
 #include <gtest/gtest.h>
 

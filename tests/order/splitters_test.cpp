@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/order/splitters.h"
+#include "pointsweep/order/pieces.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

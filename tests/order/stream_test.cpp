@@ -18,8 +18,8 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/order/piece_counts.h"
-#include "pointsweep/order/waiting_estimate.h"
+#include "pointsweep/order/pieces.h"
+#include "pointsweep/order/slabs_on_demand.h"
 #include "pointsweep/storage/local/temp_folder.h"
 #include "pointsweep/threads.h"
 #include "tests/order/cloud_source.h"

@@ -11,7 +11,6 @@
 #include <span>
 
 #include "pointsweep/search/cut.h"
-#include "pointsweep/search/plain_search.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/fixed_seed.h"
 #include "tests/support/sized.h"

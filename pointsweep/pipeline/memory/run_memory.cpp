@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "pointsweep/fail.h"
-#include "pointsweep/order/waiting_estimate.h"
+#include "pointsweep/order/slabs_on_demand.h"
 #include "pointsweep/pipeline/memory/sample_estimates.h"
 #include "pointsweep/pipeline/output/divided_writer.h"
 #include "pointsweep/pipeline/output/output_formats.h"
@@ -147,7 +147,7 @@ SweepPlan unswept(std::uint32_t result_bytes) {
   return none;
 }
 
-/// Returns the memory plan of a pass that reads rows in their order, some at a time (order/parallel_rows.h).
+/// Returns the memory plan of a pass that reads rows in their order, some at a time (ParallelRows in order/source.h).
 MemoryPlan plan_rows(std::uint64_t budget, std::uint64_t codec_bytes) {
   MemoryPlan memory;
   memory.expected_bytes = kFixedBytes + codec_bytes;

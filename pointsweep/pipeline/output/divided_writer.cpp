@@ -11,7 +11,7 @@
 
 #include "pointsweep/cancellation.h"
 #include "pointsweep/fail.h"
-#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/order/source.h"
 #include "pointsweep/row_error.h"
 #include "pointsweep/storage/local/output_file.h"
 #include "pointsweep/threads.h"

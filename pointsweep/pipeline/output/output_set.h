@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "pointsweep/formats/records/write_behind.h"
-#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/order/source.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output/divided_writer.h"
 #include "pointsweep/pipeline/output/output_formats.h"

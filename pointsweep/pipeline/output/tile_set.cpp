@@ -9,7 +9,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/known_values.h"
 #include "pointsweep/formats/registry.h"
-#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/order/source.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/pipeline/rows/input_source.h"
 #include "pointsweep/row_error.h"

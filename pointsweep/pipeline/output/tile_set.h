@@ -16,7 +16,7 @@
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/files/folders.h"
 #include "pointsweep/formats/las_scale.h"
-#include "pointsweep/order/row_file.h"
+#include "pointsweep/order/row_store.h"
 #include "pointsweep/pipeline/checkpoint/resume_folder.h"
 #include "pointsweep/pipeline/engine_run.h"
 #include "pointsweep/pipeline/output/output_formats.h"

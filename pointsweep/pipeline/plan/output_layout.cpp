@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/order/source.h"
 #include "pointsweep/points/input_row.h"
 #include "pointsweep/row_error.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pointsweep/formats/cloud/input_cloud.h"
-#include "pointsweep/order/row_file.h"
+#include "pointsweep/order/row_store.h"
 #include "pointsweep/order/source.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/pipeline/plan/output_layout.h"

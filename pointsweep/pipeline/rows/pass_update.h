@@ -14,8 +14,6 @@
 
 #include "pointsweep/formats/cloud/input_cloud.h"
 #include "pointsweep/formats/cloud/row_selection.h"
-#include "pointsweep/order/parallel_rows.h"
-#include "pointsweep/order/row_file.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/source.h"
 #include "pointsweep/pipeline/plan/chain_plan.h"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/order/source.h"
 #include "pointsweep/sweep/slab_loader.h"
 #include "pointsweep/threads.h"
 

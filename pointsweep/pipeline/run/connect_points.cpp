@@ -10,7 +10,6 @@
 #include "pointsweep/connect/bucketed_graph.h"
 #include "pointsweep/connect/components.h"
 #include "pointsweep/free_memory.h"
-#include "pointsweep/order/row_file.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/part/record_list.h"
 #include "pointsweep/part/stored_graph.h"

@@ -11,7 +11,7 @@
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/cloud/reader_adapters.h"
 #include "pointsweep/formats/files/folders.h"
-#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/order/source.h"
 #include "pointsweep/part/record_list.h"
 #include "pointsweep/pipeline/memory/run_memory.h"
 #include "pointsweep/pipeline/output/divided_writer.h"

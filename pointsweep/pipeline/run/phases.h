@@ -10,7 +10,6 @@
 #include <optional>
 #include <vector>
 
-#include "pointsweep/order/row_file.h"
 #include "pointsweep/order/row_store.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/survey.h"

@@ -9,7 +9,7 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/formats/cloud/row_selection.h"
-#include "pointsweep/storage/sealed_value.h"
+#include "pointsweep/storage/storage.h"
 
 namespace pointsweep {
 namespace {

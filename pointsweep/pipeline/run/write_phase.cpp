@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "pointsweep/cancellation.h"
-#include "pointsweep/order/parallel_rows.h"
+#include "pointsweep/order/source.h"
 #include "pointsweep/pipeline/rows/ordered_output.h"
 #include "pointsweep/pipeline/run/output_files.h"
 #include "pointsweep/pipeline/run/phases.h"
