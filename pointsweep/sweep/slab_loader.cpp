@@ -5,8 +5,8 @@
 #include <array>
 #include <cstring>
 
-#include "pointsweep/points/record_map.h"
 #include "pointsweep/points/promised_type.h"
+#include "pointsweep/points/record_map.h"
 
 namespace pointsweep {
 

@@ -9,8 +9,8 @@
 
 #include "pointsweep/fail.h"
 #include "pointsweep/order/local_spacing.h"
-#include "pointsweep/order/source.h"
 #include "pointsweep/order/pieces.h"
+#include "pointsweep/order/source.h"
 #include "pointsweep/order/stream.h"
 #include "pointsweep/order/survey.h"
 #include "pointsweep/threads.h"

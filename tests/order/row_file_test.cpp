@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/order/row_store.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <vector>
 
+#include "pointsweep/order/row_store.h"
 #include "pointsweep/storage/local/temp_folder.h"
 
 namespace pointsweep {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pointsweep/order/pieces.h"
-
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
@@ -8,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <set>
+
+#include "pointsweep/order/pieces.h"
 
 namespace pointsweep {
 namespace {
