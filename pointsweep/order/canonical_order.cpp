@@ -12,11 +12,11 @@
 namespace pointsweep {
 namespace {
 
-constexpr int kDigitBits = 9;               ///< a cache line for each value fits the first-level cache
-constexpr std::size_t kSmall = 128;         ///< a range of up to this size is sorted by comparisons, which is faster
-constexpr std::size_t kPrefetchAhead = 24;  ///< distance, in points, of the prefetched coordinates
+constexpr int kDigitBits = 9;               ///< one cache line for each of 512 buckets fits in 32 KB of cache
+constexpr std::size_t kSmall = 128;         ///< up to this many points, a sort by comparisons is faster
+constexpr std::size_t kPrefetchAhead = 24;  ///< number of points ahead whose coordinates are prefetched
 
-/// Returns bits of a finite double that ascend like the numbers; -0 and 0 are equal.
+/// Maps finite doubles to integers in the same order; -0 and 0 map to the same integer.
 std::uint64_t ascending_bits(double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value + 0.0);
   return bits >> 63 ? ~bits : bits | std::uint64_t{1} << 63;
@@ -24,7 +24,8 @@ std::uint64_t ascending_bits(double value) {
 
 int bits_of(std::uint64_t value) { return 64 - std::countl_zero(value); }
 
-/// Sorts by one coordinate after another: 32 significant bits at a time by radix sort, then the ties.
+/// Sorts level by level: the axis coordinate, the other two, the row. A radix sort takes 32 significant bits of a
+/// level at a time; ties are sorted by the remaining bits or by the next level.
 class CanonicalSort {
  public:
   CanonicalSort(int axis, std::span<const double> x, std::span<const double> y, std::span<const double> z,
@@ -53,7 +54,7 @@ class CanonicalSort {
       if (level < kLevels) sort(level + 1, begin, end);
       return;
     }
-    // Bits that are 0 in all keys are skipped (a float's value in a double has 29 of them).
+    // Low bits that are 0 in all keys are skipped: 29 bits if the coordinates are floats and not negative.
     const int zeros = std::countr_zero(ones);
     const int width = bits_of((greatest >> zeros) - (least >> zeros));
     const int shift = zeros + std::max(0, width - 32);
@@ -61,7 +62,7 @@ class CanonicalSort {
       items_[i] = ((key(level, order_[i]) >> shift) - (least >> shift)) << 32 | order_[i];
     radix_sort(begin, end, bits_of((greatest >> shift) - (least >> shift)));
     for (std::size_t i = begin; i < end; ++i) order_[i] = static_cast<std::uint32_t>(items_[i]);
-    // Tied points are equal in this coordinate if all its bits were compared.
+    // Points with equal items are equal at this level if the items contain all its bits.
     settle_ties(shift == zeros ? level + 1 : level, begin, end);
   }
 
@@ -77,7 +78,7 @@ class CanonicalSort {
     std::uint32_t index;
   };
 
-  /// Copies the keys next to each other, and sorts them there.
+  /// Sorts up to kSmall points by comparisons, over copies of their keys in one array.
   void sort_small(std::size_t level, std::size_t begin, std::size_t end) {
     std::array<Keyed, kSmall> keyed;  // only the first n entries are filled and used
     const std::size_t n = end - begin;
@@ -107,7 +108,7 @@ class CanonicalSort {
     if (from != items_.get() + begin) std::copy(from, from + n, items_.get() + begin);
   }
 
-  /// Sorts each range of equal keys in the items, from `level` on.
+  /// Sorts each range of items with equal keys, by `level` and then by the levels after it.
   void settle_ties(std::size_t level, std::size_t begin, std::size_t end) {
     if (level > kLevels) return;
     const double* ahead = levels_[std::min(level, kLevels - 1)];

@@ -14,15 +14,15 @@
 namespace pointsweep {
 namespace {
 
-constexpr std::size_t kLeastChunk = 1024, kLargestChunk = 12288;  ///< records
+constexpr std::size_t kLeastChunk = 1024, kLargestChunk = 12288;  ///< in records
 
-/// The box of the records of a list so far, on a separate cache line.
+/// The box of the records that a thread has found for a list so far, on a separate cache line.
 struct alignas(64) GrowingBox : Box {
-  /// Adding 0 turns -0 into 0, so that the result does not depend on which of them came first.
+  /// Adding 0 turns -0 into 0, so that the result does not depend on whether 0 or -0 came first.
   Box box() const { return {lo + Vec3{}, hi + Vec3{}}; }
 };
 
-/// Some records between the source and the store, with all buffers for processing them.
+/// A batch of records on its way from the source to the store, and the buffers in which a thread partitions the batch.
 struct Chunk {
   Chunk(const PartitionInput& input, std::size_t capacity, std::size_t lists)
       : records(std::make_unique_for_overwrite<std::byte[]>(capacity * input.schema.stride)),
@@ -35,13 +35,13 @@ struct Chunk {
 
   std::uint64_t first = 0;
   std::size_t count = 0;
-  std::uint64_t next = 0, end = 0;  ///< records assigned to the thread and not read yet
+  std::uint64_t next = 0, end = 0;  ///< range of records that the thread has taken and not yet read
   std::unique_ptr<std::byte[]> records, sorted;
-  std::unique_ptr<double[]> numbers;       ///< x, then y, then z, then rows if they are the key
-  std::unique_ptr<std::uint16_t[]> list;   ///< list of each record
-  std::unique_ptr<std::uint32_t[]> place;  ///< place of each record in `sorted`
-  std::vector<std::uint32_t> begin;        ///< first record of each list in `sorted`
-  std::vector<GrowingBox> boxes;           ///< for each list, the box of all records that this chunk ever had
+  std::unique_ptr<double[]> numbers;       ///< all x, then all y, all z, and all rows if the key is the row
+  std::unique_ptr<std::uint16_t[]> list;   ///< for each record, its list
+  std::unique_ptr<std::uint32_t[]> place;  ///< for each record, its place in `sorted`
+  std::vector<std::uint32_t> begin;        ///< for each list, its first record in `sorted`
+  std::vector<GrowingBox> boxes;           ///< for each list, the box of all its records that were in this chunk
 };
 
 class Distribution {
@@ -105,7 +105,7 @@ class Distribution {
     return true;
   }
 
-  /// Takes the next records of the thread's own range; if there are none, begins a range of rows that no thread has
+  /// Takes the next records of the thread's own range; if none are left, begins a range of rows that no thread has
   /// taken. A new range ends at `end`, or where the chunk is full if `end` is not after next_. Returns false if no
   /// records are left, or if an earlier row has failed.
   bool take(Chunk& chunk, std::uint64_t end) {
@@ -161,14 +161,14 @@ class Distribution {
       rows[i] = static_cast<double>(row_of(input_.schema, record));
   }
 
-  /// Counting sort; makes the working records in order of their lists.
+  /// Makes the working records, sorted by list with a counting sort.
   void sort_by_list(Chunk& chunk) const {
     std::vector<std::uint32_t>& begin = chunk.begin;
     std::ranges::fill(begin, 0);
     for (std::size_t i = 0; i < chunk.count; ++i) ++begin[chunk.list[i] + std::size_t{1}];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     for (std::size_t i = 0; i < chunk.count; ++i) chunk.place[i] = begin[chunk.list[i]]++;
-    // Each begin has advanced to the begin of the next list.
+    // The loop has advanced begin[list] to the begin of the next list.
     std::copy_backward(begin.begin(), begin.end() - 1, begin.end());
     begin[0] = 0;
     input_.record.scatter(chunk.records.get(), input_.schema.stride, chunk.count, chunk.first, chunk.place.get(),
@@ -189,11 +189,11 @@ class Distribution {
   SlabStore& store_;
   PositionFields position_;
   PieceFinder finder_;
-  std::size_t lists_;         ///< number of pieces, plus one list for points that are not finite
+  std::size_t lists_;         ///< number of pieces, plus one list for nonfinite points
   std::size_t capacity_ = 0;  ///< most records of a chunk
   std::uint64_t next_ = 0;    ///< number of the first record that no thread has taken
-  std::uint64_t read_ = 0;    ///< records read
-  FirstFailure failure_;      ///< ordered by row
+  std::uint64_t read_ = 0;    ///< number of records read
+  FirstFailure failure_;      ///< keeps the failure at the lowest row
   std::mutex reading_;
   std::vector<Chunk> chunks_;  ///< one for each thread
 };

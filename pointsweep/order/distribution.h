@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Partition of points into the pieces of a store, on all threads: one pass over a list of points, and passes that
-/// split pieces that are too large because many points share a coordinate or the sample missed a dense place.
+/// Partition of points into pieces of the stream (stream.h), on all threads: one pass over all points, and passes that
+/// split too large pieces. A piece is too large if many points share a coordinate or the sample missed a dense place.
 #pragma once
 
 #include <cstddef>
@@ -32,22 +32,23 @@ struct PartitionInput {
   ReadRecords read;             ///< called by one thread at a time, in order
   const WorkingRecord& record;  ///< makes the stored record from a record read
   SortKey key;
-  std::span<const Splitters> splitters;  ///< one for all places, or one for dense and one for sparse places; the pieces
-                                         ///< of the second are numbered after those of the first
-  std::size_t first_list;                ///< piece p goes to list first_list + p of the store
-  std::optional<std::size_t> nonfinite_list;  ///< list of nonfinite points; absent: points are not tested
+  std::span<const Splitters>
+      splitters;           ///< one for all points, or one for points in dense places and one for points in
+                           ///< sparse places; the numbers of the pieces of the second follow the first's
+  std::size_t first_list;  ///< piece p goes to list first_list + p of the store
+  std::optional<std::size_t> nonfinite_list;  ///< list for nonfinite points; absent: all points must be finite
   std::size_t memory_bytes;                   ///< bytes that all buffers of the pass should take together
-  const LocalSpacing* spacing = nullptr;      ///< knows the sparse places; null if there is one Splitters
+  const LocalSpacing* spacing = nullptr;      ///< tells which places are sparse; null if there is one Splitters
   /// Returns a function that replaces `read` for one thread, or an empty function. Threads call their own functions at
   /// the same time.
   std::function<ReadRecords()> for_thread = {};
   std::function<std::uint64_t(std::uint64_t row)> chunk_end = {};  ///< see PointSource::chunk_end
-  std::function<void(std::uint64_t rows)> progress = {};  ///< called with the number of records read, by one thread at
-                                                          ///< a time
+  std::function<void(std::uint64_t rows)> progress = {};  ///< called with the number of records read so far, by one
+                                                          ///< thread at a time
 };
 
 /// Appends each record to the list of its piece, and returns the tight boxes of the pieces. The points of a piece and
-/// its box do not depend on threads.
+/// its box do not depend on the number of threads.
 std::vector<Box> distribute(const PartitionInput& input, SlabStore& store);
 
 /// The records of one list of a store: a contiguous piece of the stream whose records are in no order.
@@ -63,18 +64,18 @@ struct SplitOptions {
   bool canonical = true;         ///< pieces are split along the axis first; else along the coordinate of widest spread
   std::uint64_t aim = 1;         ///< number of points that a piece should have
   std::uint64_t most = 1;        ///< pieces with at most this many points are not split
-  std::size_t most_pieces = 2;   ///< most pieces that one pass makes of a piece
+  std::size_t most_pieces = 2;   ///< most parts into which one pass splits a piece
   std::size_t buffer_bytes = 0;  ///< bytes of the buffers of a pass
 };
 
 /// Splits `pieces`, which ascend in canonical order, until none contains more than `most` points. Keeps the order of
-/// the pieces. The parts of a piece ascend along the coordinate by which it is split. Working records of the schema
-/// `working` are streamed from list to list; no piece is loaded as a whole.
+/// the pieces. The parts of a piece ascend along the coordinate by which it is split. Passes stream the working
+/// records, of the schema `working`, from list to list; no piece is loaded as a whole.
 std::vector<StreamPiece> split_large_pieces(const std::vector<StreamPiece>& pieces, const Schema& working,
                                             const SplitOptions& options, SlabStore& store);
 
-/// Moves the records of a list to a new list in ascending row and returns the number of the new list. Holds about
-/// `options.most` records in memory at a time.
+/// Moves the records of a list to a new list, ascending by row, and returns the number of the new list. Holds two
+/// copies of at most `options.most` records in memory. `options.canonical` must be true.
 std::size_t sort_list_by_row(std::size_t list, const Schema& working, const SplitOptions& options, SlabStore& store);
 
 }  // namespace pointsweep

@@ -15,16 +15,17 @@ namespace pointsweep {
 namespace {
 
 constexpr Encoding kSpacingEncoding{"local spacing", 1};
-/// Side of the root cube, relative to the extent of the middle 98 % of the sample. With 2, that extent would end where
-/// cubes meet: the last points of an even cloud, along its edges, would be alone in large cubes and seem sparse.
+/// Side of the root cube, relative to the extent of the middle 98 % of the sample. With 2, faces of cubes
+/// would coincide with the ends of that extent: the outermost points of a uniform cloud would be alone in large cubes
+/// and seem sparse.
 constexpr double kRootSide = 2.1;
-constexpr int kLevels = 21;          ///< three coordinates of this many bits fit in 64 bits
-constexpr int kTableLevels = 4;      ///< levels of the table that finds a run
+constexpr int kLevels = 21;          ///< depth of the octree: three indices of this many bits fit in 64 bits
+constexpr int kTableLevels = 4;      ///< the table of runs has an entry for each cube of this level
 constexpr std::size_t kFew = 16;     ///< each leaf has fewer sample points than this
 constexpr double kInLeaf = 6;        ///< average number of sample points in a leaf that a surface crosses
-constexpr int kSparser = 4;          ///< levels by which a sparse place is above the median: a factor of 16
+constexpr int kSparser = 4;          ///< a sparse leaf is this many levels coarser than the median: 16 times as wide
 constexpr std::size_t kLeast = 8;    ///< sparse places need at least this many sample points to count
-constexpr double kFarAway = 0x1p60;  ///< distance in sides of the root cube
+constexpr double kFarAway = 0x1p60;  ///< greatest distance told apart, in sides of the root cube
 
 constexpr std::uint64_t spread(std::uint64_t v) {
   v = (v | v << 32) & 0x1f00000000ffff;
@@ -100,8 +101,8 @@ void LocalSpacing::grow(std::span<const std::uint64_t> codes, std::uint64_t begi
 std::vector<int> LocalSpacing::levels_of(std::span<const Vec3> sample, const std::vector<Leaf>& leaves) const {
   constexpr std::size_t kTogether = 4096;
   std::vector<int> levels(sample.size());
-  // The leaf that holds the first code of each cube of the table. Every code of the cube is in this leaf or a later
-  // one.
+  // For each cube of the table, the index of the leaf that holds its first code. Later codes of the cube are in this
+  // leaf or in later leaves.
   std::vector<std::ptrdiff_t> first;
   for (std::uint64_t cube = 0; cube <= codes_of_cube(0) / codes_of_cube(kTableLevels); ++cube) {
     const auto after = std::ranges::upper_bound(leaves, cube * codes_of_cube(kTableLevels), {}, &Leaf::begin);
@@ -119,8 +120,8 @@ std::vector<int> LocalSpacing::levels_of(std::span<const Vec3> sample, const std
   return levels;
 }
 
-/// Stores the leaves as alternating runs of sparse and of other leaves, with a table of the run in which each cube of a
-/// coarse level begins.
+/// Stores the leaves as alternating runs of sparse and of other leaves, with a table that has, for each cube of a
+/// coarse level, the run of its first code.
 void LocalSpacing::find_sparse_places(const std::vector<int>& levels, const std::vector<Leaf>& leaves) {
   std::vector<int> sorted = levels;
   std::ranges::sort(sorted);
@@ -141,7 +142,7 @@ void LocalSpacing::find_sparse_places(const std::vector<int>& levels, const std:
 bool LocalSpacing::is_sparse(Vec3 p) const {
   if (!has_sparse_places()) return false;
   if (!inside(p)) return level_outside(p) <= sparse_level_;
-  // Most cubes of the table have leaves of only one kind, so that the rest of the code is not needed.
+  // Most cubes of the table lie within one run, so that the leading bits of the code are enough.
   static constexpr auto kSpread = [] {
     std::array<std::uint32_t, 1 << kTableLevels> spreads{};
     for (std::uint64_t v = 0; v < spreads.size(); ++v) spreads[v] = static_cast<std::uint32_t>(spread(v));
@@ -169,8 +170,8 @@ std::uint64_t LocalSpacing::code_of(Vec3 p) const {
   return spread(index(p, 0)) | spread(index(p, 1)) << 1 | spread(index(p, 2)) << 2;
 }
 
-/// Returns the level of a place outside the root cube. It is 0 nearer to the root than two of its sides, and one lower
-/// for each further doubling of the distance, up to a limit.
+/// Returns the level of a place outside the root cube. The level is 0 up to a distance of two sides of the root
+/// cube, and one lower for each further doubling of the distance, up to kFarAway.
 int LocalSpacing::level_outside(Vec3 p) const {
   double distance = 0;
   for (int axis = 0; axis < 3; ++axis)

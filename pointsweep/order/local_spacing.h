@@ -12,14 +12,14 @@
 
 namespace pointsweep {
 
-/// The local spacing of points, from an octree over the sample: a cube with fewer than 16 sample points is a leaf,
-/// whose side measures the spacing in it. A place off a surface is in a leaf about as large as its distance to it, so
-/// that outliers are found too. Far outside the box of the middle 98 % of the sample, the distance to that box replaces
-/// the side. No result depends on it: it decides how slabs and cells are cut. The paper has no such structure, and
-/// names outliers as its major limitation (Section 8).
+/// The local spacing of points, from an octree over the sample: a cube with fewer than 16 sample points is a leaf of
+/// the octree, and the spacing in a leaf is proportional to its side. The leaf of a place off a surface is about as
+/// wide as the distance to the surface, so outliers count as sparse. Far outside the box of the middle 98 % of the
+/// sample, the distance to that box replaces the side. The spacing decides how slabs and cells are cut; no result
+/// depends on it. The paper has no such structure, and names outliers as its major limitation (Section 8).
 class LocalSpacing {
  public:
-  /// Makes an empty object, by which no place is sparse.
+  /// Makes an empty object, for which no place is sparse.
   LocalSpacing() = default;
   /// `points` is the number of points of the cloud that the sample was taken from, `dimension` its intrinsic dimension.
   /// Takes about 13 ms for 65,536 sample points.
@@ -30,7 +30,7 @@ class LocalSpacing {
   static LocalSpacing decode(Decoder& in);
 
   /// Returns for each sample point an estimate of the distance between neighbouring points, in units of the
-  /// coordinates, right within a factor of about two; empty if nothing is known.
+  /// coordinates, right within a factor of about two; empty if the sample has fewer than 16 points or no extent.
   const std::vector<double>& at_sample() const { return at_sample_; }
   /// Returns whether there are sparse places: whether the spacing at some sample points is at least 16 times the median
   /// spacing.
@@ -40,7 +40,7 @@ class LocalSpacing {
 
  private:
   struct Leaf {
-    std::uint64_t begin;  ///< first code of the leaf along the Z-curve
+    std::uint64_t begin;  ///< least code along the Z-curve (Morton code) in the leaf
     int level;            ///< the side of the leaf is the side of the root times 2^-level
   };
   static void grow(std::span<const std::uint64_t> codes, std::uint64_t begin, int level, std::vector<Leaf>& leaves);
@@ -56,9 +56,9 @@ class LocalSpacing {
   double side_ = 0;                ///< length of the side of the root cube
   std::int32_t sparse_level_ = 0;  ///< leaves of this level and coarser ones are sparse
   std::vector<std::uint64_t>
-      begin_;  ///< begins of runs of leaves along the Z-curve, ascending: not sparse, sparse, not sparse...
-  std::vector<std::uint32_t> first_;  ///< for each value of the leading bits of a code: the run in which these codes
-                                      ///< begin; one more entry at the end
+      begin_;  ///< first codes of the runs of leaves along the Z-curve, ascending; runs with an odd index are sparse
+  std::vector<std::uint32_t> first_;  ///< for each value of the leading bits of a code: the index of the run that has
+                                      ///< the first of these codes; one more entry at the end
   double inverse_side_ = 0;
 };
 

@@ -11,8 +11,9 @@
 
 namespace pointsweep {
 
-/// Memory in pages, which cost nothing until they are touched, and which the destructor returns to the system. Uses
-/// large pages, which halve the cost of touching pages in sequence and save most of it for random access.
+/// Zeroed memory whose pages take no physical memory until a thread touches them. The destructor returns the pages to
+/// the system. Uses large pages where the system has them: they halve the time of the first access in sequence, and
+/// save most of it at random.
 class PageMemory {
  public:
   PageMemory() = default;
@@ -35,13 +36,13 @@ class PageMemory {
   std::size_t bytes_ = 0;
 };
 
-/// A thread-safe pool of blocks of one size, cut from pieces of memory that grow with demand. Memory returns to the
-/// system when the pool is cleared or destroyed, never block by block.
+/// A thread-safe pool of blocks of one size, cut from pieces of memory whose size grows with demand. The pool returns
+/// memory to the system when it is cleared or destroyed, never block by block.
 class BlockPool {
  public:
   explicit BlockPool(std::size_t block_bytes);
 
-  /// Returns a block whose content is undefined. The pool owns it.
+  /// Returns a block whose content is undefined. The pool owns the block.
   std::byte* take();
   void give_back(std::byte* block);
   /// Returns all memory to the system. All blocks must have been returned to the pool.

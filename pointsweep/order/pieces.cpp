@@ -18,7 +18,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr std::size_t kCellsPerLimit = 16, kMostLookupCells = 65536;
 constexpr double kThinnest = 4;  ///< least thickness of a piece, in median spacings of its points
 
-/// Returns the median spacing at 255 evenly chosen points of the sample, or at all of them if there are fewer.
+/// Returns the median spacing at up to 255 evenly chosen points of the sample, pairs of a coordinate and a spacing.
 double median_spacing(std::span<const std::pair<double, double>> sample) {
   constexpr std::size_t kLook = 255;
   std::vector<double> spacings;
@@ -156,7 +156,7 @@ PieceCounts count_pieces(const PointSource& source, const PieceFinder& finder, i
     add(all, counted);
   });
   failure.rethrow();
-  // Adding 0 turns -0 into 0, so that the result does not depend on which of them came first.
+  // Adding 0 turns -0 into 0, so that the result does not depend on whether 0 or -0 came first.
   for (Box& box : all.boxes) box = {box.lo + Vec3{}, box.hi + Vec3{}};
   return all;
 }

@@ -23,12 +23,12 @@ class Splitters {
  public:
   /// Makes one piece of all values.
   Splitters() : Splitters(std::vector<double>()) {}
-  /// `limits` must ascend strictly and be at most 65,534 values.
+  /// `limits` must ascend strictly and have at most 65,534 values.
   explicit Splitters(std::vector<double> limits);
 
   std::size_t pieces() const { return limits_.size(); }
 
-  /// Returns the piece of a value: one table look-up and, for nearly all values, one comparison. Exact.
+  /// Returns the piece of a value, exactly. Takes one table look-up and two comparisons; few values need a search.
   std::uint32_t piece_of(double value) const {
     const std::size_t cell = cell_of(value);
     std::uint32_t piece = first_[cell];
@@ -39,16 +39,17 @@ class Splitters {
   }
 
  private:
-  /// Returns the cell of the look-up table for a value. Monotonic in spite of rounding: the limits of lower cells are
-  /// below the value, and the limits of higher cells above it.
+  /// Returns the entry of the look-up table for a value. Monotonic in spite of rounding: the limits in lower entries
+  /// are below the value, and the limits in higher entries above it.
   std::size_t cell_of(double value) const {
     const double cell = (value - lo_) * scale_;
     return static_cast<std::size_t>(cell > 0 ? std::min(cell, last_cell_) : 0.0);
   }
   std::uint32_t search(std::size_t cell, double value) const;
 
-  std::vector<double> limits_;        ///< the limits, then infinity, which exceeds all values
-  std::vector<std::uint16_t> first_;  ///< for each cell: number of limits in lower cells; one more entry at the end
+  std::vector<double> limits_;  ///< the limits, then infinity, which exceeds all values
+  std::vector<std::uint16_t>
+      first_;  ///< for each entry of the look-up table: number of limits in lower entries; one more at the end
   double lo_ = 0, scale_ = 0, last_cell_ = 0;
 };
 
@@ -56,7 +57,8 @@ class Splitters {
 /// those of the first.
 class PieceFinder {
  public:
-  /// Borrows `splitters` and `spacing`. `spacing` knows the sparse places; it may be null if there is one Splitters.
+  /// Borrows `splitters` and `spacing`. `spacing` tells which places are sparse; it may be null if there is one
+  /// Splitters.
   PieceFinder(std::span<const Splitters> splitters, const LocalSpacing* spacing)
       : splitters_(splitters), spacing_(spacing) {}
 
@@ -75,12 +77,13 @@ class PieceFinder {
 };
 
 /// Returns at most `pieces` - 1 quantiles of a sample. A value that fills more than one piece gets its own piece, which
-/// can be split by another key. Reorders the sample.
+/// another key can split. Sorts the sample.
 std::vector<double> quantile_limits(std::vector<double>& sample, std::size_t pieces);
 
 /// Returns the subset of the ascending `limits` that leaves every piece but the last at least as thick as four times
-/// the median spacing of its points. Thinner slabs would wait for each other. `spacing` holds the spacing at each
-/// sample point; if it is empty, all limits are kept.
+/// the median spacing of its points. Most points of thinner slabs would have neighbours in other slabs. `sample` has
+/// coordinates along the axis, and `spacing` the spacing at each sample point; if `spacing` is empty, all limits are
+/// kept.
 std::vector<double> limits_not_too_near(std::span<const double> limits, std::span<const double> sample,
                                         std::span<const double> spacing);
 
@@ -102,18 +105,18 @@ struct RowBlock {
 };
 
 struct PieceCounts {
-  std::vector<std::uint64_t> points;  ///< for each piece
+  std::vector<std::uint64_t> points;  ///< number of points of each piece
   std::vector<Box> boxes;             ///< tight box of each piece
   std::uint64_t nonfinite = 0;        ///< number of points that are not finite, which belong to no piece
   std::vector<RowBlock> blocks;       ///< cover all rows, ascending
 };
 
-/// Cuts the rows of a source of `count` rows into blocks of at most `most` rows. A block does not cross the end of one
-/// of the `boxes`, which ascend and do not overlap.
+/// Cuts the rows of a source of `count` rows into blocks of at most `most` rows. A block does not cross the last
+/// row of any of the `boxes`, which ascend by row and have no common rows.
 std::vector<RowBlock> cut_into_blocks(std::uint64_t count, std::uint64_t most, std::span<const RowBox> boxes);
 
-/// Reads all `blocks` of the source on all threads; the source must have for_thread(). The counts do not depend on
-/// threads. `progress` is called with the rows read, by one thread at a time.
+/// Reads all `blocks` of the source on all threads; the source must have for_thread(). The result does not depend
+/// on the number of threads. One thread at a time calls `progress` with the number of rows read so far.
 PieceCounts count_pieces(const PointSource& source, const PieceFinder& finder, int axis, std::vector<RowBlock> blocks,
                          const std::function<void(std::uint64_t rows)>& progress);
 

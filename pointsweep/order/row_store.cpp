@@ -23,15 +23,16 @@ constexpr Encoding kRowStoreEncoding{"row store", 1};
 
 using Consume = std::function<void(std::uint64_t first_row, std::span<const std::byte> records)>;
 
-constexpr std::size_t kRunBytes = std::size_t{4} << 20;     ///< most bytes of one call of `consume`
-constexpr std::size_t kGoodBlockBytes = 65536;              ///< block of a bucket that suits the disk
-constexpr std::size_t kLeastBlockBytes = 4096;              ///< least block of a bucket: smaller writes are slow
-constexpr std::size_t kCachedBytes = std::size_t{1} << 20;  ///< memory of this size is in the cache, where random
-                                                            ///< stores are fast
+constexpr std::size_t kRunBytes = std::size_t{4} << 20;     ///< bytes of records in one call of `consume`
+constexpr std::size_t kGoodBlockBytes = 65536;              ///< block size with which the disk writes efficiently
+constexpr std::size_t kLeastBlockBytes = 4096;              ///< least block size: smaller writes are slow
+constexpr std::size_t kCachedBytes = std::size_t{1} << 20;  ///< size of a bucket that fits in the cache, so that
+                                                            ///< stores at random places are fast
 constexpr std::size_t kPageBytes = 4096;
-constexpr std::size_t kOffsetBytes = sizeof(std::uint32_t);  ///< a spilled record follows its index in the bucket
-constexpr std::size_t kLineBytes = 64;                       ///< bytes of a cache line
-constexpr std::size_t kAhead = 16;                           ///< number of stores in progress at once
+constexpr std::size_t kOffsetBytes =
+    sizeof(std::uint32_t);              ///< the index in the bucket stands before each spilled record
+constexpr std::size_t kLineBytes = 64;  ///< bytes of a cache line
+constexpr std::size_t kAhead = 16;      ///< number of records whose places are prefetched
 
 std::uint64_t bytes_of(std::uint64_t rows, std::size_t record_bytes) {
   if (rows > std::numeric_limits<std::uint64_t>::max() / record_bytes)
@@ -39,7 +40,7 @@ std::uint64_t bytes_of(std::uint64_t rows, std::size_t record_bytes) {
   return rows * record_bytes;
 }
 
-/// Returns the bytes of the records that are used at once: about kRunBytes, at least one record.
+/// Returns the bytes of the records that are used at once: at most kRunBytes, but at least one record.
 std::size_t bytes_of_run(std::size_t record_bytes) {
   return std::max<std::size_t>(1, kRunBytes / record_bytes) * record_bytes;
 }
@@ -68,7 +69,7 @@ class RowArray {
   RowArray(std::uint64_t rows, const std::vector<std::byte>& fill)
       : record_bytes_(fill.size()), memory_(bytes_of(rows, fill.size())) {
     // All threads fill the array, so that the system provides all pages now. Otherwise the threads that store the first
-    // records, which lie far apart, wait for most pages.
+    // records, which lie far apart, would wait for most of the pages.
     const bool zeroed = std::ranges::all_of(fill, is_zero);
     parallel_for_blocks(memory_.size(), bytes_of_run(record_bytes_), [&](auto first, auto n, unsigned) {
       const std::span<std::byte> block(memory_.data() + first, n);
@@ -105,9 +106,10 @@ class RowArray {
   PageMemory memory_;
 };
 
-/// The store in a spill file: buckets of 2^shift consecutive rows. While it is filled, half of the memory buffers the
-/// buckets. Afterwards the memory contains windows, each at most half of it, in which several threads put buckets in
-/// order; buckets fit the cache if the buffers allow that many. A bucket larger than a window is read more than once.
+/// The store in a spill file: a bucket holds the records of 2^shift_ consecutive rows in the order of put(). Until
+/// drain(), half of `buffer_bytes` buffers the ends of the buckets. In drain(), each of several threads sorts a window
+/// (a bucket, or a part that takes half of `buffer_bytes`) by row. Buckets fit in the cache if the buffers allow that
+/// many. A bucket larger than a window is read once for each of its windows.
 class RowBuckets {
  public:
   RowBuckets(std::uint64_t rows, std::vector<std::byte> fill, const SpillPlace& spill, std::size_t buffer_bytes)
@@ -137,7 +139,7 @@ class RowBuckets {
   }
 
   void drain(const Consume& consume) {
-    store_->finish();  // frees the buffers of the buckets, for windows
+    store_->finish();  // frees the buffers of the buckets, so that the windows can use the memory
     const std::uint64_t window_bytes = std::min(rows_, window_rows_) * record_bytes_;
     const std::uint64_t windows = (rows_ + window_rows_ - 1) / window_rows_;
     const std::uint64_t at_once = std::clamp<std::uint64_t>(buffer_bytes_ / std::max<std::uint64_t>(window_bytes, 1), 2,

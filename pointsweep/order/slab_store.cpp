@@ -19,7 +19,7 @@ constexpr Encoding kStoreEncoding{"record lists", 1};
 
 /// A run of records of one slab: in memory, or at `offset` of the spill file.
 struct Block {
-  std::uint64_t first = 0;  ///< index in the slab of its first record
+  std::uint64_t first = 0;  ///< index in the slab of the first record of the block
   std::byte* memory = nullptr;
   std::uint64_t offset = 0;
 };
@@ -57,7 +57,8 @@ struct SlabStore::State {
     if (!file) list.blocks.push_back({list.count, list.open, 0});
   }
 
-  /// Takes the open buffer away and gives it a place in the file. Needs the lock of the list; write() does not.
+  /// Detaches the open buffer of a list and assigns a place in the file to it. The caller holds the mutex of the list,
+  /// unless no other thread uses the store; write() needs no mutex.
   Outgoing close_block(SlabList& list) {
     const Outgoing out{list.open, list.open_bytes, place_of(list.open_bytes)};
     list.blocks.push_back({list.count - list.open_bytes / record_bytes, nullptr, out.offset});
@@ -65,7 +66,7 @@ struct SlabStore::State {
     return out;
   }
 
-  /// Returns an offset in the file for `bytes` bytes: the place of a full block that was released, if there is one.
+  /// Returns an offset in the file for `bytes` bytes. A full block gets the place of a released full block, if any.
   /// Punching a hole in the file for each released block instead would take milliseconds per block, and a run with a
   /// small budget has a million blocks.
   std::uint64_t place_of(std::size_t bytes) {
@@ -212,7 +213,7 @@ void SlabStore::release(std::size_t slab) {
 
 std::uint64_t SlabStore::count(std::size_t slab) const { return state_->lists[slab].count; }
 
-/// A slab has hundreds of blocks far apart, so all reads are announced to the system at once.
+/// Announces all reads to the system first, since a slab can have hundreds of blocks far apart in the file.
 void SlabStore::read(std::size_t slab, std::uint64_t first, std::span<std::byte> out) const {
   const State& s = *state_;
   assert(first + out.size() / s.record_bytes <= s.lists[slab].count);
